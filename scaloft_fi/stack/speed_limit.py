@@ -1,0 +1,52 @@
+"""Slow down for people: the first person seen lowers the speed limit for the rest of the mission."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from scaloft_fi.stack.messages import Detections, Person, SpeedLimit
+
+
+@dataclass(frozen=True)
+class SpeedLimitConfig:
+    """The rule of the published mission script, with the distance that requirement SR2 speaks of.
+
+    Attributes:
+        cruise_mps: limit without a person [m/s].
+        slow_mps: limit from the first person on [m/s].
+        label: class of box that counts.
+        min_score: least confidence that counts.
+        max_range_m: farthest person that counts [m].
+    """
+
+    cruise_mps: float
+    slow_mps: float
+    label: str
+    min_score: float
+    max_range_m: float
+
+
+class SpeedLimitStage:
+    """Publishes the limit at the start and again with every message that shows a person."""
+
+    def __init__(self, config: SpeedLimitConfig) -> None:
+        self.config = config
+        self._announced = False
+
+    def hear(self, now_s: float, detections: Detections | None) -> tuple[SpeedLimit | None, Person | None]:
+        """What to publish now, and the nearest person that counts."""
+        person = self._counts(detections) if detections is not None else None
+        if person is not None:
+            self._announced = True
+            return SpeedLimit(now_s, self.config.slow_mps, "euclidean"), person
+        if not self._announced:
+            self._announced = True
+            return SpeedLimit(now_s, self.config.cruise_mps, "euclidean"), None
+        return None, None
+
+    def _counts(self, detections: Detections) -> Person | None:
+        config = self.config
+        near = [
+            p for p in detections.persons if p.label == config.label and p.score >= config.min_score and p.range_m <= config.max_range_m
+        ]
+        return min(near, key=lambda p: p.range_m, default=None)

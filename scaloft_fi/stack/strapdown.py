@@ -1,0 +1,76 @@
+"""Strapdown integration of the inertial sensor, compiled."""
+
+from __future__ import annotations
+
+import math
+
+from scaloft_fi.stack.kernel import jit
+from scaloft_fi.stack.messages import Array
+
+GRAVITY_MPS2 = 9.81
+
+# Layout of the nominal state.
+POSITION, VELOCITY, ATTITUDE, RATE_BIAS, FORCE_BIAS, STATE_SIZE = 0, 3, 6, 10, 13, 16
+
+
+@jit
+def rotation(q: Array, r: Array) -> None:
+    """Write the rotation matrix of quaternion `q` (4,) [x, y, z, w], body to world, into `r` (3, 3)."""
+    x, y, z, w = q[0], q[1], q[2], q[3]
+    r[0, 0] = 1.0 - 2.0 * (y * y + z * z)
+    r[0, 1] = 2.0 * (x * y - z * w)
+    r[0, 2] = 2.0 * (x * z + y * w)
+    r[1, 0] = 2.0 * (x * y + z * w)
+    r[1, 1] = 1.0 - 2.0 * (x * x + z * z)
+    r[1, 2] = 2.0 * (y * z - x * w)
+    r[2, 0] = 2.0 * (x * z - y * w)
+    r[2, 1] = 2.0 * (y * z + x * w)
+    r[2, 2] = 1.0 - 2.0 * (x * x + y * y)
+
+
+@jit
+def turn(q: Array, dx: float, dy: float, dz: float, in_world: bool) -> None:
+    """Turn quaternion `q` (4,) in place by the rotation vector (dx, dy, dz) [rad], given in the body or the world frame."""
+    angle = math.sqrt(dx * dx + dy * dy + dz * dz)
+    s = 0.5 if angle < 1e-9 else math.sin(0.5 * angle) / angle
+    ex, ey, ez, ew = dx * s, dy * s, dz * s, math.cos(0.5 * angle)
+    x, y, z, w = q[0], q[1], q[2], q[3]
+    if in_world:
+        x, y, z, w, ex, ey, ez, ew = ex, ey, ez, ew, x, y, z, w
+    nx = w * ex + x * ew + y * ez - z * ey
+    ny = w * ey - x * ez + y * ew + z * ex
+    nz = w * ez + x * ey - y * ex + z * ew
+    nw = w * ew - x * ex - y * ey - z * ez
+    norm = math.sqrt(nx * nx + ny * ny + nz * nz + nw * nw)
+    q[0], q[1], q[2], q[3] = nx / norm, ny / norm, nz / norm, nw / norm
+
+
+@jit
+def propagate(state: Array, rate: Array, force: Array, dt_s: float, r: Array, world_force: Array) -> None:
+    """Advance the nominal state by one inertial sample, in place.
+
+    Args:
+        state: (16,) position [m], velocity [m/s], attitude x, y, z, w, rate bias [rad/s], force bias [m/s2].
+        rate: (3,) angular rate [rad/s, body].
+        force: (3,) specific force [m/s2, body].
+        dt_s: time since the last sample [s].
+        r: (3, 3) scratch for the rotation matrix, left at the new attitude.
+        world_force: (3,) sum of specific force x dt since it was last cleared [m/s, world].
+    """
+    q = state[ATTITUDE:RATE_BIAS]
+    rotation(q, r)
+    fx, fy, fz = force[0] - state[13], force[1] - state[14], force[2] - state[15]
+    for i in range(3):
+        f = r[i, 0] * fx + r[i, 1] * fy + r[i, 2] * fz
+        world_force[i] += f * dt_s
+        a = f - (GRAVITY_MPS2 if i == 2 else 0.0)
+        state[i] += state[3 + i] * dt_s + 0.5 * a * dt_s * dt_s
+        state[3 + i] += a * dt_s
+    turn(q, (rate[0] - state[10]) * dt_s, (rate[1] - state[11]) * dt_s, (rate[2] - state[12]) * dt_s, False)
+    rotation(q, r)
+
+
+@jit
+def yaw_of(q: Array) -> float:
+    """Heading [rad] of quaternion `q` (4,) [x, y, z, w]."""
+    return math.atan2(2.0 * (q[3] * q[2] + q[0] * q[1]), 1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2]))
