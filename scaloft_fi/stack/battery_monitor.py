@@ -14,18 +14,14 @@ class BatteryConfig:
     Attributes:
         low_charge: state of charge at which to return (PX4 BAT_LOW_THR 0.15).
         critical_charge: state of charge at which to land (PX4 BAT_CRIT_THR 0.07).
-        full_cell_v: voltage of a full cell at rest [V].
         empty_cell_v: voltage of an empty cell [V]; below it the pack counts as empty, whatever the gauge says.
         lost_s: no telemetry for so long counts as an empty pack [s].
-        cells: cells in series of the pack that is fitted.
     """
 
     low_charge: float
     critical_charge: float
-    full_cell_v: float
     empty_cell_v: float
     lost_s: float
-    cells: int
 
 
 class BatteryMonitor:
@@ -43,7 +39,7 @@ class BatteryMonitor:
         if battery is not None:
             self._heard_s = now_s
             cell_v = battery.voltage_v / max(1, battery.cells)
-            if cell_v < config.empty_cell_v or cell_v > 1.1 * config.full_cell_v or battery.charge <= config.critical_charge:
+            if cell_v < config.empty_cell_v or battery.charge <= config.critical_charge:
                 wanted = "land"
             elif battery.charge <= config.low_charge:
                 wanted = "return"

@@ -153,7 +153,8 @@ def control(
     collective = fx * r[0, 2] + fy * r[1, 2] + fz * r[2, 2]
     norm = math.sqrt(fx * fx + fy * fy + fz * fz)
 
-    turned = math.remainder(yaw_sp - memory[6], 2.0 * math.pi)
+    turned = yaw_sp - memory[6]
+    turned -= 2.0 * math.pi * math.floor(turned / (2.0 * math.pi) + 0.5)
     memory[6] += min(gains[16] * dt_s, max(-gains[16] * dt_s, turned))
     cx, cy = math.cos(memory[6]), math.sin(memory[6])
     zx, zy, zz = fx / norm, fy / norm, fz / norm

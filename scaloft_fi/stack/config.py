@@ -1,0 +1,64 @@
+"""Settings of a stack from plain data: nested frozen dataclasses and named tuples built from mappings, strictly."""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+from collections.abc import Mapping
+from typing import Any, TypeVar, get_type_hints
+
+C = TypeVar("C")
+
+
+class ConfigError(ValueError):
+    """A setting is unknown, missing or of the wrong type; `path` says which."""
+
+    def __init__(self, path: str, complaint: str) -> None:
+        super().__init__(f"{path}: {complaint}")
+        self.path = path
+        self.complaint = complaint
+
+
+def build(cls: type[C], data: Mapping[str, Any], path: str = "stack") -> C:
+    """Build the dataclass or named tuple `cls` from `data`, field by field.
+
+    Raises:
+        ConfigError: naming the setting, what is wrong with it, and the nearest known name.
+    """
+    hints = get_type_hints(cls)
+    names = list(getattr(cls, "_fields", None) or (field.name for field in dataclasses.fields(cls)))  # type: ignore[arg-type]
+    for key in data:
+        if key not in names:
+            near = difflib.get_close_matches(key, names, n=1)
+            raise ConfigError(f"{path}.{key}", "unknown setting" + (f"; did you mean {near[0]!r}?" if near else ""))
+    values = {}
+    for name in names:
+        if name not in data:
+            raise ConfigError(path, f"lacks the setting {name!r}")
+        values[name] = _convert(hints[name], data[name], f"{path}.{name}")
+    return cls(**values)
+
+
+def _convert(hint: Any, value: Any, path: str) -> Any:
+    if dataclasses.is_dataclass(hint) or hasattr(hint, "_fields"):
+        if not isinstance(value, Mapping):
+            raise ConfigError(path, "must be a mapping of settings")
+        return build(hint, value, path)  # type: ignore[arg-type]
+    if hint is float:
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise ConfigError(path, f"{value!r} must be a number")
+        return float(value)
+    if hint is int:
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise ConfigError(path, f"{value!r} must be a whole number")
+        return value
+    if hint is str or hint is bool:
+        if not isinstance(value, hint):
+            raise ConfigError(path, f"{value!r} must be {'a text' if hint is str else 'true or false'}")
+        return value
+    if not isinstance(value, list | tuple):
+        raise ConfigError(path, f"{value!r} must be a list")
+    inner = hint.__args__
+    if inner[-1] is not Ellipsis and len(inner) != len(value):
+        raise ConfigError(path, f"must be a list of {len(inner)}")
+    return tuple(_convert(inner[0], entry, f"{path}[{i}]") for i, entry in enumerate(value))
