@@ -1,0 +1,1 @@
+"""A campaign: planned flights, flown by workers, their outcomes in one store."""

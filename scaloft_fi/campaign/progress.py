@@ -1,0 +1,116 @@
+"""What a person sees while flights are flown: how many, how fast, how much longer.  Nothing here enters a result."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from typing import TextIO
+
+LIVE_EVERY_S = 0.2
+LINE_EVERY_S = 10.0
+BAR_WIDTH = 24
+
+
+class Progress:
+    """Flights done, their rate, and the time left, weighted by how long each flight is expected to be.
+
+    Args:
+        flights: how many are to be flown.
+        expected_s: the sum of their expected simulated durations [s].
+        stream: where to write; a live line when it is a terminal, else one line every ten seconds.
+        clock: monotonic wall clock [s].
+    """
+
+    def __init__(
+        self,
+        flights: int,
+        expected_s: float,
+        *,
+        stream: TextIO | None = None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._stream = stream or sys.stderr
+        self._live = self._stream.isatty()
+        self._clock = clock
+        self._start_s = self._shown_s = clock()
+        self.flights, self.expected_s = flights, expected_s
+        self.done, self.done_s = 0, 0.0
+
+    def advance(self, expected_s: float) -> None:
+        """One more flight, of `expected_s` [s], is done."""
+        self.done += 1
+        self.done_s += expected_s
+        now_s = self._clock()
+        if now_s - self._shown_s >= (LIVE_EVERY_S if self._live else LINE_EVERY_S):
+            self._shown_s = now_s
+            self._show()
+
+    def line(self, text: str) -> None:
+        """A lasting line, above the live one."""
+        self._stream.write(f"\r\x1b[K{text}\n" if self._live else f"{text}\n")
+        if self._live:
+            self._show()
+        self._stream.flush()
+
+    def close(self) -> None:
+        """Leave the last count as a lasting line."""
+        if self._live:
+            self._stream.write("\r\x1b[K")
+        if self.flights:
+            self._stream.write(f"{self.summary()}\n")
+        self._stream.flush()
+
+    @property
+    def time_left_s(self) -> float | None:
+        """Wall time that the remaining flights will take [s]; None before the first is done."""
+        elapsed_s = self._clock() - self._start_s
+        if not self.done_s:
+            return None
+        return elapsed_s * max(0.0, self.expected_s - self.done_s) / self.done_s
+
+    def summary(self) -> str:
+        """How many flights were flown in how long."""
+        elapsed_s = self._clock() - self._start_s
+        rate = f", {self.done / elapsed_s:.1f} a second" if elapsed_s >= 1.0 else ""
+        return f"{self.done} of {self.flights} flights flown in {duration(elapsed_s)}{rate}"
+
+    def _show(self) -> None:
+        left_s = self.time_left_s
+        left = f"{duration(left_s)} left" if left_s is not None else "time left not known yet"
+        elapsed_s = max(self._clock() - self._start_s, 1e-9)
+        text = f"{self.done}/{self.flights} flights  {self.done / elapsed_s:.1f}/s  {left}"
+        if self._live:
+            share = self.done_s / self.expected_s if self.expected_s else 1.0
+            full = min(BAR_WIDTH, round(BAR_WIDTH * share))
+            self._stream.write(f"\r\x1b[K[{'#' * full}{'.' * (BAR_WIDTH - full)}] {text}")
+        else:
+            self._stream.write(f"{text}\n")
+        self._stream.flush()
+
+
+class Silence(Progress):
+    """Counts without showing anything; `--quiet`."""
+
+    def line(self, text: str) -> None:
+        """Show nothing."""
+
+    def close(self) -> None:
+        """Show nothing."""
+
+    def _show(self) -> None:
+        """Show nothing."""
+
+
+def duration(seconds: float) -> str:
+    """A span of time as a person says it.
+
+    >>> [duration(s) for s in (0.4, 7, 75, 3720)]
+    ['0 s', '7 s', '1 min 15 s', '1 h 02 min']
+    """
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60:02d} s"
+    return f"{whole // 3600} h {whole % 3600 // 60:02d} min"

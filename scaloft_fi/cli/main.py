@@ -1,0 +1,118 @@
+"""The command `scaloft-fi`: finds the verb, loads only its file, turns every error into a sentence and an exit code."""
+
+from __future__ import annotations
+
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+from importlib import import_module
+from typing import Any, NoReturn
+
+import click
+
+from scaloft_fi import __version__
+from scaloft_fi.errors import ScaloftError, did_you_mean
+
+# In the order of the pipeline: (where the verb is declared, what it does).
+VERBS: dict[str, tuple[str, str]] = {
+    "matrix": ("scaloft_fi.cli.matrix:matrix_command", "the deviation matrix, every cell with its reason"),
+    "mutants": ("scaloft_fi.cli.mutants:mutants_command", "the catalogue: list, derive, prove current"),
+    "run": ("scaloft_fi.cli.run:run_command", "fly baseline and mutants over the grid, then score and coverage"),
+    "status": ("scaloft_fi.cli.status:status_command", "what a campaign holds"),
+    "score": ("scaloft_fi.cli.score:score_command", "the tables of a campaign again, without flying"),
+    "export": ("scaloft_fi.cli.export:export_command", "one row per flight, JSON or CSV"),
+    "replay": ("scaloft_fi.cli.replay:replay_command", "fly one flight again, bit for bit, and draw it"),
+}
+
+INTERNAL, INTERRUPTED, USAGE = 70, 130, 2
+
+
+class Pipeline(click.Group):
+    """The verbs in pipeline order, each loaded when it is called."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
+        """Every verb, in the order of the pipeline."""
+        return list(VERBS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002 - click's signature
+        """Import the verb's file."""
+        if cmd_name not in VERBS:
+            return None
+        module, attribute = VERBS[cmd_name][0].split(":")
+        command = getattr(import_module(module), attribute)
+        assert isinstance(command, click.Command)
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the verb, or say which is the nearest."""
+        if args and not args[0].startswith("-") and args[0] not in VERBS:
+            raise click.UsageError(f"no verb {args[0]!r}{did_you_mean(args[0], VERBS)}", ctx)
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002 - click's signature
+        """List the verbs without importing them."""
+        with formatter.section("The pipeline, in order"):
+            formatter.write_dl([(verb, about) for verb, (_, about) in VERBS.items()])
+
+    def main(
+        self,
+        args: Sequence[str] | None = None,
+        prog_name: str | None = None,
+        complete_var: str | None = None,
+        standalone_mode: bool = True,  # noqa: ARG002 - click's signature
+        **extra: Any,
+    ) -> NoReturn:
+        """Run one verb and leave the process with its exit code."""
+        sys.exit(self._exit_code(args, prog_name or "scaloft-fi", complete_var, extra))
+
+    def _exit_code(self, args: Sequence[str] | None, prog: str, complete_var: str | None, extra: dict[str, Any]) -> int:
+        try:
+            outcome = super().main(args, prog, complete_var, standalone_mode=False, **extra)
+        except click.UsageError as error:
+            command = error.ctx.command_path if error.ctx else prog
+            sentence = error.format_message().rstrip(".")
+            _say(f"{command}: {sentence[:1].lower()}{sentence[1:]}; see {command} --help")
+            return USAGE
+        except click.ClickException as error:
+            _say(error.format_message())
+            return USAGE
+        except ScaloftError as error:
+            _say(str(error))
+            return error.exit_code
+        except (KeyboardInterrupt, click.Abort):
+            return INTERRUPTED
+        except Exception as error:  # noqa: BLE001 - the last line of defence: no traceback reaches a user unasked
+            return _internal(error)
+        return outcome if isinstance(outcome, int) else 0
+
+
+def _internal(error: Exception) -> int:
+    if os.environ.get("SCALOFT_DEBUG"):
+        traceback.print_exception(error)
+    reason = " ".join(str(error).split())
+    _say(f"internal error: {type(error).__name__}: {reason} (SCALOFT_DEBUG=1 shows where)")
+    return INTERNAL
+
+
+def _say(sentence: str) -> None:
+    click.echo(f"error: {' '.join(sentence.split())}", err=True)
+
+
+@click.group(
+    cls=Pipeline,
+    invoke_without_command=True,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 120},
+)
+@click.version_option(__version__, prog_name="scaloft-fi", message="%(prog)s %(version)s")
+@click.pass_context
+def main(context: click.Context) -> None:
+    """Fault-injection mutation testing of an autonomous drone.
+
+    A HAZOP deviation matrix becomes mutants, every mutant is flown in a grid of situations, and the score
+    says which faults the safety requirements would have shown.
+    """
+    if context.invoked_subcommand is None:
+        click.echo(context.get_help())

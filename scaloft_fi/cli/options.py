@@ -1,0 +1,57 @@
+"""The options that several verbs share, each declared once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+FORMATS = ("table", "markdown", "csv", "json", "latex")
+
+
+def study_option(function: F) -> F:
+    """`--study DIR`: the study to work on."""
+    return click.option(
+        "--study",
+        "study_folder",
+        type=click.Path(path_type=Path),
+        metavar="DIR",
+        help="A folder with hazop/, mutants/ and sim/.  [default: the nearest one upwards, else the packaged one]",
+    )(function)
+
+
+def campaign_option(function: F) -> F:
+    """`--campaign NAME`: where the outcomes are."""
+    return click.option(
+        "--campaign",
+        default="default",
+        show_default=True,
+        metavar="NAME",
+        help="A folder in the study's results/campaigns/; anything with a / is the folder itself.",
+    )(function)
+
+
+def format_option(function: F) -> F:
+    """`--format`: how tables are printed."""
+    return click.option(
+        "--format",
+        "style",
+        type=click.Choice(FORMATS),
+        default="table",
+        show_default=True,
+        help="How tables are printed.",
+    )(function)
+
+
+def fail_under_option(function: F) -> F:
+    """`--fail-under RATIO`: the least mutation score that counts as a success."""
+    return click.option(
+        "--fail-under",
+        type=click.FloatRange(0.0, 1.0),
+        metavar="RATIO",
+        help="Exit with 3 when the mutation score (0..1) is below this, or has nothing to be computed from.",
+    )(function)

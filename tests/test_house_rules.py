@@ -1,0 +1,50 @@
+"""The rules of the house, each as the command that holds it; `pytest tests/test_house_rules.py` is the whole lint run."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+LONGEST = 350
+FOLDERS = ("scaloft_fi", "tests", "benchmarks")
+
+COMMANDS = {
+    "ruff finds nothing": ["-m", "ruff", "check"],
+    "every file is formatted": ["-m", "ruff", "format", "--check"],
+    "mypy --strict finds nothing": ["-m", "mypy"],
+    "imports run one way": ["-c", "from importlinter.cli import lint_imports_command; lint_imports_command()"],
+}
+
+
+@pytest.mark.parametrize("rule", COMMANDS)
+def test_the_rule_holds(rule: str) -> None:
+    done = subprocess.run([sys.executable, *COMMANDS[rule]], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def _python_files() -> list[Path]:
+    return [path for folder in FOLDERS for path in sorted((ROOT / folder).rglob("*.py"))]
+
+
+def test_no_file_is_longer_than_a_reader_can_hold() -> None:
+    lengths = {str(path.relative_to(ROOT)): len(path.read_text().splitlines()) for path in _python_files()}
+    assert {name: length for name, length in lengths.items() if length > LONGEST} == {}
+
+
+def test_a_data_folder_is_never_a_package() -> None:
+    inits = [path for folder in ("hazop", "mutants", "sim", "results") for path in (ROOT / folder).rglob("__init__.py")]
+    assert inits == []
+
+
+def test_tests_are_not_a_package() -> None:
+    assert list((ROOT / "tests").rglob("__init__.py")) == []
+
+
+def test_every_module_says_what_it_is() -> None:
+    modules = (ROOT / "scaloft_fi").rglob("*.py")
+    silent = [str(path) for path in modules if not path.read_text().startswith(('"""', 'r"""'))]
+    assert silent == []
