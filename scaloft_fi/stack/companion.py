@@ -1,7 +1,7 @@
 """The companion computer: perception, memory, mission, planner, and what they do when their inputs go stale.
 
-One call of `Companion.tick` runs its stages once, at 20 Hz, in the order of the data flow.  Every edge between two stages
-crosses the wire.
+One call of `Companion.tick` runs its stages once, at 20 Hz, in the order of the data flow.  Every edge between two
+stages crosses the wire.
 """
 
 from __future__ import annotations
@@ -17,11 +17,10 @@ from scaloft_fi.stack.flight_control import FlightControl
 from scaloft_fi.stack.memory import ObstacleMemory
 from scaloft_fi.stack.messages import (
     Array,
-    Bumper,
     DepthFrame,
     Exposure,
+    ObstacleMap,
     PoseEstimate,
-    Proximity,
     Route,
     SensorFrames,
     SpeedLimit,
@@ -29,11 +28,12 @@ from scaloft_fi.stack.messages import (
     VelocityCommand,
 )
 from scaloft_fi.stack.mission import Mission
-from scaloft_fi.stack.planner import Plan, Planner, shape_velocity
+from scaloft_fi.stack.planner import Plan, Planner, VelocityConfig, shape_velocity
 from scaloft_fi.stack.pose_buffer import PoseBuffer
 from scaloft_fi.stack.proximity import ProximityMonitor
+from scaloft_fi.stack.proximity import flag as raise_flag
 from scaloft_fi.stack.recoil import Recoil
-from scaloft_fi.stack.seam import Wire
+from scaloft_fi.stack.seam import TICK_HZ, Wire
 from scaloft_fi.stack.speed_limit import SpeedLimitStage
 
 
@@ -73,6 +73,7 @@ class Stages:
     battery: BatteryMonitor
     mission: Mission
     planner: Planner
+    velocity: VelocityConfig
     recoil: Recoil
 
 
@@ -88,7 +89,7 @@ class Companion:
         order: last velocity command that was sent.
     """
 
-    def __init__(self, config: CompanionConfig, stages: Stages, wire: Wire, route: Route) -> None:
+    def __init__(self, config: CompanionConfig, stages: Stages, wire: Wire, route: Route, yaw_rad: float) -> None:
         self.config = config
         self.stages = stages
         self.exposure = Exposure(0.0, 1.0, 0.0)
@@ -104,6 +105,7 @@ class Companion:
         self._plan: Plan | None = None
         self._target: Target | None = None
         self._hover: Array | None = None
+        self._yaw_rad = yaw_rad
         self._ticks = 0
 
     def tick(self, now_s: float, frames: SensorFrames, pose: PoseEstimate, control: FlightControl) -> None:
@@ -135,23 +137,27 @@ class Companion:
         if delivered is not None:
             self.order = delivered
             recoiling = self.stages.recoil.order(now_s, believed, self.limit.limit_mps) is not None
-            control.command(now_s, delivered, self.stages.recoil.config.accel_mps2 if recoiling else control.config.accel_mps2)
+            control.command(
+                now_s, delivered, self.stages.recoil.config.accel_mps2 if recoiling else control.config.accel_mps2
+            )
 
     def _see(self, now_s: float, frames: SensorFrames) -> None:
         """Depth into memory and proximity monitor."""
         cross, stages = self._wire.cross, self.stages
         frame = self._fresh(now_s, cross("depth", now_s, frames.depth))
-        bumper = cross("bumper", now_s, frames.bumper) or Bumper(now_s, hull=False, gear=False)
-        clearing, proximity = None, None
+        bumper = cross("bumper", now_s, frames.bumper)
         pose = self._poses.at(frame.stamp_s) if frame is not None else None
+        if pose is None:
+            frame = None
+        clearing = None
         if frame is not None and pose is not None:
             self._depth_s = frame.stamp_s
             clearing = stages.memory.observe(frame, pose)
-            proximity = stages.proximity.sectors(frame, pose)
-        clearing = cross("clearing", now_s, clearing)
-        stages.memory.update(clearing)
-        flag = stages.proximity.flag(now_s, cross("proximity", now_s, self._touched(proximity, bumper)))
-        flag = cross("collision", now_s, flag)
+        stages.memory.update(cross("clearing", now_s, clearing))
+        sensed = frame is not None or (bumper is not None and bumper.hull)
+        proximity = stages.proximity.sectors(now_s, frame, pose, bumper) if sensed else None
+        proximity = cross("proximity", now_s, proximity)
+        flag = cross("collision", now_s, raise_flag(proximity) if proximity is not None else None)
         self.flagged = flag is not None
         believed = self._poses.newest
         if believed is not None and stages.mission.phase == "fly":
@@ -162,11 +168,6 @@ class Companion:
         if frame is None or not -self.config.pose_reach_s <= now_s - frame.stamp_s <= self.config.depth_hover_s:
             return None
         return frame
-
-    def _touched(self, proximity: Proximity | None, bumper: Bumper) -> Proximity | None:
-        if proximity is None:
-            return self.stages.proximity.blind(bumper.stamp_s, touched=True) if bumper.hull else None
-        return proximity._replace(touched=bumper.hull)
 
     def _look_for_people(self, now_s: float, frames: SensorFrames) -> None:
         limit, person = self.stages.speed_limit.hear(now_s, self._wire.cross("person", now_s, frames.detections))
@@ -191,18 +192,32 @@ class Companion:
             self._plan = None
         elif told is not None or self._plan is None:
             self.map_points = len(told.points) if told is not None else 0
-            self._plan = self.stages.planner.plan(told, self._target.point, pose) if told is not None else None
+            self._plan = self._plan_with(told, self._target) if told is not None else None
+
+    def _plan_with(self, told: ObstacleMap, target: Target) -> Plan:
+        previous = self._plan.direction if self._plan is not None else None
+        return self.stages.planner.plan(told, target.point, previous, self.limit.limit_mps)
 
     def _command(self, now_s: float, pose: PoseEstimate) -> VelocityCommand:
         retreat = self.stages.recoil.order(now_s, pose, self.limit.limit_mps)
         if retreat is not None:
+            self._yaw_rad = retreat[1]
             return VelocityCommand(now_s, *retreat)
         stale = now_s - self._depth_s > self.config.depth_hover_s or now_s - self._pose_s > self.config.pose_hover_s
         if stale or self._plan is None or self._target is None:
             return self._hover_order(now_s, pose)
         self._hover = None
-        velocity, yaw_rad = shape_velocity(self._plan, pose, self.limit, self.stages.planner.config)
-        return VelocityCommand(now_s, velocity, yaw_rad)
+        plan = self._plan
+        velocity, self._yaw_rad = shape_velocity(
+            plan.direction,
+            plan.distance_m,
+            pose.yaw_rad,
+            self._yaw_rad,
+            self.limit,
+            1.0 / TICK_HZ,
+            self.stages.velocity,
+        )
+        return VelocityCommand(now_s, velocity, self._yaw_rad)
 
     def _hover_order(self, now_s: float, pose: PoseEstimate) -> VelocityCommand:
         """Stay where the hover began."""
@@ -212,10 +227,10 @@ class Companion:
         speed = float(np.linalg.norm(back))
         if speed > self.limit.limit_mps:
             back *= self.limit.limit_mps / speed
-        return VelocityCommand(now_s, back, pose.yaw_rad if self.order is None else self.order.yaw_rad)
+        return VelocityCommand(now_s, back, self._yaw_rad)
 
     def beliefs(self, now_s: float) -> Array:
-        """What the companion believes, for the log: told person, its range, limit, flag, waypoint, map points, command (4)."""
+        """What the companion believes: told of a person, its range, limit, flag, leg, map points, command (4)."""
         told = now_s <= self.told_until_s
         order = self.order
         command = (0.0, 0.0, 0.0, 0.0) if order is None else (*order.velocity, order.yaw_rad)

@@ -43,7 +43,7 @@ def _convert(hint: Any, value: Any, path: str) -> Any:
     if dataclasses.is_dataclass(hint) or hasattr(hint, "_fields"):
         if not isinstance(value, Mapping):
             raise ConfigError(path, "must be a mapping of settings")
-        return build(hint, value, path)  # type: ignore[arg-type]
+        return build(hint, value, path)
     if hint is float:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise ConfigError(path, f"{value!r} must be a number")

@@ -1,7 +1,7 @@
 """Cascaded flight control in the manner of PX4: velocity, attitude, body rate, rotor allocation; compiled.
 
-Gains are PX4's defaults where PX4 has them (MPC_XY_P 0.95, MPC_XY_VEL_P/I_ACC 1.8/0.4, MPC_Z_P 1, MPC_Z_VEL_P/I_ACC 4/2,
-MC_ROLL_P 6.5, MC_YAW_P 2.8, MPC_YAWRAUTO_MAX 45 deg/s).
+Gains are PX4's defaults where PX4 has them (MPC_XY_P 0.95, MPC_XY_VEL_P/I_ACC 1.8/0.4, MPC_Z_P 1, MPC_Z_VEL_P/I_ACC
+4/2, MC_ROLL_P 6.5, MC_YAW_P 2.8, MPC_YAWRAUTO_MAX 45 deg/s).
 """
 
 from __future__ import annotations
@@ -107,8 +107,8 @@ def control(
 
     Args:
         state: (16,) estimator state. r: (3, 3) its rotation matrix. rate: (3,) body rate [rad/s].
-        mode: VELOCITY_MODE follows `velocity_sp` (3,) [m/s, world]; HOLD_MODE flies to and holds `hold` (3,) [m, world];
-            LAND_MODE sinks above `hold`; LEVEL_MODE sinks level, wherever that drifts.
+        mode: VELOCITY_MODE follows `velocity_sp` (3,) [m/s, world]; HOLD_MODE flies to and holds `hold` (3,)
+            [m, world]; LAND_MODE sinks above `hold`; LEVEL_MODE sinks level, wherever that drifts.
         yaw_sp: heading to take [rad]. accel_mps2: greatest change of the velocity setpoint [m/s2].
         thrust: (4,) receives the rotor thrusts [N].
 

@@ -1,7 +1,8 @@
 """State estimation: strapdown integration at the inertial rate, corrected by fixes in an error-state Kalman filter.
 
 The filter is `filterpy.kalman.KalmanFilter` over the error of (position, velocity, attitude, rate bias, force bias);
-attitude errors are small rotation vectors in the world frame.  A late fix is compared with the estimate of its own time.
+attitude errors are small rotation vectors in the world frame.  A late fix is compared with the estimate of its
+own time.
 """
 
 from __future__ import annotations
@@ -14,7 +15,18 @@ import numpy as np
 from filterpy.kalman import KalmanFilter
 
 from scaloft_fi.stack.messages import Array, Fix, Imu, PoseEstimate
-from scaloft_fi.stack.strapdown import ATTITUDE, FORCE_BIAS, POSITION, RATE_BIAS, STATE_SIZE, VELOCITY, propagate, rotation, turn, yaw_of
+from scaloft_fi.stack.strapdown import (
+    ATTITUDE,
+    FORCE_BIAS,
+    POSITION,
+    RATE_BIAS,
+    STATE_SIZE,
+    VELOCITY,
+    propagate,
+    rotation,
+    turn,
+    yaw_of,
+)
 
 
 @dataclass(frozen=True)
@@ -95,7 +107,11 @@ class Estimator:
             self._correct(now_s, fix)
         attitude = self.state[ATTITUDE:RATE_BIAS].copy()
         return PoseEstimate(
-            now_s, self.state[POSITION:VELOCITY].copy(), self.state[VELOCITY:ATTITUDE].copy(), yaw_of(attitude), attitude
+            now_s,
+            self.state[POSITION:VELOCITY].copy(),
+            self.state[VELOCITY:ATTITUDE].copy(),
+            yaw_of(attitude),
+            attitude,
         )
 
     def _predict(self, now_s: float) -> None:
@@ -116,7 +132,10 @@ class Estimator:
 
     def _correct(self, now_s: float, fix: Fix) -> None:
         config = self.config
-        if not fix.stamp_s > self._fix_stamp_s or not now_s - config.stale_after_s <= fix.stamp_s <= now_s + 0.5 * config.stale_after_s:
+        if (
+            not fix.stamp_s > self._fix_stamp_s
+            or not now_s - config.stale_after_s <= fix.stamp_s <= now_s + 0.5 * config.stale_after_s
+        ):
             return
         self._fix_stamp_s = fix.stamp_s
         position, yaw_rad = self._at(fix.stamp_s)

@@ -6,7 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaloft_fi.stack.control import HEADING, HOLD_MODE, LAND_MODE, LEVEL_MODE, MEMORY_SIZE, VELOCITY_MODE, ControlConfig, control
+from scaloft_fi.stack.control import (
+    HEADING,
+    HOLD_MODE,
+    LAND_MODE,
+    LEVEL_MODE,
+    MEMORY_SIZE,
+    VELOCITY_MODE,
+    ControlConfig,
+    control,
+)
 from scaloft_fi.stack.estimator import Estimator
 from scaloft_fi.stack.messages import Imu, Thrust, VelocityCommand
 

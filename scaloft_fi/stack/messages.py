@@ -97,7 +97,7 @@ class Bumper(NamedTuple):
 class PoseEstimate(NamedTuple):
     """The estimator's word to the companion stages.
 
-    position: (3,) [m, world]; velocity: (3,) [m/s, world]; yaw_rad: heading [rad]; attitude: (4,) quaternion x, y, z, w.
+    position: (3,) [m, world]; velocity: (3,) [m/s, world]; yaw_rad: heading [rad]; attitude: (4,) x, y, z, w.
     """
 
     stamp_s: float
@@ -132,12 +132,12 @@ class CollisionFlag(NamedTuple):
 class GoalCheck(NamedTuple):
     """Input of the goal test.
 
-    index: place of the waypoint in the route; offset: (3,) waypoint minus position [m, world];
+    leg: place of the waypoint in the route; offset: (3,) waypoint minus position [m, world];
     axes: (3,) 1.0 for each axis that counts; speed_mps: closing speed [m/s];
     verdict: None = by distance, else what a fault says.
     """
 
-    index: int
+    leg: int
     offset: Point
     axes: Point
     radius_m: float
@@ -164,7 +164,7 @@ class Route(NamedTuple):
 class Target(NamedTuple):
     """The waypoint the planner flies to: place in the route, position [m, world]."""
 
-    index: int
+    leg: int
     point: Point
 
 

@@ -35,7 +35,11 @@ class PoseBuffer:
         after = self._poses[-1]
         if stamp_s >= after.stamp_s:
             ahead_s = stamp_s - after.stamp_s
-            return after if ahead_s == 0.0 else after._replace(stamp_s=stamp_s, position=after.position + ahead_s * after.velocity)
+            return (
+                after
+                if ahead_s == 0.0
+                else after._replace(stamp_s=stamp_s, position=after.position + ahead_s * after.velocity)
+            )
         for before in reversed(self._poses):
             if before.stamp_s <= stamp_s:
                 return _between(before, after, stamp_s)
@@ -48,7 +52,7 @@ def _between(before: PoseEstimate, after: PoseEstimate, stamp_s: float) -> PoseE
     if share < 1e-9:
         return before
     turned = math.remainder(after.yaw_rad - before.yaw_rad, 2.0 * math.pi)
-    # Neighbours are 50 ms apart, so that a normalised linear blend of the quaternions is within 1e-4 rad of the great circle.
+    # Neighbours are 50 ms apart, so a normalised blend of the quaternions is within 1e-4 rad of the great circle.
     sign = 1.0 if float(before.attitude @ after.attitude) >= 0.0 else -1.0
     attitude = (1.0 - share) * before.attitude + share * sign * after.attitude
     return PoseEstimate(

@@ -19,7 +19,7 @@ from scaloft_fi.stack.flight_control import FailsafeConfig, FlightControl
 from scaloft_fi.stack.memory import MemoryConfig, ObstacleMemory
 from scaloft_fi.stack.messages import Array, Exposure, Imu, Point, Route, SensorFrames, Stamps, Thrust
 from scaloft_fi.stack.mission import Mission, MissionConfig
-from scaloft_fi.stack.planner import Planner, PlannerConfig
+from scaloft_fi.stack.planner import Planner, PlannerConfig, VelocityConfig
 from scaloft_fi.stack.proximity import ProximityConfig, ProximityMonitor
 from scaloft_fi.stack.recoil import Recoil, RecoilConfig
 from scaloft_fi.stack.seam import STEP_HZ, Wire
@@ -97,6 +97,7 @@ class ReferenceConfig:
     companion: CompanionConfig
     memory: MemoryConfig
     planner: PlannerConfig
+    velocity: VelocityConfig
     proximity: ProximityConfig
     mission: MissionConfig
     speed_limit: SpeedLimitConfig
@@ -123,10 +124,12 @@ class ReferenceStack:
                 BatteryMonitor(config.battery),
                 Mission(config.mission, (task.home[0], task.home[1], config.mission.altitude_m)),
                 Planner(config.planner),
+                config.velocity,
                 Recoil(config.recoil),
             ),
             wire,
             Route(task.route),
+            task.yaw_rad,
         )
         self._control.take_off(config.mission.altitude_m)
         self._last_stamps = Stamps(0.0, 0.0, 0.0)

@@ -47,6 +47,8 @@ class SpeedLimitStage:
     def _counts(self, detections: Detections) -> Person | None:
         config = self.config
         near = [
-            p for p in detections.persons if p.label == config.label and p.score >= config.min_score and p.range_m <= config.max_range_m
+            p
+            for p in detections.persons
+            if p.label == config.label and p.score >= config.min_score and p.range_m <= config.max_range_m
         ]
         return min(near, key=lambda p: p.range_m, default=None)

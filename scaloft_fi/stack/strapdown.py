@@ -30,7 +30,7 @@ def rotation(q: Array, r: Array) -> None:
 
 @jit
 def turn(q: Array, dx: float, dy: float, dz: float, in_world: bool) -> None:
-    """Turn quaternion `q` (4,) in place by the rotation vector (dx, dy, dz) [rad], given in the body or the world frame."""
+    """Turn quaternion `q` (4,) in place by the rotation vector (dx, dy, dz) [rad], of the body or the world frame."""
     angle = math.sqrt(dx * dx + dy * dy + dz * dz)
     s = 0.5 if angle < 1e-9 else math.sin(0.5 * angle) / angle
     ex, ey, ez, ew = dx * s, dy * s, dz * s, math.cos(0.5 * angle)
