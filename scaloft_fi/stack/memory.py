@@ -202,7 +202,20 @@ def _marked(hit, min_pixels):  # type: ignore[no-untyped-def]
 
 @jit
 def _observe(  # type: ignore[no-untyped-def]
-    depth, rays, ahead_m, column, row, position, attitude, voxel_m, ranges, min_pixels, margin_m, cells, seen_s, oldest_s
+    depth,
+    rays,
+    ahead_m,
+    column,
+    row,
+    position,
+    attitude,
+    voxel_m,
+    ranges,
+    min_pixels,
+    margin_m,
+    cells,
+    seen_s,
+    oldest_s,
 ):
     """(cells the frame marks, cells to forget); see ObstacleMemory.observe."""
     turn = _rotation(attitude)

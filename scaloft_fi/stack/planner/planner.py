@@ -1,8 +1,8 @@
 """The local planner: where to fly next, of the 3DVFH* kind (PX4-Avoidance local_planner).
 
-It deviates from its model in three ways: obstacles are dilated by the maximum instead of a sum, because a sum dilutes
-thin bars; the costs are tuned for a tunnel; a bin that holds the goal stands for the goal's exact bearing.  Like its
-model it knows no hard safety margin.
+It deviates from its model in four ways: obstacles are dilated by the maximum instead of a sum, because a sum dilutes
+thin bars; a bin holds its nearest point instead of the mean; the costs are tuned for a tunnel; a bin that holds the
+goal stands for the goal's exact bearing.  Like its model it knows no hard safety margin.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scaloft_fi.stack.messages import Array, ObstacleMap, Point
-from scaloft_fi.stack.planner.config import PlannerConfig
+from scaloft_fi.stack.messages import Array, ObstacleMap, Point, PoseEstimate
+from scaloft_fi.stack.planner.config import PlannerConfig, settings
 from scaloft_fi.stack.planner.search import MAX_DILATION, search
 
 
@@ -31,29 +31,30 @@ class Plan(NamedTuple):
 
 
 class Planner:
-    """Plans from an obstacle map; keeps nothing between plans."""
+    """Plans a direction; between plans it keeps only the direction it gave last, because turning away from it costs."""
 
     def __init__(self, config: PlannerConfig) -> None:
         self.config = config
+        self._settings = settings(config)
+        self._previous = np.zeros(3)
 
-    def plan(self, obstacles: ObstacleMap, target: Point, previous: Array | None, limit_mps: float) -> Plan:
-        """Plan from the map's origin to `target` [m, world].
-
-        `previous` is the direction flown last ((3,) [world], None at the start): turning away from it costs, in
-        proportion to the speed `limit_mps` [m/s].
-        """
+    def plan(self, obstacles: ObstacleMap, target: Point, pose: PoseEstimate) -> Plan:
+        """Plan from `pose` to `target` [m, world] past `obstacles`."""
         c = self.config
-        goal = np.asarray(target, dtype=np.float64)
-        offset = goal - obstacles.origin
+        goal = np.array(target, dtype=np.float64)
+        offset = goal - pose.position
         distance = math.sqrt(float(offset @ offset))
         if not distance > c.straight_in_m:
-            return Plan(offset / distance if distance > 0 else np.zeros(3), distance, False, 0)
-        velocity = np.zeros(3) if previous is None else previous * limit_mps
+            direction = offset / distance if distance > 0.0 else np.zeros(3)
+            return Plan(direction, distance, blocked=False, expanded=0)
         radius = dilation_bins(c.dilation_bins, obstacles.inflation)
-        direction, cost, expanded = search(obstacles.points, obstacles.origin, goal, velocity, radius, c)
+        direction, cost, expanded = search(
+            obstacles.points, pose.position, goal, self._previous, radius, self._settings
+        )
+        self._previous = direction
         return Plan(direction, distance, cost >= c.obstacle_cost * c.obstacle_weight, expanded)
 
 
 def dilation_bins(bins: int, inflation: float) -> int:
-    """Radius of the dilation [bins] at `inflation`, at most the window that the histogram holds."""
+    """Radius of the dilation [bins] at `inflation`, at most what the histogram's width allows."""
     return int(min(max(round(bins * inflation), 0), MAX_DILATION)) if math.isfinite(inflation) else bins

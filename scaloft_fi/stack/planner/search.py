@@ -18,11 +18,16 @@ MAX_DILATION = 29  # a wider window would wrap onto itself
 
 _F = np.float32
 _FAR = np.float32(1.0e9)
+_INFINITE = np.float32(np.inf)
 _DEG = np.float32(180.0 / math.pi)
 # odd minimax polynomial of atan on [0, 1] (error below 2e-6 rad), Abramowitz and Stegun 4.4.49 in form
 _A1, _A3, _A5, _A7, _A9, _A11 = (
     _F(0.99997726), _F(-0.33262347), _F(0.19354346), _F(-0.11643287), _F(0.05265332), _F(-0.01172120),
 )  # fmt: skip
+
+_AZIMUTHS = ((np.arange(COLUMNS) + 0.5) * BIN_DEG - 180.0).astype(np.float32)
+_ELEVATIONS = ((np.arange(ROWS) + 0.5) * BIN_DEG - 90.0).astype(np.float32)
+_COSINES, _SINES = np.cos(np.radians(_AZIMUTHS)), np.sin(np.radians(_AZIMUTHS))
 
 
 @jit
@@ -124,159 +129,190 @@ def _turned(a, b):  # type: ignore[no-untyped-def]
 
 
 @jit
-def _direction_costs(obstacle, goal, inertia, speed, p, first, last, azimuths, elevations, out):  # type: ignore[no-untyped-def]
-    """Fill rows first..last-1 of `out` with the cost of flying along each bin; see `direction_costs` in the tests.
+def aim(goal, azimuths, elevations, cosines, sines):  # type: ignore[no-untyped-def]
+    """Azimuth and elevation of `goal` [deg] and its bins; fills the angle that each column and row stands for.
 
     The bins that hold the goal's azimuth and elevation stand for exactly these, so that free flight is straight.
     """
-    to_azimuth = _atan2_deg(goal[1], goal[0])
-    to_elevation = _atan2_deg(goal[2], math.sqrt(goal[0] * goal[0] + goal[1] * goal[1]))
+    azimuth = _atan2_deg(goal[1], goal[0])
+    elevation = _atan2_deg(goal[2], math.sqrt(goal[0] * goal[0] + goal[1] * goal[1]))
+    azimuths[:], elevations[:] = _AZIMUTHS, _ELEVATIONS
+    cosines[:], sines[:] = _COSINES, _SINES
+    a = min(max(int((azimuth + _F(180.0)) / _F(BIN_DEG)), 0), COLUMNS - 1)
+    e = min(max(int((elevation + _F(90.0)) / _F(BIN_DEG)), 0), ROWS - 1)
+    azimuths[a], elevations[e] = azimuth, elevation
+    cosines[a], sines[a] = math.cos(azimuth / _DEG), math.sin(azimuth / _DEG)
+    return azimuth, elevation
+
+
+@jit
+def direction_costs(  # type: ignore[no-untyped-def]
+    obstacle, toward, azimuths, elevations, cosines, sines, previous, p, first, last, out
+):
+    """Fill rows first..last-1 of `out` with the cost of flying along each bin.
+
+    obstacle + yaw_cost * turn^2 + pitch_cost * pitch^2 + inertia_cost * (|previous| - u . previous), with turn and pitch
+    [deg] off `toward` (azimuth, elevation), u the bin's unit vector, `previous` the direction flown before.
+    """
+    across, along = np.empty(COLUMNS, np.float32), np.empty(COLUMNS, np.float32)
     for a in range(COLUMNS):
-        azimuths[a] = _F((a + 0.5) * BIN_DEG - 180.0)
-    for e in range(ROWS):
-        elevations[e] = _F((e + 0.5) * BIN_DEG - 90.0)
-    a0 = min(max(int((to_azimuth + _F(180.0)) / _F(BIN_DEG)), 0), COLUMNS - 1)
-    e0 = min(max(int((to_elevation + _F(90.0)) / _F(BIN_DEG)), 0), ROWS - 1)
-    azimuths[a0], elevations[e0] = to_azimuth, to_elevation
-    across = np.empty(COLUMNS, np.float32)
-    along = np.empty(COLUMNS, np.float32)
-    for a in range(COLUMNS):
-        turn = _turned(azimuths[a], to_azimuth)
-        across[a] = p.yaw_cost * turn * turn
-        along[a] = math.cos(azimuths[a] / _DEG) * inertia[0] + math.sin(azimuths[a] / _DEG) * inertia[1]
+        turn = _turned(azimuths[a], toward[0])
+        across[a] = _F(p.yaw_cost) * turn * turn
+        along[a] = cosines[a] * previous[0] + sines[a] * previous[1]
+    size = math.sqrt(previous[0] * previous[0] + previous[1] * previous[1] + previous[2] * previous[2])
     for e in range(first, last):
-        pitch = elevations[e] - to_elevation
-        level, rise = math.cos(elevations[e] / _DEG), math.sin(elevations[e] / _DEG) * inertia[2]
-        base = _F(p.pitch_cost * pitch * pitch + p.inertia_cost * (speed - rise))
-        slope = _F(p.inertia_cost * level)
+        pitch = elevations[e] - toward[1]
+        angle = elevations[e] / _DEG
+        base = _F(p.pitch_cost) * pitch * pitch + _F(p.inertia_cost) * (size - math.sin(angle) * previous[2])
+        slope = _F(p.inertia_cost) * math.cos(angle)
         source, row = obstacle[e], out[e]
         for a in range(COLUMNS):
             row[a] = source[a] + across[a] + base - slope * along[a]
 
 
 @jit
-def _best(costs, first, last, least):  # type: ignore[no-untyped-def]
-    """(row, column) of the least cost; `least` (ROWS,) keeps each row's least and is -1 where it must be renewed."""
-    row, best = first, np.float32(np.inf)
-    for e in range(first, last):
-        if least[e] < 0.0:
-            value = costs[e, 0]
-            for a in range(1, COLUMNS):
-                value = min(value, costs[e, a])
-            least[e] = value
-        if least[e] < best:
-            row, best = e, least[e]
+def _exclude(costs, elevations, cosines, sines, first, last, way, step, apart):  # type: ignore[no-untyped-def]
+    """Make infinite the cost of each bin whose end point, `step` [m] along it, is nearer than `apart` to `way`."""
+    x, y, z = way
+    square = x * x + y * y + z * z
+    reach = step + apart
+    if square >= reach * reach:
+        return
+    least = (square + step * step - apart * apart) / (_F(2.0) * step)
+    along = np.empty(COLUMNS, np.float32)
     for a in range(COLUMNS):
-        if costs[row, a] == best:
-            return row, a
-    return row, 0
+        along[a] = cosines[a] * x + sines[a] * y
+    for e in range(first, last):
+        angle = elevations[e] / _DEG
+        level, rest = math.cos(angle), least - math.sin(angle) * z
+        row = costs[e]
+        for a in range(COLUMNS):
+            row[a] = _INFINITE if level * along[a] > rest else row[a]
+
+
+@jit
+def _best(costs, first, last):  # type: ignore[no-untyped-def]
+    """(row, column) of the least cost; the lowest column, then row, of equals."""
+    lanes = np.full(COLUMNS, _INFINITE, np.float32)
+    for e in range(first, last):
+        row = costs[e]
+        for a in range(COLUMNS):
+            lanes[a] = row[a] if row[a] < lanes[a] else lanes[a]
+    column = 0
+    for a in range(1, COLUMNS):
+        if lanes[a] < lanes[column]:
+            column = a
+    for e in range(first, last):
+        if costs[e, column] == lanes[column]:
+            return e, column
+    return first, column
+
+
+@jit
+def _grow(tree, node, here, goal, obstacle, total, angles, first, last, p):  # type: ignore[no-untyped-def]
+    """Add up to p.children children to `node`, along the cheapest directions that lead to new places."""
+    azimuths, elevations, cosines, sines = angles
+    place, heading, start, spent, left, depth, is_open, count = tree
+    nodes = count[0]
+    step = min(_F(p.node_m), left[node])
+    apart = _F(p.separation_m)
+    for i in range(nodes):
+        way = (place[i, 0] - here[0], place[i, 1] - here[1], place[i, 2] - here[2])
+        _exclude(total, elevations, cosines, sines, first, last, way, step, apart)
+    for _ in range(p.children):
+        e, a = _best(total, first, last)
+        price = total[e, a]
+        if not price < _INFINITE:
+            break
+        angle = elevations[e] / _DEG
+        level = math.cos(angle)
+        u = (level * cosines[a], level * sines[a], math.sin(angle))
+        way = (step * u[0], step * u[1], step * u[2])
+        off = (goal[0] - here[0] - way[0], goal[1] - here[1] - way[1], goal[2] - here[2] - way[2])
+        for k in range(3):
+            place[nodes, k] = here[k] + way[k]
+            heading[nodes, k] = u[k]
+            start[nodes, k] = start[node, k] if node else u[k]
+        start[nodes, 3] = start[node, 3] if node else obstacle[e, a]
+        spent[nodes] = spent[node] + price
+        depth[nodes] = depth[node] + 1
+        left[nodes] = math.sqrt(off[0] * off[0] + off[1] * off[1] + off[2] * off[2])
+        is_open[nodes] = True
+        nodes += 1
+        _exclude(total, elevations, cosines, sines, first, last, way, step, apart)
+        total[e, a] = _INFINITE
+    count[0] = nodes
 
 
 @jit
 def search(points, origin, target, previous, radius, p):  # type: ignore[no-untyped-def]
     """First direction of the cheapest way to `target`: ((3,) unit vector, its dilated obstacle cost, nodes expanded).
 
-    points (N, 3), origin (3,), target (3,) [m, world]; previous (3,) velocity [m/s]; radius of the dilation [bins];
-    p: PlannerConfig.  Expands the node of least cost so far plus heuristic; the way is the one to the goal, or else to
-    the deepest open node, the cheapest of them.
+    points (N, 3), origin (3,), target (3,) [m, world]; previous (3,) direction flown before, or zero; radius of the
+    dilation [bins]; p: the planner's settings.  Expands the node of least cost so far plus heuristic; the way is the
+    one that comes near the goal first, or else the one to the deepest open node, the cheapest of them.
     """
     n = 0
-    x, y, z = np.empty(len(points), np.float32), np.empty(len(points), np.float32), np.empty(len(points), np.float32)
+    cloud = np.empty((3, len(points)), np.float32)
+    reach = p.expansions * p.node_m + p.range_m
     for i in range(len(points)):
         dx, dy, dz = points[i, 0] - origin[0], points[i, 1] - origin[1], points[i, 2] - origin[2]
-        if dx * dx + dy * dy + dz * dz < 100.0:
-            x[n], y[n], z[n] = dx, dy, dz
+        if dx * dx + dy * dy + dz * dz < reach * reach:
+            cloud[0, n], cloud[1, n], cloud[2, n] = dx, dy, dz
             n += 1
-    x, y, z = x[:n], y[:n], z[:n]
+    x, y, z = cloud[0, :n], cloud[1, :n], cloud[2, :n]
     first = int(math.ceil((90.0 - p.elevation_limit_deg) / BIN_DEG - 0.5))
     last = ROWS - first
     nearest = np.empty(ROWS * COLUMNS, np.float32)
     cost = np.empty((ROWS, COLUMNS), np.float32)
-    obstacle = np.zeros((ROWS, COLUMNS), np.float32)
-    total = np.empty((ROWS, COLUMNS), np.float32)
-    azimuths, elevations = np.empty(COLUMNS, np.float32), np.empty(ROWS, np.float32)
-    least = np.empty(ROWS, np.float32)
+    flat = cost.reshape(-1)
+    obstacle, total = np.empty((ROWS, COLUMNS), np.float32), np.empty((ROWS, COLUMNS), np.float32)
+    angles = (
+        np.empty(COLUMNS, np.float32), np.empty(ROWS, np.float32),
+        np.empty(COLUMNS, np.float32), np.empty(COLUMNS, np.float32),
+    )  # fmt: skip
 
     most = 1 + p.expansions * p.children
     place = np.zeros((most, 3), np.float32)
-    heading = np.zeros((most, 3), np.float32)  # unit vector along which a node was reached
-    start = np.zeros((most, 3), np.float32)  # the way's first direction
-    start_cost = np.zeros(most, np.float32)
+    heading = np.zeros((most, 3), np.float32)  # direction along which a node was reached
+    start = np.zeros((most, 4), np.float32)  # the first direction of the way there, and its obstacle cost
     spent = np.zeros(most, np.float32)
-    left = np.zeros(most, np.float32)  # to the goal [m]
+    left = np.zeros(most, np.float32)  # distance to the goal [m]
     depth = np.zeros(most, np.int32)
     is_open = np.ones(most, np.bool_)
-    goal = np.empty(3, np.float32)
-    for k in range(3):
-        goal[k] = target[k] - origin[k]
+    count = np.ones(1, np.int64)
+    tree = (place, heading, start, spent, left, depth, is_open, count)
+    goal = (_F(target[0] - origin[0]), _F(target[1] - origin[1]), _F(target[2] - origin[2]))
     left[0] = math.sqrt(goal[0] * goal[0] + goal[1] * goal[1] + goal[2] * goal[2])
-    pace = math.sqrt(previous[0] * previous[0] + previous[1] * previous[1] + previous[2] * previous[2])
-    nodes, expanded, chosen = 1, 0, -1
+    for k in range(3):
+        heading[0, k] = previous[k]
+    expanded, chosen = 0, 0
     while expanded < p.expansions:
-        node, value = -1, np.float32(np.inf)
-        for i in range(nodes):
+        node, value = -1, _INFINITE
+        for i in range(count[0]):
             f = spent[i] + _F(p.heuristic_cost) * left[i]
             if is_open[i] and f < value:
                 node, value = i, f
         if node < 0:
             break
-        if node > 0 and left[node] <= p.straight_in_m:
+        if left[node] <= p.straight_in_m:
             chosen = node
             break
         is_open[node] = False
         expanded += 1
         here = (place[node, 0], place[node, 1], place[node, 2])
-        far = min(p.range_m, left[node] + p.beyond_goal_m)
-        histogram(x, y, z, here, _F(p.near_m), _F(far), nearest)
-        obstacle_costs(
-            nearest, _F(p.obstacle_cost * p.obstacle_weight), _F(p.obstacle_m), _F(p.obstacle_width_m), cost.reshape(-1)
-        )
+        far = min(_F(p.range_m), left[node] + _F(p.beyond_goal_m))
+        histogram(x, y, z, here, _F(p.near_m), far, nearest)
+        obstacle_costs(nearest, _F(p.obstacle_cost * p.obstacle_weight), _F(p.obstacle_m), _F(p.obstacle_width_m), flat)
         dilate(cost, radius, first, last, obstacle)
-        ahead = (goal[0] - here[0], goal[1] - here[1], goal[2] - here[2])
-        if node == 0:
-            inertia = (_F(previous[0]), _F(previous[1]), _F(previous[2]))
-        else:
-            inertia = (_F(heading[node, 0] * pace), _F(heading[node, 1] * pace), _F(heading[node, 2] * pace))
-        _direction_costs(obstacle, ahead, inertia, _F(pace), p, first, last, azimuths, elevations, total)
-        least[:] = -1.0
-        born = 0
-        step = min(_F(p.node_m), left[node])
-        while born < p.children:
-            e, a = _best(total, first, last, least)
-            price = total[e, a]
-            if not price < np.inf:
-                break
-            total[e, a], least[e] = np.inf, -1.0
-            azimuth, elevation = azimuths[a] / _DEG, elevations[e] / _DEG
-            level = math.cos(elevation)
-            ux, uy, uz = level * math.cos(azimuth), level * math.sin(azimuth), math.sin(elevation)
-            cx, cy, cz = here[0] + step * ux, here[1] + step * uy, here[2] + step * uz
-            clear = True
-            for i in range(nodes):
-                qx, qy, qz = place[i, 0] - cx, place[i, 1] - cy, place[i, 2] - cz
-                if qx * qx + qy * qy + qz * qz < p.separation_m * p.separation_m:
-                    clear = False
-                    break
-            if not clear:
-                continue
-            c = nodes
-            place[c, 0], place[c, 1], place[c, 2] = cx, cy, cz
-            heading[c, 0], heading[c, 1], heading[c, 2] = ux, uy, uz
-            if node == 0:
-                start[c], start_cost[c] = heading[c], obstacle[e, a]
-            else:
-                start[c], start_cost[c] = start[node], start_cost[node]
-            spent[c] = spent[node] + price
-            depth[c] = depth[node] + 1
-            gx, gy, gz = goal[0] - cx, goal[1] - cy, goal[2] - cz
-            left[c] = math.sqrt(gx * gx + gy * gy + gz * gz)
-            nodes += 1
-            born += 1
-    if chosen < 0:
-        value = np.float32(np.inf)
-        chosen = 0
-        for i in range(1, nodes):
+        toward = aim((goal[0] - here[0], goal[1] - here[1], goal[2] - here[2]), *angles)
+        before = (heading[node, 0], heading[node, 1], heading[node, 2])
+        direction_costs(obstacle, toward, *angles, before, p, first, last, total)
+        _grow(tree, node, here, goal, obstacle, total, angles, first, last, p)
+    if chosen == 0:
+        value = _INFINITE
+        for i in range(1, count[0]):
             f = spent[i] + _F(p.heuristic_cost) * left[i]
             if is_open[i] and (depth[i] > depth[chosen] or (depth[i] == depth[chosen] and f < value)):
                 chosen, value = i, f
-    return start[chosen].astype(np.float64), float(start_cost[chosen]), expanded
+    return start[chosen, :3].astype(np.float64), float(start[chosen, 3]), expanded
