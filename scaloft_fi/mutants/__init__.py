@@ -1,0 +1,1 @@
+"""Mutants: what is patched into which seam, derived from the deviation matrix."""

@@ -1,0 +1,39 @@
+"""The operators, one module a kind of deviation; importing this package declares them all."""
+
+from scaloft_fi.mutants.operator import OPERATORS
+from scaloft_fi.mutants.operators import (
+    clock,
+    collision,
+    depth,
+    event,
+    goal,
+    inertial,
+    limits,
+    mapping,
+    person,
+    pose,
+    power,
+    presence,
+    route,
+    timing,
+    value,
+)
+
+__all__ = [
+    "OPERATORS",
+    "clock",
+    "collision",
+    "depth",
+    "event",
+    "goal",
+    "inertial",
+    "limits",
+    "mapping",
+    "person",
+    "pose",
+    "power",
+    "presence",
+    "route",
+    "timing",
+    "value",
+]

@@ -1,0 +1,134 @@
+"""Faults of the obstacle map (seam `map`) and of what the memory forgets (seam `clearing`)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from scaloft_fi.mutants.argument import Degrees, Metres, Period, Seconds, Share
+from scaloft_fi.mutants.operator import Example, Samples, Tap, TapContext, operator
+from scaloft_fi.mutants.sample import on_each, within
+from scaloft_fi.mutants.window import Windows
+from scaloft_fi.stack.messages import Array, Clearing, ObstacleMap
+
+MAP, CLEARING = ("map",), ("clearing",)
+_HERE = np.array([0.0, 0.0, 1.5])
+
+
+def _map(*points: tuple[float, float, float]) -> ObstacleMap:
+    return ObstacleMap(0.0, np.array(points, dtype=float).reshape(-1, 3), 1.0, _HERE)
+
+
+def _clearing(*forget: int) -> Clearing:
+    return Clearing(0.0, np.array(forget, dtype=np.int64), np.array([3, 5, 8], dtype=np.int64))
+
+
+@operator("empty_map", seams=MAP, example=Example("map", {}, (_map((1.0, 0.0, 1.5)), None), (_map(), None)))
+def empty_map(_context: TapContext) -> Tap:
+    """Tell the planner of no obstacle at all: the map's topic is not connected."""
+    return on_each(lambda told: told._replace(points=told.points[:0].copy()))
+
+
+@operator(
+    "lose_points",
+    seams=MAP,
+    example=Example(
+        "map", {"share": 0.25}, (_map((0.0, 1.0, 1.5), (1.0, 0.0, 1.5)), None), (_map((1.0, 0.0, 1.5)), None)
+    ),
+)
+def lose_points(_context: TapContext, *, share: Share, bearing_deg: Degrees = 90.0) -> Tap:
+    """Lose the points in a sector of `share` (0..1) of all directions from the vehicle: a tile that is not loaded.
+
+    `bearing_deg` [deg from x, world] is the sector's middle; the default is +y, along the corridor.
+    """
+    half_rad, centre_rad = math.pi * share, math.radians(bearing_deg)
+
+    def partial(told: ObstacleMap) -> ObstacleMap:
+        away = told.points - told.origin
+        off_rad = np.arctan2(away[:, 1], away[:, 0]) - centre_rad
+        off_rad = np.abs((off_rad + math.pi) % (2 * math.pi) - math.pi)
+        return told._replace(points=told.points[off_rad > half_rad])
+
+    return on_each(partial)
+
+
+def _free_cells(occupied: Array, origin: Array, cell_m: float, radius_m: float) -> Array:
+    """Centres (N, 3) [m, world] of the cells around `origin` without one of `occupied` (M, 3) in them."""
+    steps = np.arange(-math.ceil(radius_m / cell_m), math.ceil(radius_m / cell_m) + 1)
+    grid = np.stack(np.meshgrid(steps, steps, [-1, 0, 1], indexing="ij"), axis=-1).reshape(-1, 3)
+    grid = grid[np.hypot(grid[:, 0], grid[:, 1]) * cell_m <= radius_m] + np.floor(origin / cell_m).astype(int)
+    taken = {(i, j, k) for i, j, k in np.floor(occupied / cell_m).astype(int).tolist()}
+    free = [cell for cell in grid.tolist() if tuple(cell) not in taken]
+    return (np.array(free, dtype=float).reshape(-1, 3) + 0.5) * cell_m
+
+
+def _swaps_free_and_occupied(before: Samples, after: Samples) -> bool:
+    wall, inverted = before[0].points, after[0].points
+    gaps_m = np.linalg.norm(inverted[:, None, :] - wall[None, :, :], axis=2).min(axis=1)
+    return after[1] is None and len(inverted) > 0 and bool(np.all(gaps_m > 0.1))
+
+
+@operator(
+    "invert_map",
+    seams=MAP,
+    example=Example("map", {}, (_map((0.375, 0.075, 1.575), (0.375, 0.225, 1.575)), None), _swaps_free_and_occupied),
+)
+def invert_map(_context: TapContext, *, cell_m: Metres = 0.15, radius_m: Metres = 1.5) -> Tap:
+    """Tell the planner of the free cells around the vehicle as if they were the occupied ones: inverted polarity.
+
+    Cells of edge `cell_m` [m] within `radius_m` [m], and one layer up and down.
+    """
+    return on_each(lambda told: told._replace(points=_free_cells(told.points, told.origin, cell_m, radius_m)))
+
+
+@operator(
+    "shift_map",
+    seams=MAP,
+    example=Example("map", {"distance_m": 0.5}, (_map((1.0, 2.0, 1.5)), None), (_map((1.5, 2.0, 1.5)), None)),
+)
+def shift_map(_context: TapContext, *, distance_m: Metres, bearing_deg: Degrees = 0.0) -> Tap:
+    """Shift the map against the world by `distance_m` [m] towards `bearing_deg` [deg from x, world].
+
+    A wrong frame offset.
+    """
+    angle_rad = math.radians(bearing_deg)
+    offset = distance_m * np.array([math.cos(angle_rad), math.sin(angle_rad), 0.0])
+    return on_each(lambda told: told._replace(points=told.points + offset))
+
+
+@operator(
+    "rotate_map",
+    seams=MAP,
+    example=Example("map", {"angle_deg": 90.0}, (_map((1.0, 2.0, 1.5)), None), (_map((-2.0, 1.0, 1.5)), None)),
+)
+def rotate_map(_context: TapContext, *, angle_deg: Degrees) -> Tap:
+    """Rotate the map about the world's origin by `angle_deg` [deg, left positive].
+
+    A wrong heading when it was begun.
+    """
+    c, s = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
+    turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    return on_each(lambda told: told._replace(points=told.points @ turn))
+
+
+@operator("never_clear", seams=CLEARING, example=Example("clearing", {}, (_clearing(3, 5), None), (_clearing(), None)))
+def never_clear(_context: TapContext) -> Tap:
+    """Forget no cell: neither age nor seeing through a cell removes an obstacle."""
+    return on_each(lambda clearing: clearing._replace(forget=clearing.forget[:0].copy()))
+
+
+@operator(
+    "clear_all",
+    seams=CLEARING,
+    example=Example(
+        "clearing",
+        {"period_s": 0.1},
+        (_clearing(3), _clearing(), _clearing(5)),
+        (_clearing(3), _clearing(), _clearing(3, 5, 8)),
+    ),
+)
+def clear_all(context: TapContext, *, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
+    """Forget all occupied cells at once, each `period_s` [s]: the map server restarts."""
+    windows = Windows.polls(period_s, phase_s, 0.0, context.period_s)
+    return within(windows, lambda clearing: clearing._replace(forget=clearing.occupied.copy()))

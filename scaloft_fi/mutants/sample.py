@@ -1,0 +1,51 @@
+"""Taps without memory, and changed copies of samples: nothing is written into."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from scaloft_fi.mutants.argument import ALL, number_fields
+from scaloft_fi.mutants.operator import Tap
+from scaloft_fi.mutants.window import Windows
+
+AXES = "xyz"
+
+
+def on_each(change: Callable[[Any], Any]) -> Tap:
+    """A tap without memory: `change` for every sample, nothing where there is none."""
+    return lambda _t_s, sample: None if sample is None else change(sample)
+
+
+def within(windows: Windows, change: Callable[[Any], Any]) -> Tap:
+    """A tap without memory: `change` for the samples inside the windows."""
+    return lambda t_s, sample: change(sample) if sample is not None and windows.open(t_s) else sample
+
+
+def altered(sample: Any, field: str, change: Callable[[Any], Any], component: str = "") -> Any:
+    """`sample` with `change` applied to the numbers of `field`, or to one `component` (x, y, z) of it.
+
+    `change` takes a float or an array and returns a new one.
+    """
+    names = number_fields(type(sample)) if field == ALL else (field,)
+    return sample._replace(**{name: _changed(getattr(sample, name), change, component) for name in names})
+
+
+def _changed(value: Any, change: Callable[[Any], Any], component: str) -> Any:
+    if isinstance(value, tuple):
+        chosen = AXES.index(component) if component else None
+        return tuple(float(change(v)) if chosen in (None, i) else v for i, v in enumerate(value))
+    if isinstance(value, np.ndarray):
+        if not component:
+            return change(value)
+        fresh = value.copy()
+        fresh[AXES.index(component)] = change(value[AXES.index(component)])
+        return fresh
+    return float(change(value))
+
+
+def restamped(sample: Any, stamp_of: Any) -> Any:
+    """`sample` with the time stamp of `stamp_of`, where such messages carry one."""
+    return sample._replace(stamp_s=stamp_of.stamp_s) if hasattr(sample, "stamp_s") else sample
