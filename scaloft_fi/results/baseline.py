@@ -1,0 +1,69 @@
+"""The baseline's own findings: what the unmutated drone violates, and which requirements its flights never tested."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from scaloft_fi.results.outcome import BASELINE, Outcome, Violation
+from scaloft_fi.results.requirement import Kind, Verdict
+from scaloft_fi.results.space import Space
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A situation's baseline over the seeds.
+
+    Attributes:
+        situation: key.
+        flown: baseline flights that count.
+        violated: requirements that any of them violates, in the study's order.
+        open: requirements left open by a flight cut short, and violated in none.
+        vacuous: requirements whose trigger never came true in any.
+        first: the earliest safety violation and its seed.
+        red: flights that violate a safety requirement.
+    """
+
+    situation: str
+    flown: int
+    violated: tuple[str, ...]
+    open: tuple[str, ...]
+    vacuous: tuple[str, ...]
+    first: tuple[Violation, int] | None
+    red: int
+
+
+def findings(outcomes: Iterable[Outcome], space: Space) -> tuple[Finding, ...]:
+    """One finding per situation with a baseline that counts, in the grid's order."""
+    flown: dict[str, list[Outcome]] = {}
+    for outcome in outcomes:
+        if outcome.mutant == BASELINE and not outcome.invalid:
+            flown.setdefault(outcome.situation, []).append(outcome)
+    return tuple(_finding(key, flown[key]) for key in sorted(flown, key=space.rank))
+
+
+def _finding(situation: str, baselines: list[Outcome]) -> Finding:
+    verdicts: dict[str, list[Verdict]] = {}
+    for outcome in baselines:
+        for reading in outcome.readings:
+            verdicts.setdefault(reading.requirement, []).append(reading.verdict)
+    firsts = [(v, outcome.seed) for outcome in baselines if (v := outcome.first_violation)]
+    return Finding(
+        situation=situation,
+        flown=len(baselines),
+        violated=tuple(name for name, said in verdicts.items() if Verdict.VIOLATED in said),
+        open=tuple(name for name, said in verdicts.items() if Verdict.OPEN in said and Verdict.VIOLATED not in said),
+        vacuous=tuple(name for name, said in verdicts.items() if set(said) == {Verdict.VACUOUS}),
+        first=min(firsts, key=lambda pair: (pair[0].t_s, pair[1]), default=None),
+        red=len(firsts),
+    )
+
+
+def holds_somewhere(outcomes: Iterable[Outcome]) -> bool:
+    """Whether any baseline holds a safety requirement to its end: without one no fault can be revealed."""
+    return any(
+        reading.kind is Kind.SAFETY and not reading.violated and not reading.open
+        for outcome in outcomes
+        if outcome.mutant == BASELINE
+        for reading in outcome.readings
+    )

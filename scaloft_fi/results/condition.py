@@ -1,0 +1,142 @@
+"""In which situations a mutant dies, as a short condition: `human & light`.
+
+Quine and McCluskey's method for axes of any number of values: a term is a box (a set of values per axis), the prime
+terms are the largest boxes without a surviving situation, and the fewest of them that cover every kill are printed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from itertools import combinations, product
+
+from scaloft_fi.results.space import Point, Space
+
+Term = tuple[frozenset[str], ...]
+"""Per axis the values a term admits."""
+
+MOST_BOXES = 60_000
+"""Beyond this many boxes only boxes with one or all values on each axis are looked at."""
+MOST_EXACT = 16
+"""Up to this many prime terms the smallest cover is searched for exactly; beyond, greedily."""
+
+
+def condition(space: Space, killing: Collection[str], surviving: Collection[str]) -> str:
+    """The shortest condition that is true in every killing situation and in no surviving one.
+
+    Situations in neither (nothing is known there) may fall on either side.
+
+    Args:
+        space: the grid.
+        killing: keys of the situations where the mutant is killed.
+        surviving: keys of those where it was put to the test and is not.
+
+    Raises:
+        ValueError: a situation is in both.
+    """
+    terms = cover(space, killing, surviving)
+    if not terms:
+        return ""
+    texts = [_text(space, term) for term in terms]
+    if texts == [""]:
+        return "everywhere"
+    return " | ".join(f"({text})" if len(texts) > 1 and " & " in text else text for text in texts)
+
+
+def cover(space: Space, killing: Collection[str], surviving: Collection[str]) -> tuple[Term, ...]:
+    """The terms of the condition: every killing point is in one of them, no surviving point in any.
+
+    Raises:
+        ValueError: a situation is in both.
+    """
+    both = set(killing) & set(surviving)
+    if both:
+        raise ValueError(f"both killing and surviving: {sorted(both)}")
+    on = [space.point[key] for key in sorted(set(killing), key=space.rank)]
+    off = [space.point[key] for key in sorted(set(surviving), key=space.rank)]
+    primes = _primes(space, on, off)
+    return tuple(sorted(_fewest(space, primes, on), key=lambda term: _order(space, term)))
+
+
+def admits(term: Term, point: Point) -> bool:
+    """Whether a point is in the box."""
+    return all(value in allowed for value, allowed in zip(point, term, strict=True))
+
+
+def _choices(space: Space) -> list[list[frozenset[str]]]:
+    """Per axis the sets of values a box may have."""
+    every = [
+        [frozenset(chosen) for size in range(1, len(values) + 1) for chosen in combinations(values, size)]
+        for values in space.values
+    ]
+    boxes = 1
+    for sets in every:
+        boxes *= len(sets)
+    if boxes <= MOST_BOXES:
+        return every
+    return [[*(frozenset([value]) for value in values), frozenset(values)] for values in space.values]
+
+
+def _primes(space: Space, on: Sequence[Point], off: Sequence[Point]) -> list[Term]:
+    """The boxes with a killing point and no surviving one that no other such box contains, largest first."""
+    if not on:
+        return []
+    if not off:
+        return [tuple(frozenset(values) for values in space.values)]
+    found: list[Term] = []
+    for term in sorted(_boxes(space, on), key=lambda term: _order(space, term)):
+        if any(admits(term, point) for point in off):
+            continue
+        if not any(_within(term, larger) for larger in found):
+            found.append(term)
+    return found
+
+
+def _boxes(space: Space, on: Sequence[Point]) -> Iterator[Term]:
+    for term in product(*_choices(space)):
+        if any(admits(term, point) for point in on):
+            yield term
+
+
+def _within(term: Term, larger: Term) -> bool:
+    return all(values <= others for values, others in zip(term, larger, strict=True))
+
+
+def _order(space: Space, term: Term) -> tuple[int, int, list[list[int]]]:
+    """Fewest literals first, then fewest values left out, then the grid's order: ties always break the same way."""
+    left_out = [len(values) - len(allowed) for values, allowed in zip(space.values, term, strict=True)]
+    places = [
+        sorted(values.index(value) for value in allowed) for values, allowed in zip(space.values, term, strict=True)
+    ]
+    return sum(count > 0 for count in left_out), sum(left_out), places
+
+
+def _fewest(space: Space, primes: Sequence[Term], on: Sequence[Point]) -> list[Term]:
+    covered = {term: frozenset(i for i, point in enumerate(on) if admits(term, point)) for term in primes}
+    everything = frozenset(range(len(on)))
+    essential = {holders[0] for i in everything if len(holders := [term for term in primes if i in covered[term]]) == 1}
+    chosen = [term for term in primes if term in essential]
+    missing = everything.difference(*(covered[term] for term in chosen))
+    others = [term for term in primes if term not in essential and covered[term] & missing]
+    if len(others) <= MOST_EXACT:
+        for size in range(len(others) + 1):
+            fits = [
+                pick for pick in combinations(others, size) if missing <= frozenset().union(*(covered[t] for t in pick))
+            ]
+            if fits:
+                return [*chosen, *min(fits, key=lambda pick: sum(_order(space, term)[0] for term in pick))]
+    while missing:
+        best = max(others, key=lambda term: len(covered[term] & missing))
+        chosen.append(best)
+        missing -= covered[best]
+    return chosen
+
+
+def _text(space: Space, term: Term) -> str:
+    """`human & light`: the axes in reverse order of the grid read best, the person before the light."""
+    words = []
+    for axis in reversed(range(len(space.axes))):
+        allowed = [value for value in space.values[axis] if value in term[axis]]
+        if len(allowed) < len(space.values[axis]):
+            names = [space.word(axis, value) for value in allowed]
+            words.append(names[0] if len(names) == 1 else "(" + " or ".join(names) + ")")
+    return " & ".join(words)

@@ -1,0 +1,197 @@
+"""Outcome: all that is kept of one flight, pure data with a JSON round trip.  Statuses and scores follow from it."""
+
+from __future__ import annotations
+
+import base64
+import zlib
+from array import array
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+from scaloft_fi.results.requirement import Kind, Reading, Requirement, judge_signals
+
+if TYPE_CHECKING:
+    from scaloft_fi.results.space import Realisation
+    from scaloft_fi.sim.log import FlightLog
+
+BASELINE, PLACEBO = "baseline", "PLACEBO"
+TRACK_COLUMNS = ("elapsed_s", "x_m", "y_m", "z_m", "speed_mps")
+TRACK_EVERY = 4
+"""Every fourth sample of 20 Hz is kept of a trajectory: 5 Hz."""
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What was flown: the baseline, PLACEBO or a mutant by its canonical id; magnitude as written in the id."""
+
+    id: str
+    guideword: str = ""
+    parameter: str = ""
+    magnitude: str = ""
+
+
+@dataclass(frozen=True)
+class Violation:
+    """First violation of a requirement in a flight: when [s], where [m, world], and the body struck at that moment."""
+
+    requirement: str
+    kind: Kind
+    t_s: float
+    x: float
+    y: float
+    z: float
+    struck: str
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One flight.
+
+    Attributes:
+        subject, situation, seed: what was flown, where.
+        ending: how the flight stopped; empty when invalid.
+        invalid: why the harness failed; empty for a flight that counts.
+        readings: one per requirement, in the study's order.
+        violations: the first of each violated requirement.
+        carried: samples that crossed the mutated seam; altered: how many were changed there.
+        infected_at_s: when the first sample differed [s].
+        struck: body of the contact that ended the flight.
+        duration_s: simulated time [s].
+        digest, perceived_digest: of the log's ground truth and of what the stack believed.
+        stack_error: what the stack raised; the fail-safe took over.
+        realised: for a baseline, per axis whether the situation's value came true in flight.
+        track: trajectory at 5 Hz, packed.
+    """
+
+    subject: Subject
+    situation: str
+    seed: int
+    ending: str = ""
+    invalid: str = ""
+    readings: tuple[Reading, ...] = ()
+    violations: tuple[Violation, ...] = ()
+    carried: int = 0
+    altered: int = 0
+    infected_at_s: float | None = None
+    struck: str = ""
+    duration_s: float = 0.0
+    digest: str = ""
+    perceived_digest: str = ""
+    stack_error: str = ""
+    realised: tuple[tuple[str, bool], ...] = ()
+    track: bytes = b""
+
+    @property
+    def mutant(self) -> str:
+        """Id of the subject."""
+        return self.subject.id
+
+    @property
+    def name(self) -> str:
+        """`MUTANT/SITUATION/SEED`, as `replay` takes it."""
+        return f"{self.subject.id}/{self.situation}/{self.seed}"
+
+    def reading(self, requirement: str) -> Reading | None:
+        """The reading of a requirement, None when the flight was not judged by it."""
+        return next((reading for reading in self.readings if reading.requirement == requirement), None)
+
+    @property
+    def first_violation(self) -> Violation | None:
+        """The earliest safety violation."""
+        safety = [violation for violation in self.violations if violation.kind is Kind.SAFETY]
+        return min(safety, key=lambda violation: violation.t_s, default=None)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return asdict(self) | {"track": base64.b64encode(self.track).decode()}
+
+    @classmethod
+    def from_json(cls, values: Mapping[str, Any]) -> Outcome:
+        """The outcome that `to_json` wrote; unknown keys are ignored."""
+        known = {field.name: values[field.name] for field in fields(cls) if field.name in values}
+        known["subject"] = Subject(**values["subject"])
+        known["readings"] = tuple(Reading(**{**entry, "kind": Kind(entry["kind"])}) for entry in values["readings"])
+        known["violations"] = tuple(
+            Violation(**{**entry, "kind": Kind(entry["kind"])}) for entry in values["violations"]
+        )
+        known["realised"] = tuple((str(axis), bool(came_true)) for axis, came_true in values["realised"])
+        known["track"] = base64.b64decode(values.get("track", ""))
+        return cls(**known)
+
+
+def outcome_of(
+    log: FlightLog,
+    subject: Subject,
+    situation: str,
+    seed: int,
+    *,
+    requirements: Sequence[Requirement],
+    seam: str | None = None,
+    realisation: Realisation | None = None,
+) -> Outcome:
+    """Judge a flight log.
+
+    Args:
+        log: the recorded flight.
+        subject: what was flown.
+        situation: key of the situation.
+        seed: of the noise.
+        requirements: of the study.
+        seam: the mutated seam; None counts every seam the log has counts of (PLACEBO patches all).
+        realisation: the grid's predicates, to judge a baseline by.
+
+    Raises:
+        ValueError: the log holds a sample that is not finite.
+    """
+    signals = log.signals
+    readings, violations = [], []
+    for requirement in requirements:
+        judgement = judge_signals(requirement, signals, cut_short=log.ending.cut_short)
+        readings.append(judgement.reading)
+        if judgement.sample is not None:
+            violations.append(_violation(requirement, signals, judgement.sample, log.struck))
+    counts = [count for name, count in log.counts.items() if seam is None or name == seam]
+    first = [count.first_altered_s for count in counts if count.first_altered_s is not None]
+    return Outcome(
+        subject=subject,
+        situation=situation,
+        seed=seed,
+        ending=log.ending.name.lower(),
+        readings=tuple(readings),
+        violations=tuple(violations),
+        carried=sum(count.carried for count in counts),
+        altered=sum(count.altered for count in counts),
+        infected_at_s=min(first, default=None),
+        struck=log.struck,
+        duration_s=float(log.duration_s),
+        digest=log.digest,
+        perceived_digest=log.perceived_digest,
+        stack_error=log.stack_error,
+        realised=realisation.of(situation, signals) if realisation else (),
+        track=pack_track(signals),
+    )
+
+
+def _violation(requirement: Requirement, signals: Mapping[str, Any], sample: int, struck: str) -> Violation:
+    t_s, x, y, z = (float(signals[name][sample]) for name in ("elapsed_s", "x_m", "y_m", "z_m"))
+    in_contact = float(signals["clearance_m"][sample]) <= 0
+    return Violation(requirement.name, requirement.kind, t_s, x, y, z, struck if in_contact else "")
+
+
+def pack_track(signals: Mapping[str, Sequence[float]]) -> bytes:
+    """The trajectory at 5 Hz as packed single floats, the last sample always among them."""
+    columns = [list(map(float, signals[name])) for name in TRACK_COLUMNS]
+    length = len(columns[0])
+    kept = sorted({*range(0, length, TRACK_EVERY), length - 1})
+    return zlib.compress(array("f", [column[i] for i in kept for column in columns]).tobytes(), 6)
+
+
+def unpack_track(track: bytes) -> list[tuple[float, ...]]:
+    """Rows of (elapsed_s, x_m, y_m, z_m, speed_mps) that `pack_track` kept; none for an empty track."""
+    if not track:
+        return []
+    values = array("f")
+    values.frombytes(zlib.decompress(track))
+    width = len(TRACK_COLUMNS)
+    return [tuple(values[i : i + width]) for i in range(0, len(values), width)]

@@ -1,0 +1,273 @@
+"""Requirements: a formula over the flight log, read from the study, judged to a reading per flight.
+
+A requirement is `always( ... )` over the present and the past, so a violation is final at the sample where it happens
+and its moment is exact.  Nothing of it looks into the future: an obligation still open when a flight is cut short would
+otherwise count as broken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from scaloft_fi.document import Item, load
+from scaloft_fi.errors import InputError
+from scaloft_fi.results.stl import FUTURE, WORDS, Formula, FormulaError, inside_always, tokenize
+
+if TYPE_CHECKING:
+    from scaloft_fi.sim.log import FlightLog
+
+TRIGGER = "trigger"
+"""The name under which a formula speaks of its own trigger."""
+
+
+class Kind(StrEnum):
+    """What a violation of the requirement means."""
+
+    SAFETY = "safety"
+    """It can kill a mutant."""
+    OPERABILITY = "operability"
+    """It has a score of its own."""
+    REPORTED = "reported"
+    """It is evaluated and shown, and decides nothing."""
+
+
+class Verdict(StrEnum):
+    """What a flight says about a requirement."""
+
+    VIOLATED = "violated"
+    OPEN = "open"
+    """Not violated, but the flight was cut short."""
+    VACUOUS = "vacuous"
+    """Its trigger never came true: nothing was tested."""
+    HELD = "held"
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """A requirement of the study.
+
+    Attributes:
+        name: `SR1`.
+        kind: what a violation means.
+        text: the formula, `always( ... )`.
+        trigger: what makes it count; empty = it always does.
+        definitions: names the formula and the trigger share, in order, each a formula.
+        unit: of the robustness.
+        title, source: for the reader.
+    """
+
+    name: str
+    kind: Kind
+    text: str
+    trigger: str = ""
+    definitions: tuple[tuple[str, str], ...] = ()
+    unit: str = ""
+    title: str = ""
+    source: str = ""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What a flight says about a requirement.
+
+    Attributes:
+        requirement, kind: of the requirement.
+        rho: robustness of the flight, in the requirement's unit; below 0 it is violated.
+        violated_at_s: time of the first violation [s from take-off], None when there is none.
+        triggered: how often its trigger came true (distinct episodes); 1 for a requirement without one.
+        open: not violated, but the flight was cut short.
+    """
+
+    requirement: str
+    kind: Kind
+    rho: float
+    violated_at_s: float | None
+    triggered: int
+    open: bool
+
+    @property
+    def violated(self) -> bool:
+        """Whether the flight violates it."""
+        return self.violated_at_s is not None
+
+    @property
+    def verdict(self) -> Verdict:
+        """The reading in a word."""
+        if self.violated:
+            return Verdict.VIOLATED
+        if self.open:
+            return Verdict.OPEN
+        return Verdict.HELD if self.triggered else Verdict.VACUOUS
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """A reading and the sample of the first violation (None without one)."""
+
+    reading: Reading
+    sample: int | None
+
+
+def judge(requirement: Requirement, log: FlightLog) -> Reading:
+    """Judge one flight.
+
+    Raises:
+        ValueError: a signal of the log is not finite.
+    """
+    return judge_signals(requirement, log.signals, cut_short=log.ending.cut_short).reading
+
+
+def judge_signals(requirement: Requirement, signals: Mapping[str, Sequence[float]], *, cut_short: bool) -> Judgement:
+    """Judge recorded signals, (T,) each at 20 Hz, `elapsed_s` among them.
+
+    Raises:
+        ValueError: a signal is not finite.
+    """
+    body, definitions, trigger = _parsed(requirement, frozenset(signals))
+    known: dict[str, Any] = dict(signals)
+    for name, formula in definitions:
+        known[name] = formula.robustness(known)
+    triggered = 1
+    if trigger is not None:
+        known[TRIGGER] = trigger.robustness(known)
+        triggered = episodes(known[TRIGGER])
+    robustness = body.robustness(known)
+    first = next((sample for sample, value in enumerate(robustness) if value < 0), None)
+    at_s = None if first is None else float(signals["elapsed_s"][first])
+    reading = Reading(
+        requirement.name, requirement.kind, min(robustness), at_s, triggered, open=cut_short and first is None
+    )
+    return Judgement(reading, first)
+
+
+def episodes(robustness: Sequence[float]) -> int:
+    """How often a condition came true: samples at or above 0 whose predecessor is below.
+
+    >>> episodes([-1, 0, 2, -1, 3])
+    2
+    """
+    return sum(now >= 0 and (i == 0 or robustness[i - 1] < 0) for i, now in enumerate(robustness))
+
+
+def load_requirements(path: Path, signals: Collection[str]) -> tuple[Requirement, ...]:
+    """Read the study's requirements, checked against the names of the log's signals.
+
+    Raises:
+        InputError: naming file and line: not YAML, an unknown key or signal, a bad formula, nothing of kind safety.
+    """
+    document = load(path)
+    requirements = []
+    for name, item in document.need("requirements").mapping().items():
+        requirements.append(_requirement(name, item, document.get("definitions"), frozenset(signals)))
+    document.close()
+    if not any(requirement.kind is Kind.SAFETY for requirement in requirements):
+        raise document.error("a study with at least one requirement of kind safety")
+    return tuple(requirements)
+
+
+def _requirement(name: str, item: Item, shared: Item | None, signals: frozenset[str]) -> Requirement:
+    formula = item.need("formula")
+    trigger = item.get("trigger")
+    places: dict[str, Item] = dict(shared.mapping()) if shared else {}
+    for key, entry in places.items():
+        if key in signals or key in WORDS or key == TRIGGER:
+            raise InputError(
+                f"{entry.place}: definition {key!r} must not be named like a signal or a word of the language"
+            )
+    title, source, unit = item.get("title"), item.get("source"), item.get("unit")
+    texts = {key: entry.text() for key, entry in places.items()}
+    requirement = Requirement(
+        name=name,
+        kind=Kind(item.need("kind").choice([kind.value for kind in Kind])),
+        text=formula.text(),
+        trigger=trigger.text() if trigger else "",
+        definitions=_needed(texts, [formula.text(), trigger.text() if trigger else ""]),
+        unit=unit.text() if unit else "",
+        title=title.text() if title else "",
+        source=source.text() if source else "",
+    )
+    item.close()
+    names = set(signals)
+    for key, _ in requirement.definitions:
+        _check(places[key], names)
+        names.add(key)
+    if trigger:
+        _check(trigger, names)
+        names.add(TRIGGER)
+    _check_body(formula, names)
+    return requirement
+
+
+def _needed(texts: Mapping[str, str], roots: Sequence[str]) -> tuple[tuple[str, str], ...]:
+    """The definitions the texts use, themselves or through others; in the order they stand."""
+    used: set[str] = set()
+    waiting = list(roots)
+    while waiting:
+        text = waiting.pop()
+        found = {name for name in texts if name not in used and re_word(name, text)}
+        used |= found
+        waiting += [texts[name] for name in found]
+    return tuple((name, text) for name, text in texts.items() if name in used)
+
+
+def re_word(name: str, text: str) -> bool:
+    """Whether `name` is one of the words of a formula that may not be well formed yet."""
+    try:
+        return name in tokenize(text)
+    except FormulaError:
+        return False
+
+
+def _check(item: Item, names: Collection[str]) -> None:
+    """A definition or a trigger: a formula over the present and the past."""
+    try:
+        _refuse_future(item.text())
+        Formula.parse(item.text(), names)
+    except FormulaError as error:
+        raise InputError(f"{item.place}: {item.name} {error}") from error
+
+
+def _check_body(item: Item, names: Collection[str]) -> None:
+    try:
+        body = inside_always(item.text())
+        if body is None:
+            raise FormulaError("must be always( ... ), so that the moment of a violation is final")
+        _refuse_future(body)
+        Formula.parse(body, names)
+    except FormulaError as error:
+        raise InputError(f"{item.place}: {item.name} {error}") from error
+
+
+def _refuse_future(text: str) -> None:
+    future = [token for token in tokenize(text) if token in FUTURE]
+    if future:
+        raise FormulaError(
+            f"looks into the future with {future[0]!r}; say it of the past with historically, once or since"
+        )
+
+
+_Parsed = tuple[Formula, tuple[tuple[str, Formula], ...], Formula | None]
+_PARSED: dict[tuple[Requirement, frozenset[str]], _Parsed] = {}
+
+
+def _parsed(requirement: Requirement, signals: frozenset[str]) -> _Parsed:
+    """The formulas of a requirement, parsed once a process."""
+    key = (requirement, signals)
+    if key not in _PARSED:
+        names = set(signals)
+        definitions = []
+        for name, text in requirement.definitions:
+            definitions.append((name, Formula.parse(text, names)))
+            names.add(name)
+        trigger = Formula.parse(requirement.trigger, names) if requirement.trigger else None
+        if trigger:
+            names.add(TRIGGER)
+        body = inside_always(requirement.text)
+        if body is None:
+            raise FormulaError("must be always( ... )")
+        _PARSED[key] = (Formula.parse(body, names), tuple(definitions), trigger)
+    return _PARSED[key]

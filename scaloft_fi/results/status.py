@@ -1,0 +1,160 @@
+"""What a flight's status says: the rung of reach, infect, propagate, reveal where the fault stopped."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+
+from scaloft_fi.results.outcome import BASELINE, Outcome
+from scaloft_fi.results.requirement import Kind, Reading
+
+
+class Status(StrEnum):
+    """Status of a flight or a mutant; `rung` orders them."""
+
+    INVALID = "invalid"
+    """The harness failed: never a kill, never a survivor."""
+    NOT_REACHED = "not_reached"
+    """The seam carried no sample."""
+    NOT_INFECTED = "not_infected"
+    """Every mutated sample equalled the original."""
+    MASKED = "masked"
+    """Samples differed, the ground truth is the baseline's to the bit."""
+    BASELINE_RED = "baseline_red"
+    """It violates only what the baseline violates too, or only later than a cut-short baseline's end."""
+    SURVIVED = "survived"
+    """The rest."""
+    KILLED = "killed"
+    """A safety requirement is violated that the baseline held up to that moment."""
+
+    @property
+    def rung(self) -> int:
+        """Height on the ladder."""
+        return _RUNGS[self]
+
+    @property
+    def infected(self) -> bool:
+        """Whether the fault changed at least one sample."""
+        return self.rung >= _RUNGS[Status.MASKED]
+
+
+_RUNGS = {status: rung for rung, status in enumerate(Status)}
+
+
+@dataclass(frozen=True)
+class Flight:
+    """A flight beside its baseline.
+
+    Attributes:
+        outcome: the flight.
+        baseline: of the same situation and seed; None when there is none that counts.
+        status: where the fault stopped.
+        kills: safety requirements by which it is killed, earliest first.
+        operability_kills: the same for operability requirements.
+        eligible: infected, and the baseline held a safety requirement to its end.
+        operability_eligible: infected, and the baseline held an operability requirement to its end.
+    """
+
+    outcome: Outcome
+    baseline: Outcome | None
+    status: Status
+    kills: tuple[str, ...] = ()
+    operability_kills: tuple[str, ...] = ()
+    eligible: bool = False
+    operability_eligible: bool = False
+
+    @property
+    def killed_at_s(self) -> float | None:
+        """Time of the earliest kill [s from take-off]."""
+        times = [reading.violated_at_s for reading in self.outcome.readings if reading.requirement in self.kills]
+        return min((time for time in times if time is not None), default=None)
+
+
+def flight_of(outcome: Outcome, baseline: Outcome | None) -> Flight:
+    """Judge a mutant's flight by the baseline of the same situation and seed; without one that counts it is invalid."""
+    if outcome.invalid or baseline is None or baseline.invalid:
+        return Flight(outcome, None, Status.INVALID)
+    if outcome.altered == 0:
+        return Flight(outcome, baseline, Status.NOT_INFECTED if outcome.carried else Status.NOT_REACHED)
+    eligible = held_to_end(baseline, Kind.SAFETY)
+    operability_eligible = held_to_end(baseline, Kind.OPERABILITY)
+    if outcome.digest == baseline.digest:
+        return Flight(outcome, baseline, Status.MASKED, (), (), eligible, operability_eligible)
+    kills = killed_by(outcome, baseline, Kind.SAFETY)
+    violated = any(reading.violated for reading in outcome.readings if reading.kind is Kind.SAFETY)
+    status = Status.KILLED if kills else Status.BASELINE_RED if violated else Status.SURVIVED
+    return Flight(
+        outcome=outcome,
+        baseline=baseline,
+        status=status,
+        kills=kills,
+        operability_kills=killed_by(outcome, baseline, Kind.OPERABILITY),
+        eligible=eligible,
+        operability_eligible=operability_eligible,
+    )
+
+
+def held_to_end(baseline: Outcome, kind: Kind) -> bool:
+    """Whether the baseline violated one requirement of the kind at no time and was not cut short."""
+    return any(not (reading.violated or reading.open) for reading in baseline.readings if reading.kind is kind)
+
+
+def killed_by(outcome: Outcome, baseline: Outcome, kind: Kind) -> tuple[str, ...]:
+    """The requirements of a kind that the flight violates and the baseline held up to that moment, earliest first."""
+    found: list[tuple[float, str]] = []
+    for reading in outcome.readings:
+        clean = baseline.reading(reading.requirement)
+        at_s = reading.violated_at_s
+        if (
+            reading.kind is kind
+            and at_s is not None
+            and clean is not None
+            and _held_until(clean, at_s, baseline.duration_s)
+        ):
+            found.append((at_s, reading.requirement))
+    return tuple(name for _, name in sorted(found, key=lambda pair: pair[0]))
+
+
+def _held_until(clean: Reading, t_s: float, end_s: float) -> bool:
+    if clean.violated_at_s is not None:
+        return t_s < clean.violated_at_s
+    return not clean.open or t_s <= end_s
+
+
+def baseline_status(baseline: Outcome) -> str:
+    """`held` or `violated` (a safety requirement), or `invalid`."""
+    if baseline.invalid:
+        return Status.INVALID.value
+    return "violated" if baseline.first_violation else "held"
+
+
+def baselines_of(outcomes: Iterable[Outcome]) -> dict[tuple[str, int], Outcome]:
+    """The baseline of each situation and seed."""
+    return {(outcome.situation, outcome.seed): outcome for outcome in outcomes if outcome.mutant == BASELINE}
+
+
+def flights_of(outcomes: Iterable[Outcome]) -> list[Flight]:
+    """Every flight of a mutant (PLACEBO among them) beside its baseline, in the order given."""
+    listed = list(outcomes)
+    baselines: Mapping[tuple[str, int], Outcome] = baselines_of(listed)
+    return [
+        flight_of(outcome, baselines.get((outcome.situation, outcome.seed)))
+        for outcome in listed
+        if outcome.mutant != BASELINE
+    ]
+
+
+def mutant_status(flights: Iterable[Flight]) -> Status:
+    """The highest rung over a mutant's eligible flights.
+
+    A mutant without one shows how far its fault came: a flight that infects where the baseline holds no safety
+    requirement to its end proves nothing about it and stands as `baseline_red`.
+    """
+    listed = list(flights)
+    eligible = [flight.status for flight in listed if flight.eligible]
+    if not eligible:
+        eligible = [
+            Status.BASELINE_RED if flight.status.rung > Status.BASELINE_RED.rung else flight.status for flight in listed
+        ]
+    return max(eligible, key=lambda status: status.rung, default=Status.INVALID)

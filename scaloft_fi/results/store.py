@@ -1,0 +1,165 @@
+"""The campaign's store: one SQLite file, one transaction per flight, safe against a kill at any moment."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from types import TracebackType
+
+from scaloft_fi.errors import InputError
+from scaloft_fi.results.outcome import Outcome
+
+SCHEMA = 1
+"""Version of the tables below; a store of a later one is refused."""
+BUSY_S = 30.0
+"""How long a writer waits for another process [s]."""
+
+_TABLES = """
+CREATE TABLE IF NOT EXISTS meta (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS outcomes (
+    key TEXT PRIMARY KEY,
+    mutant TEXT NOT NULL,
+    situation TEXT NOT NULL,
+    seed INTEGER NOT NULL,
+    valid INTEGER NOT NULL,
+    outcome TEXT NOT NULL,
+    track BLOB NOT NULL
+) WITHOUT ROWID;
+CREATE INDEX IF NOT EXISTS outcomes_by_flight ON outcomes (mutant, situation, seed);
+"""
+
+
+class Store:
+    """Outcomes by key, where a key is the content hash of everything that can change the flight.
+
+    A context manager; every `put` is on the disk when it returns.
+    """
+
+    def __init__(self, path: Path, *, create: bool = True) -> None:
+        """Open the store, making it and its folder when `create`.
+
+        Raises:
+            InputError: it cannot be opened or written, is no store, or is a later version's.
+        """
+        self.path = path
+        if not create and not path.is_file():
+            raise InputError(f"{path}: there is no campaign here; `run` makes one")
+        with _sentences(path):
+            if create:
+                path.parent.mkdir(parents=True, exist_ok=True)
+            # rows are written one by one in explicit transactions
+            self._connection = sqlite3.connect(path, timeout=BUSY_S, isolation_level=None)
+            try:
+                self._prepare()
+            except BaseException:
+                self._connection.close()
+                raise
+
+    def _prepare(self) -> None:
+        run = self._connection.execute
+        version = int(run("PRAGMA user_version").fetchone()[0])
+        if version > SCHEMA:
+            raise InputError(
+                f"{self.path}: store of schema {version} must be at most {SCHEMA}; a later version wrote it"
+            )
+        run("PRAGMA journal_mode=WAL")
+        run("PRAGMA synchronous=FULL")
+        if version < SCHEMA:
+            with self._transaction():
+                for statement in filter(str.strip, _TABLES.split(";")):
+                    run(statement)
+                run(f"PRAGMA user_version={SCHEMA}")
+
+    def __enter__(self) -> Store:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file; the write-ahead log is folded into it."""
+        self._connection.close()
+
+    @contextmanager
+    def _transaction(self) -> Iterator[None]:
+        with _sentences(self.path):
+            self._connection.execute("BEGIN IMMEDIATE")
+            try:
+                yield
+            except BaseException:
+                self._connection.execute("ROLLBACK")
+                raise
+            self._connection.execute("COMMIT")
+
+    def put(self, key: str, outcome: Outcome) -> bool:
+        """Keep an outcome; one that counts is never replaced, an invalid one gives way to any later.
+
+        Returns whether anything was written.
+
+        Raises:
+            InputError: the store cannot be written.
+        """
+        text = json.dumps(replace(outcome, track=b"").to_json(), sort_keys=True, allow_nan=False)
+        row = (key, outcome.mutant, outcome.situation, outcome.seed, not outcome.invalid, text, outcome.track)
+        with self._transaction():
+            cursor = self._connection.execute(
+                "INSERT INTO outcomes VALUES (?, ?, ?, ?, ?, ?, ?) ON CONFLICT (key) DO UPDATE SET"
+                " valid = excluded.valid, outcome = excluded.outcome, track = excluded.track"
+                " WHERE outcomes.valid = 0 AND outcomes.outcome != excluded.outcome",
+                row,
+            )
+            return cursor.rowcount > 0
+
+    def get(self, key: str) -> Outcome | None:
+        """The outcome under a key with its track, None when there is none."""
+        with _sentences(self.path):
+            row = self._connection.execute("SELECT outcome, track FROM outcomes WHERE key = ?", (key,)).fetchone()
+        return None if row is None else replace(Outcome.from_json(json.loads(row[0])), track=bytes(row[1]))
+
+    def known(self, keys: Iterable[str]) -> set[str]:
+        """Those of `keys` that have an outcome that counts."""
+        with _sentences(self.path):
+            valid = {row[0] for row in self._connection.execute("SELECT key FROM outcomes WHERE valid = 1")}
+        return valid & set(keys)
+
+    def outcomes(self, keys: Iterable[str] | None = None) -> Iterator[Outcome]:
+        """All outcomes, or those under `keys`, without their tracks, ordered by mutant, situation, seed."""
+        wanted = None if keys is None else set(keys)
+        with _sentences(self.path):
+            rows = self._connection.execute("SELECT key, outcome FROM outcomes ORDER BY mutant, situation, seed, key")
+            for key, text in rows:
+                if wanted is None or key in wanted:
+                    yield Outcome.from_json(json.loads(text))
+
+    def set_meta(self, entries: Mapping[str, str]) -> None:
+        """Keep facts about the campaign, such as the platform's fingerprint; the first value of a name stays.
+
+        Raises:
+            InputError: the store cannot be written.
+        """
+        with self._transaction():
+            self._connection.executemany(
+                "INSERT INTO meta VALUES (?, ?) ON CONFLICT (name) DO NOTHING", entries.items()
+            )
+
+    def meta(self) -> dict[str, str]:
+        """The facts kept by `set_meta`."""
+        with _sentences(self.path):
+            return dict(self._connection.execute("SELECT name, value FROM meta ORDER BY name"))
+
+
+@contextmanager
+def _sentences(path: Path) -> Iterator[None]:
+    """SQLite's and the file system's failures as one sentence."""
+    try:
+        yield
+    except sqlite3.DatabaseError as error:
+        raise InputError(f"{path}: the campaign's store cannot be used: {error}") from error
+    except OSError as error:
+        raise InputError(f"{path}: the results folder cannot be written: {error.strerror}") from error

@@ -1,0 +1,163 @@
+"""The tables of a campaign: ratios, mutants, rungs, the baseline's findings, coverage, groupings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from scaloft_fi.results.baseline import Finding, findings
+from scaloft_fi.results.coverage import Coverage, coverage
+from scaloft_fi.results.grouping import By, groups
+from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.ratio import Decision, Ratio
+from scaloft_fi.results.roster import Roster
+from scaloft_fi.results.score import MutantScore, Score, score
+from scaloft_fi.results.space import Space
+from scaloft_fi.results.status import Status
+from scaloft_fi.results.table import Table
+
+ONE_SEED = "One seed: one flight per mutant and situation decides nothing statistically; fly more with --seeds."
+INTERVALS = "In brackets Wilson's 95 % interval [%] over the row's population; 0/0 is n/a."
+
+
+def score_tables(outcomes: Iterable[Outcome], roster: Roster, space: Space, by: By | None = None) -> tuple[Table, ...]:
+    """All tables that `run` and `score` print; `by` adds the score part by part."""
+    listed = list(outcomes)
+    scored = score(listed, roster, space)
+    seeds = len({outcome.seed for outcome in listed if not outcome.invalid})
+    tables = [ratio_table(scored, seeds), mutant_table(scored.mutants, space, seeds)]
+    if scored.controls:
+        tables.append(mutant_table(scored.controls, space, seeds, "Controls (in no ratio)"))
+    tables.append(rung_table(scored))
+    if by is not None:
+        tables.append(group_table(scored, by, roster, space))
+    tables += [baseline_table(findings(listed, space)), coverage_table(coverage(listed, space))]
+    return tuple(tables)
+
+
+def ratio_table(scored: Score, seeds: int) -> Table:
+    """The four ratios and the operability score, each with its population."""
+    rows = (
+        ("exercised", str(scored.exercised), "credible cells whose default mutant was flown, of all credible cells"),
+        ("infected", str(scored.infected), "default mutants that changed a sample, of those flown"),
+        (
+            "mutation score",
+            str(scored.mutation_score),
+            "default mutants killed, of those infected in an eligible situation",
+        ),
+        ("strict score", str(scored.strict_score), "default mutants killed, of those flown"),
+        ("operability", str(scored.operability), "default mutants that break operability, of those put to that test"),
+    )
+    return Table("Mutation score", ("ratio", "part/whole", "population"), rows, _notes(seeds))
+
+
+def mutant_table(mutants: Sequence[MutantScore], space: Space, seeds: int, title: str = "Mutants") -> Table:
+    """Per mutant its kills of the eligible and of all flown situations, by what, how early, where."""
+    decided = seeds > 1
+    headers = (
+        "mutant",
+        "status",
+        "killed/eligible",
+        "killed/flown",
+        "by",
+        "first kill",
+        *(["decided"] * decided),
+        "killed where",
+    )
+    rows = tuple(
+        (
+            mutant.subject.id,
+            mutant.status.value,
+            str(mutant.kill_rate),
+            str(mutant.kill_rate_flown),
+            ", ".join(f"{name} {ratio.part}/{ratio.whole}" for name, ratio in mutant.requirements),
+            f"{mutant.earliest.t_s:.2f} s" if mutant.earliest else "",
+            *([_decisions(mutant)] * decided),
+            mutant.condition(space),
+        )
+        for mutant in mutants
+    )
+    notes = ["First kill: seconds from take-off, over all situations and seeds."]
+    if decided:
+        notes.append("Decided: situations killed + survived, ? undecided, over the seeds.")
+    return Table(title, headers, rows, (*notes, *_notes(seeds)))
+
+
+def _decisions(mutant: MutantScore) -> str:
+    said = [result.decision for result in mutant.results if result.eligible]
+    killed, survived, undecided = (said.count(decision) for decision in Decision)
+    return f"{killed}+{survived}" + (f" {undecided}?" if undecided else "")
+
+
+def rung_table(scored: Score) -> Table:
+    """Per mutant how many flights stopped at each rung: reach, infect, propagate, reveal."""
+    entries = [*([scored.placebo] if scored.placebo else []), *scored.mutants, *scored.controls]
+    rows = [_rungs(entry.subject.id, dict(entry.rungs)) for entry in entries]
+    total = {status: sum(dict(entry.rungs).get(status, 0) for entry in entries) for status in Status}
+    if len(entries) > 1:
+        rows.append(_rungs("all", total))
+    return Table("Where the faults stopped (flights)", ("mutant", *(s.value for s in Status), "flights"), tuple(rows))
+
+
+def _rungs(name: str, counts: dict[Status, int]) -> tuple[str | int, ...]:
+    return (name, *(counts.get(status, 0) for status in Status), sum(counts.values()))
+
+
+def baseline_table(found: Sequence[Finding]) -> Table:
+    """The situations where the unmutated drone violates a requirement, or leaves one untested."""
+    rows = tuple(
+        (
+            finding.situation,
+            str(Ratio(finding.red, finding.flown)),
+            ", ".join(finding.violated),
+            ", ".join(finding.open),
+            ", ".join(finding.vacuous),
+            _first(finding),
+        )
+        for finding in found
+        if finding.violated
+    )
+    red = sum(finding.red > 0 for finding in found)
+    held = len(found) - red
+    vacuous = sum(bool(finding.vacuous) for finding in found)
+    notes = (
+        f"{Ratio(held, len(found))} of the situations flown have baselines that hold every safety requirement.",
+        f"In {vacuous} of {len(found)} a requirement was never triggered: vacuous, not passed.",
+    )
+    headers = ("situation", "red flights", "violated", "open", "vacuous", "first")
+    return Table("Findings about the unmutated drone", headers, rows, notes)
+
+
+def _first(finding: Finding) -> str:
+    if finding.first is None:
+        return ""
+    violation, seed = finding.first
+    struck = f" struck {violation.struck}" if violation.struck else ""
+    place = f"({violation.x:.2f}, {violation.y:.2f}, {violation.z:.2f})"
+    return f"{violation.requirement} {violation.t_s:.2f} s {place}{struck}, seed {seed}"
+
+
+def coverage_table(covered: Coverage) -> Table:
+    """How much of the situation space was flown; the grid is a closed list, so no interval."""
+    rows = [
+        ("distinct situations", covered.situations.plain, "situations of the grid"),
+        ("draws", str(covered.draws), "situations flown with a seed"),
+        *((f"{t}-way", ratio.plain, f"combinations of the values of {t} axes") for t, ratio in covered.t_way),
+        ("realised", covered.realised.plain, "situations whose every value came true in a baseline flight"),
+        *(
+            (f"realised {axis}", ratio.plain, f"situations where the value on axis {axis} came true")
+            for axis, ratio in covered.by_axis
+        ),
+    ]
+    return Table("Situation coverage", ("coverage", "part/whole", "of"), tuple(rows))
+
+
+def group_table(scored: Score, by: By, roster: Roster, space: Space) -> Table:
+    """The score of each part."""
+    rows = tuple((group.name, str(group.killed), str(group.flown)) for group in groups(scored, by, roster, space))
+    what = "mutants" if by is not By.AXIS else "mutants in situations"
+    notes = (f"Counted are {what}, default mutants of credible cells only.", INTERVALS)
+    return Table(f"Score by {by.value}", (by.value, "killed/eligible", "killed/flown"), rows, notes)
+
+
+def _notes(seeds: int) -> tuple[str, ...]:
+    return (INTERVALS, ONE_SEED) if seeds == 1 else (INTERVALS,)
