@@ -105,7 +105,7 @@ class Argument:
             raise InputError(f"{self.name}={value!r} is not known{did_you_mean(value, self.choices)}")
         if self.field is not None:
             known = number_fields(message) if self.field.number else _fields(message)
-            if value not in (*known, ALL) or (value == ALL and not self.field.number):
+            if value not in (*known, ALL):
                 kind = "numeric field" if self.field.number else "field"
                 raise InputError(
                     f"{self.name}={value!r} is no {kind} of {message.__name__}{did_you_mean(value, known)}"

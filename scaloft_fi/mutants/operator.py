@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -74,6 +74,18 @@ class Example:
         return TapContext(1.0 / SEAMS[self.seam].rate_hz, rng, self.duration_s, self.facts)
 
 
+class OperatorError(InputError):
+    """An operator cannot be used so.  The sentence has no place: whoever knows the place of `about` puts it first.
+
+    Attributes:
+        about: "seam", "operator" or the argument's name.
+    """
+
+    def __init__(self, about: str, sentence: str) -> None:
+        super().__init__(sentence)
+        self.about = about
+
+
 @dataclass(frozen=True)
 class Operator:
     """One declared operator.
@@ -97,38 +109,45 @@ class Operator:
         """First sentence of the operator's docstring."""
         return " ".join((self.make.__doc__ or "").split("\n\n")[0].split())
 
-    def check(self, seam: str, arguments: Mapping[str, Any]) -> Mapping[str, Value]:
+    def check(self, seam: str, arguments: Mapping[str, Any]) -> dict[str, Value]:
         """The arguments as the operator takes them, defaults not filled in.
 
         Raises:
-            InputError: the seam does not exist or does not fit; an argument is unknown, missing, of another type or
-                out of range.  The sentence has no place: the caller knows it.
+            OperatorError: the seam does not exist or does not fit; an argument is unknown, missing, of another type or
+                out of range.
         """
         if seam not in SEAMS:
-            raise InputError(f"no seam {seam!r}{did_you_mean(seam, SEAMS)}")
+            raise OperatorError("seam", f"no seam {seam!r}{did_you_mean(seam, SEAMS)}")
         if seam not in self.seams:
-            raise InputError(f"operator {self.name!r} does not fit seam {seam!r}{did_you_mean(seam, self.seams)}")
-        message = SEAMS[seam].message
+            fitting = did_you_mean(seam, self.seams)
+            raise OperatorError("seam", f"operator {self.name!r} does not fit seam {seam!r}{fitting}")
         checked: dict[str, Value] = {}
         for name, value in arguments.items():
             if name not in self.arguments:
-                raise InputError(f"operator {self.name!r} has no argument {name!r}{did_you_mean(name, self.arguments)}")
-            try:
-                checked[name] = self.arguments[name].check(value, message)
-            except InputError as error:
-                raise InputError(f"operator {self.name!r}: {error}") from None
+                known = did_you_mean(name, self.arguments)
+                raise OperatorError(name, f"operator {self.name!r} has no argument {name!r}{known}")
+            with self._telling(name):
+                checked[name] = self.arguments[name].check(value, SEAMS[seam].message)
         missing = [name for name, argument in self.arguments.items() if argument.required and name not in checked]
         if missing:
-            raise InputError(f"operator {self.name!r} lacks the argument {missing[0]!r}")
-        self._check_field(message, checked)
-        return MappingProxyType(checked)
+            raise OperatorError("operator", f"operator {self.name!r} lacks the argument {missing[0]!r}")
+        self._check_field(SEAMS[seam].message, checked)
+        return checked
 
     def _check_field(self, message: type, checked: dict[str, Value]) -> None:
         name = str(checked.get("field", ALL))
         if checked.get("component") and "field" in self.arguments and name not in VECTORS:
-            raise InputError(f"operator {self.name!r}: field={name!r} has no component {checked['component']!r}")
+            raise OperatorError("component", f"operator {self.name!r}: field={name!r} has no components x, y, z")
         if self.name == "set":
-            checked["value"] = check_against_field(message, name, checked["value"])
+            with self._telling("value"):
+                checked["value"] = check_against_field(message, name, checked["value"])
+
+    @contextmanager
+    def _telling(self, argument: str) -> Iterator[None]:
+        try:
+            yield
+        except InputError as error:
+            raise OperatorError(argument, f"operator {self.name!r}: {error}") from None
 
     def tap(self, context: TapContext, arguments: Mapping[str, Value]) -> Tap:
         """A fresh tap with checked `arguments`."""

@@ -1,0 +1,127 @@
+"""`scaloft-fi mutants`: the catalogue of mutants; list it, derive it from the matrix, prove it current."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import textwrap
+from collections.abc import Collection, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+from tabulate import tabulate
+
+from scaloft_fi.cli.options import format_option, study_option
+from scaloft_fi.errors import InputError
+from scaloft_fi.hazop.folder import find_study
+from scaloft_fi.hazop.load import load_matrix
+from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.mutants import catalogue
+from scaloft_fi.mutants.derive import default_of, defaults, derive
+from scaloft_fi.mutants.mutant import Mutant
+from scaloft_fi.mutants.select import select
+from scaloft_fi.registry import load_plugins
+from scaloft_fi.stack.seam import SEAMS
+
+_COLUMNS = ("id", "default", "parameter", "guideword", "seam", "operator", "arguments")
+_TABULATE = {"markdown": "github", "latex": "latex"}
+_ARGUMENT_COLUMNS = 44  # what 120 columns leave
+
+
+@click.command("mutants")
+@click.argument("patterns", nargs=-1, metavar="[PATTERN]...")
+@click.option("--write", is_flag=True, help="Derive the catalogue from the matrix and write it.")
+@click.option("--check", is_flag=True, help="Prove that the written catalogue is what the matrix gives.")
+@click.option("--cell", "cells", multiple=True, metavar="CELL", help="All mutants of this cell (repeatable).")
+@click.option("--defaults", "only_defaults", is_flag=True, help="One mutant a cell: its default.")
+@format_option
+@study_option
+def mutants_command(
+    patterns: tuple[str, ...],
+    *,
+    write: bool,
+    check: bool,
+    cells: tuple[str, ...],
+    only_defaults: bool,
+    style: str,
+    study_folder: Path | None,
+) -> None:
+    """List, derive, or prove current the catalogue of mutants.
+
+    PATTERN is a cell's name (its default mutant), an id, or a pattern with *, ? or [ over all ids.
+    """
+    if write and check:
+        raise click.UsageError("--write and --check exclude each other")
+    if (write or check) and (patterns or cells or only_defaults):
+        raise click.UsageError("--write and --check are about the whole catalogue; give no pattern with them")
+    load_plugins()
+    study = find_study(study_folder)
+    matrix = load_matrix(study / "hazop", SEAMS)
+    folder = study / "mutants"
+    derived = catalogue.check(folder, matrix) if check else derive(matrix)
+    if write:
+        click.echo(f"{catalogue.write(folder, derived)}: {_size(derived, matrix)}")
+    elif check:
+        click.echo(f"{folder / catalogue.FILE}: current, {_size(derived, matrix)}")
+    else:
+        _warn_if_stale(folder, matrix)
+        chosen = _chosen(derived, matrix, patterns, cells, only_defaults=only_defaults)
+        click.echo(_table(chosen, {mutant.id for mutant in defaults(matrix)}, style))
+
+
+def _size(derived: Sequence[Mutant], matrix: Matrix) -> str:
+    return f"{len(derived)} mutants of {len(defaults(matrix))} cells"
+
+
+def _warn_if_stale(folder: Path, matrix: Matrix) -> None:
+    try:
+        catalogue.check(folder, matrix)
+    except InputError as error:
+        click.echo(f"warning: {error}", err=True)
+
+
+def _chosen(
+    derived: Sequence[Mutant], matrix: Matrix, patterns: Sequence[str], cells: Sequence[str], *, only_defaults: bool
+) -> Sequence[Mutant]:
+    """What the user asks for; without a word the whole catalogue."""
+    for name in cells:
+        default_of(matrix.cell(name))  # refuses a cell without mutants, with its reason
+    chosen = list(select(patterns, matrix, derived))
+    known = {mutant.id for mutant in chosen}
+    if cells or not patterns:
+        chosen += [m for m in derived if (not cells or m.cell in cells) and m.id not in known]
+    if not only_defaults:
+        return chosen
+    kept = {mutant.id for mutant in defaults(matrix)}
+    return [mutant for mutant in chosen if mutant.id in kept]
+
+
+def _table(mutants: Sequence[Mutant], default_ids: Collection[str], style: str) -> str:
+    if style == "json":
+        return json.dumps([m.to_json() | {"default": m.id in default_ids} for m in mutants], indent=1)
+    rows = [_row(mutant, mutant.id in default_ids) for mutant in mutants]
+    if style == "csv":
+        text = io.StringIO()
+        writer = csv.DictWriter(text, _COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+        return text.getvalue().rstrip("\n")
+    if style == "table":
+        # guideword and parameter are read from the id
+        short = [{k: v for k, v in row.items() if k not in ("parameter", "guideword")} for row in rows]
+        for row in short:
+            row["arguments"] = "\n".join(textwrap.wrap(row["arguments"], _ARGUMENT_COLUMNS))
+        return tabulate(short, headers="keys", disable_numparse=True)
+    return tabulate(rows, headers="keys", tablefmt=_TABULATE[style], disable_numparse=True)
+
+
+def _row(mutant: Mutant, default: bool) -> dict[str, Any]:
+    arguments = ", ".join(f"{name}={_said(value)}" for name, value in mutant.arguments.items())
+    values = (mutant.id, "*" * default, mutant.parameter, mutant.guideword, mutant.seam, mutant.operator, arguments)
+    return dict(zip(_COLUMNS, values, strict=True))
+
+
+def _said(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)

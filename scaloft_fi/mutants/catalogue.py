@@ -1,0 +1,91 @@
+"""The catalogue: every mutant of the study, one a line, committed, and proved current."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Sequence
+from itertools import zip_longest
+from pathlib import Path
+
+from scaloft_fi.errors import InputError
+from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.mutants.derive import derive
+from scaloft_fi.mutants.mutant import Mutant
+
+FILE = "catalogue.jsonl"
+_REMEDY = "write it with `scaloft-fi mutants --write`"
+
+
+def lines(catalogue: Iterable[Mutant]) -> list[str]:
+    """One JSON object a mutant, keys sorted: the same mutants give the same bytes."""
+    return [json.dumps(mutant.to_json(), sort_keys=True, ensure_ascii=False) for mutant in catalogue]
+
+
+def write(folder: Path, catalogue: Iterable[Mutant]) -> Path:
+    """Write the catalogue of a study's `mutants/` folder.
+
+    Raises:
+        InputError: the folder cannot be written to.
+    """
+    path = folder / FILE
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        path.write_text("".join(f"{line}\n" for line in lines(catalogue)), encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror}") from error
+    return path
+
+
+def read(folder: Path) -> tuple[Mutant, ...]:
+    """Read the catalogue of a study's `mutants/` folder.
+
+    Raises:
+        InputError: there is none, or a line is not a mutant.
+    """
+    return tuple(_mutant(folder / FILE, number, line) for number, line in enumerate(_text(folder), 1))
+
+
+def check(folder: Path, matrix: Matrix) -> tuple[Mutant, ...]:
+    """The catalogue of a study's `mutants/` folder, proved to be what its matrix gives.
+
+    Raises:
+        InputError: there is none, or it is stale; it names the first id that differs.
+    """
+    derived = derive(matrix)
+    path = folder / FILE
+    for number, (found, wanted) in enumerate(zip_longest(_text(folder), lines(derived)), 1):
+        if found == wanted:
+            continue
+        raise InputError(
+            f"{path}:{number}: the catalogue is stale: {_difference(path, number, found, derived)}; {_REMEDY}"
+        )
+    return derived
+
+
+def _difference(path: Path, number: int, found: str | None, derived: Sequence[Mutant]) -> str:
+    wanted = derived[number - 1].id if number <= len(derived) else None
+    if found is None:
+        return f"{wanted!r} is missing"
+    stands = _mutant(path, number, found).id
+    if wanted is None:
+        return f"{stands!r} is not in the matrix"
+    if stands == wanted:
+        return f"{stands!r} is not what the matrix says now"
+    return f"{stands!r} stands where the matrix gives {wanted!r}"
+
+
+def _text(folder: Path) -> list[str]:
+    path = folder / FILE
+    try:
+        return path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
+        raise InputError(f"{path}: cannot be read: {reason}; {_REMEDY}") from error
+
+
+def _mutant(path: Path, number: int, line: str) -> Mutant:
+    try:
+        return Mutant.from_json(json.loads(line))
+    except (ValueError, TypeError, AttributeError, InputError) as error:
+        reason = str(error) if isinstance(error, InputError) else "not a mutant in JSON"
+        raise InputError(f"{path}:{number}: {reason}; {_REMEDY}") from error

@@ -1,0 +1,126 @@
+"""From the deviation matrix to mutants: every credible and control cell, at every magnitude and phase."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.hazop.cell import Cell, CellStatus, Expected, Fault, Rung
+from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.mutants.mutant import Mutant, Name, parse, split_magnitude
+from scaloft_fi.mutants.operator import OperatorError
+from scaloft_fi.mutants.operators import OPERATORS
+
+PHASES = (0.0, 0.25, 0.5, 0.75)
+"""The catalogue's phases of a periodic fault, in shares of its period; fixed before anything was flown."""
+
+
+def derive(matrix: Matrix) -> tuple[Mutant, ...]:
+    """All mutants of a matrix, in the order parameter, guideword, fault, magnitude, phase.
+
+    Raises:
+        InputError: naming file and line of an operator, seam or argument that does not exist or is not allowed.
+    """
+    return tuple(mutant for cell in matrix for fault in cell.faults for mutant in _all_of(cell, fault))
+
+
+def defaults(matrix: Matrix) -> tuple[Mutant, ...]:
+    """One mutant for each credible and each control cell: its first fault at the default magnitude, unshifted.
+
+    Raises:
+        InputError: as `derive`.
+    """
+    return tuple(default_of(cell) for cell in matrix if cell.faults)
+
+
+def default_of(cell: Cell) -> Mutant:
+    """The mutant that the bare name of a cell stands for.
+
+    Raises:
+        InputError: the cell is not meaningful; or as `derive`.
+    """
+    _refuse_blank(cell)
+    fault = cell.faults[0]
+    return _patched(cell, fault, fault.magnitude.default if fault.magnitude else None, 0.0)
+
+
+def realise(matrix: Matrix, text: str) -> Mutant:
+    """The mutant an id stands for, on the catalogue's ladders or off them.
+
+    Raises:
+        InputError: the id is malformed, its cell is unknown or not meaningful, or its magnitude or phase is not
+            allowed.
+    """
+    name = parse(text)
+    cell = matrix.cell(name.cell)
+    _refuse_blank(cell)
+    fault, rung = _chosen(cell, name, text)
+    return _patched(cell, fault, rung, name.phase_s, said=text)
+
+
+def source_of(matrix: Matrix, mutant: Mutant) -> tuple[Fault, Rung | None]:
+    """The fault of the matrix that a mutant realises, and its magnitude there."""
+    cell = matrix.cells[mutant.guideword, mutant.parameter]
+    return _chosen(cell, parse(mutant.id), mutant.id)
+
+
+def expected_of(matrix: Matrix, mutant: Mutant) -> Expected | None:
+    """What is known of a mutant beforehand, with the reason; None where nothing is."""
+    fault, rung = source_of(matrix, mutant)
+    return fault.expects(rung)
+
+
+def _refuse_blank(cell: Cell) -> None:
+    if cell.status is CellStatus.NOT_MEANINGFUL:
+        raise InputError(f"mutant {cell.name!r} does not exist; the cell is not meaningful: {cell.reason}")
+
+
+def _chosen(cell: Cell, name: Name, text: str) -> tuple[Fault, Rung | None]:
+    """The fault that the unit of the magnitude picks, and the magnitude."""
+    first = cell.faults[0]
+    if not name.magnitude:
+        return first, first.magnitude.default if first.magnitude else None
+    rung, unit = split_magnitude(name.magnitude)
+    laddered = [(fault, fault.magnitude) for fault in cell.faults if fault.magnitude is not None]
+    if not laddered:
+        raise InputError(f"mutant {text!r}: {cell.name} has no magnitude; write {cell.name!r}")
+    for fault, magnitude in laddered:
+        if unit == magnitude.unit and isinstance(rung, str) == isinstance(magnitude.ladder[0], str):
+            return fault, rung
+    ladder = [f"{cell.name}@{magnitude.text(rung)}" for _, magnitude in laddered for rung in magnitude.ladder]
+    raise InputError(f"mutant {text!r}: {name.magnitude!r} is no magnitude of {cell.name}{did_you_mean(text, ladder)}")
+
+
+def _all_of(cell: Cell, fault: Fault) -> Iterator[Mutant]:
+    for rung in fault.magnitude.ladder if fault.magnitude else (None,):
+        first = _patched(cell, fault, rung, 0.0)
+        yield first
+        period_s = OPERATORS[fault.operator].period_s(first.arguments) if fault.phases else None
+        if period_s is not None:
+            yield from (_patched(cell, fault, rung, share * period_s) for share in PHASES[1:])
+
+
+def _patched(cell: Cell, fault: Fault, rung: Rung | None, phase_s: float, said: str = "") -> Mutant:
+    """The mutant of `fault`; `said`: the id a user wrote, named in errors instead of the matrix's place."""
+    try:
+        operator = OPERATORS[fault.operator]
+    except InputError as error:
+        raise InputError(f"{fault.place_of('operator')}: {error}") from None
+    magnitude = "" if fault.magnitude is None or rung is None else fault.magnitude.text(rung)
+    name = Name(cell.guideword, cell.parameter, magnitude, float(f"{phase_s:g}"))
+    arguments = dict(fault.arguments)
+    if fault.magnitude is not None and rung is not None:
+        arguments[fault.magnitude.argument] = fault.magnitude.value(rung)
+    if fault.phases:
+        arguments["phase_s"] = name.phase_s
+    elif phase_s:
+        raise InputError(f"mutant {said!r}: {cell.name} has no phase; write {str(replace(name, phase_s=0.0))!r}")
+    try:
+        checked = operator.check(fault.seam, arguments)
+    except OperatorError as error:
+        place = f"mutant {said!r}" if said else fault.place_of("phases" if error.about == "phase_s" else error.about)
+        raise InputError(f"{place}: {error}") from None
+    return Mutant(
+        str(name), cell.guideword, cell.parameter, magnitude, name.phase_s, fault.seam, fault.operator, checked
+    )

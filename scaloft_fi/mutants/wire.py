@@ -1,0 +1,99 @@
+"""The wire of a mutated stack: carries every sample through the mutant's tap and counts what it did."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+
+from scaloft_fi.errors import ScaloftError
+from scaloft_fi.mutants.mutant import EVERY_SEAM, Mutant
+from scaloft_fi.mutants.operator import Tap, TapContext
+from scaloft_fi.mutants.operators import OPERATORS
+from scaloft_fi.stack.seam import SEAMS, PlainWire, Seam, Wire
+
+S = TypeVar("S")
+
+
+class TapError(ScaloftError):
+    """A tap failed: the harness broke, not the stack under test."""
+
+
+class SeamCount(NamedTuple):
+    """What happened on one seam.
+
+    carried: polls at which something was sent or arrived; altered: polls at which the consumer was told something else
+    than the producer said; first_altered_s: when first [s], None = never.
+    """
+
+    carried: int
+    altered: int
+    first_altered_s: float | None
+
+
+@dataclass
+class _Tally:
+    seam: Seam
+    tap: Tap
+    carried: int = 0
+    altered: int = 0
+    first_altered_s: float | None = None
+
+    def carry(self, t_s: float, sample: Any | None) -> Any | None:
+        try:
+            delivered = self.tap(t_s, sample)
+            differs = self.seam.differ(sample, delivered)
+        except Exception as error:
+            raise TapError(f"tap on {self.seam.name} at {t_s:.3f} s: {type(error).__name__}: {error}") from error
+        self.carried += sample is not None or delivered is not None
+        if differs:
+            self.altered += 1
+            if self.first_altered_s is None:
+                self.first_altered_s = t_s
+        return delivered
+
+
+class TappedWire:
+    """Carries samples through taps, by seam; seams without a tap carry them as they are."""
+
+    def __init__(self, taps: Mapping[str, Tap]) -> None:
+        self._tallies = {name: _Tally(SEAMS[name], tap) for name, tap in taps.items()}
+
+    def cross(self, seam: str, t_s: float, sample: S | None) -> S | None:
+        """Return what the seam's tap makes of `sample`.
+
+        Raises:
+            TapError: the tap failed.
+        """
+        tally = self._tallies.get(seam)
+        return sample if tally is None else tally.carry(t_s, sample)
+
+    @property
+    def counts(self) -> Mapping[str, SeamCount]:
+        """What happened so far on each tapped seam."""
+        return {name: SeamCount(t.carried, t.altered, t.first_altered_s) for name, t in self._tallies.items()}
+
+
+def contexts(
+    mutant_id: str, situation: str, seed: int, duration_s: float, facts: Mapping[str, float | None]
+) -> Callable[[str], TapContext]:
+    """Contexts by seam for one flight; randomness depends on (mutant, situation, seed) and on nothing else."""
+
+    def context(seam: str) -> TapContext:
+        digest = hashlib.sha256("\n".join((mutant_id, situation, str(seed), seam)).encode()).digest()
+        key = np.frombuffer(digest[:16], dtype="<u8").astype(np.uint64)
+        return TapContext(1.0 / SEAMS[seam].rate_hz, np.random.Generator(np.random.Philox(key=key)), duration_s, facts)
+
+    return context
+
+
+def wire_for(subject: Mutant | None, context: Callable[[str], TapContext]) -> Wire:
+    """A fresh wire for one flight of `subject`: None = the baseline, PLACEBO = the identity on every seam."""
+    if subject is None:
+        return PlainWire()
+    operator = OPERATORS[subject.operator]
+    seams = SEAMS if subject.seam == EVERY_SEAM else (subject.seam,)
+    return TappedWire({seam: operator.tap(context(seam), subject.arguments) for seam in seams})
