@@ -17,10 +17,11 @@ from scaloft_fi.stack.flight_control import FlightControl
 from scaloft_fi.stack.memory import ObstacleMemory
 from scaloft_fi.stack.messages import (
     Array,
+    Bumper,
     DepthFrame,
     Exposure,
-    ObstacleMap,
     PoseEstimate,
+    Proximity,
     Route,
     SensorFrames,
     SpeedLimit,
@@ -28,12 +29,11 @@ from scaloft_fi.stack.messages import (
     VelocityCommand,
 )
 from scaloft_fi.stack.mission import Mission
-from scaloft_fi.stack.planner import Plan, Planner, VelocityConfig, shape_velocity
+from scaloft_fi.stack.planner import Plan, Planner, shape_velocity
 from scaloft_fi.stack.pose_buffer import PoseBuffer
 from scaloft_fi.stack.proximity import ProximityMonitor
-from scaloft_fi.stack.proximity import flag as raise_flag
 from scaloft_fi.stack.recoil import Recoil
-from scaloft_fi.stack.seam import TICK_HZ, Wire
+from scaloft_fi.stack.seam import Wire
 from scaloft_fi.stack.speed_limit import SpeedLimitStage
 
 
@@ -73,7 +73,6 @@ class Stages:
     battery: BatteryMonitor
     mission: Mission
     planner: Planner
-    velocity: VelocityConfig
     recoil: Recoil
 
 
@@ -93,7 +92,7 @@ class Companion:
         self.config = config
         self.stages = stages
         self.exposure = Exposure(0.0, 1.0, 0.0)
-        self.limit = SpeedLimit(0.0, stages.speed_limit.config.cruise_mps, "euclidean")
+        self.limit = SpeedLimit(0.0, stages.speed_limit.cruise_mps, "euclidean")
         self.told_until_s, self.told_range_m = -1.0, math.inf
         self.flagged = False
         self.map_points = 0
@@ -154,10 +153,8 @@ class Companion:
             self._depth_s = frame.stamp_s
             clearing = stages.memory.observe(frame, pose)
         stages.memory.update(cross("clearing", now_s, clearing))
-        sensed = frame is not None or (bumper is not None and bumper.hull)
-        proximity = stages.proximity.sectors(now_s, frame, pose, bumper) if sensed else None
-        proximity = cross("proximity", now_s, proximity)
-        flag = cross("collision", now_s, raise_flag(proximity) if proximity is not None else None)
+        proximity = cross("proximity", now_s, self._near(frame, pose, bumper))
+        flag = cross("collision", now_s, stages.proximity.flag(now_s, proximity))
         self.flagged = flag is not None
         believed = self._poses.newest
         if believed is not None and stages.mission.phase == "fly":
@@ -168,6 +165,13 @@ class Companion:
         if frame is None or not -self.config.pose_reach_s <= now_s - frame.stamp_s <= self.config.depth_hover_s:
             return None
         return frame
+
+    def _near(self, frame: DepthFrame | None, pose: PoseEstimate | None, bumper: Bumper | None) -> Proximity | None:
+        """What the proximity monitor is told: the frame's sectors joined with the touch sensor."""
+        touched = bumper is not None and bumper.hull
+        if frame is not None and pose is not None:
+            return self.stages.proximity.sectors(frame, pose)._replace(touched=touched)
+        return self.stages.proximity.blind(bumper.stamp_s, touched=True) if bumper is not None and touched else None
 
     def _look_for_people(self, now_s: float, frames: SensorFrames) -> None:
         limit, person = self.stages.speed_limit.hear(now_s, self._wire.cross("person", now_s, frames.detections))
@@ -192,11 +196,7 @@ class Companion:
             self._plan = None
         elif told is not None or self._plan is None:
             self.map_points = len(told.points) if told is not None else 0
-            self._plan = self._plan_with(told, self._target) if told is not None else None
-
-    def _plan_with(self, told: ObstacleMap, target: Target) -> Plan:
-        previous = self._plan.direction if self._plan is not None else None
-        return self.stages.planner.plan(told, target.point, previous, self.limit.limit_mps)
+            self._plan = self.stages.planner.plan(told, self._target.point, pose) if told is not None else None
 
     def _command(self, now_s: float, pose: PoseEstimate) -> VelocityCommand:
         retreat = self.stages.recoil.order(now_s, pose, self.limit.limit_mps)
@@ -207,16 +207,7 @@ class Companion:
         if stale or self._plan is None or self._target is None:
             return self._hover_order(now_s, pose)
         self._hover = None
-        plan = self._plan
-        velocity, self._yaw_rad = shape_velocity(
-            plan.direction,
-            plan.distance_m,
-            pose.yaw_rad,
-            self._yaw_rad,
-            self.limit,
-            1.0 / TICK_HZ,
-            self.stages.velocity,
-        )
+        velocity, self._yaw_rad = shape_velocity(self._plan, pose, self.limit, self.stages.planner.config)
         return VelocityCommand(now_s, velocity, self._yaw_rad)
 
     def _hover_order(self, now_s: float, pose: PoseEstimate) -> VelocityCommand:

@@ -58,7 +58,8 @@ class ObstacleMemory:
         self._cells: Cells = np.empty(0, np.int64)
         self._seen_s: Array = np.empty(0)
         self._frame_s = -math.inf
-        self._fresh: Cells = np.empty(0, np.int64)
+        self._fresh: Cells = np.empty(0, np.int64)  # what the last frame marked
+        self._places: Cells = np.empty(0, np.int64)  # where these are known already, or -1
 
     def __len__(self) -> int:
         return len(self._cells)
@@ -69,19 +70,19 @@ class ObstacleMemory:
         Keeps the cells that the frame marks until `update`; a cell that the frame marks is not forgotten.
         """
         c, camera = self.config, self.camera
-        fresh, forget = _observe(
+        self._fresh, self._places, forget = _observe(
             frame.depth, camera.rays, camera.ahead_m, camera.column, camera.row, pose.position, pose.attitude,
             c.voxel_m, (c.min_range_m, c.max_range_m), c.min_pixels, c.clear_margin_m,
             self._cells, self._seen_s, frame.stamp_s - c.max_age_s,
         )  # fmt: skip
-        self._fresh, self._frame_s = fresh, frame.stamp_s
+        self._frame_s = frame.stamp_s
         return Clearing(frame.stamp_s, forget, self._cells)
 
     def update(self, delivered: Clearing | None) -> None:
         """Forget the cells that were `delivered` (None: forget nothing), then insert what the last frame marked."""
         forget = delivered.forget if delivered is not None else _NOTHING
-        self._cells, self._seen_s = _update(self._cells, self._seen_s, forget, self._fresh, self._frame_s)
-        self._fresh = _NOTHING
+        self._cells, self._seen_s = _update(self._cells, self._seen_s, forget, self._fresh, self._places, self._frame_s)
+        self._fresh = self._places = _NOTHING
 
     def map(self, pose: PoseEstimate) -> ObstacleMap:
         """The occupied cells' centres around `pose`, stamped with the newest frame's stamp."""
@@ -102,7 +103,8 @@ _NOTHING: Cells = np.empty(0, np.int64)
 @jit
 def _slot(cell, mask):  # type: ignore[no-untyped-def]
     """Where the search for `cell` starts in a table of mask + 1 slots."""
-    return np.int64((np.uint64(cell) * _MIX) >> np.uint64(40)) & mask
+    mixed = (np.uint64(cell) ^ (np.uint64(cell) >> np.uint64(23))) * _MIX
+    return np.int64(mixed >> np.uint64(44)) & mask
 
 
 @jit
@@ -217,60 +219,80 @@ def _observe(  # type: ignore[no-untyped-def]
     seen_s,
     oldest_s,
 ):
-    """(cells the frame marks, cells to forget); see ObstacleMemory.observe."""
+    """(cells the frame marks, their places in `cells` or -1, cells to forget); see ObstacleMemory.observe."""
     turn = _rotation(attitude)
     a, b, c = turn
     eye = (position[0] + ahead_m * a[0], position[1] + ahead_m * b[0], position[2] + ahead_m * c[0])
     hit = np.empty(depth.size, np.int64)
     _pixel_cells(depth, rays, eye, turn, voxel_m, ranges[0], ranges[1], hit)
     fresh = _marked(hit, min_pixels)
+    places = np.full(len(fresh), -1, np.int64)
     slots, mask = _table(fresh)
     forget = np.empty(len(cells), np.int64)
+    height, width = depth.shape
     n = 0
     low = (1 << _BITS) - 1
     for i in range(len(cells)):
         cell = cells[i]
         gone = seen_s[i] < oldest_s
-        if not gone:
-            x = ((cell >> 2 * _BITS) - _HALF + 0.5) * voxel_m - eye[0]
-            y = (((cell >> _BITS) & low) - _HALF + 0.5) * voxel_m - eye[1]
-            z = ((cell & low) - _HALF + 0.5) * voxel_m - eye[2]
-            ahead = x * a[0] + y * b[0] + z * c[0]
-            if ahead > ranges[0] and ahead < ranges[1]:
-                left = (x * a[1] + y * b[1] + z * c[1]) / ahead
-                up = (x * a[2] + y * b[2] + z * c[2]) / ahead
-                k = (left - column[0]) / column[1] + 0.5
-                r = (up - row[0]) / row[1] + 0.5
-                if k >= 0.0 and k < depth.shape[1] and r >= 0.0 and r < depth.shape[0]:
+        x = ((cell >> 2 * _BITS) - _HALF + 0.5) * voxel_m - eye[0]
+        y = (((cell >> _BITS) & low) - _HALF + 0.5) * voxel_m - eye[1]
+        z = ((cell & low) - _HALF + 0.5) * voxel_m - eye[2]
+        ahead = x * a[0] + y * b[0] + z * c[0]
+        marked = False
+        if ahead > ranges[0] - voxel_m and ahead < ranges[1] + voxel_m:
+            k = ((x * a[1] + y * b[1] + z * c[1]) / ahead - column[0]) / column[1] + 0.5
+            r = ((x * a[2] + y * b[2] + z * c[2]) / ahead - row[0]) / row[1] + 0.5
+            rim = abs(voxel_m / (ahead * column[1]))  # a cell whose centre is out of the view may still be marked
+            if k > -rim and k < width + rim and r > -rim and r < height + rim:
+                place = _find(slots, mask, fresh, cell)
+                marked = place >= 0
+                if marked:
+                    places[place] = i
+                elif k >= 0.0 and k < width and r >= 0.0 and r < height and ahead > ranges[0] and ahead < ranges[1]:
                     d = depth[int(r), int(k)]
-                    gone = d > ahead + margin_m or not d > 0.0
-        if gone and _find(slots, mask, fresh, cell) < 0:
+                    gone = gone or d > ahead + margin_m or not d > 0.0
+        if gone and not marked:
             forget[n] = cell
             n += 1
-    return fresh, forget[:n].copy()
+    return fresh, places, forget[:n].copy()
 
 
 @jit
-def _update(cells, seen_s, forget, fresh, stamp_s):  # type: ignore[no-untyped-def]
-    """(cells, when each was last seen) after forgetting `forget` and marking `fresh`."""
-    lost, lost_mask = _table(forget)
-    slots, mask = _table(fresh)
-    known = np.zeros(len(fresh), np.bool_)
-    out = np.empty(len(cells) + len(fresh), np.int64)
-    when = np.empty(len(out), np.float64)
+def _dropped(cells, forget):  # type: ignore[no-untyped-def]
+    """Which of `cells` are in `forget`; quick where that is in the same order."""
+    out = np.zeros(len(cells), np.bool_)
     n = 0
     for i in range(len(cells)):
-        cell = cells[i]
-        if len(forget) and _find(lost, lost_mask, forget, cell) >= 0:
-            continue
-        out[n], when[n] = cell, seen_s[i]
-        place = _find(slots, mask, fresh, cell)
-        if place >= 0:
-            known[place] = True
-            when[n] = stamp_s
-        n += 1
+        if n == len(forget):
+            return out
+        if cells[i] == forget[n]:
+            out[i] = True
+            n += 1
+    if n < len(forget):
+        slots, mask = _table(forget)
+        for i in range(len(cells)):
+            out[i] = _find(slots, mask, forget, cells[i]) >= 0
+    return out
+
+
+@jit
+def _update(cells, seen_s, forget, fresh, places, stamp_s):  # type: ignore[no-untyped-def]
+    """(cells, when each was last seen) after forgetting `forget` and marking `fresh`, known at `places`."""
+    dropped = _dropped(cells, forget)
+    out = np.empty(len(cells) + len(fresh), np.int64)
+    when = np.empty(len(out), np.float64)
+    place = np.empty(len(cells), np.int64)
+    n = 0
+    for i in range(len(cells)):
+        if not dropped[i]:
+            out[n], when[n], place[i] = cells[i], seen_s[i], n
+            n += 1
     for j in range(len(fresh)):
-        if not known[j]:
+        i = places[j]
+        if i >= 0 and not dropped[i]:
+            when[place[i]] = stamp_s
+        else:
             out[n], when[n] = fresh[j], stamp_s
             n += 1
     return out[:n].copy(), when[:n].copy()

@@ -12,14 +12,12 @@ class MissionConfig:
     """The mission script's constants.
 
     Attributes:
-        altitude_m: height of flight [m].
         goal_radius_m: a waypoint closer than this counts as reached [m]; published 0.15.
         goal_axes: which axes of the distance count (x, y, z); published: not z.
         settled_m: take-off is over within this of the altitude [m].
         dwell_s: pause after take-off before the first waypoint [s].
     """
 
-    altitude_m: float
     goal_radius_m: float
     goal_axes: tuple[float, float, float]
     settled_m: float
@@ -30,6 +28,7 @@ class Mission:
     """State machine of the mission.
 
     Attributes:
+        home: where it takes off, at the height of flight [m, world].
         phase: "takeoff", "fly" or "land".
         index: place in the route of the waypoint flown to.
     """
@@ -58,7 +57,7 @@ class Mission:
 
     def climb(self, now_s: float, pose: PoseEstimate) -> None:
         """Leave the take-off once the altitude was held for the dwell."""
-        if self.phase != "takeoff" or abs(pose.position[2] - self.config.altitude_m) > self.config.settled_m:
+        if self.phase != "takeoff" or abs(pose.position[2] - self.home[2]) > self.config.settled_m:
             return
         if self._settled_s is None:
             self._settled_s = now_s

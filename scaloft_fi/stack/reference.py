@@ -19,7 +19,7 @@ from scaloft_fi.stack.flight_control import FailsafeConfig, FlightControl
 from scaloft_fi.stack.memory import MemoryConfig, ObstacleMemory
 from scaloft_fi.stack.messages import Array, Exposure, Imu, Point, Route, SensorFrames, Stamps, Thrust
 from scaloft_fi.stack.mission import Mission, MissionConfig
-from scaloft_fi.stack.planner import Planner, PlannerConfig, VelocityConfig
+from scaloft_fi.stack.planner import Planner, PlannerConfig
 from scaloft_fi.stack.proximity import ProximityConfig, ProximityMonitor
 from scaloft_fi.stack.recoil import Recoil, RecoilConfig
 from scaloft_fi.stack.seam import STEP_HZ, Wire
@@ -56,6 +56,8 @@ class Task:
         camera: geometry of the depth camera.
         home: (3,) where it stands [m, world]; yaw_rad: its heading [rad].
         route: waypoints in order, the last one home [m, world].
+        altitude_m: height of flight [m].
+        cruise_mps, slow_mps: speed, and speed once a person was seen [m/s].
     """
 
     settings: Mapping[str, Any]
@@ -63,18 +65,28 @@ class Task:
     home: Point
     yaw_rad: float
     route: tuple[Point, ...]
+    altitude_m: float
+    cruise_mps: float
+    slow_mps: float
 
 
 class Stack(Protocol):
     """What the flight loop asks of a stack under test."""
 
-    exposure: Exposure
+    @property
+    def exposure(self) -> Exposure:
+        """The order in force for the colour camera."""
+        ...
 
     def stamps(self, now_s: float) -> Stamps:
         """What the sensors' clocks read now; they stamp their messages with it."""
         ...
 
-    def tick(self, now_s: float, frames: SensorFrames) -> None:
+    def autopilot(self, now_s: float, frames: SensorFrames) -> None:
+        """Run at 20 Hz what stays alive when the companion is dead; every tick, before `companion`."""
+        ...
+
+    def companion(self, now_s: float, frames: SensorFrames) -> None:
         """Run the companion stages once, at 20 Hz."""
         ...
 
@@ -97,7 +109,6 @@ class ReferenceConfig:
     companion: CompanionConfig
     memory: MemoryConfig
     planner: PlannerConfig
-    velocity: VelocityConfig
     proximity: ProximityConfig
     mission: MissionConfig
     speed_limit: SpeedLimitConfig
@@ -119,19 +130,19 @@ class ReferenceStack:
             Stages(
                 ObstacleMemory(config.memory, task.camera),
                 ProximityMonitor(config.proximity, task.camera),
-                SpeedLimitStage(config.speed_limit),
+                SpeedLimitStage(config.speed_limit, task.cruise_mps, task.slow_mps),
                 ExposureControl(config.exposure),
                 BatteryMonitor(config.battery),
-                Mission(config.mission, (task.home[0], task.home[1], config.mission.altitude_m)),
+                Mission(config.mission, (task.home[0], task.home[1], task.altitude_m)),
                 Planner(config.planner),
-                config.velocity,
                 Recoil(config.recoil),
             ),
             wire,
             Route(task.route),
             task.yaw_rad,
         )
-        self._control.take_off(config.mission.altitude_m)
+        self._control.take_off(task.altitude_m)
+        self._pose = self._estimator.tick(0.0, None)
         self._last_stamps = Stamps(0.0, 0.0, 0.0)
 
     @property
@@ -144,14 +155,14 @@ class ReferenceStack:
         self._last_stamps = self._wire.cross("stamps", now_s, Stamps(now_s, now_s, now_s)) or self._last_stamps
         return self._last_stamps
 
-    def tick(self, now_s: float, frames: SensorFrames) -> None:
-        """Correct the estimate, then run the companion.
-
-        Whatever the companion raises leaves the autopilot's fail-safes running.
-        """
-        pose = self._estimator.tick(now_s, self._wire.cross("fix", now_s, frames.fix))
+    def autopilot(self, now_s: float, frames: SensorFrames) -> None:
+        """Correct the estimate and check flight control's time-outs."""
+        self._pose = self._estimator.tick(now_s, self._wire.cross("fix", now_s, frames.fix))
         self._control.watch(now_s)
-        self._companion.tick(now_s, frames, pose, self._control)
+
+    def companion(self, now_s: float, frames: SensorFrames) -> None:
+        """Run the companion's stages on the estimate of this tick."""
+        self._companion.tick(now_s, frames, self._pose, self._control)
 
     def step(self, now_s: float, imu: Imu) -> Thrust | None:
         """One step of flight control."""

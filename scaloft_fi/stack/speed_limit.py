@@ -12,25 +12,27 @@ class SpeedLimitConfig:
     """The rule of the published mission script, with the distance that requirement SR2 speaks of.
 
     Attributes:
-        cruise_mps: limit without a person [m/s].
-        slow_mps: limit from the first person on [m/s].
         label: class of box that counts.
         min_score: least confidence that counts.
         max_range_m: farthest person that counts [m].
     """
 
-    cruise_mps: float
-    slow_mps: float
     label: str
     min_score: float
     max_range_m: float
 
 
 class SpeedLimitStage:
-    """Publishes the limit at the start and again with every message that shows a person."""
+    """Publishes the limit at the start and again with every message that shows a person.
 
-    def __init__(self, config: SpeedLimitConfig) -> None:
+    Attributes:
+        cruise_mps: limit without a person [m/s].
+        slow_mps: limit from the first person on [m/s].
+    """
+
+    def __init__(self, config: SpeedLimitConfig, cruise_mps: float, slow_mps: float) -> None:
         self.config = config
+        self.cruise_mps, self.slow_mps = cruise_mps, slow_mps
         self._announced = False
 
     def hear(self, now_s: float, detections: Detections | None) -> tuple[SpeedLimit | None, Person | None]:
@@ -38,10 +40,10 @@ class SpeedLimitStage:
         person = self._counts(detections) if detections is not None else None
         if person is not None:
             self._announced = True
-            return SpeedLimit(now_s, self.config.slow_mps, "euclidean"), person
+            return SpeedLimit(now_s, self.slow_mps, "euclidean"), person
         if not self._announced:
             self._announced = True
-            return SpeedLimit(now_s, self.config.cruise_mps, "euclidean"), None
+            return SpeedLimit(now_s, self.cruise_mps, "euclidean"), None
         return None, None
 
     def _counts(self, detections: Detections) -> Person | None:

@@ -4,7 +4,7 @@ import pytest
 from scaloft_fi.stack.messages import Failsafe, PoseEstimate, Route
 from scaloft_fi.stack.mission import Mission, MissionConfig
 
-CONFIG = MissionConfig(altitude_m=1.65, goal_radius_m=0.15, goal_axes=(1.0, 1.0, 0.0), settled_m=0.1, dwell_s=0.5)
+CONFIG = MissionConfig(goal_radius_m=0.15, goal_axes=(1.0, 1.0, 0.0), settled_m=0.1, dwell_s=0.5)
 ROUTE = Route(((0.0, 7.0, 1.65), (0.0, 0.0, 1.65)))
 
 

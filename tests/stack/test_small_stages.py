@@ -22,7 +22,7 @@ def pose(stamp_s=0.0, x=0.0, y=0.0, yaw_rad=0.0, v=(0.0, 0.0, 0.0)):
     return PoseEstimate(stamp_s, np.array([x, y, 1.65]), np.array(v), yaw_rad, attitude)
 
 
-LIMITS = SpeedLimitConfig(cruise_mps=0.5, slow_mps=0.2, label="person", min_score=0.5, max_range_m=4.5)
+LIMITS = SpeedLimitConfig(label="person", min_score=0.5, max_range_m=4.5)
 
 
 def boxes(*persons):
@@ -30,7 +30,7 @@ def boxes(*persons):
 
 
 def test_cruise_is_announced_once_and_the_slow_limit_with_every_person():
-    stage = SpeedLimitStage(LIMITS)
+    stage = SpeedLimitStage(LIMITS, 0.5, 0.2)
     assert stage.hear(0.0, None)[0].limit_mps == 0.5
     assert stage.hear(0.1, None) == (None, None)
     for t in (0.2, 0.4):
@@ -43,7 +43,7 @@ def test_cruise_is_announced_once_and_the_slow_limit_with_every_person():
     "person", [Person("chair", 0.9, 0.0, 3.0), Person("person", 0.4, 0.0, 3.0), Person("person", 0.9, 0.0, 5.0)]
 )
 def test_other_classes_doubtful_boxes_and_far_persons_do_not_count(person):
-    stage = SpeedLimitStage(LIMITS)
+    stage = SpeedLimitStage(LIMITS, 0.5, 0.2)
     stage.hear(0.0, None)
     assert stage.hear(0.1, boxes(person)) == (None, None)
 

@@ -28,6 +28,7 @@ _A1, _A3, _A5, _A7, _A9, _A11 = (
 _AZIMUTHS = ((np.arange(COLUMNS) + 0.5) * BIN_DEG - 180.0).astype(np.float32)
 _ELEVATIONS = ((np.arange(ROWS) + 0.5) * BIN_DEG - 90.0).astype(np.float32)
 _COSINES, _SINES = np.cos(np.radians(_AZIMUTHS)), np.sin(np.radians(_AZIMUTHS))
+_LEVELS, _RISES = np.cos(np.radians(_ELEVATIONS)), np.sin(np.radians(_ELEVATIONS))
 
 
 @jit
@@ -129,7 +130,7 @@ def _turned(a, b):  # type: ignore[no-untyped-def]
 
 
 @jit
-def aim(goal, azimuths, elevations, cosines, sines):  # type: ignore[no-untyped-def]
+def aim(goal, azimuths, elevations, cosines, sines, levels, rises):  # type: ignore[no-untyped-def]
     """Azimuth and elevation of `goal` [deg] and its bins; fills the angle that each column and row stands for.
 
     The bins that hold the goal's azimuth and elevation stand for exactly these, so that free flight is straight.
@@ -137,23 +138,25 @@ def aim(goal, azimuths, elevations, cosines, sines):  # type: ignore[no-untyped-
     azimuth = _atan2_deg(goal[1], goal[0])
     elevation = _atan2_deg(goal[2], math.sqrt(goal[0] * goal[0] + goal[1] * goal[1]))
     azimuths[:], elevations[:] = _AZIMUTHS, _ELEVATIONS
-    cosines[:], sines[:] = _COSINES, _SINES
+    cosines[:], sines[:], levels[:], rises[:] = _COSINES, _SINES, _LEVELS, _RISES
     a = min(max(int((azimuth + _F(180.0)) / _F(BIN_DEG)), 0), COLUMNS - 1)
     e = min(max(int((elevation + _F(90.0)) / _F(BIN_DEG)), 0), ROWS - 1)
     azimuths[a], elevations[e] = azimuth, elevation
     cosines[a], sines[a] = math.cos(azimuth / _DEG), math.sin(azimuth / _DEG)
+    levels[e], rises[e] = math.cos(elevation / _DEG), math.sin(elevation / _DEG)
     return azimuth, elevation
 
 
 @jit
 def direction_costs(  # type: ignore[no-untyped-def]
-    obstacle, toward, azimuths, elevations, cosines, sines, previous, p, first, last, out
+    obstacle, toward, angles, previous, p, first, last, out
 ):
     """Fill rows first..last-1 of `out` with the cost of flying along each bin.
 
     obstacle + yaw_cost * turn^2 + pitch_cost * pitch^2 + inertia_cost * (|previous| - u . previous), with turn and pitch
     [deg] off `toward` (azimuth, elevation), u the bin's unit vector, `previous` the direction flown before.
     """
+    azimuths, elevations, cosines, sines, levels, rises = angles
     across, along = np.empty(COLUMNS, np.float32), np.empty(COLUMNS, np.float32)
     for a in range(COLUMNS):
         turn = _turned(azimuths[a], toward[0])
@@ -162,29 +165,28 @@ def direction_costs(  # type: ignore[no-untyped-def]
     size = math.sqrt(previous[0] * previous[0] + previous[1] * previous[1] + previous[2] * previous[2])
     for e in range(first, last):
         pitch = elevations[e] - toward[1]
-        angle = elevations[e] / _DEG
-        base = _F(p.pitch_cost) * pitch * pitch + _F(p.inertia_cost) * (size - math.sin(angle) * previous[2])
-        slope = _F(p.inertia_cost) * math.cos(angle)
+        base = _F(p.pitch_cost) * pitch * pitch + _F(p.inertia_cost) * (size - rises[e] * previous[2])
+        slope = _F(p.inertia_cost) * levels[e]
         source, row = obstacle[e], out[e]
         for a in range(COLUMNS):
             row[a] = source[a] + across[a] + base - slope * along[a]
 
 
 @jit
-def _exclude(costs, elevations, cosines, sines, first, last, way, step, apart):  # type: ignore[no-untyped-def]
+def _exclude(costs, angles, first, last, way, step, apart):  # type: ignore[no-untyped-def]
     """Make infinite the cost of each bin whose end point, `step` [m] along it, is nearer than `apart` to `way`."""
     x, y, z = way
     square = x * x + y * y + z * z
     reach = step + apart
     if square >= reach * reach:
         return
+    _azimuths, _elevations, cosines, sines, levels, rises = angles
     least = (square + step * step - apart * apart) / (_F(2.0) * step)
     along = np.empty(COLUMNS, np.float32)
     for a in range(COLUMNS):
         along[a] = cosines[a] * x + sines[a] * y
     for e in range(first, last):
-        angle = elevations[e] / _DEG
-        level, rest = math.cos(angle), least - math.sin(angle) * z
+        level, rest = levels[e], least - rises[e] * z
         row = costs[e]
         for a in range(COLUMNS):
             row[a] = _INFINITE if level * along[a] > rest else row[a]
@@ -211,22 +213,20 @@ def _best(costs, first, last):  # type: ignore[no-untyped-def]
 @jit
 def _grow(tree, node, here, goal, obstacle, total, angles, first, last, p):  # type: ignore[no-untyped-def]
     """Add up to p.children children to `node`, along the cheapest directions that lead to new places."""
-    azimuths, elevations, cosines, sines = angles
+    _azimuths, _elevations, cosines, sines, levels, rises = angles
     place, heading, start, spent, left, depth, is_open, count = tree
     nodes = count[0]
     step = min(_F(p.node_m), left[node])
     apart = _F(p.separation_m)
     for i in range(nodes):
         way = (place[i, 0] - here[0], place[i, 1] - here[1], place[i, 2] - here[2])
-        _exclude(total, elevations, cosines, sines, first, last, way, step, apart)
+        _exclude(total, angles, first, last, way, step, apart)
     for _ in range(p.children):
         e, a = _best(total, first, last)
         price = total[e, a]
         if not price < _INFINITE:
             break
-        angle = elevations[e] / _DEG
-        level = math.cos(angle)
-        u = (level * cosines[a], level * sines[a], math.sin(angle))
+        u = (levels[e] * cosines[a], levels[e] * sines[a], rises[e])
         way = (step * u[0], step * u[1], step * u[2])
         off = (goal[0] - here[0] - way[0], goal[1] - here[1] - way[1], goal[2] - here[2] - way[2])
         for k in range(3):
@@ -239,7 +239,7 @@ def _grow(tree, node, here, goal, obstacle, total, angles, first, last, p):  # t
         left[nodes] = math.sqrt(off[0] * off[0] + off[1] * off[1] + off[2] * off[2])
         is_open[nodes] = True
         nodes += 1
-        _exclude(total, elevations, cosines, sines, first, last, way, step, apart)
+        _exclude(total, angles, first, last, way, step, apart)
         total[e, a] = _INFINITE
     count[0] = nodes
 
@@ -269,7 +269,7 @@ def search(points, origin, target, previous, radius, p):  # type: ignore[no-unty
     obstacle, total = np.empty((ROWS, COLUMNS), np.float32), np.empty((ROWS, COLUMNS), np.float32)
     angles = (
         np.empty(COLUMNS, np.float32), np.empty(ROWS, np.float32),
-        np.empty(COLUMNS, np.float32), np.empty(COLUMNS, np.float32),
+        np.empty(COLUMNS, np.float32), np.empty(COLUMNS, np.float32), np.empty(ROWS, np.float32), np.empty(ROWS, np.float32),
     )  # fmt: skip
 
     most = 1 + p.expansions * p.children
@@ -307,7 +307,7 @@ def search(points, origin, target, previous, radius, p):  # type: ignore[no-unty
         dilate(cost, radius, first, last, obstacle)
         toward = aim((goal[0] - here[0], goal[1] - here[1], goal[2] - here[2]), *angles)
         before = (heading[node, 0], heading[node, 1], heading[node, 2])
-        direction_costs(obstacle, toward, *angles, before, p, first, last, total)
+        direction_costs(obstacle, toward, angles, before, p, first, last, total)
         _grow(tree, node, here, goal, obstacle, total, angles, first, last, p)
     if chosen == 0:
         value = _INFINITE
