@@ -1,0 +1,98 @@
+"""`scaloft-fi matrix`: the deviation matrix, every cell with its reason."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import click
+
+from scaloft_fi.cli.options import format_option, study_option
+from scaloft_fi.hazop.folder import find_study
+from scaloft_fi.hazop.load import load_matrix
+from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.render import cells, grid_table, overview, sheet
+from scaloft_fi.hazop.worksheet import HEADER, SHORT_HEADER, record, rows, short_rows
+
+
+@click.command("matrix")
+@study_option
+@click.option("--cell", metavar="NAME", help="Tell one cell whole, e.g. LATE-human.")
+@click.option("--guideword", "guidewords", multiple=True, metavar="WORD", help="Only this guideword (repeatable).")
+@click.option("--parameter", "parameters", multiple=True, metavar="NAME", help="Only this parameter (repeatable).")
+@click.option("--grid", "grid_only", is_flag=True, help="Only the grid, without the list of cells.")
+@format_option
+def matrix_command(
+    study_folder: Path | None,
+    cell: str | None,
+    guidewords: tuple[str, ...],
+    parameters: tuple[str, ...],
+    grid_only: bool,
+    style: str,
+) -> None:
+    """Print the HAZOP deviation matrix: a grid of marks, then every cell with its deviation or its reason."""
+    if cell and (guidewords or parameters or grid_only):
+        raise click.UsageError("--cell tells one cell and goes with no --guideword, --parameter or --grid")
+    matrix = load_matrix(find_study(study_folder) / "hazop")
+    if cell:
+        click.echo(_one(matrix, cell, style))
+        return
+    shown = matrix.only([word.upper() for word in guidewords], [name.lower() for name in parameters])
+    click.echo(_grid(shown, style) if grid_only else _all(shown, style))
+
+
+def _all(matrix: Matrix, style: str) -> str:
+    if style == "table":
+        hint = "one cell whole: scaloft-fi matrix --cell LATE-human; the grid alone: --grid"
+        return "\n\n".join([overview(matrix), cells(matrix), hint])
+    if style == "json":
+        return json.dumps([record(cell) for cell in matrix], indent=1)
+    if style == "csv":
+        return _csv(HEADER, rows(matrix))
+    return _tabulated(SHORT_HEADER, short_rows(matrix), style)
+
+
+def _grid(matrix: Matrix, style: str) -> str:
+    if style == "table":
+        return overview(matrix)
+    header, lines = grid_table(matrix)
+    header = ["parameter", *header[1:]]
+    if style == "json":
+        return json.dumps([dict(zip(header, line, strict=True)) for line in lines], indent=1)
+    return _csv(header, lines) if style == "csv" else _tabulated(header, lines, style)
+
+
+def _one(matrix: Matrix, name: str, style: str) -> str:
+    cell = matrix.cell(name)
+    if style == "table":
+        return sheet(matrix, cell, _edges() if cell.faults else {})
+    if style == "json":
+        return json.dumps(record(cell), indent=1)
+    row = rows(matrix.only([cell.guideword], [cell.parameter]))[0]
+    if style == "csv":
+        return _csv(HEADER, [row])
+    return _tabulated(("cell", cell.name), [list(pair) for pair in zip(HEADER[1:], row[1:], strict=True)], style)
+
+
+def _edges() -> Mapping[str, str]:
+    from scaloft_fi.stack.seam import SEAMS  # the only part that needs numpy
+
+    return {name: seam.edge for name, seam in SEAMS.items()}
+
+
+def _csv(header: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(header)
+    writer.writerows(lines)
+    return text.getvalue().rstrip("\n")
+
+
+def _tabulated(header: Sequence[str], lines: Sequence[Sequence[str]], style: str) -> str:
+    from tabulate import tabulate  # only where a format needs it
+
+    table = {"markdown": "github", "latex": "latex_longtable"}[style]
+    return tabulate(lines, headers=header, tablefmt=table, disable_numparse=True)

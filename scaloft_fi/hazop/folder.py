@@ -1,0 +1,29 @@
+"""Where the study is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from scaloft_fi.errors import InputError
+
+FOLDERS = ("hazop", "mutants", "sim")
+_PACKAGE = Path(__file__).resolve().parents[1]
+
+
+def find_study(path: Path | str | None = None) -> Path:
+    """Find the study's folder: `path`, else the nearest one upwards, else the packaged one, else the checkout's.
+
+    Raises:
+        InputError: `path` is no study, or there is none anywhere.
+    """
+    if path is not None:
+        lacking = [f"{name}/" for name in FOLDERS if not (Path(path) / name).is_dir()]
+        if lacking:
+            allowed = "a folder with hazop/, mutants/ and sim/"
+            raise InputError(f"--study={str(path)!r} must be {allowed}; it lacks {', '.join(lacking)}")
+        return Path(path)
+    here = Path.cwd()
+    for folder in (here, *here.parents, _PACKAGE / "_study", _PACKAGE.parent):
+        if all((folder / name).is_dir() for name in FOLDERS):
+            return folder
+    raise InputError(f"no study in {here} or above it: a folder with hazop/, mutants/ and sim/; name one with --study")

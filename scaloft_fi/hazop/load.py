@@ -1,0 +1,251 @@
+"""Reads a study's `hazop/` folder.  Whatever it does not understand it refuses, with file and line.
+
+Names of operators and the range of their arguments are judged where the operators are declared, requirements where the
+requirements are: both with the places that are kept here.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Collection
+from pathlib import Path
+
+from scaloft_fi.document import Item, load
+from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.hazop.cell import PERIODS, Cell, CellStatus, Expected, Fault, Magnitude, Rung, Value
+from scaloft_fi.hazop.guideword import Guideword
+from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.parameter import Parameter
+
+_UNIT = re.compile(r"[A-Za-z%][A-Za-z0-9%]*")
+_BARE_NO = "; YAML reads a bare NO as false: write it in quotes"
+_NAMED_RUNG = re.compile(r"[A-Za-z][A-Za-z0-9_.]*")
+
+
+def load_matrix(hazop: Path, seams: Collection[str] | None = None) -> Matrix:
+    """Read the matrix of a study folder's `hazop/`.
+
+    Args:
+        hazop: holds `guidewords.yaml`, `parameters.yaml` and `matrix/<parameter>.yaml`.
+        seams: names a fault may be patched in at; None leaves them unjudged.
+
+    Raises:
+        InputError: naming file and line of the first thing that is not allowed.
+    """
+    guidewords = load_guidewords(hazop / "guidewords.yaml")
+    parameters, places = load_parameters(hazop / "parameters.yaml")
+    folder = hazop / "matrix"
+    for path in sorted(folder.glob("*.yaml")):
+        if path.stem not in places:
+            raise InputError(f"{path}:1: {path.stem!r} is not a parameter{did_you_mean(path.stem, places)}")
+    cells: dict[tuple[str, str], Cell] = {}
+    for parameter in parameters:
+        path = folder / f"{parameter.id}.yaml"
+        if not path.is_file():
+            raise InputError(f"{places[parameter.id]}: parameter {parameter.id!r} has no cells; {path} is missing")
+        for cell in load_cells(path, guidewords, seams):
+            cells[cell.guideword, cell.parameter] = cell
+    return Matrix(guidewords, parameters, cells)
+
+
+def load_guidewords(path: Path) -> tuple[Guideword, ...]:
+    """Read the guidewords of one file, in its order.
+
+    Raises:
+        InputError: a word is not in capitals, an extension gives no reason, ...
+    """
+    words = []
+    for name, item in load(path).mapping().items():
+        allowed = "capital letters, as in a mutant's id" + _BARE_NO * (name == "False")
+        _guard_name(item, name, r"[A-Z][A-Z0-9]*", allowed)
+        extension = (flag := item.get("extension")) is not None and flag.flag()
+        words.append(
+            Guideword(
+                id=name,
+                title=item.need("title").text(),
+                meaning=item.need("meaning").text(),
+                extension=extension,
+                reason=item.need("reason").text() if extension else "",
+            )
+        )
+        item.close()
+    return tuple(words)
+
+
+def load_parameters(path: Path) -> tuple[tuple[Parameter, ...], dict[str, str]]:
+    """Read the parameters of one file, in its order, and the place of each by id.
+
+    Raises:
+        InputError: a key is missing or unknown, ...
+    """
+    parameters, places = [], {}
+    for name, item in load(path).mapping().items():
+        _guard_name(item, name, r"[a-z][a-z0-9_]*", "small letters, as in a mutant's id")
+        fields = {key: item.need(key).text() for key in ("title", "intent", "node", "unit")}
+        parameters.append(Parameter(id=name, **fields))
+        places[name] = item.place
+        item.close()
+    return tuple(parameters), places
+
+
+def load_cells(path: Path, guidewords: tuple[Guideword, ...], seams: Collection[str] | None = None) -> tuple[Cell, ...]:
+    """Read the cells of one parameter, one for each guideword; the file is called after the parameter.
+
+    Raises:
+        InputError: a guideword is unknown or its cell is blank, ...
+    """
+    sheet, ids = load(path), [word.id for word in guidewords]
+    for name, item in sheet.mapping().items():
+        if name not in ids:
+            hint = _BARE_NO if name == "False" else did_you_mean(name, ids)
+            raise InputError(f"{item.place}: {name!r} is not a guideword{hint}")
+    cells = []
+    for word in ids:
+        cell = sheet.get(word)
+        if cell is None or cell.value is None:
+            place, name = (cell or sheet).place, f"{word}-{path.stem}"
+            raise InputError(
+                f"{place}: the cell {name} is blank; it must be credible, a control, or not_meaningful with a reason"
+            )
+        cells.append(_cell(cell, word, path.stem, seams))
+    return tuple(cells)
+
+
+def _cell(item: Item, guideword: str, parameter: str, seams: Collection[str] | None) -> Cell:
+    status = CellStatus(item.need("status").choice(tuple(CellStatus)))
+    if status is CellStatus.NOT_MEANINGFUL:
+        cell = Cell(guideword, parameter, status, reason=item.need("reason").text(), place=item.place)
+    else:
+        requirements = item.need("requirements")
+        cell = Cell(
+            guideword,
+            parameter,
+            status,
+            deviation=item.need("deviation").text(),
+            causes=tuple(cause.text() for cause in _some(item.need("causes"))),
+            effect=item.need("effect").text(),
+            requirements=tuple(name.text() for name in _some(requirements)),
+            faults=tuple(_fault(fault, seams) for fault in _some(item.need("faults"))),
+            predicted=predicted.text() if (predicted := item.get("predicted")) else "",
+            place=item.place,
+            requirements_place=requirements.place,
+        )
+        _guard_units(cell)
+    item.close()
+    return cell
+
+
+def _fault(item: Item, seams: Collection[str] | None) -> Fault:
+    seam, operator = item.need("seam"), item.need("operator")
+    arguments = given.mapping() if (given := item.get("arguments")) else {}
+    magnitude = _magnitude(found) if (found := item.get("magnitude")) else None
+    if magnitude is not None and magnitude.argument in arguments:
+        place = arguments[magnitude.argument].place
+        raise InputError(f"{place}: {magnitude.argument!r} is set by the magnitude and cannot be a fixed argument too")
+    phases, known = item.get("phases"), item.get("expected")
+    named = {"seam": seam, "operator": operator, **arguments} | ({"phases": phases} if phases else {})
+    fault = Fault(
+        seam=seam.text() if seams is None else seam.choice(sorted(seams)),
+        operator=operator.text(),
+        arguments={name: _value(argument) for name, argument in arguments.items()},
+        magnitude=magnitude,
+        phases=phases is not None and phases.flag(),
+        expected=_expected(known, magnitude) if known else None,
+        place=item.place,
+        places={name: found.place for name, found in named.items()},
+    )
+    item.close()
+    if fault.phases and not any(
+        name in PERIODS for name in (*fault.arguments, magnitude.argument if magnitude else "")
+    ):
+        raise InputError(
+            f"{item.place}: a fault with phases must say its {' or '.join(PERIODS)}, of which a phase is a share"
+        )
+    return fault
+
+
+def _magnitude(item: Item) -> Magnitude:
+    ladder, default = item.need("ladder"), item.need("default")
+    rungs = tuple(_rung(rung) for rung in _some(ladder))
+    if len({type(rung) for rung in rungs}) > 1:
+        raise ladder.error("all numbers or all names")
+    if len(set(rungs)) < len(rungs):
+        raise ladder.error("different magnitudes")
+    if (chosen := _rung(default)) not in rungs:
+        raise default.error(f"on the ladder: {', '.join(map(_said, rungs))}")
+    named = isinstance(rungs[0], str)
+    unit = item.get("unit")
+    factor = item.get("scale")
+    magnitude = Magnitude(
+        argument=item.need("argument").text(),
+        unit=_unit(unit) if unit else "",
+        ladder=rungs,
+        default=chosen,
+        scale=factor.number() if factor else 1.0,
+        place=item.place,
+    )
+    if named and unit is not None and magnitude.unit:
+        raise unit.error("left out where the ladder holds names")
+    if factor is not None and (named or magnitude.scale == 0 or not math.isfinite(magnitude.scale)):
+        raise factor.error("left out where the ladder holds names" if named else "a finite number other than 0")
+    item.close()
+    return magnitude
+
+
+def _expected(item: Item, magnitude: Magnitude | None) -> Expected:
+    status, reason, only = item.need("status"), item.need("reason"), item.get("magnitudes")
+    rungs = tuple(_rung(rung) for rung in _some(only)) if only else ()
+    for rung in rungs:
+        if magnitude is None or rung not in magnitude.ladder:
+            assert only is not None
+            ladder = ", ".join(map(_said, magnitude.ladder)) if magnitude else "none, the fault has no magnitude"
+            raise InputError(f"{only.place}: magnitudes: {_said(rung)} must be on the ladder: {ladder}")
+    item.close()
+    return Expected(reason.text(), rungs, status.choice(("not_infected",)), item.place)
+
+
+def _guard_name(item: Item, name: str, pattern: str, allowed: str) -> None:
+    if not re.fullmatch(pattern, name):
+        raise InputError(f"{item.place}: name {name!r} must be {allowed}")
+
+
+def _guard_units(cell: Cell) -> None:
+    """Refuse two faults of a cell whose magnitudes share a unit: the unit in an id picks the fault."""
+    units: list[str] = []
+    for fault in cell.faults:
+        if len(cell.faults) > 1 and (fault.magnitude is None or fault.magnitude.unit in units):
+            allowed = "a magnitude in a unit of its own; the unit in an id picks the fault"
+            raise InputError(f"{fault.place}: each fault of {cell.name} must have {allowed}")
+        units.append(fault.magnitude.unit if fault.magnitude else "")
+
+
+def _some(item: Item) -> tuple[Item, ...]:
+    entries = item.items()
+    if not entries:
+        raise item.error("a list of at least one")
+    return entries
+
+
+def _unit(item: Item) -> str:
+    if item.value == "" or (isinstance(item.value, str) and _UNIT.fullmatch(item.value)):
+        return item.value
+    raise item.error("a unit of letters, digits and %, as in a mutant's id")
+
+
+def _rung(item: Item) -> Rung:
+    if isinstance(item.value, str):
+        if not _NAMED_RUNG.fullmatch(item.value):
+            raise item.error("a number, or a name of letters, digits, _ and .")
+        return item.value
+    return item.number()
+
+
+def _said(rung: Rung) -> str:
+    return rung if isinstance(rung, str) else f"{rung:g}"
+
+
+def _value(item: Item) -> Value:
+    if isinstance(item.value, bool):
+        return item.value
+    return item.text() if isinstance(item.value, str) else item.number()

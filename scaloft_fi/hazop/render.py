@@ -1,0 +1,189 @@
+"""The matrix as text that fits a terminal: the grid, every cell with its reason, one cell whole."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable, Mapping, Sequence
+
+from scaloft_fi.hazop.cell import Cell, CellStatus, Fault, Rung
+from scaloft_fi.hazop.matrix import Matrix
+
+COLUMNS = 120
+"""Width every text of this file keeps [characters]."""
+
+LEGEND = (
+    "3s       credible: can happen, and is flown at this default magnitude",
+    "yes      credible: can happen in one form only, no magnitude",
+    "CONTROL  a fault so crude that it must be seen; if it survives, the test bench is broken",
+    "-        not meaningful: the guideword makes no new deviation of this parameter",
+)
+
+MARKS = {CellStatus.CREDIBLE: "yes", CellStatus.CONTROL: "CONTROL", CellStatus.NOT_MEANINGFUL: "-"}
+SHORT_MARKS = {CellStatus.CREDIBLE: "o", CellStatus.CONTROL: "C", CellStatus.NOT_MEANINGFUL: "-"}
+
+
+def mark(cell: Cell) -> str:
+    """Return the default's magnitude, or else a word that tells the status without colour."""
+    return (cell.status is CellStatus.CREDIBLE and cell.default_magnitude) or MARKS[cell.status]
+
+
+def tally(matrix: Matrix) -> str:
+    """Tell the size of the matrix and how many cells there are of each status.
+
+    >>> tally(Matrix((), (), {}))
+    '0 parameters x 0 guidewords = 0 cells: 0 credible, 0 control, 0 not meaningful'
+    """
+    counts = ", ".join(f"{count} {status.replace('_', ' ')}" for status, count in matrix.counts().items())
+    return f"{len(matrix.parameters)} parameters x {len(matrix.guidewords)} guidewords = {len(matrix)} cells: {counts}"
+
+
+def grid_table(matrix: Matrix) -> tuple[list[str], list[list[str]]]:
+    """Return header and rows of the grid: a row for each parameter, a column for each guideword."""
+    rows = [[p.id, *(mark(matrix.cells[word.id, p.id]) for word in matrix.guidewords)] for p in matrix.parameters]
+    return ["", *(word.id for word in matrix.guidewords)], rows
+
+
+def grid(matrix: Matrix, columns: int = COLUMNS) -> str:
+    """Draw the grid; where it is too wide, with short marks, and then with the columns in several blocks."""
+    header, rows = grid_table(matrix)
+    for gap in (2, 1):
+        lines = aligned([header, *rows], gap)
+        if _width(lines) <= columns:
+            return "\n".join(lines)
+    fit = max(1, (columns - max((len(row[0]) for row in rows), default=0)) // (1 + max(map(len, header))))
+    short = [
+        [p.id, *(SHORT_MARKS[matrix.cells[w.id, p.id].status] for w in matrix.guidewords)] for p in matrix.parameters
+    ]
+    blocks = [[[line[0], *line[at : at + fit]] for line in (header, *short)] for at in range(1, len(header), fit)]
+    return "\n\n".join("\n".join(aligned(block, 1)) for block in blocks)
+
+
+def cells(matrix: Matrix, columns: int = COLUMNS) -> str:
+    """Tell every cell, parameter by parameter: guideword, mark, requirements at risk, deviation or reason."""
+    tags = [(cell.guideword, mark(cell), " ".join(cell.requirements)) for cell in matrix]
+    widths = [max((len(tag[i]) for tag in tags), default=0) for i in range(3)]
+    blocks = []
+    for parameter in matrix.parameters:
+        lines = _wrapped("", f"{parameter.id}: {parameter.title} ({parameter.node})", columns)
+        for word in matrix.guidewords:
+            cell = matrix.cells[word.id, parameter.id]
+            tag = (cell.guideword, mark(cell), " ".join(cell.requirements))
+            head = "  " + "  ".join(text.ljust(width) for text, width in zip(tag, widths, strict=True)) + "  "
+            told = cell.deviation or f"not meaningful: {cell.reason}"
+            lines += _wrapped(head, told, columns)
+        blocks.append("\n".join(lines))
+    return "\n\n".join(blocks)
+
+
+def overview(matrix: Matrix, columns: int = COLUMNS) -> str:
+    """Draw the grid with its legend and counts."""
+    return "\n".join([grid(matrix, columns), "", *LEGEND, "", tally(matrix)])
+
+
+def sheet(matrix: Matrix, cell: Cell, edges: Mapping[str, str], columns: int = COLUMNS) -> str:
+    """Tell one cell whole.
+
+    Args:
+        matrix: where the cell stands.
+        cell: the cell.
+        edges: from which stage to which each seam leads, by name.
+        columns: width of the text [characters].
+    """
+    word = next(word for word in matrix.guidewords if word.id == cell.guideword)
+    parameter = next(parameter for parameter in matrix.parameters if parameter.id == cell.parameter)
+    entries: list[tuple[str, Iterable[str]]] = [
+        ("status", [cell.status.replace("_", " ")]),
+        ("parameter", [f"{parameter.title}: {parameter.intent}"]),
+        ("node", [f"{parameter.node} [{parameter.unit}]"]),
+        ("guideword", [f"{word.title}: {word.meaning}", *([f"extension: {word.reason}"] if word.extension else [])]),
+        ("reason", [cell.reason]),
+        ("deviation", [cell.deviation]),
+        ("causes", [f"- {cause}" for cause in cell.causes]),
+        ("effect", [cell.effect]),
+        ("requirements", [", ".join(cell.requirements)]),
+        ("predicted", [cell.predicted]),
+    ]
+    for fault in cell.faults:
+        edge = f" ({edges[fault.seam]})" if fault.seam in edges else ""
+        fixed = ", ".join(f"{name} = {said(value)}" for name, value in fault.arguments.items())
+        entries += [
+            ("seam", [f"{fault.seam}{edge}"]),
+            ("operator", [f"{fault.operator}, {fixed}" if fixed else fault.operator]),
+            ("magnitude", [ladder(fault)] if fault.magnitude else []),
+            ("expected", [expectation(fault)]),
+            ("mutants", mutant_lines(cell, fault)),
+        ]
+    label = max(len(name) for name, _ in entries) + 4
+    lines = [cell.name]
+    for name, texts in entries:
+        head = f"  {name}"
+        for text in filter(None, texts):
+            lines += _wrapped(head.ljust(label), text, columns, 2 if text.startswith("- ") else 0)
+            head = ""
+    return "\n".join(lines)
+
+
+def ladder(fault: Fault) -> str:
+    """Tell the magnitudes of a fault, the default starred.
+
+    >>> from scaloft_fi.hazop.cell import Magnitude
+    >>> ladder(Fault("imu", "delay", {}, Magnitude("delay_s", "ms", (5.0, 20.0), 20.0, 0.001)))
+    'delay_s = 5 ms, 20 ms*  (times 0.001; * default)'
+    """
+    magnitude = fault.magnitude
+    if magnitude is None:
+        return ""
+    unit = f" {magnitude.unit}" if magnitude.unit else ""
+    rungs = ", ".join(f"{said(rung)}{unit}{'*' if rung == magnitude.default else ''}" for rung in magnitude.ladder)
+    scale = f"times {magnitude.scale:g}; " if magnitude.scale != 1.0 else ""
+    return f"{magnitude.argument} = {rungs}  ({scale}* default)"
+
+
+def expectation(fault: Fault) -> str:
+    """Tell what is known of a fault beforehand; empty when nothing is."""
+    if fault.expected is None:
+        return ""
+    rungs = ", ".join(map(said, fault.expected.magnitudes))
+    return f"{fault.expected.status}{' at ' + rungs if rungs else ''}: {fault.expected.reason}"
+
+
+def mutant_lines(cell: Cell, fault: Fault) -> list[str]:
+    """Tell the ids of a fault, the cell's default starred: a ladder on one line, phases a line for each magnitude."""
+    lines = [_starred(cell, fault, rung) for rung in fault.rungs]
+    return lines if fault.phases else [", ".join(lines)]
+
+
+def _starred(cell: Cell, fault: Fault, rung: Rung | None) -> str:
+    first, *shifted = cell.mutant_ids(fault, rung)
+    default = fault.magnitude is None or rung == fault.magnitude.default
+    star = "*" if default and fault is cell.faults[0] else ""
+    return f"{first}{star}" + (f" and {', '.join('#' + name.split('#')[1] for name in shifted)}" if shifted else "")
+
+
+def said(value: object) -> str:
+    """Write a value as YAML would.
+
+    >>> said(0.5), said(True), said("y")
+    ('0.5', 'true', 'y')
+    """
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def aligned(rows: Sequence[Sequence[str]], gap: int) -> list[str]:
+    """Align the columns of a table; the first row is the header."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = [
+        (" " * gap).join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in rows
+    ]
+    return [lines[0], "-" * (sum(widths) + gap * (len(widths) - 1)), *lines[1:]]
+
+
+def _width(lines: Iterable[str]) -> int:
+    return max(map(len, lines), default=0)
+
+
+def _wrapped(head: str, text: str, columns: int, hang: int = 0) -> list[str]:
+    indent = " " * (len(head) + hang if head else 4)
+    return textwrap.wrap(text, columns, initial_indent=head, subsequent_indent=indent, break_on_hyphens=False)

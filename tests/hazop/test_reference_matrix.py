@@ -1,0 +1,86 @@
+"""What the study in the repository promises."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from scaloft_fi.hazop.cell import Cell, CellStatus, Magnitude
+from scaloft_fi.hazop.load import load_matrix
+from scaloft_fi.stack.seam import SEAMS
+
+HAZOP = Path(__file__).resolve().parents[2] / "hazop"
+MATRIX = load_matrix(HAZOP, SEAMS)
+MEANINGFUL = [cell for cell in MATRIX if cell.status is not CellStatus.NOT_MEANINGFUL]
+IEC_61882 = ["NO", "MORE", "LESS", "ASWELLAS", "PARTOF", "REVERSE", "OTHERTHAN", "EARLY", "LATE", "BEFORE", "AFTER"]
+
+
+def test_twelve_guidewords_are_asked_of_thirteen_parameters() -> None:
+    assert [word.id for word in MATRIX.guidewords] == [*IEC_61882, "UNINTENDED"]
+    assert " ".join(parameter.id for parameter in MATRIX.parameters) == (
+        "human collision goal depth pose velcmd waypoint map imu speedlimit exposure clock battery"
+    )
+    assert len(MATRIX) == 156
+
+
+def test_every_cell_is_credible_a_control_or_not_meaningful() -> None:
+    assert MATRIX.counts() == {CellStatus.CREDIBLE: 114, CellStatus.CONTROL: 11, CellStatus.NOT_MEANINGFUL: 31}
+
+
+def test_only_unintended_is_an_extension_and_says_why() -> None:
+    assert [word.id for word in MATRIX.guidewords if word.extension] == ["UNINTENDED"]
+    assert MATRIX.guidewords[-1].reason
+
+
+@pytest.mark.parametrize("cell", MEANINGFUL, ids=lambda cell: cell.name)
+def test_a_meaningful_cell_is_worked_out(cell: Cell) -> None:
+    assert cell.deviation
+    assert cell.causes
+    assert cell.effect
+    assert cell.faults
+    assert set(cell.requirements) <= {"SR1", "SR2", "OP1"}
+
+
+def test_each_cell_that_is_not_meaningful_gives_its_reason() -> None:
+    assert all(len(cell.reason) > 20 for cell in MATRIX if cell.status is CellStatus.NOT_MEANINGFUL)
+
+
+def test_the_papers_three_faults_are_cells_at_the_papers_magnitudes() -> None:
+    assert MATRIX.cell("LATE-human").default_magnitude == "3s"
+    assert MATRIX.cell("UNINTENDED-collision").default_magnitude == "20s"
+    assert MATRIX.cell("MORE-goal").faults[0].magnitude == Magnitude("value", "m", (0.3, 0.6, 1.0, 3.0), 0.6)
+
+
+def test_what_is_known_not_to_infect_is_declared_with_its_reason() -> None:
+    known = {cell.name: fault.expected for cell in MATRIX for fault in cell.faults if fault.expected}
+    assert known.keys() == {"PARTOF-goal", "AFTER-speedlimit", "LATE-battery"}
+    assert known["PARTOF-goal"].magnitudes == ("z",)
+
+
+def test_a_cell_with_two_faults_tells_them_apart_by_unit() -> None:
+    pairs = {
+        cell.name: [fault.magnitude.unit for fault in cell.faults if fault.magnitude]
+        for cell in MATRIX
+        if len(cell.faults) > 1
+    }
+    assert pairs == {"NO-depth": ["s", "%"], "LESS-pose": ["x", "Hz"], "OTHERTHAN-map": ["m", "deg"]}
+
+
+def test_every_seam_of_a_fault_exists_and_most_seams_are_used() -> None:
+    used = {fault.seam for cell in MATRIX for fault in cell.faults}
+    assert used <= SEAMS.keys()
+    assert len(used) >= 18
+
+
+def test_the_matrix_names_exactly_the_ids_that_are_derived() -> None:
+    derive = pytest.importorskip("scaloft_fi.mutants.derive")
+    told = [
+        name
+        for cell in MATRIX
+        for fault in cell.faults
+        for rung in fault.rungs
+        for name in cell.mutant_ids(fault, rung)
+    ]
+    assert told == [mutant.id for mutant in derive.derive(MATRIX)]
+    assert len(set(told)) == len(told)
