@@ -74,7 +74,8 @@ def _one(matrix: Matrix, name: str, style: str) -> str:
     row = rows(matrix.only([cell.guideword], [cell.parameter]))[0]
     if style == "csv":
         return _csv(HEADER, [row])
-    return _tabulated(("cell", cell.name), [list(pair) for pair in zip(HEADER[1:], row[1:], strict=True)], style)
+    told = [[name, text] for name, text in zip(HEADER[1:], row[1:], strict=True) if text]
+    return _tabulated(("cell", cell.name), told, style)
 
 
 def _edges() -> Mapping[str, str]:
