@@ -16,26 +16,22 @@ class Progress:
     """Flights done, their rate, and the time left, weighted by how long each flight is expected to be.
 
     Args:
-        flights: how many are to be flown.
-        expected_s: the sum of their expected simulated durations [s].
         stream: where to write; a live line when it is a terminal, else one line every ten seconds.
         clock: monotonic wall clock [s].
     """
 
-    def __init__(
-        self,
-        flights: int,
-        expected_s: float,
-        *,
-        stream: TextIO | None = None,
-        clock: Callable[[], float] = time.monotonic,
-    ) -> None:
+    def __init__(self, *, stream: TextIO | None = None, clock: Callable[[], float] = time.monotonic) -> None:
         self._stream = stream or sys.stderr
         self._live = self._stream.isatty()
         self._clock = clock
         self._start_s = self._shown_s = clock()
-        self.flights, self.expected_s = flights, expected_s
+        self.flights, self.expected_s = 0, 0.0
         self.done, self.done_s = 0, 0.0
+
+    def expect(self, flights: int, expected_s: float) -> None:
+        """`flights` are to be flown, `expected_s` [s] long together; the clock starts now."""
+        self.flights, self.expected_s = flights, expected_s
+        self._start_s = self._shown_s = self._clock()
 
     def advance(self, expected_s: float) -> None:
         """One more flight, of `expected_s` [s], is done."""

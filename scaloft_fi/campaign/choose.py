@@ -1,0 +1,83 @@
+"""From what a user writes on the command line to situations, seeds and subjects."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from fnmatch import fnmatchcase
+from typing import TYPE_CHECKING
+
+from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.hazop.cell import CellStatus
+from scaloft_fi.mutants.derive import defaults
+from scaloft_fi.mutants.mutant import PLACEBO, Mutant
+from scaloft_fi.mutants.select import select
+from scaloft_fi.study import Study
+
+if TYPE_CHECKING:
+    from scaloft_fi.sim.situation import Situation
+
+MOST_SEEDS = 100_000
+STEADY_SEAMS = ("velcmd", "pose", "imu", "goal")
+"""Seams that carry samples in every situation: a control there can be asked to show itself anywhere."""
+
+
+def situations(study: Study, patterns: Iterable[str]) -> tuple[Situation, ...]:
+    """The situations that keys, aliases or globs mean, in the order of the grid; none given means all.
+
+    Raises:
+        InputError: one of them means nothing.
+    """
+    grid = study.grid
+    chosen: set[str] = set()
+    for pattern in patterns:
+        if re.search(r"[*?\[]", pattern):
+            found = [situation.key for situation in grid if fnmatchcase(situation.key, pattern)]
+        else:
+            found = [situation.key for situation in grid if pattern in (situation.key, *situation.aliases)]
+        if not found:
+            known = [situation.key for situation in grid]
+            raise InputError(f"no situation {pattern!r}{did_you_mean(pattern, known)}")
+        chosen.update(found)
+    return tuple(situation for situation in grid if not chosen or situation.key in chosen)
+
+
+def seeds(text: str) -> tuple[int, ...]:
+    """`N` means 0..N-1, `A-B` means A to B, both included.
+
+    >>> seeds("3"), seeds("4-5")
+    ((0, 1, 2), (4, 5))
+
+    Raises:
+        InputError: it is neither, or names no seed.
+    """
+    found = re.fullmatch(r"(\d{1,9})(?:-(\d{1,9}))?", text.strip())
+    if found:
+        first, last = (0, int(found[1]) - 1) if found[2] is None else (int(found[1]), int(found[2]))
+        if 0 <= last - first < MOST_SEEDS:
+            return tuple(range(first, last + 1))
+    raise InputError(f"--seeds={text!r} must be N for seeds 0..N-1 (N >= 1), or A-B with A <= B")
+
+
+def mutants(study: Study, patterns: Sequence[str]) -> tuple[Mutant, ...]:
+    """The mutants to fly besides PLACEBO: those asked for and one control, or every cell's default and the controls.
+
+    Raises:
+        InputError: a pattern means nothing.
+    """
+    if not patterns:
+        return defaults(study.matrix)
+    wanted = [pattern for pattern in patterns if pattern != PLACEBO.id]
+    return select(wanted, study.matrix, study.catalogue)
+
+
+def canary(study: Study) -> Mutant | None:
+    """The control that proves, wherever it is flown, that faults reach the drone; None in a study without controls."""
+    controls = [mutant for mutant in defaults(study.matrix) if is_control(study, mutant)]
+    steady = sorted((m for m in controls if m.seam in STEADY_SEAMS), key=lambda m: STEADY_SEAMS.index(m.seam))
+    return next(iter([*steady, *controls]), None)
+
+
+def is_control(study: Study, mutant: Mutant) -> bool:
+    """Whether the mutant realises a control cell."""
+    return study.matrix.cell(mutant.cell).status is CellStatus.CONTROL

@@ -1,0 +1,76 @@
+"""What a campaign holds: the outcomes that the study still stands for, and how many it has outgrown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from scaloft_fi.campaign.folder import campaign_folder, existing
+from scaloft_fi.campaign.key import flight_key
+from scaloft_fi.campaign.plan import Flight
+from scaloft_fi.errors import InputError
+from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.mutant import PLACEBO, Mutant
+from scaloft_fi.results.outcome import BASELINE, Outcome
+from scaloft_fi.results.store import Store
+from scaloft_fi.study import Study
+
+
+@dataclass(frozen=True)
+class Held:
+    """The outcomes of a campaign.
+
+    Attributes:
+        folder: of the campaign.
+        current: outcomes of flights as the study describes them now, in the store's order.
+        stale: how many flights were flown with other data or code; `run` flies them again when they are asked for.
+    """
+
+    folder: Path
+    current: tuple[Outcome, ...]
+    stale: int
+
+
+def held(study: Study, campaign: str) -> Held:
+    """Read a campaign without flying.
+
+    Raises:
+        InputError: there is none, or nothing in it is current.
+    """
+    folder = campaign_folder(study, campaign)
+    with Store(existing(folder), create=False) as store:
+        everything = tuple(store.outcomes())
+        keys = _keys(study, everything)
+        current = tuple(store.outcomes(keys))
+    stale = len(everything) - len(current)
+    if not current:
+        reason = f"all {stale} flights are of other inputs or code" if stale else "it holds no flight"
+        raise InputError(f"{folder}: nothing here to score: {reason}; `scaloft-fi run` flies")
+    return Held(folder, current, stale)
+
+
+def flight_named(study: Study, mutant: str, situation: str, seed: int) -> Flight:
+    """The flight of `mutant` (`baseline`, `PLACEBO` or an id) in a situation.
+
+    Raises:
+        InputError: one of them is unknown.
+    """
+    return Flight(_mutant(study, mutant), study.situation(situation), seed)
+
+
+def _mutant(study: Study, name: str) -> Mutant | None:
+    if name == BASELINE:
+        return None
+    return PLACEBO if name == PLACEBO.id else realise(study.matrix, name)
+
+
+def _keys(study: Study, outcomes: Iterable[Outcome]) -> set[str]:
+    """The keys that the flights behind `outcomes` have now."""
+    keys = set()
+    for name, situation, seed in {(o.mutant, o.situation, o.seed) for o in outcomes}:
+        try:
+            keys.add(flight_key(study, flight_named(study, name, situation, seed)))
+        except InputError:  # a cell or a situation that the study no longer has
+            continue
+    return keys

@@ -1,0 +1,98 @@
+"""Which flights a campaign flies, in a stable order: baselines, PLACEBO beside each, the mutants, then the proof flights."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from scaloft_fi.mutants.mutant import PLACEBO, Mutant
+from scaloft_fi.results.outcome import BASELINE, Outcome, Subject
+from scaloft_fi.results.requirement import Kind
+from scaloft_fi.results.status import held_to_end
+
+if TYPE_CHECKING:
+    from scaloft_fi.sim.situation import Situation
+
+
+@dataclass(frozen=True)
+class Flight:
+    """One planned flight.
+
+    Attributes:
+        mutant: what is patched in; None = the baseline.
+        situation, seed: where.
+    """
+
+    mutant: Mutant | None
+    situation: Situation
+    seed: int
+
+    @property
+    def subject(self) -> Subject:
+        """What is flown, as results name it."""
+        return subject_of(self.mutant)
+
+    @property
+    def name(self) -> str:
+        """`MUTANT/SITUATION/SEED`, as `replay` takes it."""
+        return f"{self.subject.id}/{self.situation.key}/{self.seed}"
+
+    @property
+    def expected_s(self) -> float:
+        """How long the flight will be, roughly: the situation's nominal mission time [s]."""
+        return self.situation.nominal_s
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All flights of one run.
+
+    Attributes:
+        baselines: one for each situation and seed.
+        mutants: PLACEBO in the same, then every mutant in the same.
+        canary: the control that is flown once, in a situation chosen when the baselines are known; None when the
+            controls are among the mutants.
+    """
+
+    baselines: tuple[Flight, ...]
+    mutants: tuple[Flight, ...]
+    canary: Mutant | None
+
+    @property
+    def flights(self) -> int:
+        """How many flights there are, each counted once."""
+        return len(self.baselines) + len(self.mutants) + (self.canary is not None)
+
+
+def plan(
+    situations: Sequence[Situation], seeds: Sequence[int], mutants: Iterable[Mutant], canary: Mutant | None
+) -> Plan:
+    """The flights of `mutants` in `situations` with `seeds`, and what has to be flown to believe them."""
+    draws = [(situation, seed) for situation in situations for seed in seeds]
+    flown = [PLACEBO, *(mutant for mutant in mutants if mutant != PLACEBO)]
+    return Plan(
+        baselines=tuple(Flight(None, *draw) for draw in draws),
+        mutants=tuple(Flight(mutant, *draw) for mutant in flown for draw in draws),
+        canary=None if canary in flown else canary,
+    )
+
+
+def canary_flight(planned: Plan, baselines: Iterable[Outcome]) -> Flight | None:
+    """The canary where its baseline holds most, so that it has something to violate; None without a canary."""
+    if planned.canary is None or not planned.baselines:
+        return None
+    held = {
+        (outcome.situation, outcome.seed): sum(held_to_end(outcome, kind) for kind in (Kind.SAFETY, Kind.OPERABILITY))
+        for outcome in baselines
+        if not outcome.invalid
+    }
+    best = max(planned.baselines, key=lambda flight: held.get((flight.situation.key, flight.seed), -1))
+    return Flight(planned.canary, best.situation, best.seed)
+
+
+def subject_of(mutant: Mutant | None) -> Subject:
+    """What results keep of a mutant; None = the baseline."""
+    if mutant is None:
+        return Subject(BASELINE)
+    return Subject(mutant.id, mutant.guideword, mutant.parameter, mutant.magnitude)

@@ -1,0 +1,175 @@
+"""A run: what the store lacks of the plan is flown, every outcome is saved as it comes, the gates are held."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
+
+from scaloft_fi.campaign import gates
+from scaloft_fi.campaign.folder import LOG_NAME, STORE_NAME, writable
+from scaloft_fi.campaign.fly import Flyer, Worker, fly_once, lost
+from scaloft_fi.campaign.key import flight_key
+from scaloft_fi.campaign.plan import Flight, Plan, canary_flight
+from scaloft_fi.campaign.pool import Pool
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.errors import InputError, ScaloftError
+from scaloft_fi.results.fingerprint import differences, fingerprint
+from scaloft_fi.results.mission_log import mission_log, to_json, violation_line
+from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.requirement import Kind
+from scaloft_fi.results.store import Store
+from scaloft_fi.study import Study
+
+
+class Interrupted(ScaloftError):
+    """The user stopped the run; everything flown is saved."""
+
+    exit_code = 130
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a run knows when it ends: the outcomes of the whole plan, how many of them it flew itself."""
+
+    outcomes: tuple[Outcome, ...]
+    flown: int
+
+
+def run(
+    study: Study, planned: Plan, folder: Path, *, jobs: int, progress: Progress, flyer: Flyer = fly_once
+) -> Report:
+    """Fly what is missing of `planned`, save it, write the mission log, hold the gates.
+
+    Args:
+        study: what is flown.
+        planned: which flights.
+        folder: of the campaign; made when it does not exist.
+        jobs: number of worker processes.
+        progress: what a person sees meanwhile.
+        flyer: flies one flight.
+
+    Raises:
+        GateError: a gate failed.
+        InputError: the folder or the store cannot be written.
+        Interrupted: the user stopped it.
+    """
+    with Store(writable(folder) / STORE_NAME) as store, _interruptible() as stopped:
+        _remember_platform(store, progress)
+        crew = _Crew(study, store, Pool(Worker(study, flyer), lost, jobs, stopped), progress)
+        crew.expect([*planned.baselines, *planned.mutants], extra=int(planned.canary is not None))
+        crew.fly(planned.baselines)
+        canary = canary_flight(planned, crew.outcomes(planned.baselines))
+        rest = (*planned.mutants, *([canary] if canary else []))
+        crew.fly(rest)
+        repeats = crew.repeat(planned.baselines)
+        progress.close()
+        everything = (*planned.baselines, *rest)
+        outcomes = crew.outcomes(everything)
+        _write_log(study, folder, outcomes, len({(f.situation.key, f.seed) for f in planned.baselines}))
+    if stopped():
+        raise Interrupted(
+            f"interrupted: {len(outcomes)} of {planned.flights} flights are saved in {folder}; the same command resumes"
+        )
+    whole_grid = {flight.situation.key for flight in planned.baselines} == {s.key for s in study.grid}
+    judged = planned.canary.id if planned.canary else None
+    gates.check(outcomes, study.roster, canary=judged, whole_grid=whole_grid, repeats=repeats)
+    return Report(outcomes, crew.flown)
+
+
+class _Crew:
+    """Flies what the store lacks."""
+
+    def __init__(self, study: Study, store: Store, pool: Pool[Flight, Outcome], progress: Progress) -> None:
+        self._study, self._store, self._pool, self._progress = study, store, pool, progress
+        self.flown = 0
+
+    def expect(self, flights: Iterable[Flight], extra: int) -> None:
+        """Tell the progress what is to come; `extra`: flights not known yet."""
+        missing = [flight for flight, _ in self._missing(flights)]
+        self._progress.expect(len(missing) + extra, sum(flight.expected_s for flight in missing))
+
+    def fly(self, flights: Iterable[Flight]) -> None:
+        """Fly those of `flights` that the store lacks."""
+        missing = self._missing(flights)
+        keys = {flight.name: key for flight, key in missing}
+        for flight, outcome in self._pool.map(flight for flight, _ in missing):
+            self._store.put(keys[flight.name], outcome)
+            self.flown += 1
+            for line in _warnings(outcome):
+                self._progress.line(line)
+            self._progress.advance(flight.expected_s)
+
+    def repeat(self, flights: Sequence[Flight]) -> tuple[Outcome, ...]:
+        """The shortest of `flights` again, when anything was flown at all: a second flight must be the first one's twin."""
+        if not self.flown or not flights:
+            return ()
+        shortest = min(flights, key=lambda flight: flight.expected_s)
+        return tuple(outcome for _, outcome in self._pool.map([shortest]))
+
+    def outcomes(self, flights: Iterable[Flight]) -> tuple[Outcome, ...]:
+        """What the store has of `flights`."""
+        return tuple(self._store.outcomes(flight_key(self._study, flight) for flight in flights))
+
+    def _missing(self, flights: Iterable[Flight]) -> list[tuple[Flight, str]]:
+        keyed = [(flight, flight_key(self._study, flight)) for flight in flights]
+        known = self._store.known(key for _, key in keyed)
+        return [(flight, key) for flight, key in keyed if key not in known]
+
+
+def _warnings(outcome: Outcome) -> Iterator[str]:
+    if outcome.invalid:
+        yield f"warning: invalid, not counted: {outcome.name}: {outcome.invalid}"
+    for violation in outcome.violations:
+        if violation.kind is not Kind.REPORTED:
+            yield f"warning: {violation_line(outcome, violation)}"
+
+
+def _remember_platform(store: Store, progress: Progress) -> None:
+    """Keep the platform of the campaign's first flight, and say when this one is another: its bits may differ."""
+    ours, theirs = fingerprint(), store.meta()
+    if theirs and (changed := differences(ours, theirs)):
+        progress.line(f"warning: the campaign began on another platform, digests may differ: {', '.join(changed)}")
+    store.set_meta(ours)
+
+
+def _write_log(study: Study, folder: Path, outcomes: Sequence[Outcome], planned: int) -> None:
+    path = folder / LOG_NAME
+    try:
+        path.write_text(to_json(mission_log(outcomes, study.roster, study.space, planned)), encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror}") from error
+
+
+@contextmanager
+def _interruptible() -> Iterator[_Flag]:
+    """While it lasts, the first Ctrl-C (or SIGTERM) asks to stop, the second stops at once."""
+    flag = _Flag()
+    if threading.current_thread() is not threading.main_thread():  # only the main thread hears of signals
+        yield flag
+        return
+    before = {number: signal.signal(number, flag.raise_it) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield flag
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+class _Flag:
+    """Whether the user asked to stop."""
+
+    def __init__(self) -> None:
+        self._up = False
+
+    def __call__(self) -> bool:
+        return self._up
+
+    def raise_it(self, number: int, frame: FrameType | None) -> None:  # noqa: ARG002 - a signal handler's signature
+        if self._up:
+            raise KeyboardInterrupt
+        self._up = True

@@ -1,0 +1,43 @@
+"""`scaloft-fi export`: one row per flight."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from scaloft_fi.cli.options import campaign_option, study_option
+from scaloft_fi.errors import InputError
+
+
+@click.command("export")
+@study_option
+@campaign_option
+@click.option("--format", "style", type=click.Choice(("json", "csv")), default="json", show_default=True)
+@click.option("--output", type=click.Path(path_type=Path), metavar="FILE", help="Write there instead of printing.")
+def export_command(study_folder: Path | None, campaign: str, style: str, output: Path | None) -> None:
+    """Print one row per flight, ordered by mutant, situation and seed: facts of the simulation only."""
+    from scaloft_fi.campaign.held import held
+    from scaloft_fi.results.export import export_rows, to_csv, to_json
+    from scaloft_fi.study import Study
+
+    study = Study.open(study_folder)
+    names = [requirement.name for requirement in study.requirements]
+    rows = export_rows(held(study, campaign).current, study.roster, study.space, names)
+    text = to_json(rows) if style == "json" else to_csv(rows, names)
+    if output is None:
+        click.echo(text, nl=False)
+    else:
+        write(output, text.encode())
+
+
+def write(path: Path, content: bytes) -> None:
+    """Write a file that the user named.
+
+    Raises:
+        InputError: it cannot be written.
+    """
+    try:
+        path.write_bytes(content)
+    except OSError as error:
+        raise InputError(f"--output={str(path)!r} cannot be written: {error.strerror}") from error

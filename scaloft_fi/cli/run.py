@@ -1,0 +1,69 @@
+"""`scaloft-fi run`: fly baseline and mutants over the grid, then print score and coverage."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from scaloft_fi.cli.options import campaign_option, fail_under_option, format_option, study_option
+
+
+@click.command("run")
+@study_option
+@campaign_option
+@click.option(
+    "--mutant",
+    "mutants",
+    multiple=True,
+    metavar="ID|GLOB",
+    help="A cell's name (its default), an id, or a pattern over the catalogue (repeatable).  "
+    "[default: every cell's default and the controls]",
+)
+@click.option(
+    "--situation",
+    "situations",
+    multiple=True,
+    metavar="KEY|GLOB",
+    help="A situation's key or alias, or a pattern (repeatable).  [default: the whole grid]",
+)
+@click.option("--seeds", default="1", show_default=True, metavar="N|A-B", help="Seeds 0..N-1, or A to B inclusive.")
+@click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
+@format_option
+@fail_under_option
+@click.option("--quiet", is_flag=True, help="No progress and no warnings.")
+def run_command(
+    study_folder: Path | None,
+    campaign: str,
+    mutants: tuple[str, ...],
+    situations: tuple[str, ...],
+    seeds: str,
+    jobs: int | None,
+    style: str,
+    fail_under: float | None,
+    quiet: bool,
+) -> int:
+    """Fly the baseline, PLACEBO and the mutants in every situation, then print the score.
+
+    What the campaign already holds is not flown again: the same command resumes.
+    """
+    from scaloft_fi.campaign.pool import cores, one_thread_each
+
+    one_thread_each()
+    from scaloft_fi.campaign import choose
+    from scaloft_fi.campaign.folder import campaign_folder
+    from scaloft_fi.campaign.plan import plan
+    from scaloft_fi.campaign.progress import Progress, Silence
+    from scaloft_fi.campaign.run import run
+    from scaloft_fi.cli.score import report
+    from scaloft_fi.study import Study
+
+    study = Study.open(study_folder)
+    study.check()
+    planned = plan(
+        choose.situations(study, situations), choose.seeds(seeds), choose.mutants(study, mutants), choose.canary(study)
+    )
+    progress = Silence() if quiet else Progress()
+    folder = campaign_folder(study, campaign)
+    flown = run(study, planned, folder, jobs=jobs or cores(), progress=progress)
+    return report(study, flown.outcomes, None, style, fail_under)

@@ -1,0 +1,68 @@
+"""`scaloft-fi score`: the tables of a campaign again, without flying."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from scaloft_fi.cli.options import campaign_option, fail_under_option, format_option, study_option
+
+if TYPE_CHECKING:
+    from scaloft_fi.results.outcome import Outcome
+    from scaloft_fi.study import Study
+
+GROUPINGS = ("guideword", "parameter", "situation", "requirement", "axis")
+BELOW = 3
+"""Exit code of a score under --fail-under."""
+
+
+@click.command("score")
+@study_option
+@campaign_option
+@click.option("--by", "grouping", type=click.Choice(GROUPINGS), help="The score part by part as well.")
+@format_option
+@fail_under_option
+def score_command(
+    study_folder: Path | None, campaign: str, grouping: str | None, style: str, fail_under: float | None
+) -> int:
+    """Print the score, the mutants, the baseline's findings and the coverage of a campaign."""
+    from scaloft_fi.campaign.held import held
+    from scaloft_fi.study import Study
+
+    study = Study.open(study_folder)
+    return report(study, held(study, campaign).current, grouping, style, fail_under)
+
+
+def report(
+    study: Study, outcomes: Sequence[Outcome], grouping: str | None, style: str, fail_under: float | None
+) -> int:
+    """Print the tables of `outcomes`; returns the exit code."""
+    from scaloft_fi.results.score import score
+
+    click.echo(_text(study, outcomes, grouping, style), nl=False)
+    ratio = score(outcomes, study.roster, study.space).mutation_score
+    if fail_under is None or (ratio.value is not None and ratio.value >= fail_under):
+        return 0
+    click.echo(f"mutation score {ratio} is below --fail-under {fail_under:g}", err=True)
+    return BELOW
+
+
+def _text(study: Study, outcomes: Sequence[Outcome], grouping: str | None, style: str) -> str:
+    from scaloft_fi.results.baseline import findings
+    from scaloft_fi.results.coverage import coverage
+    from scaloft_fi.results.grouping import By
+    from scaloft_fi.results.score import score, score_json
+    from scaloft_fi.results.table import Format, render
+    from scaloft_fi.results.tables import score_tables
+
+    by = By(grouping) if grouping else None
+    if style != Format.JSON:
+        return render(score_tables(outcomes, study.roster, study.space, by), Format(style))
+    import json
+
+    violated = [(finding.situation, finding.violated) for finding in findings(outcomes, study.space)]
+    scored = score_json(score(outcomes, study.roster, study.space), coverage(outcomes, study.space), violated)
+    return json.dumps(scored, indent=2, allow_nan=False) + "\n"

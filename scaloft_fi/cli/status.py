@@ -1,0 +1,36 @@
+"""`scaloft-fi status`: what a campaign holds."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+import click
+
+from scaloft_fi.cli.options import campaign_option, format_option, study_option
+
+
+@click.command("status")
+@study_option
+@campaign_option
+@format_option
+def status_command(study_folder: Path | None, campaign: str, style: str) -> None:
+    """Print how many flights a campaign holds, by status."""
+    from scaloft_fi.campaign.held import held
+    from scaloft_fi.results.export import export_rows
+    from scaloft_fi.results.outcome import BASELINE
+    from scaloft_fi.results.table import Format, Table, render
+    from scaloft_fi.study import Study
+
+    study = Study.open(study_folder)
+    found = held(study, campaign)
+    rows = export_rows(found.current, study.roster, study.space)
+    baselines = Counter(f"{BASELINE} {row['status']}" for row in rows if row["mutant"] == BASELINE)
+    mutants = Counter(row["status"] for row in rows if row["mutant"] != BASELINE)
+    table = Table(
+        f"Campaign {found.folder}",
+        ("flights", "number"),
+        (*baselines.items(), *mutants.items(), ("all", len(rows)), ("stale, not counted", found.stale)),
+        (f"{len({row['mutant'] for row in rows})} subjects in {len({row['situation'] for row in rows})} situations.",),
+    )
+    click.echo(render((table,), Format(style)), nl=False)
