@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from scaloft_fi.results.requirement import Kind, Reading, Requirement, judge_signals
 
 if TYPE_CHECKING:
+    from scaloft_fi.mutants.mutant import Mutant
     from scaloft_fi.results.space import Realisation
     from scaloft_fi.sim.log import FlightLog
 
@@ -29,6 +30,13 @@ class Subject:
     guideword: str = ""
     parameter: str = ""
     magnitude: str = ""
+
+    @classmethod
+    def of(cls, mutant: Mutant | None) -> Subject:
+        """The subject of a flight with this mutant; None is the baseline."""
+        if mutant is None:
+            return cls(BASELINE)
+        return cls(mutant.id, mutant.guideword, mutant.parameter, mutant.magnitude)
 
 
 @dataclass(frozen=True)
@@ -54,7 +62,7 @@ class Outcome:
         invalid: why the harness failed; empty for a flight that counts.
         readings: one per requirement, in the study's order.
         violations: the first of each violated requirement.
-        carried: samples that crossed the mutated seam; altered: how many were changed there.
+        carried: samples that crossed the patched seams; altered: how many were changed there.
         infected_at_s: when the first sample differed [s].
         struck: body of the contact that ended the flight.
         duration_s: simulated time [s].
@@ -127,18 +135,16 @@ def outcome_of(
     seed: int,
     *,
     requirements: Sequence[Requirement],
-    seam: str | None = None,
     realisation: Realisation | None = None,
 ) -> Outcome:
     """Judge a flight log.
 
     Args:
-        log: the recorded flight.
+        log: the recorded flight; it counts the samples of the seams that were patched.
         subject: what was flown.
         situation: key of the situation.
         seed: of the noise.
         requirements: of the study.
-        seam: the mutated seam; None counts every seam the log has counts of (PLACEBO patches all).
         realisation: the grid's predicates, to judge a baseline by.
 
     Raises:
@@ -151,7 +157,7 @@ def outcome_of(
         readings.append(judgement.reading)
         if judgement.sample is not None:
             violations.append(_violation(requirement, signals, judgement.sample, log.struck))
-    counts = [count for name, count in log.counts.items() if seam is None or name == seam]
+    counts = list(log.counts.values())
     first = [count.first_altered_s for count in counts if count.first_altered_s is not None]
     return Outcome(
         subject=subject,

@@ -160,94 +160,79 @@ def load_requirements(path: Path, signals: Collection[str]) -> tuple[Requirement
         InputError: naming file and line: not YAML, an unknown key or signal, a bad formula, nothing of kind safety.
     """
     document = load(path)
-    requirements = []
-    for name, item in document.need("requirements").mapping().items():
-        requirements.append(_requirement(name, item, document.get("definitions"), frozenset(signals)))
+    definitions = document.get("definitions")
+    shared = definitions.mapping() if definitions else {}
+    names = set(signals)
+    for key, item in shared.items():
+        if key in names or key in WORDS or key == TRIGGER:
+            raise InputError(f"{item.place}: definition {key!r} must not be named like a signal or a word of formulas")
+        _check(item, item.text(), names)
+        names.add(key)
+    texts = {key: item.text() for key, item in shared.items()}
+    requirements = [
+        _requirement(name, item, texts, names) for name, item in document.need("requirements").mapping().items()
+    ]
     document.close()
     if not any(requirement.kind is Kind.SAFETY for requirement in requirements):
-        raise document.error("a study with at least one requirement of kind safety")
+        raise InputError(f"{document.need('requirements').place}: requirements must have at least one of kind safety")
     return tuple(requirements)
 
 
-def _requirement(name: str, item: Item, shared: Item | None, signals: frozenset[str]) -> Requirement:
-    formula = item.need("formula")
-    trigger = item.get("trigger")
-    places: dict[str, Item] = dict(shared.mapping()) if shared else {}
-    for key, entry in places.items():
-        if key in signals or key in WORDS or key == TRIGGER:
-            raise InputError(
-                f"{entry.place}: definition {key!r} must not be named like a signal or a word of the language"
-            )
-    title, source, unit = item.get("title"), item.get("source"), item.get("unit")
-    texts = {key: entry.text() for key, entry in places.items()}
+def _requirement(name: str, item: Item, definitions: Mapping[str, str], names: Collection[str]) -> Requirement:
+    formula, trigger = item.need("formula"), item.get("trigger")
+    if trigger:
+        _check(trigger, trigger.text(), names)
+        names = {*names, TRIGGER}
+    body = _inside(formula)
+    if body is None:
+        raise InputError(f"{formula.place}: formula must be always( ... ), so that the moment of a violation is final")
+    _check(formula, body, names)
     requirement = Requirement(
         name=name,
         kind=Kind(item.need("kind").choice([kind.value for kind in Kind])),
         text=formula.text(),
-        trigger=trigger.text() if trigger else "",
-        definitions=_needed(texts, [formula.text(), trigger.text() if trigger else ""]),
-        unit=unit.text() if unit else "",
-        title=title.text() if title else "",
-        source=source.text() if source else "",
+        trigger=_optional(trigger),
+        definitions=_needed(definitions, [body, _optional(trigger)]),
+        unit=_optional(item.get("unit")),
+        title=_optional(item.get("title")),
+        source=_optional(item.get("source")),
     )
     item.close()
-    names = set(signals)
-    for key, _ in requirement.definitions:
-        _check(places[key], names)
-        names.add(key)
-    if trigger:
-        _check(trigger, names)
-        names.add(TRIGGER)
-    _check_body(formula, names)
     return requirement
 
 
-def _needed(texts: Mapping[str, str], roots: Sequence[str]) -> tuple[tuple[str, str], ...]:
-    """The definitions the texts use, themselves or through others; in the order they stand."""
+def _inside(item: Item) -> str | None:
+    try:
+        return inside_always(item.text())
+    except FormulaError as error:
+        raise InputError(f"{item.place}: {item.name} {error}") from error
+
+
+def _optional(item: Item | None) -> str:
+    return item.text() if item else ""
+
+
+def _needed(definitions: Mapping[str, str], texts: Sequence[str]) -> tuple[tuple[str, str], ...]:
+    """The definitions that the texts use, themselves or through others, in the order they stand."""
     used: set[str] = set()
-    waiting = list(roots)
+    waiting = list(texts)
     while waiting:
-        text = waiting.pop()
-        found = {name for name in texts if name not in used and re_word(name, text)}
+        words = set(tokenize(waiting.pop()))
+        found = words & definitions.keys() - used
         used |= found
-        waiting += [texts[name] for name in found]
-    return tuple((name, text) for name, text in texts.items() if name in used)
+        waiting += [definitions[name] for name in found]
+    return tuple((name, text) for name, text in definitions.items() if name in used)
 
 
-def re_word(name: str, text: str) -> bool:
-    """Whether `name` is one of the words of a formula that may not be well formed yet."""
+def _check(item: Item, text: str, names: Collection[str]) -> None:
+    """Whether `text` is a formula over the present and the past."""
     try:
-        return name in tokenize(text)
-    except FormulaError:
-        return False
-
-
-def _check(item: Item, names: Collection[str]) -> None:
-    """A definition or a trigger: a formula over the present and the past."""
-    try:
-        _refuse_future(item.text())
-        Formula.parse(item.text(), names)
+        future = [token for token in tokenize(text) if token in FUTURE]
+        if future:
+            raise FormulaError(f"looks into the future with {future[0]!r}; say it with historically, once or since")
+        Formula.parse(text, names)
     except FormulaError as error:
         raise InputError(f"{item.place}: {item.name} {error}") from error
-
-
-def _check_body(item: Item, names: Collection[str]) -> None:
-    try:
-        body = inside_always(item.text())
-        if body is None:
-            raise FormulaError("must be always( ... ), so that the moment of a violation is final")
-        _refuse_future(body)
-        Formula.parse(body, names)
-    except FormulaError as error:
-        raise InputError(f"{item.place}: {item.name} {error}") from error
-
-
-def _refuse_future(text: str) -> None:
-    future = [token for token in tokenize(text) if token in FUTURE]
-    if future:
-        raise FormulaError(
-            f"looks into the future with {future[0]!r}; say it of the past with historically, once or since"
-        )
 
 
 _Parsed = tuple[Formula, tuple[tuple[str, Formula], ...], Formula | None]

@@ -6,6 +6,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
+from scaloft_fi.hazop.cell import CellStatus
+from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome, Subject
 
 
@@ -22,6 +24,16 @@ class Roster:
     defaults: Mapping[str, str]
     controls: frozenset[str]
     ids: tuple[str, ...]
+
+    @classmethod
+    def of(cls, matrix: Matrix, ids: Iterable[str]) -> Roster:
+        """The roster of a matrix and the ids of the catalogue derived from it."""
+        cells = [(cell, f"{cell.name}@{cell.default_magnitude}".removesuffix("@")) for cell in matrix]
+        return cls(
+            defaults={cell.name: id_ for cell, id_ in cells if cell.status is CellStatus.CREDIBLE},
+            controls=frozenset(cell.name for cell, _ in cells if cell.status is CellStatus.CONTROL),
+            ids=tuple(ids),
+        )
 
     @cached_property
     def _default_ids(self) -> frozenset[str]:

@@ -226,7 +226,7 @@ def _kills(flight: Flight) -> list[Kill]:
 
 
 def _by_requirement(flights: Sequence[Flight]) -> tuple[tuple[str, Ratio], ...]:
-    """Per requirement: situations it killed in, of those where the fault infects and the baseline held it to its end."""
+    """Per requirement: situations it killed in, of those the fault infects and the baseline held it in to its end."""
     found = []
     for name in dict.fromkeys(reading.requirement for flight in flights for reading in flight.outcome.readings):
         able = [flight for flight in flights if flight.status.infected and _baseline_holds(flight, name)]

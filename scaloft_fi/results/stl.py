@@ -33,7 +33,7 @@ LARGEST = 1e9
 """Robustness is cut off here: an infinite one (nothing was in the window) is no number of JSON."""
 
 _TOKEN = re.compile(
-    r"\s*(?:(?P<name>[A-Za-z_]\w*)|(?P<number>\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)|(?P<mark>->|<=|>=|[-+*/()<>\[\]:,]))"
+    r"\s*(?:(?P<name>[A-Za-z_]\w*)|(?P<number>\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)|(?P<mark>->|<=|>=|[-+*/()<>\[\]:]))"
 )
 _INTERVAL = re.compile(r"(historically|once|since|always|eventually|until) \[ ([\d.]+) : ([\d.]+) \]")
 
@@ -70,9 +70,7 @@ class Formula:
             raise FormulaError("reads no signal")
         _check_nesting(tokens)
         spaced = " ".join(tokens)
-        for operator, low, high in _INTERVAL.findall(spaced):
-            if float(low) > float(high):
-                raise FormulaError(f"has the interval {operator}[{low}:{high}], which must not end before it begins")
+        _check_intervals(spaced)
         names = tuple(sorted(set(used)))
         try:
             _specification(spaced, names)
@@ -155,6 +153,19 @@ def _check_nesting(tokens: Sequence[str]) -> None:
             break
     if depth:
         raise FormulaError("has brackets that do not match")
+
+
+def _check_intervals(spaced: str) -> None:
+    intervals = _INTERVAL.findall(spaced)
+    if len(intervals) != spaced.count("["):
+        raise FormulaError("has an interval that must be of two times in seconds, as historically[0:2]( ... )")
+    for operator, *bounds in intervals:
+        low, high = (float(bound) * 1000 / SAMPLE_MS for bound in bounds)
+        shown = f"{operator}[{bounds[0]}:{bounds[1]}]"
+        if any(abs(bound - round(bound)) > 1e-6 for bound in (low, high)):
+            raise FormulaError(f"has {shown}, which must be of two times that are multiples of {SAMPLE_MS / 1000:g} s")
+        if low > high:
+            raise FormulaError(f"has {shown}, which must not end before it begins")
 
 
 def _column(name: str, samples: Any) -> list[float]:
