@@ -34,7 +34,7 @@ class TapContext:
         rng: the mutant's own stream in this flight; no other channel draws from it.
         duration_s: nominal mission time of the situation [s].
         facts: of the situation's nominal flight: `sighting_s` (None when no person is ever seen), `home_x`,
-            `home_y` [m], `cruise_mps`, `slow_mps` [m/s].
+            `home_y` [m], `cruise_mps`, `slow_mps` [m/s], `gyro_sigma_radps` [rad/s], `accel_sigma_mps2` [m/s2].
     """
 
     period_s: float

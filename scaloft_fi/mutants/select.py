@@ -31,18 +31,21 @@ def select(patterns: Iterable[str], matrix: Matrix, catalogue: Sequence[Mutant])
 
 
 def _meant(pattern: str, matrix: Matrix, catalogue: Sequence[Mutant]) -> Iterable[Mutant]:
-    known = [mutant.id for mutant in catalogue]
     if _GLOB.search(pattern):
         found = [mutant for mutant in catalogue if fnmatchcase(mutant.id, pattern)]
         if not found:
-            raise InputError(f"no mutant matches {pattern!r}{did_you_mean(pattern, known)}")
+            raise InputError(f"no mutant matches {pattern!r}{_nearest(pattern, catalogue)}")
         return found
     try:
         cell = parse(pattern).cell
     except InputError as error:
-        hint = did_you_mean(pattern, [*(cell.name for cell in matrix if cell.faults), *known])
-        raise InputError(f"{error}{hint}") from None
+        raise InputError(f"{error}{_nearest(pattern, catalogue)}") from None
     if cell not in matrix:
-        hint = did_you_mean(pattern, [*(cell.name for cell in matrix if cell.faults), *known])
-        raise InputError(f"no mutant {pattern!r}{hint}")
+        raise InputError(f"no mutant {pattern!r}{_nearest(pattern, catalogue)}")
     return (realise(matrix, pattern),)
+
+
+def _nearest(text: str, catalogue: Sequence[Mutant]) -> str:
+    """The nearest id or cell name, whatever the case of the letters."""
+    names = {name.casefold(): name for mutant in catalogue for name in (mutant.cell, mutant.id)}
+    return did_you_mean(names.get(text.casefold(), text), names.values())

@@ -16,6 +16,9 @@ from scaloft_fi.stack.messages import Imu
 
 IMU = ("imu",)
 Positive = Annotated[float, Range(above=0.0, most=1e6)]
+# where the context knows none: white noise per sample at 120 Hz bandwidth of a Bosch BMI088 (data sheet:
+# 0.014 deg/s/sqrt(Hz), 175 ug/sqrt(Hz))
+_GYRO_SIGMA_RADPS, _ACCEL_SIGMA_MPS2 = 0.0027, 0.019
 _REST = Imu(0.0, np.array([0.1, -0.2, 0.3]), np.array([0.5, 0.0, 9.81]))
 
 
@@ -37,19 +40,15 @@ class _Shake:
 
 
 @operator("vibration", seams=IMU, example=Example("imu", {"factor": 10.0}, (_REST, _REST), _all_axes_shake))
-def vibration(
-    context: TapContext,
-    *,
-    factor: Annotated[float, Range(least=1.0, most=1e6)],
-    rate_sigma_radps: Positive = 0.0012,
-    force_sigma_mps2: Positive = 0.016,
-) -> Tap:
+def vibration(context: TapContext, *, factor: Annotated[float, Range(least=1.0, most=1e6)]) -> Tap:
     """Raise the white noise of both sensors to `factor` times the nominal sigma per sample.
 
     An unbalanced propeller, a loose mount.
     """
     extra = math.sqrt(factor**2 - 1.0)  # variances add up
-    return _Shake(extra * rate_sigma_radps, extra * force_sigma_mps2, context.rng)
+    rate_radps = context.fact("gyro_sigma_radps", _GYRO_SIGMA_RADPS)
+    force_mps2 = context.fact("accel_sigma_mps2", _ACCEL_SIGMA_MPS2)
+    return _Shake(extra * rate_radps, extra * force_mps2, context.rng)
 
 
 @operator(

@@ -1,0 +1,129 @@
+"""From the matrix to mutants."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from scaloft_fi.errors import InputError
+from scaloft_fi.hazop.cell import Cell, CellStatus, Expected, Fault, Magnitude
+from scaloft_fi.hazop.guideword import Guideword
+from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.parameter import Parameter
+from scaloft_fi.mutants.derive import defaults, derive, expected_of, realise
+from scaloft_fi.mutants.operators import OPERATORS
+from scaloft_fi.mutants.wire import contexts, wire_for
+
+
+def a_matrix(*faults: Fault) -> Matrix:
+    """One cell NO-human with `faults`, and one that is not meaningful."""
+    words = (Guideword("NO", "NO", "nothing"), Guideword("EARLY", "EARLY", "too early"))
+    cells = {
+        ("NO", "human"): Cell("NO", "human", CellStatus.CREDIBLE, "never seen", ("dead",), "fast", ("SR2",), faults),
+        ("EARLY", "human"): Cell("EARLY", "human", CellStatus.NOT_MEANINGFUL, reason="no time machine"),
+    }
+    return Matrix(words, (Parameter("human", "person", "is seen", "detector", "-"),), cells)
+
+
+BURSTS = Fault("person", "outage", {"period_s": 10.0}, Magnitude("burst_s", "s", (1.0, 3.0), 3.0), phases=True)
+SHARES = Fault("person", "drop", {}, Magnitude("share", "%", (25.0, 100.0), 100.0, 0.01))
+
+
+def test_mutants_come_in_the_order_fault_magnitude_phase() -> None:
+    assert [mutant.id for mutant in derive(a_matrix(BURSTS, SHARES))] == [
+        "NO-human@1s",
+        "NO-human@1s#2.5s",
+        "NO-human@1s#5s",
+        "NO-human@1s#7.5s",
+        "NO-human@3s",
+        "NO-human@3s#2.5s",
+        "NO-human@3s#5s",
+        "NO-human@3s#7.5s",
+        "NO-human@25%",
+        "NO-human@100%",
+    ]
+
+
+def test_the_default_is_the_first_fault_at_its_default_unshifted() -> None:
+    assert [mutant.id for mutant in defaults(a_matrix(BURSTS, SHARES))] == ["NO-human@3s"]
+    assert realise(a_matrix(BURSTS, SHARES), "NO-human").id == "NO-human@3s"
+
+
+def test_the_unit_picks_the_fault_and_the_ladder_is_no_limit() -> None:
+    matrix = a_matrix(BURSTS, SHARES)
+    assert realise(matrix, "NO-human@2.50s#01s").id == "NO-human@2.5s#1s"
+    assert realise(matrix, "NO-human@2.5s#1s").arguments == {"period_s": 10.0, "burst_s": 2.5, "phase_s": 1.0}
+    assert realise(matrix, "NO-human@70%").arguments == {"share": 0.7}
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("NO-human@120%", "mutant 'NO-human@120%': operator 'drop': share=1.2 must be >= 0 and <= 1"),
+        ("NO-human@3m", "mutant 'NO-human@3m': '3m' is no magnitude of NO-human; did you mean 'NO-human@3s'?"),
+        ("NO-human@all", "'all' is no magnitude of NO-human"),
+        ("NO-human@25%#5s", "NO-human has no phase; write 'NO-human@25%'"),
+        ("EARLY-human", "mutant 'EARLY-human' does not exist; the cell is not meaningful: no time machine"),
+        ("NO-humna", "no cell 'NO-humna'; did you mean 'NO-human'?"),
+    ],
+)
+def test_an_id_that_means_nothing_is_refused_with_the_reason(text: str, sentence: str) -> None:
+    with pytest.raises(InputError) as caught:
+        realise(a_matrix(BURSTS, SHARES), text)
+    assert sentence in str(caught.value)
+
+
+PLACES = {"operator": "human.yaml:7", "seam": "human.yaml:6", "share": "human.yaml:9", "delay_s": "human.yaml:9"}
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"operator": "dorp"}, "human.yaml:7: no operator 'dorp'; did you mean 'drop'?"),
+        ({"seam": "persn"}, "human.yaml:6: no seam 'persn'; did you mean 'person'?"),
+        ({"seam": "depth", "operator": "deaf_"}, "human.yaml:7: no operator 'deaf_'; did you mean 'deaf'?"),
+        ({"operator": "mirror", "arguments": {}}, "human.yaml:6: operator 'mirror' does not fit seam 'person'"),
+        ({"arguments": {"share": -1.0}}, "human.yaml:9: operator 'drop': share=-1 must be >= 0 and <= 1"),
+        ({"arguments": {"shar": 1.0}}, "human.yaml:5: operator 'drop' has no argument 'shar'; did you mean 'share'?"),
+        (
+            {"operator": "delay", "arguments": {"delay_s": -3.0}},
+            "human.yaml:9: operator 'delay': delay_s=-3 must be >= 0",
+        ),
+        ({"operator": "delay", "arguments": {}}, "human.yaml:7: operator 'delay' lacks the argument 'delay_s'"),
+        ({"phases": True}, "human.yaml:5: operator 'drop' has no argument 'phase_s'"),
+        (
+            {"arguments": {}, "magnitude": Magnitude("share", "%", (150.0,), 150.0, 0.01, place="human.yaml:8")},
+            "human.yaml:8: operator 'drop': share=1.5 must be >= 0 and <= 1",
+        ),
+    ],
+)
+def test_a_fault_that_cannot_be_made_is_refused_at_its_place(change: dict[str, Any], sentence: str) -> None:
+    fault = {
+        "seam": "person",
+        "operator": "drop",
+        "arguments": {"share": 1.0},
+        "place": "human.yaml:5",
+        "places": PLACES,
+    }
+    with pytest.raises(InputError) as caught:
+        derive(a_matrix(Fault(**(fault | change))))
+    assert str(caught.value).startswith(sentence)
+
+
+def test_what_is_expected_of_a_mutant_is_found_again() -> None:
+    known = Expected("nobody is there", (25.0,))
+    matrix = a_matrix(Fault("person", "drop", {}, SHARES.magnitude, expected=known))
+    assert [expected_of(matrix, mutant) for mutant in derive(matrix)] == [known, None]
+
+
+def test_every_credible_and_control_cell_of_the_study_has_mutants_that_patch_their_seam(matrix: Matrix) -> None:
+    derived = derive(matrix)
+    assert {mutant.cell for mutant in derived} == {c.name for c in matrix if c.status is not CellStatus.NOT_MEANINGFUL}
+    assert {mutant.id for mutant in defaults(matrix)} <= {mutant.id for mutant in derived}
+    assert len({mutant.id for mutant in derived}) == len(derived)
+    for mutant in derived:
+        assert mutant.operator in OPERATORS
+        assert realise(matrix, mutant.id) == mutant
+        wire = wire_for(mutant, contexts(mutant.id, "T0O0W0D0H0", 0, 60.0, {}))
+        assert set(getattr(wire, "counts")) == {mutant.seam}  # noqa: B009 - the baseline's wire has none

@@ -1,0 +1,126 @@
+"""What holds for every operator, on every seam it is declared for."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+from scaloft_fi.mutants.argument import VECTORS, number_fields
+from scaloft_fi.mutants.operator import Operator, TapContext
+from scaloft_fi.mutants.operators import OPERATORS
+from scaloft_fi.stack.seam import SEAMS
+
+
+def alike(a: Any, b: Any) -> bool:
+    """Equal but for the last digits of floats."""
+    if isinstance(a, tuple):
+        return type(a) is type(b) and len(a) == len(b) and all(map(alike, a, b))
+    if isinstance(a, np.ndarray):
+        return isinstance(b, np.ndarray) and a.shape == b.shape and np.allclose(a, b, rtol=0.0, atol=1e-9)
+    if isinstance(a, float) and isinstance(b, float):
+        return a == b or abs(a - b) < 1e-9
+    return bool(a == b)
+
+
+def same(a: Any, b: Any) -> bool:
+    """Equal to the bit."""
+    if isinstance(a, tuple):
+        return type(a) is type(b) and len(a) == len(b) and all(map(same, a, b))
+    if isinstance(a, np.ndarray):
+        return isinstance(b, np.ndarray) and a.dtype == b.dtype and np.array_equal(a, b)
+    return bool(a == b) and type(a) is type(b)
+
+
+def arguments_on(operator: Operator, seam: str) -> Mapping[str, Any] | None:
+    """The example's arguments, with a field that the seam's message has; None where it has no such field."""
+    arguments = dict(operator.example.arguments)
+    if "field" not in operator.arguments:
+        return operator.check(seam, arguments)
+    fields = number_fields(SEAMS[seam].message)
+    if operator.name == "set":
+        fields = tuple(f for f in fields if SEAMS[seam].message.__annotations__[f] == "float")
+        arguments["value"] = 0.25
+    if arguments.get("component"):
+        fields = tuple(f for f in fields if f in VECTORS)
+    if not fields:
+        return None
+    return operator.check(seam, arguments | {"field": fields[-1]})
+
+
+EVERYWHERE = [
+    (name, seam)
+    for name, operator in OPERATORS.items()
+    for seam in operator.seams
+    if arguments_on(operator, seam) is not None
+]
+
+
+def tap_on(name: str, seam: str) -> Any:
+    operator = OPERATORS[name]
+    arguments = arguments_on(operator, seam)
+    assert arguments is not None
+    rng = np.random.Generator(np.random.Philox(7))
+    facts = {**operator.example.facts, "cruise_mps": 0.5, "slow_mps": 0.2, "home_x": 0.0, "home_y": 0.0}
+    return operator.tap(TapContext(1 / SEAMS[seam].rate_hz, rng, 1.0, facts), arguments)
+
+
+@pytest.mark.parametrize("name", OPERATORS)
+def test_an_operator_does_what_its_example_says(name: str) -> None:
+    example = OPERATORS[name].example
+    context = example.context()
+    tap = OPERATORS[name].tap(context, OPERATORS[name].check(example.seam, example.arguments))
+    arrived = tuple(tap(k * context.period_s, sample) for k, sample in enumerate(example.before))
+    if callable(example.after):
+        assert example.after(example.before, arrived)
+    else:
+        assert alike(arrived, example.after), arrived
+
+
+@pytest.mark.parametrize("name", sorted(set(OPERATORS) - {"identity"}))
+def test_an_operator_tells_the_consumer_something_else_in_its_example(name: str) -> None:
+    example = OPERATORS[name].example
+    context = example.context()
+    tap = OPERATORS[name].tap(context, OPERATORS[name].check(example.seam, example.arguments))
+    seam = SEAMS[example.seam]
+    assert any(seam.differ(sample, tap(k * context.period_s, sample)) for k, sample in enumerate(example.before))
+
+
+@pytest.mark.parametrize("name", OPERATORS)
+def test_an_operator_says_what_it_does_and_its_example_is_on_its_own_seam(name: str) -> None:
+    operator = OPERATORS[name]
+    assert operator.summary.endswith(".")
+    assert operator.example.seam in operator.seams
+
+
+@pytest.mark.parametrize(("name", "seam"), EVERYWHERE)
+def test_fresh_taps_of_one_flight_agree_and_write_into_nothing(name: str, seam: str, stream: Any) -> None:
+    polls = stream(seam)
+    kept = copy.deepcopy(polls)
+    first, second = tap_on(name, seam), tap_on(name, seam)
+    for t_s, sample in polls:
+        arrived = first(t_s, sample)
+        assert same(arrived, second(t_s, sample))
+        assert arrived is None or type(arrived) is SEAMS[seam].message
+    assert same(tuple(kept), tuple(polls))
+
+
+@pytest.mark.parametrize(("name", "seam"), EVERYWHERE)
+def test_a_tap_copied_in_flight_goes_on_by_itself(name: str, seam: str, stream: Any) -> None:
+    polls = stream(seam)
+    tap = tap_on(name, seam)
+    for t_s, sample in polls[:17]:
+        tap(t_s, sample)
+    branch = copy.deepcopy(tap)
+    rest = [branch(t_s, sample) for t_s, sample in polls[17:]]
+    assert same(tuple(rest), tuple(tap(t_s, sample) for t_s, sample in polls[17:]))
+
+
+@pytest.mark.parametrize(("name", "seam"), EVERYWHERE)
+def test_a_tap_survives_a_seam_on_which_nothing_is_ever_sent(name: str, seam: str) -> None:
+    tap = tap_on(name, seam)
+    arrived = [tap(k / SEAMS[seam].rate_hz, None) for k in range(100)]
+    assert all(sample is None or type(sample) is SEAMS[seam].message for sample in arrived)
