@@ -1,7 +1,134 @@
+"""Outcomes made by hand and by hypothesis, for the tests of what follows from them."""
+
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import product
+
+from hypothesis import strategies as st
+
+from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome, Subject, Violation
+from scaloft_fi.results.requirement import Kind, Reading
+from scaloft_fi.results.roster import Roster, cell_of
+from scaloft_fi.results.space import Space
+
+KINDS = {"SR1": Kind.SAFETY, "SR2": Kind.SAFETY, "SR2-literal": Kind.REPORTED, "OP1": Kind.OPERABILITY}
+
+AXES = ("T", "O", "W", "D", "H")
+WORDS = (("straight", "corner"), ("clear", "obstacle"), ("wide", "wall"), ("light", "dark"), ("nobody", "human"))
+
+
+def key_of(point: tuple[str, ...]) -> str:
+    return "".join(axis + value for axis, value in zip(AXES, point, strict=True))
+
+
 SIGNALS = (
-    "elapsed_s remaining_s x_m y_m z_m vx_mps speed_mps clearance_m clearance_wall_m clearance_person_m "
-    "person_range_m person_sight_m waypoints_left home_m landed light obstacle_pixels waypoint_wall_m told_person "
-    "told_range_m limit_mps"
-).split()
+    *("elapsed_s", "remaining_s", "x_m", "y_m", "z_m", "vx_mps", "speed_mps", "clearance_m", "clearance_wall_m"),
+    *("clearance_person_m", "person_range_m", "person_sight_m", "waypoints_left", "home_m", "landed", "light"),
+    *("obstacle_pixels", "waypoint_wall_m", "told_person", "told_range_m", "limit_mps"),
+)
+
+GRID = Space(
+    axes=AXES,
+    values=(("0", "1"),) * 5,
+    words=WORDS,
+    points=tuple((key_of(point), point) for point in product("01", repeat=5)),
+)
+
+ROSTER = Roster(
+    defaults={"LATE-human": "LATE-human@3s", "NO-human": "NO-human@100%", "MORE-goal": "MORE-goal@0.6m"},
+    controls=frozenset({"REVERSE-human"}),
+    ids=("NO-human@100%", "REVERSE-human", "LATE-human@1s", "LATE-human@3s", "MORE-goal@0.6m"),
+)
+
+
+def subject_of(mutant: str) -> Subject:
+    if mutant in (BASELINE, PLACEBO):
+        return Subject(mutant)
+    guideword, parameter = cell_of(mutant).split("-")
+    return Subject(mutant, guideword, parameter, mutant.partition("@")[2])
+
+
+def outcome(
+    mutant: str = BASELINE,
+    situation: str = "T0O0W0D0H0",
+    seed: int = 0,
+    *,
+    violated: dict[str, float] | None = None,
+    struck: str = "",
+    duration_s: float = 60.0,
+    altered: int | None = None,
+    carried: int = 100,
+    digest: str | None = None,
+    invalid: str = "",
+    realised: bool = True,
+) -> Outcome:
+    """A flight that violates these requirements at these times; one that strikes something is cut short there."""
+    violated = violated or {}
+    end_s = min(violated.values()) if struck else duration_s
+    clean = mutant in (BASELINE, PLACEBO)
+    return Outcome(
+        subject=subject_of(mutant),
+        situation=situation,
+        seed=seed,
+        ending="struck" if struck else "landed",
+        invalid=invalid,
+        readings=tuple(
+            Reading(
+                name,
+                kind,
+                -0.1 if name in violated else 0.3,
+                violated.get(name),
+                1,
+                bool(struck) and name not in violated,
+            )
+            for name, kind in KINDS.items()
+        ),
+        violations=tuple(
+            Violation(name, KINDS[name], t_s, 1.0, 2.0, 1.65, struck if t_s == end_s else "")
+            for name, t_s in violated.items()
+        ),
+        carried=carried,
+        altered=(0 if clean else 5) if altered is None else altered,
+        infected_at_s=None if clean else 3.0,
+        struck=struck,
+        duration_s=end_s,
+        digest=digest or ("clean" if clean else mutant),
+        realised=tuple((axis, realised) for axis in AXES) if mutant == BASELINE else (),
+    )
+
+
+times = st.integers(1, 59).map(float)
+violations = st.dictionaries(st.sampled_from(list(KINDS)), times, max_size=4)
+subjects = st.sampled_from([PLACEBO, *ROSTER.ids, "LATE-human@2.5s"])
+
+
+@st.composite
+def flights(draw: st.DrawFn, mutants: st.SearchStrategy[str] = subjects) -> Outcome:
+    violated = draw(violations)
+    struck = draw(st.sampled_from(["", "wall"])) if violated else ""
+    if struck:
+        violated = {name: t_s for name, t_s in violated.items() if t_s == min(violated.values()) or name != "SR1"}
+    return outcome(
+        draw(mutants),
+        draw(st.sampled_from([key for key, _ in GRID.points[:6]])),
+        draw(st.integers(0, 2)),
+        violated=violated,
+        struck=struck,
+        altered=draw(st.sampled_from([0, 5])),
+        carried=draw(st.sampled_from([0, 100])),
+        digest=draw(st.sampled_from(["clean", "other"])),
+        invalid=draw(st.sampled_from(["", "", "", "the worker died"])),
+        realised=draw(st.booleans()),
+    )
+
+
+@st.composite
+def campaigns(draw: st.DrawFn) -> list[Outcome]:
+    """Outcomes of a campaign: at most one per subject, situation and seed; baselines for most."""
+    drawn = draw(st.lists(flights(), max_size=25))
+    baselines = [draw(flights(st.just(BASELINE))) for _ in range(draw(st.integers(0, 4)))]
+    paired = [flown for flown in drawn if draw(st.sampled_from([True, True, True, False]))]
+    baselines += [replace(draw(flights(st.just(BASELINE))), situation=f.situation, seed=f.seed) for f in paired]
+    unique = {flown.name: flown for flown in [*baselines, *drawn]}
+    return list(unique.values())
