@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,23 @@ def on_each(change: Callable[[Any], Any]) -> Tap:
 def within(windows: Windows, change: Callable[[Any], Any]) -> Tap:
     """A tap without memory: `change` for the samples inside the windows."""
     return lambda t_s, sample: change(sample) if sample is not None and windows.open(t_s) else sample
+
+
+@dataclass
+class AtEach:
+    """A tap that applies `change` to the first sample after each window opens, and to no other."""
+
+    windows: Windows
+    change: Callable[[Any], Any]
+    struck: int = -1
+
+    def __call__(self, t_s: float, sample: Any | None) -> Any | None:
+        """Pass one sample."""
+        number = self.windows.number(t_s)
+        if sample is None or number is None or number <= self.struck:
+            return sample
+        self.struck = number
+        return self.change(sample)
 
 
 def altered(sample: Any, field: str, change: Callable[[Any], Any], component: str = "") -> Any:

@@ -84,6 +84,12 @@ def stream() -> Callable[[str], list[tuple[float, Any]]]:
 
 
 @pytest.fixture(scope="session")
+def sample_of() -> Callable[[str, int], Any]:
+    """The k-th sample of a seam."""
+    return lambda seam, k: MAKERS[seam](k)
+
+
+@pytest.fixture(scope="session")
 def matrix() -> Matrix:
     """The reference study's matrix."""
     return load_matrix(STUDY / "hazop", SEAMS)

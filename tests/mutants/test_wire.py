@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.derive import defaults, expected_of, realise
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.mutants.wire import SeamCount, TapError, TappedWire, contexts, wire_for
 from scaloft_fi.stack.messages import Target
@@ -84,3 +84,22 @@ def test_a_wire_copied_in_flight_counts_for_itself(matrix: Matrix, stream: Any) 
     rest = [branch.cross("depth", t_s, sample) is None for t_s, sample in polls[20:]]
     assert rest == [wire.cross("depth", t_s, sample) is None for t_s, sample in polls[20:]]
     assert np.any(rest)
+
+
+def test_every_default_alters_what_its_seam_carries_unless_the_matrix_says_otherwise(
+    matrix: Matrix, sample_of: Any
+) -> None:
+    facts = {"sighting_s": 12.0, "cruise_mps": 0.5, "slow_mps": 0.2, "home_x": 0.0, "home_y": 0.0}
+    silent = []
+    for mutant in defaults(matrix):
+        wire = wire_for(mutant, contexts(mutant.id, "T0O0W0D0H0", 0, 60.0, facts))
+        assert isinstance(wire, TappedWire)
+        rate_hz = SEAMS[mutant.seam].rate_hz
+        for k in range(int(21 * rate_hz)):
+            # one sample in three polls, and a long silence after a reduction of the speed limit
+            sent = k % 3 == 0 and not 4.4 < k / rate_hz < 8.0
+            sample = sample_of(mutant.seam, k % 16) if sent else None
+            wire.cross(mutant.seam, k / rate_hz, sample)
+        if not wire.counts[mutant.seam].altered and expected_of(matrix, mutant) is None:
+            silent.append(mutant.id)
+    assert silent == []

@@ -7,7 +7,7 @@ from typing import Any
 
 from scaloft_fi.mutants.argument import Axis, Period, Place, Seconds
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
-from scaloft_fi.mutants.sample import altered, on_each, within
+from scaloft_fi.mutants.sample import AtEach, altered, on_each
 from scaloft_fi.mutants.window import TOLERANCE_S, Windows
 from scaloft_fi.stack.messages import GoalCheck
 
@@ -117,7 +117,7 @@ def early_reached(_context: TapContext, *, lead_s: Seconds) -> Tap:
         "goal", {"period_s": 0.1}, (_FAR, _FAR, _FAR, _FAR, None), (_FAR, _FAR, _says(_FAR, verdict=True), _FAR, None)
     ),
 )
-def spurious_reached(context: TapContext, *, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
+def spurious_reached(_context: TapContext, *, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
     """Declare the present waypoint reached, wherever the vehicle is, once each `period_s` [s]: a stray event."""
-    windows = Windows.polls(period_s, phase_s, 0.0, context.period_s)
-    return within(windows, lambda check: _says(check, verdict=True))
+    windows = Windows.periodic(period_s, phase_s, period_s)
+    return AtEach(windows, lambda check: _says(check, verdict=True))

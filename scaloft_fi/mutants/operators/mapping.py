@@ -8,7 +8,7 @@ import numpy as np
 
 from scaloft_fi.mutants.argument import Degrees, Metres, Period, Seconds, Share
 from scaloft_fi.mutants.operator import Example, Samples, Tap, TapContext, operator
-from scaloft_fi.mutants.sample import on_each, within
+from scaloft_fi.mutants.sample import AtEach, on_each
 from scaloft_fi.mutants.window import Windows
 from scaloft_fi.stack.messages import Array, Clearing, ObstacleMap
 
@@ -128,7 +128,7 @@ def never_clear(_context: TapContext) -> Tap:
         (_clearing(3), _clearing(), _clearing(3, 5, 8)),
     ),
 )
-def clear_all(context: TapContext, *, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
+def clear_all(_context: TapContext, *, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
     """Forget all occupied cells at once, each `period_s` [s]: the map server restarts."""
-    windows = Windows.polls(period_s, phase_s, 0.0, context.period_s)
-    return within(windows, lambda clearing: clearing._replace(forget=clearing.occupied.copy()))
+    windows = Windows.periodic(period_s, phase_s, period_s)
+    return AtEach(windows, lambda clearing: clearing._replace(forget=clearing.occupied.copy()))
