@@ -1,0 +1,90 @@
+"""The world as bodies of a physics server."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from scaloft_fi.sim.mesh import Mesh
+from scaloft_fi.sim.mine import SLAB_M
+from scaloft_fi.sim.world import GROUND, WALL, World
+
+GRAVITY_MPS2 = 9.81
+STEP_S = 1.0 / 240.0
+
+WORLD_GROUP, VEHICLE_GROUP = 1, 2
+"""Collision groups: rays for the line of sight pass through the vehicle."""
+
+
+@dataclass(frozen=True)
+class BodyIds:
+    """Numbers of the world's bodies in the physics server.  by_name: of each surface that is there."""
+
+    by_name: Mapping[str, int]
+
+    @property
+    def name_of(self) -> dict[int, str]:
+        """Names by number."""
+        return {number: name for name, number in self.by_name.items()}
+
+
+def connect() -> int:
+    """Start a physics server in this process, without a window; returns its client number."""
+    import pybullet
+
+    return int(pybullet.connect(pybullet.DIRECT))
+
+
+def build(client: int, world: World) -> BodyIds:
+    """Put the world into an empty physics server.
+
+    Every body is the very triangles that the camera sees, so that rays and pictures agree; a hollow body is enough,
+    because a flight ends at the first contact.  Bullet keeps 1 mm of margin about triangles: distances to them are
+    short by that much.  A level floor is a solid box under the same triangles.
+    """
+    import pybullet
+
+    pybullet.setGravity(0.0, 0.0, -GRAVITY_MPS2, physicsClientId=client)
+    pybullet.setPhysicsEngineParameter(fixedTimeStep=STEP_S, deterministicOverlappingPairs=1, physicsClientId=client)
+    ground = world.mine.ground
+    ids = {
+        WALL: _fixed(client, pybullet, _triangles(client, pybullet, world.mine.wall)),
+        GROUND: _fixed(
+            client, pybullet, (_slab if world.mine.ground_is_slab else _triangles)(client, pybullet, ground)
+        ),
+    }
+    for body in world.present:
+        ids[body.name] = _fixed(client, pybullet, _triangles(client, pybullet, body.mesh))
+    return BodyIds(ids)
+
+
+def _triangles(client: int, pybullet: Any, mesh: Mesh) -> int:
+    return int(
+        pybullet.createCollisionShape(
+            pybullet.GEOM_MESH,
+            vertices=mesh.vertices.tolist(),
+            indices=mesh.faces.ravel().tolist(),
+            flags=pybullet.GEOM_FORCE_CONCAVE_TRIMESH,
+            physicsClientId=client,
+        )
+    )
+
+
+def _slab(client: int, pybullet: Any, plate: Mesh) -> int:
+    low, high = plate.vertices.min(axis=0), plate.vertices.max(axis=0)
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    return int(
+        pybullet.createCollisionShape(
+            pybullet.GEOM_BOX,
+            halfExtents=[float(half[0]), float(half[1]), 0.5 * SLAB_M],
+            collisionFramePosition=[float(middle[0]), float(middle[1]), float(high[2]) - 0.5 * SLAB_M],
+            physicsClientId=client,
+        )
+    )
+
+
+def _fixed(client: int, pybullet: Any, shape: int) -> int:
+    number = int(pybullet.createMultiBody(baseMass=0.0, baseCollisionShapeIndex=shape, physicsClientId=client))
+    pybullet.setCollisionFilterGroupMask(number, -1, WORLD_GROUP, VEHICLE_GROUP, physicsClientId=client)
+    return number

@@ -1,0 +1,140 @@
+"""Reading the simulation's part of a study: world, vehicle, sensors, situations, stack, sources of the numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from scaloft_fi.document import Item
+from scaloft_fi.document import load as load_document
+from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.sim.grid import Grid, read_grid
+from scaloft_fi.sim.patch import leaves, overridden
+from scaloft_fi.sim.scenario import Scenario
+from scaloft_fi.sim.sensors import SensorsConfig, read_sensors
+from scaloft_fi.sim.situation import Situation
+from scaloft_fi.sim.vehicle import Vehicle, read_vehicle
+from scaloft_fi.sim.world import World, read_world
+
+DOCUMENTS = ("world", "vehicle", "sensors", "situations", "stack")
+KINDS = ("published", "datasheet", "derived", "assumption")
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a number comes from.  kind: one of `KINDS`; text: the source, or the reason of an assumption."""
+
+    kind: str
+    text: str
+
+
+@dataclass(frozen=True, eq=False)
+class StackChoice:
+    """Which stack flies.  name: in the registry of stacks; parameters: its settings, plain data."""
+
+    name: str
+    parameters: Mapping[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class SimConfig:
+    """The simulation's part of a study.
+
+    Attributes:
+        world: with every axis at its benign value.
+        vehicle: what flies.
+        sensors: what it senses with.
+        grid: the situations.
+        stack: what is under test.
+        sources: by dotted path; a path covers all below it.
+        numbers: every number of the study's `sim/` by dotted path.
+    """
+
+    world: World
+    vehicle: Vehicle
+    sensors: SensorsConfig
+    grid: Grid
+    stack: StackChoice
+    sources: Mapping[str, Source]
+    numbers: Mapping[str, float]
+
+    def scenario(self, situation: Situation) -> Scenario:
+        """All that stands before a flight in the situation."""
+        return self.grid.scenario(situation)
+
+    def source_of(self, path: str) -> Source | None:
+        """The source of the number at `path`: of the nearest path above it that has one."""
+        parts = path.split(".")
+        for length in range(len(parts), 0, -1):
+            found = self.sources.get(".".join(parts[:length]))
+            if found is not None:
+                return found
+        return None
+
+    @property
+    def assumptions(self) -> dict[str, float]:
+        """The numbers that are assumptions, by path."""
+        return {
+            path: value
+            for path, value in self.numbers.items()
+            if (s := self.source_of(path)) and s.kind == "assumption"
+        }
+
+
+def load(folder: Path, overrides: Mapping[str, float | str | bool] | None = None) -> SimConfig:
+    """Read a study's `sim` folder.
+
+    Args:
+        folder: the folder.
+        overrides: values by dotted path that replace those of the files, as `{"sensors.depth.latency_s": 0.13}`.
+
+    Raises:
+        InputError: a file cannot be read, a value is not allowed, a key or path unknown.
+    """
+    documents = {name: load_document(folder / f"{name}.yaml") for name in DOCUMENTS}
+    documents = overridden(documents, overrides or {})
+    sensors = read_sensors(documents["sensors"])
+    world = read_world(documents["world"])
+    return SimConfig(
+        world=world,
+        vehicle=read_vehicle(documents["vehicle"]),
+        sensors=sensors,
+        grid=read_grid(documents["situations"], documents["world"], sensors.depth.camera),
+        stack=_stack(documents["stack"]),
+        sources=_sources(load_document(folder / "sources.yaml"), documents),
+        numbers=_numbers(documents),
+    )
+
+
+def _stack(item: Item) -> StackChoice:
+    name = item.need("name").text()
+    parameters = {key: entry.plain() for key, entry in item.mapping().items() if key != "name"}
+    return StackChoice(name, parameters)
+
+
+def _numbers(documents: Mapping[str, Item]) -> dict[str, float]:
+    return {
+        f"{name}.{path}": float(item.value)
+        for name, document in documents.items()
+        for path, item in leaves(document)
+        if isinstance(item.value, int | float) and not isinstance(item.value, bool)
+    }
+
+
+def _sources(item: Item, documents: Mapping[str, Item]) -> dict[str, Source]:
+    """The sources; each has to cover something.
+
+    Raises:
+        InputError: a kind is unknown, or a path covers no value.
+    """
+    covered = {f"{name}.{path}" for name, document in documents.items() for path, _ in leaves(document)}
+    known = {".".join(parts[:n]) for parts in (path.split(".") for path in covered) for n in range(1, len(parts) + 1)}
+    sources = {}
+    for path, entry in item.mapping().items():
+        if path not in known:
+            raise InputError(f"{entry.place}: no value at {path!r}{did_you_mean(path, known)}")
+        sources[path] = Source(entry.need("kind").choice(KINDS), entry.need("source").text())
+        entry.close()
+    return sources

@@ -1,0 +1,147 @@
+"""The flight log: what happened, recorded first and judged afterwards."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scaloft_fi.sim.signals import PERCEIVED_NAMES
+
+Array = NDArray[np.float64]
+
+
+class Ending(StrEnum):
+    """How a flight stopped; not a verdict."""
+
+    LANDED = "landed"
+    STRUCK = "struck"
+    TIMED_OUT = "timed_out"
+
+    @property
+    def sentence(self) -> str:
+        """In words."""
+        return {
+            Ending.LANDED: "touched down",
+            Ending.STRUCK: "struck something",
+            Ending.TIMED_OUT: "was still flying at the time limit",
+        }[self]
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something worth a mark on the map: when [s], of what kind, in words."""
+
+    t_s: float
+    kind: str
+    text: str
+
+
+class Count(Protocol):
+    """What a wire counted on one seam: samples carried, samples altered, when first [s]."""
+
+    @property
+    def carried(self) -> int:
+        """Samples that the seam carried."""
+        ...
+
+    @property
+    def altered(self) -> int:
+        """Samples that arrived altered."""
+        ...
+
+    @property
+    def first_altered_s(self) -> float | None:
+        """When the first altered one arrived [s]."""
+        ...
+
+
+class Recorder:
+    """Collects rows of numbers under fixed names."""
+
+    def __init__(self, names: Sequence[str]) -> None:
+        self.names = tuple(names)
+        self._rows = np.empty((256, len(self.names)))
+        self._count = 0
+
+    def __len__(self) -> int:
+        return self._count
+
+    def add(self, row: Sequence[float] | Array) -> None:
+        """Append one sample, in the order of the names."""
+        if self._count == len(self._rows):
+            self._rows = np.concatenate([self._rows, np.empty_like(self._rows)])
+        self._rows[self._count] = row
+        self._count += 1
+
+    def signals(self) -> dict[str, Array]:
+        """Each column (T,) by name."""
+        columns = np.ascontiguousarray(self._rows[: self._count].T)
+        columns.setflags(write=False)
+        return dict(zip(self.names, columns, strict=True))
+
+
+@dataclass(frozen=True, eq=False)
+class FlightLog:
+    """One flight.
+
+    Attributes:
+        signals: (T,) per name of `sim.signals`, sampled at 20 Hz; the last sample is the flight's end.
+        ending: how it stopped.
+        struck: name of the body of the first contact that is not excused; "" without one.
+        struck_at_s: when [s]; NaN without one.
+        stack_error: what the stack under test raised; "" when nothing.
+        counts: per seam what the wire counted.
+        events: in order of time.
+        t_max_s: time limit of the situation [s].
+    """
+
+    signals: Mapping[str, Array]
+    ending: Ending
+    struck: str
+    struck_at_s: float
+    stack_error: str
+    counts: Mapping[str, Count]
+    t_max_s: float
+    events: tuple[Event, ...] = field(default=())
+
+    @property
+    def duration_s(self) -> float:
+        """Time of the last sample [s]."""
+        return float(self.signals["elapsed_s"][-1])
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 over the ground truth: names and bits of its signals, ending and what was struck."""
+        names = sorted(set(self.signals) - set(PERCEIVED_NAMES))
+        return _digest(self.signals, names, (self.ending, self.struck))
+
+    @cached_property
+    def perceived_digest(self) -> str:
+        """SHA-256 over what the stack believed."""
+        return _digest(self.signals, sorted(set(self.signals) & set(PERCEIVED_NAMES)), (self.stack_error,))
+
+    def at(self, t_s: float) -> int:
+        """Index of the sample at `t_s`, or the last one before it."""
+        return max(0, int(np.searchsorted(self.signals["elapsed_s"], t_s + 1e-9, side="right")) - 1)
+
+
+def _digest(signals: Mapping[str, Array], names: Iterable[str], words: Iterable[str]) -> str:
+    whole = hashlib.sha256()
+    for name in names:
+        values = np.ascontiguousarray(signals[name], dtype="<f8")
+        whole.update(f"{name} {len(values)}\n".encode())
+        whole.update(values.tobytes())
+    whole.update("\n".join(words).encode())
+    return whole.hexdigest()
+
+
+NEVER_S = math.nan
+"""Time of what did not happen."""

@@ -1,0 +1,160 @@
+"""The mine as meshes: a footprint extruded between rough walls, or a user's mesh."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from scaloft_fi.document import Item
+from scaloft_fi.errors import InputError
+from scaloft_fi.sim.mesh import Array, Faces, Mesh, heights_at, join, read_obj, split_floor, winding
+from scaloft_fi.sim.streams import generator
+
+SLAB_M = 0.5
+"""How far floor and ceiling reach beyond the footprint, behind the walls [m]."""
+
+Ring = tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Mine:
+    """The rock.
+
+    Attributes:
+        wall: walls and ceiling, wound inwards.
+        ground: floor.
+        ground_is_slab: whether the floor may become a solid slab in the physics.
+        wall_reflectivity, ground_reflectivity: share of infrared light returned, 0..1.
+        footprint: rings (outer first, then pillars) of an extruded mine [m, world]; empty for a mesh.
+        height_m: height of the ceiling of an extruded mine [m].
+    """
+
+    wall: Mesh
+    ground: Mesh
+    ground_is_slab: bool
+    wall_reflectivity: float
+    ground_reflectivity: float
+    footprint: tuple[Ring, ...]
+    height_m: float
+
+    def holds(self, point: Sequence[float]) -> bool:
+        """Whether `point` (3,) [m, world] is in the open space of the mine."""
+        if not self.footprint:
+            return abs(winding(np.concatenate([self.wall.triangles, self.ground.triangles]), point)) > 0.5
+        x, y, z = point
+        inside = in_ring(self.footprint[0], x, y) and not any(in_ring(ring, x, y) for ring in self.footprint[1:])
+        return inside and 0.0 < z < self.height_m
+
+    def floor_m(self, x: float, y: float) -> float:
+        """Height of the floor at (x, y) [m, world], NaN where there is none."""
+        heights = heights_at(self.ground.triangles, x, y)
+        return float(heights.max()) if len(heights) else math.nan
+
+
+def read_mine(item: Item) -> Mine:
+    """Read the `mine` of a world: an extruded footprint or a mesh.
+
+    Raises:
+        InputError: a value is not allowed, a key unknown, a mesh unreadable.
+    """
+    wall_reflectivity = item.need("wall_reflectivity").number(least=0.0, most=1.0)
+    ground_reflectivity = item.need("ground_reflectivity").number(least=0.0, most=1.0)
+    mesh_item = item.get("mesh")
+    if mesh_item is not None:
+        scale_item, ground_item = item.get("scale_m"), item.get("ground")
+        scale = scale_item.number(above=0.0) if scale_item else 1.0
+        floor = [name.text() for name in ground_item] if ground_item else []
+        item.close()
+        path = _beside(mesh_item)
+        mesh, names = read_obj(path, mesh_item.place, scale)
+        wall, ground = split_floor(mesh, names, floor, (ground_item or mesh_item).place)
+        return Mine(wall, ground, False, wall_reflectivity, ground_reflectivity, (), math.nan)
+    outer = _ring(item.need("footprint"))
+    pillars_item = item.get("pillars")
+    pillars = tuple(_ring(ring) for ring in pillars_item) if pillars_item else ()
+    height_m = item.need("height_m").number(above=0.0)
+    cell_m = item.need("cell_m").number(least=0.1)
+    roughness_m = item.need("roughness_m").number(least=0.0, most=0.5 * cell_m)
+    item.close()
+    rings = (_oriented(outer, 1.0), *(_oriented(ring, -1.0) for ring in pillars))
+    walls = [_wall(ring, i, height_m, cell_m, roughness_m) for i, ring in enumerate(rings)]
+    low, high = np.min(outer, axis=0) - SLAB_M, np.max(outer, axis=0) + SLAB_M
+    ceiling, ground = _plate(low, high, height_m, upward=False), _plate(low, high, 0.0, upward=True)
+    return Mine(join([*walls, ceiling]), ground, True, wall_reflectivity, ground_reflectivity, rings, height_m)
+
+
+def _beside(item: Item) -> Path:
+    """The file that a YAML text names, relative to the folder of the YAML."""
+    return item.path.parent / item.text()
+
+
+def _ring(item: Item) -> Ring:
+    points = tuple((x, y) for x, y in (corner.numbers(2) for corner in item))
+    if len(points) < 3 or abs(_area(points)) < 1e-6:
+        raise InputError(f"{item.place}: {item.name} must be a list of at least 3 corners [x, y] that enclose an area")
+    return points
+
+
+def _area(ring: Ring) -> float:
+    return 0.5 * sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in zip(ring, ring[1:] + ring[:1], strict=True))
+
+
+def _oriented(ring: Ring, sign: float) -> Ring:
+    """The ring run counter-clockwise (+1) or clockwise (-1): the open space is to the left."""
+    return ring if _area(ring) * sign > 0 else ring[::-1]
+
+
+def in_ring(ring: Ring, x: float, y: float) -> bool:
+    """Whether (x, y) is inside the polygon, by counting crossings of a ray towards +x."""
+    inside = False
+    for (x0, y0), (x1, y1) in zip(ring, ring[1:] + ring[:1], strict=True):
+        if (y0 > y) != (y1 > y) and x < x0 + (y - y0) * (x1 - x0) / (y1 - y0):
+            inside = not inside
+    return inside
+
+
+def _plate(low: Array, high: Array, z_m: float, *, upward: bool) -> Mesh:
+    corners = np.array([[low[0], low[1], z_m], [high[0], low[1], z_m], [high[0], high[1], z_m], [low[0], high[1], z_m]])
+    faces: Faces = np.array([[0, 1, 2], [0, 2, 3]], np.int64)
+    return Mesh(corners, faces if upward else faces[:, ::-1])
+
+
+def _wall(ring: Ring, number: int, height_m: float, cell_m: float, roughness_m: float) -> Mesh:
+    """The wall along a ring as a strip of triangles, its grid points pushed in or out by up to `roughness_m`."""
+    columns: list[tuple[float, float, float, float]] = []
+    for before, (x0, y0), (x1, y1) in zip(ring[-1:] + ring[:-1], ring, ring[1:] + ring[:1], strict=True):
+        inward = _inward((x0, y0), (x1, y1))
+        count = max(1, round(math.hypot(x1 - x0, y1 - y0) / cell_m))
+        for k in range(count):
+            nx, ny = inward if k else _bisector(_inward(before, (x0, y0)), inward)
+            columns.append((x0 + (x1 - x0) * k / count, y0 + (y1 - y0) * k / count, nx, ny))
+    rows = max(1, round(height_m / cell_m))
+    push = generator("mine", number).uniform(-roughness_m, roughness_m, (len(columns), rows + 1))
+    grid = np.array(columns)
+    vertices = np.empty((len(columns), rows + 1, 3))
+    vertices[:, :, :2] = grid[:, None, :2] + push[:, :, None] * grid[:, None, 2:]
+    vertices[:, :, 2] = height_m * np.arange(rows + 1) / rows
+    faces = []
+    for i in range(len(columns)):
+        right = (i + 1) % len(columns)
+        for j in range(rows):
+            a, b = i * (rows + 1) + j, right * (rows + 1) + j
+            faces += [(a, b + 1, b), (a, a + 1, b + 1)]
+    return Mesh(vertices.reshape(-1, 3), np.array(faces, np.int64))
+
+
+def _inward(p: tuple[float, float], q: tuple[float, float]) -> tuple[float, float]:
+    """Unit normal to the left of p -> q."""
+    dx, dy = q[0] - p[0], q[1] - p[1]
+    length = math.hypot(dx, dy)
+    return -dy / length, dx / length
+
+
+def _bisector(a: tuple[float, float], b: tuple[float, float]) -> tuple[float, float]:
+    """Where a corner moves when both its walls move inwards by one."""
+    scale = 1.0 + a[0] * b[0] + a[1] * b[1]
+    return ((a[0] + b[0]) / scale, (a[1] + b[1]) / scale) if scale > 0.2 else b

@@ -1,0 +1,194 @@
+"""The oracle's eyes: reads the simulator's ground truth and turns it into the truth signals of the flight log.
+
+Nothing here reaches the stack under test.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from scaloft_fi.sim.build import BodyIds
+from scaloft_fi.sim.contact import Contact
+from scaloft_fi.sim.geometry import blocked, nearest
+from scaloft_fi.sim.log import NEVER_S
+from scaloft_fi.sim.raster import View
+from scaloft_fi.sim.scenario import Scenario
+from scaloft_fi.sim.signals import CLEARANCE_CAP_M, FAR_M, TOUCH_M, truth_signals
+from scaloft_fi.sim.vehicle import Array, Vehicle
+from scaloft_fi.sim.world import GROUND, OBSTACLE, WALL
+
+PASS_M = 0.5
+"""A waypoint counts as passed, and home as near, within this level distance [m]."""
+LANDING_MPS, LANDING_TILT_COS = 0.7, math.cos(math.radians(10.0))
+"""A landing sinks slower and tilts less."""
+AIRBORNE_M = 0.3
+"""Only after the centre was this high above the floor can the vehicle touch down [m]."""
+SIGHT_M = 6.0
+"""The line of sight to a person is looked at within this range [m]."""
+BODY_SHARES = (0.1, 0.5, 0.9)
+"""Heights on a person's axis to which a free line makes the person seen, beside the nearest point."""
+
+
+class Observer:
+    """Watches one flight.
+
+    Attributes:
+        names: of the values of `sample`, in order.
+        struck: name of the first thing struck without excuse; "" so far without one.
+        struck_at_s: when [s]; NaN so far without one.
+        landed: whether it touched down.
+    """
+
+    def __init__(
+        self, client: int, ids: BodyIds, body: int, vehicle: Vehicle, scenario: Scenario, range_m: float
+    ) -> None:
+        world = scenario.world
+        self.names = tuple(signal.name for signal in truth_signals(world.surfaces))
+        self.struck = ""
+        self.struck_at_s = NEVER_S
+        self.landed = False
+        self._client, self._ids, self._body = client, ids.by_name, body
+        self._scenario, self._scene, self._surfaces = scenario, world.scene, world.surfaces
+        self._reach_m = CLEARANCE_CAP_M + 0.5 * math.hypot(*vehicle.hull_m)
+        self._range_m = range_m
+        owners = {name: number for number, name in enumerate(self._scene.names)}
+        self._persons = [(owners[name], _axis_points(world.bodies[name].mesh.vertices)) for name in scenario.persons]
+        self._obstacles = [owners[name] for name in world.role_names(OBSTACLE)]
+        meshes = {WALL: world.mine.wall, GROUND: world.mine.ground, **{body.name: body.mesh for body in world.present}}
+        self._bounds = {name: (mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)) for name, mesh in meshes.items()}
+        self._passed = 0
+        self._airborne = False
+        self._top_mps = 0.0
+        self._touched: set[str] = set()
+        self._eased = False
+        self._sink_mps, self._upright = 0.0, 1.0
+
+    def step(self, t_s: float, state: Array, contacts: Iterable[Contact]) -> None:
+        """Watch one physics step (240 Hz).
+
+        Args:
+            t_s: time at the end of the step [s].
+            state: (13,) state of the vehicle at the end of the step.
+            contacts: touches during the step.
+        """
+        vx, vy, vz = state[7:10].tolist()
+        self._top_mps = max(self._top_mps, math.sqrt(vx * vx + vy * vy + vz * vz))
+        for contact in contacts:
+            if contact.struck == GROUND and self._excused(state):
+                self._eased = True
+                self.landed |= self._airborne
+            else:
+                self._touched.add(contact.struck)
+                if not self.struck:
+                    self.struck, self.struck_at_s = contact.struck, t_s
+        # What it was before the next step's contacts stop it.
+        x, y = state[3:5].tolist()
+        self._sink_mps, self._upright = -vz, 1.0 - 2.0 * (x * x + y * y)
+
+    def _excused(self, state: Array) -> bool:
+        """Whether touching the ground is no collision: near home, or in a landing."""
+        return self._home_m(state) <= PASS_M or (self._sink_mps < LANDING_MPS and self._upright > LANDING_TILT_COS)
+
+    def _home_m(self, state: Array) -> float:
+        x, y, _ = self._scenario.home
+        return math.hypot(float(state[0]) - x, float(state[1]) - y)
+
+    def sample(self, t_s: float, state: Array, view: View | None) -> list[float]:
+        """The truth signals at `t_s`, in the order of `names`; maxima and minima start anew.
+
+        Args:
+            t_s: time [s].
+            state: (13,) state of the vehicle.
+            view: what the depth camera looks at, None before the first picture.
+        """
+        scenario = self._scenario
+        x, y, z, qx, qy, qz, qw, vx, vy, vz = state[:10].tolist()
+        self._airborne |= z - scenario.home[2] > AIRBORNE_M
+        clearances = {name: self._clearance(name, state) for name in self._surfaces}
+        person_range_m, person_sight_m = self._person(state)
+        self._pass_waypoints(x, y)
+        near_waypoint = any(math.hypot(x - wx, y - wy) <= PASS_M for wx, wy, _ in scenario.route[:-1])
+        row = [
+            t_s,
+            scenario.t_max_s - t_s,
+            *(x, y, z, vx, vy, vz, qx, qy, qz, qw),
+            math.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz)),
+            max(self._top_mps, math.sqrt(vx * vx + vy * vy + vz * vz)),
+            min(clearances.values()),
+            person_range_m,
+            person_sight_m,
+            float(len(scenario.route) - self._passed),
+            self._home_m(state),
+            float(self.landed),
+            scenario.world.light,
+            self._obstacle_pixels(view),
+            clearances[WALL] if near_waypoint else FAR_M,
+            *clearances.values(),
+        ]
+        self._top_mps = 0.0
+        self._touched.clear()
+        self._eased = False
+        return row
+
+    def _clearance(self, name: str, state: Array) -> float:
+        """Hull to a surface [m], at most 1; a contact since the last sample makes it negative."""
+        if name == GROUND and self._home_m(state) <= PASS_M:
+            return CLEARANCE_CAP_M if name not in self._touched else TOUCH_M
+        clearance_m = CLEARANCE_CAP_M
+        if name in self._ids and self._within_reach(name, state):
+            import pybullet
+
+            points = pybullet.getClosestPoints(
+                self._body, self._ids[name], CLEARANCE_CAP_M, physicsClientId=self._client
+            )
+            clearance_m = min((point[8] for point in points), default=CLEARANCE_CAP_M)
+        if name in self._touched:
+            return min(clearance_m, TOUCH_M)
+        # Bullet's margin may overlap by less than it takes for a touch; only a touch counts.
+        return max(clearance_m, -TOUCH_M)
+
+    def _within_reach(self, name: str, state: Array) -> bool:
+        """Whether a ball about the hull, as large as clearances are measured, meets the surface's bounding box."""
+        low, high = self._bounds[name]
+        square = 0.0
+        for k in range(3):
+            gap = max(low[k] - state[k], 0.0, state[k] - high[k])
+            square += gap * gap
+        return square < self._reach_m * self._reach_m
+
+    def _person(self, state: Array) -> tuple[float, float]:
+        """Range of the nearest person's surface, and of the nearest one in sight [m]."""
+        scene, centre, found = self._scene, state[:3], np.empty(3)
+        range_m, sight_m = FAR_M, FAR_M
+        for owner, axis in self._persons:
+            distance_m = nearest(scene.vertices, scene.faces, scene.owner, owner, centre, found)
+            range_m = min(range_m, distance_m)
+            if distance_m < min(SIGHT_M, sight_m) and any(
+                not blocked(scene.vertices, scene.faces, scene.owner, owner, centre, point) for point in (found, *axis)
+            ):
+                sight_m = distance_m
+        return range_m, sight_m
+
+    def _pass_waypoints(self, x: float, y: float) -> None:
+        route = self._scenario.route
+        while self._airborne and self._passed < len(route):
+            wx, wy, _ = route[self._passed]
+            if math.hypot(x - wx, y - wy) > PASS_M:
+                return
+            self._passed += 1
+
+    def _obstacle_pixels(self, view: View | None) -> float:
+        if view is None or not self._obstacles:
+            return 0.0
+        seen = np.isin(view.segments, self._obstacles) & (view.depth <= self._range_m)
+        return float(np.count_nonzero(seen))
+
+
+def _axis_points(vertices: Array) -> list[Array]:
+    """Points on the upright middle line of a body."""
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    middle = 0.5 * (low + high)
+    return [np.array([middle[0], middle[1], low[2] + share * (high[2] - low[2])]) for share in BODY_SHARES]

@@ -1,0 +1,116 @@
+"""What stands before a flight begins: the world of the situation, the mission, and the times that follow from them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from scaloft_fi.sim.raster import Camera, look
+from scaloft_fi.sim.situation import Situation
+from scaloft_fi.sim.world import PERSON, Point, World
+
+TIME_LIMIT_S, TIME_LIMIT_FACTOR = 20.0, 1.5
+"""A flight may last 20 s + 1.5 x the nominal mission time (definition of OP1)."""
+
+SIGHTED_PIXELS = 25
+"""So many pixels of a person count as a person in view."""
+LOOK_EVERY_S = 0.2
+
+
+class Leg(NamedTuple):
+    """A piece of the nominal flight, flown evenly.  start, end: position (3,) [m, world] and heading [rad]."""
+
+    duration_s: float
+    start: tuple[float, float, float, float]
+    end: tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Scenario:
+    """A situation made concrete.
+
+    Attributes:
+        situation: the point of the grid.
+        world: mine, bodies, mission, light.
+        camera: the depth camera.
+    """
+
+    situation: Situation
+    world: World
+    camera: Camera
+
+    @property
+    def key(self) -> str:
+        """The situation's key."""
+        return self.situation.key
+
+    @property
+    def home(self) -> Point:
+        """Where the mission starts and ends, on the floor [m, world]."""
+        return (*self.world.mission.home, self.world.floor_m)
+
+    @property
+    def route(self) -> tuple[Point, ...]:
+        """The waypoints of the mission in order, the last one home [m, world]."""
+        return self.world.route
+
+    @property
+    def persons(self) -> tuple[str, ...]:
+        """Names of the persons that are there."""
+        return self.world.role_names(PERSON)
+
+    def start(self, half_height_m: float) -> Point:
+        """The vehicle's centre when it stands at home [m, world]."""
+        x, y, floor_m = self.home
+        return x, y, floor_m + half_height_m
+
+    @cached_property
+    def nominal_s(self) -> float:
+        """Nominal mission time [s]: climb, turns, legs at cruise speed (slow ones where there is a person), landing."""
+        mission = self.world.mission
+        return sum(leg.duration_s for leg in self._legs(mission.slow_mps if self.persons else mission.cruise_mps))
+
+    @property
+    def t_max_s(self) -> float:
+        """Time limit of a flight [s]."""
+        return TIME_LIMIT_S + TIME_LIMIT_FACTOR * self.nominal_s
+
+    @cached_property
+    def sighting_s(self) -> float | None:
+        """When the nominal flight first has a person in view [s]; None without a person, or when it never has."""
+        scene, persons = self.world.scene, [self.world.scene.names.index(name) for name in self.persons]
+        begun_s = 0.0
+        for leg in self._legs(self.world.mission.cruise_mps) if persons else ():
+            for k in range(math.ceil(leg.duration_s / LOOK_EVERY_S)):
+                share = k * LOOK_EVERY_S / leg.duration_s
+                x, y, z, yaw = ((1.0 - share) * a + share * b for a, b in zip(leg.start, leg.end, strict=True))
+                attitude = np.array([0.0, 0.0, math.sin(0.5 * yaw), math.cos(0.5 * yaw)])
+                view = look(scene, self.camera, np.array([x, y, z]), attitude)
+                if any(np.count_nonzero(view.segments == person) >= SIGHTED_PIXELS for person in persons):
+                    return begun_s + k * LOOK_EVERY_S
+            begun_s += leg.duration_s
+        return None
+
+    def _legs(self, speed_mps: float) -> Iterator[Leg]:
+        """The nominal flight: straight up, then turn on the spot and fly straight, waypoint by waypoint, then down."""
+        mission = self.world.mission
+        nominal = mission.nominal
+        x, y, floor_m = self.home
+        z, yaw = mission.altitude_m, mission.yaw_rad
+        yield Leg((z - floor_m) / nominal.climb_mps, (x, y, floor_m, yaw), (x, y, z, yaw))
+        yield Leg(nominal.dwell_s, (x, y, z, yaw), (x, y, z, yaw))
+        for to_x, to_y, _ in self.route:
+            distance_m = math.hypot(to_x - x, to_y - y)
+            if distance_m > 0:
+                heading = math.atan2(to_y - y, to_x - x)
+                turned = yaw + math.remainder(heading - yaw, 2.0 * math.pi)
+                yield Leg(abs(turned - yaw) / nominal.turn_radps, (x, y, z, yaw), (x, y, z, turned))
+                yaw = turned
+                yield Leg(distance_m / speed_mps, (x, y, z, yaw), (to_x, to_y, z, yaw))
+                x, y = to_x, to_y
+        yield Leg((z - floor_m) / nominal.sink_mps, (x, y, z, yaw), (x, y, floor_m, yaw))

@@ -1,0 +1,76 @@
+"""Battery: drained by the rotors, its voltage sags under load; telemetry once a second."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from scaloft_fi.document import Item
+from scaloft_fi.sim.streams import Array
+from scaloft_fi.stack.messages import Battery
+
+PERIOD_TICKS = 20
+"""Ticks from one telemetry message to the next: 1 Hz."""
+
+
+@dataclass(frozen=True)
+class BatteryConfig:
+    """The pack.
+
+    Attributes:
+        cells: cells in series.
+        capacity_ah: charge of a full pack [A h].
+        charge: state of charge at take-off, 0..1.
+        full_cell_v, empty_cell_v: voltage of a resting cell when full, when empty [V]; linear between.
+        resistance_ohm: of the whole pack [ohm].
+        hover_w_per_n15: power of a rotor per thrust^1.5 [W/N^1.5].
+        idle_w: power of everything else [W].
+    """
+
+    cells: int
+    capacity_ah: float
+    charge: float
+    full_cell_v: float
+    empty_cell_v: float
+    resistance_ohm: float
+    hover_w_per_n15: float
+    idle_w: float
+
+    @classmethod
+    def read(cls, item: Item) -> BatteryConfig:
+        """Read the `battery` of `sensors.yaml`."""
+        empty_cell_v = item.need("empty_cell_v").number(above=0.0)
+        config = cls(
+            cells=item.need("cells").whole(least=1),
+            capacity_ah=item.need("capacity_ah").number(above=0.0),
+            charge=item.need("charge").number(least=0.0, most=1.0),
+            full_cell_v=item.need("full_cell_v").number(above=empty_cell_v),
+            empty_cell_v=empty_cell_v,
+            resistance_ohm=item.need("resistance_ohm").number(least=0.0),
+            hover_w_per_n15=item.need("hover_w_per_n15").number(least=0.0),
+            idle_w=item.need("idle_w").number(least=0.0),
+        )
+        item.close()
+        return config
+
+
+class BatteryGauge:
+    """Keeps the charge and reports it."""
+
+    def __init__(self, config: BatteryConfig) -> None:
+        self._config = config
+        self._charge = config.charge
+
+    def drain(self, thrusts: Array, seconds: float) -> float:
+        """Take the energy of `thrusts` (4,) [N] for so long out of the pack; returns the terminal voltage [V]."""
+        config = self._config
+        rest_v = config.cells * (config.empty_cell_v + (config.full_cell_v - config.empty_cell_v) * self._charge)
+        power_w = config.idle_w + config.hover_w_per_n15 * float(np.sum(thrusts * np.sqrt(thrusts)))
+        current_a = power_w / rest_v
+        self._charge = max(0.0, self._charge - current_a * seconds / (3600.0 * config.capacity_ah))
+        return rest_v - current_a * config.resistance_ohm
+
+    def measure(self, voltage_v: float, stamp_s: float) -> Battery:
+        """The telemetry message."""
+        return Battery(stamp_s, self._charge, voltage_v, self._config.cells)

@@ -1,0 +1,186 @@
+"""Depth camera, 20 Hz: range-limited, noisy, with holes where too little light comes back.
+
+A pixel returns with probability best / (1 + exp(-(snr - snr_half) / snr_width)); its signal is the visible texture of
+the scene plus the camera's own infrared pattern:
+snr = passive * light * min(1, passive_range / z) + active * reflectivity / z^2.
+In the dark only the second term is left: dark or thin things vanish first.
+
+Noise is hashed from (key, frame, pixel): SplitMix64 gives 64 bits, of which one word decides on the return and four
+16-bit parts of another sum up to a nearly normal number (Irwin-Hall, standard deviation 1, never beyond 3.47).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scaloft_fi.document import Item
+from scaloft_fi.sim.kernel import jit
+from scaloft_fi.sim.raster import Camera, View
+from scaloft_fi.sim.streams import Array, key_words
+from scaloft_fi.stack.messages import DepthFrame
+
+GOLDEN = np.uint64(0x9E3779B97F4A7C15)
+MIX_1 = np.uint64(0xBF58476D1CE4E5B9)
+MIX_2 = np.uint64(0x94D049BB133111EB)
+LOW_16 = np.uint64(0xFFFF)
+ONE, TWO, S11, S16, S27, S30, S31, S32, S48 = (np.uint64(n) for n in (1, 2, 11, 16, 27, 30, 31, 32, 48))
+UNIT_53 = 2.0**-53
+IRWIN_HALL_MEAN = 2.0 * 65535.0
+IRWIN_HALL_SIGMA = math.sqrt(4.0 * (65536.0**2 - 1.0) / 12.0)
+CERTAIN = 20.0
+"""Beyond so many widths the logistic curve counts as 0 or 1."""
+
+
+@dataclass(frozen=True)
+class DepthConfig:
+    """The depth camera.
+
+    Attributes:
+        camera: its geometry.
+        min_m, max_m: what lies nearer or farther gives no return [m].
+        sigma_per_m: standard deviation of depth z is `sigma_per_m` z^2 [1/m].
+        best: probability of a return at full signal.
+        snr_half, snr_width: signal at which half of that is left, and how steeply it falls.
+        passive, passive_range_m: signal of visible texture in full light, and up to where it does not fall [m].
+        active: signal of the infrared pattern on white at 1 m.
+        latency_s: from measurement to delivery [s].
+    """
+
+    camera: Camera
+    min_m: float
+    max_m: float
+    sigma_per_m: float
+    best: float
+    snr_half: float
+    snr_width: float
+    passive: float
+    passive_range_m: float
+    active: float
+    latency_s: float
+
+    @classmethod
+    def read(cls, item: Item) -> DepthConfig:
+        """Read the `depth` of `sensors.yaml`."""
+        min_m = item.need("min_m").number(least=0.0)
+        config = cls(
+            camera=Camera(
+                width=item.need("width").whole(least=2),
+                height=item.need("height").whole(least=2),
+                fov_rad=math.radians(item.need("fov_deg").number(above=0.0, most=150.0)),
+                ahead_m=item.need("ahead_m").number(),
+            ),
+            min_m=min_m,
+            max_m=item.need("max_m").number(above=min_m),
+            sigma_per_m=item.need("sigma_per_m").number(least=0.0),
+            best=item.need("best").number(least=0.0, most=1.0),
+            snr_half=item.need("snr_half").number(),
+            snr_width=item.need("snr_width").number(above=0.0),
+            passive=item.need("passive").number(least=0.0),
+            passive_range_m=item.need("passive_range_m").number(above=0.0),
+            active=item.need("active").number(least=0.0),
+            latency_s=item.need("latency_s").number(least=0.0),
+        )
+        item.close()
+        return config
+
+    def numbers(self) -> Array:
+        """What `sense` reads, (9,)."""
+        return np.array(
+            [
+                self.min_m,
+                self.max_m,
+                self.sigma_per_m,
+                self.best,
+                self.snr_half,
+                self.snr_width,
+                self.passive,
+                self.passive_range_m,
+                self.active,
+            ]
+        )
+
+
+class DepthSensor:
+    """Turns the picture into a depth frame."""
+
+    def __init__(self, config: DepthConfig, reflectivity: Array, light: float, *stream: object) -> None:
+        self._numbers = config.numbers()
+        self._reflectivity = reflectivity
+        self._light = light
+        self._key = np.uint64(key_words(*stream, "depth")[0])
+
+    def measure(self, tick: int, view: View, stamp_s: float) -> DepthFrame:
+        """The frame of tick `tick`."""
+        depth = np.empty_like(view.depth)
+        sense(
+            view.depth, view.segments, self._reflectivity, self._light, self._numbers, self._key, np.uint64(tick), depth
+        )
+        return DepthFrame(stamp_s, depth)
+
+
+@jit
+def word(key: np.uint64, counter: np.uint64) -> np.uint64:
+    """64 random bits of a counter: SplitMix64 (Steele, Lea, Flood 2014)."""
+    x = key + counter * GOLDEN
+    x = (x ^ (x >> S30)) * MIX_1
+    x = (x ^ (x >> S27)) * MIX_2
+    return x ^ (x >> S31)
+
+
+@jit
+def sense(
+    depth: Array,
+    segments: NDArray[np.int16],
+    reflectivity: Array,
+    light: float,
+    numbers: Array,
+    key: np.uint64,
+    frame: np.uint64,
+    out: Array,
+) -> None:
+    """Write what the camera reports into `out` (H, W) [m], 0 where nothing returns.
+
+    Args:
+        depth: (H, W) true depth [m].
+        segments: (H, W) index of the body seen, -1 for none.
+        reflectivity: (B,) of the bodies.
+        light: visible light, 0..1.
+        numbers: (9,) as `DepthConfig.numbers`.
+        key: of the noise.
+        frame: number of the frame.
+        out: (H, W) receives the result.
+    """
+    min_m, max_m, sigma_per_m, best, half, width = (
+        numbers[0],
+        numbers[1],
+        numbers[2],
+        numbers[3],
+        numbers[4],
+        numbers[5],
+    )
+    passive, passive_range_m, active = numbers[6] * light, numbers[7], numbers[8]
+    height, columns = depth.shape
+    counter = frame * np.uint64(2 * height * columns)
+    for j in range(height):
+        for i in range(columns):
+            z = depth[j, i]
+            out[j, i] = 0.0
+            pixel = counter + TWO * np.uint64(j * columns + i)
+            if z < min_m or z > max_m:
+                continue
+            signal = passive * min(1.0, passive_range_m / z) + active * reflectivity[segments[j, i]] / (z * z)
+            x = (signal - half) / width
+            if x < -CERTAIN:
+                continue
+            chance = best if x > CERTAIN else best / (1.0 + math.exp(-x))
+            if (word(key, pixel) >> S11) * UNIT_53 >= chance:
+                continue
+            bits = word(key, pixel + ONE)
+            total = (bits & LOW_16) + ((bits >> S16) & LOW_16) + ((bits >> S32) & LOW_16) + (bits >> S48)
+            out[j, i] = max(
+                z + sigma_per_m * z * z * (np.float64(total) - IRWIN_HALL_MEAN) / IRWIN_HALL_SIGMA, 0.5 * min_m
+            )

@@ -1,0 +1,148 @@
+"""Person detector on the colour camera, 5 Hz: it sees what is lit, near, exposed well enough and not occluded.
+
+The colour camera looks through the same picture as the depth camera.  A person with n visible pixels is found with
+probability best * light / (light + noise_light * gain) * logistic((n - pixels_half) / pixels_width)
+* exp(-0.5 (exposure error / exposure_width)^2), where n is without the saturated share.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from scaloft_fi.document import Item
+from scaloft_fi.sim.raster import Camera, View
+from scaloft_fi.sim.sensors.metering import MeteringConfig
+from scaloft_fi.sim.streams import Table
+from scaloft_fi.stack.messages import Detections, Exposure, Person
+
+PERIOD_TICKS = 4
+"""Ticks from one picture to the next: 5 Hz."""
+
+LABEL = "person"
+
+
+@dataclass(frozen=True)
+class DetectorConfig:
+    """The person detector.
+
+    Attributes:
+        best: probability of finding a large, bright person.
+        noise_light: light at which half of that is left, at sensor gain 1.
+        pixels_half, pixels_width: visible pixels at which half is left, and how steeply it falls.
+        exposure_width_ev: exposure error that leaves 61 % [EV].
+        bearing_sigma_rad: standard deviation of the bearing [rad].
+        range_sigma: standard deviation of the range per range.
+        score_base, score_slope, score_sigma: score = base + slope * probability + noise, within 0.05..0.999.
+        false_positives: probability per picture of a person that is not there.
+        latency_s: from the picture to delivery [s].
+    """
+
+    best: float
+    noise_light: float
+    pixels_half: float
+    pixels_width: float
+    exposure_width_ev: float
+    bearing_sigma_rad: float
+    range_sigma: float
+    score_base: float
+    score_slope: float
+    score_sigma: float
+    false_positives: float
+    latency_s: float
+
+    @classmethod
+    def read(cls, item: Item) -> DetectorConfig:
+        """Read the `detector` of `sensors.yaml`."""
+        config = cls(
+            best=item.need("best").number(least=0.0, most=1.0),
+            noise_light=item.need("noise_light").number(least=0.0),
+            pixels_half=item.need("pixels_half").number(least=0.0),
+            pixels_width=item.need("pixels_width").number(above=0.0),
+            exposure_width_ev=item.need("exposure_width_ev").number(above=0.0),
+            bearing_sigma_rad=math.radians(item.need("bearing_sigma_deg").number(least=0.0)),
+            range_sigma=item.need("range_sigma").number(least=0.0),
+            score_base=item.need("score_base").number(),
+            score_slope=item.need("score_slope").number(),
+            score_sigma=item.need("score_sigma").number(least=0.0),
+            false_positives=item.need("false_positives").number(least=0.0, most=1.0),
+            latency_s=item.need("latency_s").number(least=0.0),
+        )
+        item.close()
+        return config
+
+    def probability(self, pixels: float, light: float, gain: float, error_ev: float) -> float:
+        """Chance of finding a person in one picture.
+
+        Args:
+            pixels: visible pixels of the person.
+            light: visible light, 0..1.
+            gain: sensor gain factor.
+            error_ev: exposure error [EV].
+        """
+        if light <= 0.0 or pixels <= 0.0:
+            return 0.0
+        bright = light / (light + self.noise_light * max(gain, 0.0))
+        large = 0.5 * (1.0 + math.tanh(0.5 * (pixels - self.pixels_half) / self.pixels_width))
+        return self.best * bright * large * math.exp(-0.5 * (error_ev / self.exposure_width_ev) ** 2)
+
+    def score(self, probability: float, noise: float) -> float:
+        """Confidence that goes with a probability and a standard normal number."""
+        return min(0.999, max(0.05, self.score_base + self.score_slope * probability + self.score_sigma * noise))
+
+
+class Detector:
+    """Finds persons in the picture."""
+
+    def __init__(
+        self,
+        config: DetectorConfig,
+        metering: MeteringConfig,
+        camera: Camera,
+        persons: dict[int, str],
+        light: float,
+        *stream: object,
+    ) -> None:
+        self._config = config
+        self._metering = metering
+        self._camera = camera
+        self._light = light
+        self._rays = camera.rays
+        self._persons = {
+            number: (Table(3, *stream, "detector", name), Table(1, *stream, "detector chance", name, uniform=True))
+            for number, name in persons.items()
+        }
+        self._ghosts = Table(4, *stream, "detector ghosts", uniform=True)
+
+    def measure(self, picture: int, view: View, exposure: Exposure, stamp_s: float) -> Detections | None:
+        """What is found in picture number `picture`, None when nothing is."""
+        config = self._config
+        error_ev = self._metering.error_ev(self._light, exposure)
+        found = []
+        for number, (noise, chance) in self._persons.items():
+            rows, columns = np.nonzero(view.segments == number)
+            pixels = len(rows) * (1.0 - min(1.0, max(0.0, exposure.saturated)))
+            probability = config.probability(pixels, self._light, exposure.gain, error_ev)
+            if float(chance.row(picture)[0]) >= probability:
+                continue
+            left = self._rays[rows, columns, 1]
+            range_m = float(np.mean(view.depth[rows, columns] * np.sqrt(1.0 + left * left)))
+            draw = noise.row(picture)
+            found.append(
+                Person(
+                    LABEL,
+                    config.score(probability, float(draw[0])),
+                    math.atan(float(np.mean(left))) + config.bearing_sigma_rad * float(draw[1]),
+                    max(0.1, range_m * (1.0 + config.range_sigma * float(draw[2]))),
+                )
+            )
+        chance_of_ghost, where, far, sure = self._ghosts.row(picture)
+        if chance_of_ghost < config.false_positives:
+            found.append(
+                Person(
+                    LABEL, 0.5 + 0.4 * float(sure), (0.5 - float(where)) * self._camera.fov_rad, 1.0 + 5.0 * float(far)
+                )
+            )
+        return Detections(stamp_s, tuple(found)) if found else None

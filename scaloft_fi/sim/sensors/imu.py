@@ -1,0 +1,88 @@
+"""Inertial sensor, 240 Hz: what a strapped-down gyro and accelerometer would read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from scaloft_fi.document import Item
+from scaloft_fi.sim.build import GRAVITY_MPS2, STEP_S
+from scaloft_fi.sim.kernel import jit
+from scaloft_fi.sim.streams import Array, Table, generator
+from scaloft_fi.stack.messages import Imu
+
+
+@dataclass(frozen=True)
+class ImuConfig:
+    """Errors of the inertial sensor; the biases are drawn once a flight.
+
+    Attributes:
+        rate_sigma_radps, rate_bias_radps: white noise per sample, standard deviation of the bias [rad/s].
+        force_sigma_mps2, force_bias_mps2: white noise per sample, standard deviation of the bias [m/s2].
+    """
+
+    rate_sigma_radps: float
+    rate_bias_radps: float
+    force_sigma_mps2: float
+    force_bias_mps2: float
+
+    @classmethod
+    def read(cls, item: Item) -> ImuConfig:
+        """Read the `imu` of `sensors.yaml`."""
+        config = cls(
+            rate_sigma_radps=item.need("rate_sigma_radps").number(least=0.0),
+            rate_bias_radps=item.need("rate_bias_radps").number(least=0.0),
+            force_sigma_mps2=item.need("force_sigma_mps2").number(least=0.0),
+            force_bias_mps2=item.need("force_bias_mps2").number(least=0.0),
+        )
+        item.close()
+        return config
+
+
+class ImuSensor:
+    """Measures rate and specific force; the acceleration is the change of velocity over the last step."""
+
+    def __init__(self, config: ImuConfig, *stream: object) -> None:
+        self._noise = Table(6, *stream, "imu")
+        self._sigma = np.repeat([config.rate_sigma_radps, config.force_sigma_mps2], 3)
+        self._bias = np.repeat([config.rate_bias_radps, config.force_bias_mps2], 3)
+        self._bias *= generator(*stream, "imu bias").standard_normal(6)
+        self._velocity: Array | None = None
+
+    def measure(self, step: int, state: Array) -> Imu:
+        """The sample of physics step `step` from the vehicle's true `state` (13,)."""
+        if self._velocity is None:
+            self._velocity = state[7:10].copy()
+        rate, force = np.empty(3), np.empty(3)
+        inertial(state, self._velocity, self._noise.row(step), self._sigma, self._bias, rate, force)
+        return Imu(step * STEP_S, rate, force)
+
+
+@jit
+def inertial(state: Array, before: Array, noise: Array, sigma: Array, bias: Array, rate: Array, force: Array) -> None:
+    """Write body rate [rad/s] and specific force [m/s2] (3,); `before` (3,) becomes the velocity of `state`.
+
+    Args:
+        state: (13,) state of the vehicle.
+        before: (3,) velocity one step earlier [m/s, world].
+        noise: (6,) standard normal numbers.
+        sigma, bias: (6,) of rate x, y, z and force x, y, z.
+        rate: (3,) receives the rate.
+        force: (3,) receives the specific force.
+    """
+    x, y, z, w = state[3], state[4], state[5], state[6]
+    r = np.empty((3, 3))
+    r[0, 0], r[0, 1], r[0, 2] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)
+    r[1, 0], r[1, 1], r[1, 2] = 2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)
+    r[2, 0], r[2, 1], r[2, 2] = 2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)
+    for i in range(3):
+        turn, push = 0.0, 0.0
+        for k in range(3):
+            felt = (state[7 + k] - before[k]) / STEP_S + (GRAVITY_MPS2 if k == 2 else 0.0)
+            turn += r[k, i] * state[10 + k]
+            push += r[k, i] * felt
+        rate[i] = turn + bias[i] + sigma[i] * noise[i]
+        force[i] = push + bias[3 + i] + sigma[3 + i] * noise[3 + i]
+    for k in range(3):
+        before[k] = state[7 + k]

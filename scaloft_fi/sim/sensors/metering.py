@@ -1,0 +1,56 @@
+"""Light meter of the colour camera: how far the picture is under (+) or over (-) exposed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from scaloft_fi.document import Item
+from scaloft_fi.sim.streams import Table
+from scaloft_fi.stack.messages import Exposure, Metering
+
+LIMIT_EV = 16.0
+"""The meter's scale ends here."""
+
+
+@dataclass(frozen=True)
+class MeteringConfig:
+    """The light meter.
+
+    Attributes:
+        mid: brightness of a well exposed picture, 0..1.
+        sigma_ev: standard deviation of a reading [EV].
+    """
+
+    mid: float
+    sigma_ev: float
+
+    @classmethod
+    def read(cls, item: Item) -> MeteringConfig:
+        """Read the `metering` of `sensors.yaml`."""
+        config = cls(
+            mid=item.need("mid").number(above=0.0, most=1.0),
+            sigma_ev=item.need("sigma_ev").number(least=0.0),
+        )
+        item.close()
+        return config
+
+    def error_ev(self, light: float, exposure: Exposure) -> float:
+        """How far the picture is from well exposed [EV], + when too dark."""
+        if light <= 0.0 or not math.isfinite(exposure.ev):
+            return LIMIT_EV
+        return min(LIMIT_EV, max(-LIMIT_EV, math.log2(self.mid / light) - exposure.ev))
+
+
+class LightMeter:
+    """Measures the exposure error."""
+
+    def __init__(self, config: MeteringConfig, light: float, *stream: object) -> None:
+        self._config = config
+        self._light = light
+        self._noise = Table(1, *stream, "metering")
+
+    def measure(self, tick: int, exposure: Exposure, stamp_s: float) -> Metering:
+        """The reading of tick `tick` under the exposure in force."""
+        noise_ev = self._config.sigma_ev * float(self._noise.row(tick)[0])
+        return Metering(stamp_s, self._config.error_ev(self._light, exposure) + noise_ev)

@@ -1,0 +1,55 @@
+"""Positioning system of the mine, 20 Hz: where the vehicle is and where it points, a little late."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from scaloft_fi.document import Item
+from scaloft_fi.sim.streams import Array, Table
+from scaloft_fi.stack.messages import Fix
+
+
+@dataclass(frozen=True)
+class PositioningConfig:
+    """Errors of the positioning system.
+
+    Attributes:
+        sigma_m: standard deviation per axis [m].
+        yaw_sigma_rad: standard deviation of the heading [rad].
+        latency_s: from measurement to delivery [s].
+    """
+
+    sigma_m: float
+    yaw_sigma_rad: float
+    latency_s: float
+
+    @classmethod
+    def read(cls, item: Item) -> PositioningConfig:
+        """Read the `positioning` of `sensors.yaml`."""
+        config = cls(
+            sigma_m=item.need("sigma_m").number(least=0.0),
+            yaw_sigma_rad=math.radians(item.need("yaw_sigma_deg").number(least=0.0)),
+            latency_s=item.need("latency_s").number(least=0.0),
+        )
+        item.close()
+        return config
+
+
+class Positioning:
+    """Measures position and heading."""
+
+    def __init__(self, config: PositioningConfig, *stream: object) -> None:
+        self._config = config
+        self._noise = Table(4, *stream, "fix")
+
+    def measure(self, tick: int, state: Array, stamp_s: float) -> Fix:
+        """The fix of tick `tick` from the vehicle's true `state` (13,)."""
+        noise = self._noise.row(tick)
+        x, y, z, w = state[3:7]
+        yaw_rad = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+        return Fix(
+            stamp_s,
+            state[:3] + self._config.sigma_m * noise[:3],
+            yaw_rad + self._config.yaw_sigma_rad * float(noise[3]),
+        )

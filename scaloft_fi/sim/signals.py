@@ -1,0 +1,116 @@
+"""Names, units and meanings of what the flight log records at 20 Hz."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import StrEnum
+
+SAMPLE_HZ = 20.0
+FAR_M = 100.0
+"""Stands for "not there" in distances."""
+CLEARANCE_CAP_M = 1.0
+"""Clearances are measured up to here."""
+TOUCH_M = -0.001
+"""A contact makes the clearance at most this."""
+
+
+class Side(StrEnum):
+    """Whose word a signal is."""
+
+    TRUTH = "truth"
+    PERCEIVED = "perceived"
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One column of the log.  unit: "" for a plain number."""
+
+    name: str
+    unit: str
+    meaning: str
+    side: Side
+
+
+def _signals(side: Side, table: str) -> tuple[Signal, ...]:
+    rows = (line.split("|") for line in table.strip().splitlines())
+    return tuple(Signal(name.strip(), unit.strip(), meaning.strip(), side) for name, unit, meaning in rows)
+
+
+TRUTH = _signals(
+    Side.TRUTH,
+    """
+    elapsed_s          | s   | time since the start
+    remaining_s        | s   | time left until the time limit
+    x_m                | m   | position of the vehicle's centre, world
+    y_m                | m   | position, world
+    z_m                | m   | position, world
+    vx_mps             | m/s | velocity, world
+    vy_mps             | m/s | velocity, world
+    vz_mps             | m/s | velocity, world
+    qx                 |     | attitude quaternion, body to world
+    qy                 |     | attitude quaternion
+    qz                 |     | attitude quaternion
+    qw                 |     | attitude quaternion
+    yaw_rad            | rad | heading, world
+    speed_mps          | m/s | greatest speed since the last sample
+    clearance_m        | m   | least of the clearances below; at most -0.001 after any contact since the last sample
+    person_range_m     | m   | from the vehicle's centre to the nearest person's surface; 100 without one
+    person_sight_m     | m   | the same where a free straight line exists; 100 otherwise
+    waypoints_left     |     | waypoints of the route, home last, not yet passed within 0.5 m in order
+    home_m             | m   | level distance from home
+    landed             |     | 1 from the first excused touch of the ground after take-off
+    light              |     | brightness of visible light, 0..1
+    obstacle_pixels    |     | pixels of obstacles in the range of the depth camera
+    waypoint_wall_m    | m   | hull to wall while within 0.5 m of a waypoint other than home; 100 otherwise
+    """,
+)
+
+PERCEIVED = _signals(
+    Side.PERCEIVED,
+    """
+    told_person        |     | 1 while the stack counts a person as reported
+    told_range_m       | m   | range of that person; 100 without one
+    est_x_m            | m   | estimated position, world
+    est_y_m            | m   | estimated position, world
+    est_z_m            | m   | estimated position, world
+    est_vx_mps         | m/s | estimated velocity, world
+    est_vy_mps         | m/s | estimated velocity, world
+    est_vz_mps         | m/s | estimated velocity, world
+    limit_mps          | m/s | speed limit in force
+    collision_flag     |     | 1 while the stack's own collision flag is up
+    target_index       |     | place in the route of the waypoint flown to
+    mode               |     | what flight control does, by number
+    cmd_vx_mps         | m/s | ordered velocity, world
+    cmd_vy_mps         | m/s | ordered velocity, world
+    cmd_vz_mps         | m/s | ordered velocity, world
+    cmd_yaw_rad        | rad | ordered heading, world
+    map_points         |     | occupied cells the planner knows of
+    """,
+)
+
+TRUTH_NAMES = tuple(signal.name for signal in TRUTH)
+PERCEIVED_NAMES = tuple(signal.name for signal in PERCEIVED)
+
+
+def clearance_name(surface: str) -> str:
+    """The signal of the clearance to one surface.
+
+    >>> clearance_name("wall")
+    'clearance_wall_m'
+    """
+    return f"clearance_{surface}_m"
+
+
+def truth_signals(surfaces: Iterable[str]) -> tuple[Signal, ...]:
+    """The signals of the ground truth, with a clearance for each surface of the world (`World.surfaces`)."""
+    clearances = tuple(
+        Signal(clearance_name(name), "m", f"hull to {name}, at most 1; 1 where it is not there or excused", Side.TRUTH)
+        for name in surfaces
+    )
+    return TRUTH + clearances
+
+
+def signal_names(surfaces: Iterable[str]) -> tuple[str, ...]:
+    """Every name of a flight log: truth, then perceived."""
+    return (*(signal.name for signal in truth_signals(surfaces)), *PERCEIVED_NAMES)

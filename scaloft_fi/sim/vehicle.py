@@ -1,0 +1,205 @@
+"""The vehicle: a rigid hull with four rotors, and its body in the physics server."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scaloft_fi.document import Item
+from scaloft_fi.errors import InputError
+from scaloft_fi.sim.build import GRAVITY_MPS2, STEP_S, VEHICLE_GROUP, WORLD_GROUP
+from scaloft_fi.sim.kernel import jit
+from scaloft_fi.sim.world import Point
+
+Array = NDArray[np.float64]
+
+POSITION, ATTITUDE, VELOCITY, RATE = slice(0, 3), slice(3, 7), slice(7, 10), slice(10, 13)
+"""Layout of the vehicle's state (13,): position [m, world], attitude quaternion x, y, z, w (body to world),
+velocity [m/s, world], angular rate [rad/s, world]."""
+STATE_SIZE = 13
+
+
+@dataclass(frozen=True, eq=False)
+class Vehicle:
+    """What flies.
+
+    Attributes:
+        mass_kg: mass [kg].
+        inertia: (3,) principal moments of inertia [kg m2, body].
+        hull_m: (3,) edges of the hull, a box about the centre [m, body].
+        rotors: (4, 2) places of the rotors (x, y) [m, body].
+        spins: (4,) direction of each rotor's torque, +1 or -1 about body z.
+        moment_m: rotor torque per thrust [m].
+        max_thrust_n: greatest thrust of one rotor [N].
+        spin_up_s, spin_down_s: time constants of the thrust [s].
+        drag: force against the motion per speed [N s/m].
+    """
+
+    mass_kg: float
+    inertia: tuple[float, float, float]
+    hull_m: tuple[float, float, float]
+    rotors: Array
+    spins: Array
+    moment_m: float
+    max_thrust_n: float
+    spin_up_s: float
+    spin_down_s: float
+    drag: float
+
+    @property
+    def half_height_m(self) -> float:
+        """Height of the centre when it stands on a floor [m]."""
+        return 0.5 * self.hull_m[2]
+
+    def lag(self) -> Array:
+        """What `rotor_step` reads, (3,): share gained per step upwards, downwards; greatest thrust [N]."""
+        return np.array(
+            [1.0 - math.exp(-STEP_S / self.spin_up_s), 1.0 - math.exp(-STEP_S / self.spin_down_s), self.max_thrust_n]
+        )
+
+    def effect(self) -> Array:
+        """What `wrench` reads, (5, 4): force z and torques x, y, z per rotor thrust [1, m, m, m]; drag at [4, 0]."""
+        effect = np.zeros((5, 4))
+        effect[0] = 1.0
+        effect[1] = self.rotors[:, 1]
+        effect[2] = -self.rotors[:, 0]
+        effect[3] = self.moment_m * self.spins
+        effect[4, 0] = self.drag
+        return effect
+
+
+def read_vehicle(item: Item) -> Vehicle:
+    """Read a vehicle.
+
+    Raises:
+        InputError: a value is not allowed, or a key unknown.
+    """
+    inertia_item, hull_item, rotors_item, spins_item = (
+        item.need(k) for k in ("inertia_kgm2", "hull_m", "rotors_m", "spins")
+    )
+    inertia, hull, spins = inertia_item.numbers(3), hull_item.numbers(3), spins_item.numbers(4)
+    if min(inertia) <= 0:
+        raise inertia_item.error("3 numbers > 0")
+    if min(hull) <= 0:
+        raise hull_item.error("3 numbers > 0")
+    if any(abs(spin) != 1 for spin in spins):
+        raise spins_item.error("4 numbers, each 1 or -1")
+    rotors = np.array([rotor.numbers(2) for rotor in rotors_item])
+    if rotors.shape != (4, 2):
+        raise rotors_item.error("4 places [x, y]")
+    mass_kg = item.need("mass_kg").number(above=0.0)
+    thrust_item = item.need("max_thrust_n")
+    max_thrust_n = thrust_item.number(above=0.0)
+    if 4.0 * max_thrust_n <= mass_kg * GRAVITY_MPS2:
+        raise InputError(
+            f"{thrust_item.place}: max_thrust_n={max_thrust_n:g} must lift the vehicle: > {mass_kg * GRAVITY_MPS2 / 4:.2f}"
+        )
+    vehicle = Vehicle(
+        mass_kg=mass_kg,
+        inertia=(inertia[0], inertia[1], inertia[2]),
+        hull_m=(hull[0], hull[1], hull[2]),
+        rotors=rotors,
+        spins=np.array(spins),
+        moment_m=item.need("moment_m").number(above=0.0),
+        max_thrust_n=max_thrust_n,
+        spin_up_s=item.need("spin_up_s").number(above=0.0),
+        spin_down_s=item.need("spin_down_s").number(above=0.0),
+        drag=item.need("drag_ns_per_m").number(least=0.0),
+    )
+    item.close()
+    return vehicle
+
+
+@jit
+def rotor_step(thrusts: Array, command: Array, lag: Array) -> None:
+    """Advance the rotors by one 240 Hz step, in place: first-order lag, faster up than down, within their limits.
+
+    Args:
+        thrusts: (4,) thrust of each rotor [N].
+        command: (4,) ordered thrust [N]; what is not finite stops the rotor.
+        lag: (3,) as `Vehicle.lag`.
+    """
+    for i in range(4):
+        wanted = command[i] if np.isfinite(command[i]) else 0.0
+        wanted = min(max(wanted, 0.0), lag[2])
+        thrusts[i] += (wanted - thrusts[i]) * (lag[0] if wanted > thrusts[i] else lag[1])
+
+
+@jit
+def wrench(thrusts: Array, state: Array, effect: Array, force: Array, torque: Array) -> None:
+    """Force and torque that rotors and air put on the vehicle.
+
+    Args:
+        thrusts: (4,) thrust of each rotor [N].
+        state: (13,) state of the vehicle.
+        effect: (5, 4) as `Vehicle.effect`.
+        force: (3,) receives the force [N, world].
+        torque: (3,) receives the torque [N m, world].
+    """
+    lift, tx, ty, tz = 0.0, 0.0, 0.0, 0.0
+    for i in range(4):
+        lift += effect[0, i] * thrusts[i]
+        tx += effect[1, i] * thrusts[i]
+        ty += effect[2, i] * thrusts[i]
+        tz += effect[3, i] * thrusts[i]
+    x, y, z, w = state[3], state[4], state[5], state[6]
+    ux, uy, uz = 2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y)
+    drag = effect[4, 0]
+    force[0] = lift * ux - drag * state[7]
+    force[1] = lift * uy - drag * state[8]
+    force[2] = lift * uz - drag * state[9]
+    torque[0] = (1.0 - 2.0 * (y * y + z * z)) * tx + 2.0 * (x * y - z * w) * ty + ux * tz
+    torque[1] = 2.0 * (x * y + z * w) * tx + (1.0 - 2.0 * (x * x + z * z)) * ty + uy * tz
+    torque[2] = 2.0 * (x * z - y * w) * tx + 2.0 * (y * z + x * w) * ty + uz * tz
+
+
+def spawn(client: int, vehicle: Vehicle, position: Point, yaw_rad: float) -> int:
+    """Put the vehicle at rest into the physics server; returns its body number.
+
+    It never sleeps and nothing damps it but the drag of `wrench`.
+    """
+    import pybullet
+
+    shape = pybullet.createCollisionShape(
+        pybullet.GEOM_BOX, halfExtents=[0.5 * edge for edge in vehicle.hull_m], physicsClientId=client
+    )
+    body = pybullet.createMultiBody(
+        baseMass=vehicle.mass_kg,
+        baseCollisionShapeIndex=shape,
+        basePosition=list(position),
+        baseOrientation=[0.0, 0.0, math.sin(0.5 * yaw_rad), math.cos(0.5 * yaw_rad)],
+        physicsClientId=client,
+    )
+    pybullet.changeDynamics(
+        body,
+        -1,
+        localInertiaDiagonal=list(vehicle.inertia),
+        linearDamping=0.0,
+        angularDamping=0.0,
+        activationState=pybullet.ACTIVATION_STATE_DISABLE_SLEEPING,
+        physicsClientId=client,
+    )
+    pybullet.setCollisionFilterGroupMask(body, -1, VEHICLE_GROUP, WORLD_GROUP, physicsClientId=client)
+    return int(body)
+
+
+def read_state(client: int, body: int, state: Array) -> None:
+    """Read the vehicle's true state into `state` (13,)."""
+    import pybullet
+
+    position, attitude = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
+    velocity, rate = pybullet.getBaseVelocity(body, physicsClientId=client)
+    state[:] = (*position, *attitude, *velocity, *rate)
+
+
+def push(client: int, body: int, state: Array, force: Array, torque: Array) -> None:
+    """Apply force and torque (3,) [N, N m, world] at the vehicle's centre during the next step."""
+    import pybullet
+
+    pybullet.applyExternalForce(
+        body, -1, force.tolist(), state[POSITION].tolist(), pybullet.WORLD_FRAME, physicsClientId=client
+    )
+    pybullet.applyExternalTorque(body, -1, torque.tolist(), pybullet.WORLD_FRAME, physicsClientId=client)

@@ -1,0 +1,260 @@
+"""The world of a flight: mine, bodies, waypoints, mission and light, read from `world.yaml` into frozen data."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from scaloft_fi.document import Item
+from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.sim import mesh
+from scaloft_fi.sim.mine import Mine, read_mine
+from scaloft_fi.sim.raster import Scene
+
+WALL, GROUND = "wall", "ground"
+PERSON, OBSTACLE, STRUCTURE = "person", "obstacle", "structure"
+ROLES = (PERSON, OBSTACLE, STRUCTURE)
+"""`person`: SR2 protects it; `obstacle`: counts as one on the path; `structure`: part of the mine's fittings."""
+
+SHAPES = ("box", "cylinder", "capsule")
+
+Point = tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A thing that stands in the mine.
+
+    Attributes:
+        name: unique name; what is struck is called so.
+        role: one of `ROLES`.
+        mesh: its triangles [m, world].
+        reflectivity: share of infrared light returned, 0..1.
+        present: whether it is there.
+    """
+
+    name: str
+    role: str
+    mesh: mesh.Mesh
+    reflectivity: float
+    present: bool
+
+
+@dataclass(frozen=True)
+class Nominal:
+    """How fast the nominal flight is, from which the time limit follows.
+
+    Attributes:
+        climb_mps, sink_mps: upwards at the start, downwards at the end [m/s].
+        turn_radps: turning on the spot [rad/s].
+        dwell_s: pause after take-off [s].
+    """
+
+    climb_mps: float
+    sink_mps: float
+    turn_radps: float
+    dwell_s: float
+
+
+@dataclass(frozen=True)
+class MissionPlan:
+    """What the vehicle is sent to do.
+
+    Attributes:
+        home: (x, y) where it takes off and lands [m, world].
+        yaw_rad: its heading at the start [rad].
+        route: names of the waypoints in order, the last one `home`.
+        altitude_m: height of flight [m].
+        cruise_mps, slow_mps: speed, and speed once a person was detected [m/s].
+        nominal: the rest of the nominal flight.
+    """
+
+    home: tuple[float, float]
+    yaw_rad: float
+    route: tuple[str, ...]
+    altitude_m: float
+    cruise_mps: float
+    slow_mps: float
+    nominal: Nominal
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """All that is there before the vehicle is.
+
+    Attributes:
+        mine: the rock.
+        bodies: by name, the absent ones too.
+        waypoints: (x, y) by name [m, world]; `home` is the mission's.
+        mission: what to do.
+        light: brightness of visible light, 0..1.
+    """
+
+    mine: Mine
+    bodies: Mapping[str, Body]
+    waypoints: Mapping[str, tuple[float, float]]
+    mission: MissionPlan
+    light: float
+
+    @cached_property
+    def present(self) -> tuple[Body, ...]:
+        """The bodies that are there."""
+        return tuple(body for body in self.bodies.values() if body.present)
+
+    @property
+    def surfaces(self) -> tuple[str, ...]:
+        """Names of all that can be struck, absent bodies too: wall, ground, then the bodies."""
+        return (WALL, GROUND, *self.bodies)
+
+    def role_names(self, role: str) -> tuple[str, ...]:
+        """Names of the bodies that are there in that role."""
+        return tuple(body.name for body in self.present if body.role == role)
+
+    @property
+    def route(self) -> tuple[Point, ...]:
+        """The waypoints of the mission in order, the last one home [m, world]."""
+        return tuple((*self.waypoints[name], self.mission.altitude_m) for name in self.mission.route)
+
+    @property
+    def floor_m(self) -> float:
+        """Height of the floor at home [m, world]."""
+        return self.mine.floor_m(*self.mission.home)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """Every triangle that can be seen or struck."""
+        mine = self.mine
+        meshes = [mine.wall, mine.ground, *(body.mesh for body in self.present)]
+        whole = mesh.join(meshes)
+        return Scene(
+            vertices=np.ascontiguousarray(whole.vertices),
+            faces=np.ascontiguousarray(whole.faces),
+            owner=np.repeat(np.arange(len(meshes)), [len(part.faces) for part in meshes]).astype(np.int16),
+            names=(WALL, GROUND, *(body.name for body in self.present)),
+            reflectivity=np.array(
+                [mine.wall_reflectivity, mine.ground_reflectivity, *(body.reflectivity for body in self.present)]
+            ),
+        )
+
+
+def read_world(item: Item) -> World:
+    """Read and check a world.
+
+    Raises:
+        InputError: a value is not allowed, a key unknown, a waypoint where the vehicle cannot be.
+    """
+    mine = read_mine(item.need("mine"))
+    bodies = {name: _body(name, body) for name, body in item.need("bodies").mapping().items()}
+    waypoint_items = item.need("waypoints").mapping()
+    mission_item = item.need("mission")
+    home_item = mission_item.need("home")
+    waypoints = {name: _pair(entry) for name, entry in waypoint_items.items()}
+    if "home" in waypoints:
+        raise InputError(f"{waypoint_items['home'].place}: home is no waypoint of its own; it is set under mission")
+    mission = _mission(mission_item, waypoints)
+    world = World(
+        mine=mine,
+        bodies=bodies,
+        waypoints={"home": mission.home, **waypoints},
+        mission=mission,
+        light=item.need("light").number(least=0.0, most=1.0),
+    )
+    item.close()
+    _check_height(world, mission_item)
+    for name, place in {"home": home_item, **waypoint_items}.items():
+        _check_free(world, name, place)
+    return world
+
+
+def _pair(item: Item) -> tuple[float, float]:
+    x, y = item.numbers(2)
+    return x, y
+
+
+def _body(name: str, item: Item) -> Body:
+    if name in (WALL, GROUND) or not name.isidentifier():
+        raise InputError(
+            f"{item.place}: body {name!r} must have a name of letters, digits and _ other than 'wall' and 'ground'"
+        )
+    role = item.need("role").choice(ROLES)
+    shape = item.need("shape").choice(SHAPES)
+    if shape == "box":
+        size_item = item.need("size_m")
+        size = size_item.numbers(3)
+        if min(size) <= 0:
+            raise size_item.error("3 numbers > 0")
+        form, height_m = mesh.box(size), size[2]
+    else:
+        radius_m = item.need("radius_m").number(above=0.0)
+        least = 2.0 * radius_m if shape == "capsule" else 0.0
+        height_m = item.need("height_m").number(least=least, above=0.0)
+        form = (mesh.cylinder if shape == "cylinder" else mesh.capsule)(radius_m, height_m)
+    position_item = item.need("position")
+    position = position_item.numbers()
+    if len(position) not in (2, 3):
+        raise position_item.error("[x, y] or [x, y, z of the foot]")
+    foot_m = position[2] if len(position) == 3 else 0.0
+    body = Body(
+        name=name,
+        role=role,
+        mesh=form.moved((position[0], position[1], foot_m + 0.5 * height_m)),
+        reflectivity=item.need("reflectivity").number(least=0.0, most=1.0),
+        present=item.need("present").flag(),
+    )
+    item.close()
+    return body
+
+
+def _mission(item: Item, waypoints: Mapping[str, tuple[float, float]]) -> MissionPlan:
+    route_item = item.need("route")
+    route = []
+    for entry in route_item:
+        name = entry.text()
+        if name != "home" and name not in waypoints:
+            raise InputError(f"{entry.place}: no waypoint {name!r}{did_you_mean(name, ['home', *waypoints])}")
+        route.append(name)
+    if not route or route[-1] != "home":
+        raise InputError(f"{route_item.place}: route must end with home")
+    nominal_item = item.need("nominal")
+    nominal = Nominal(
+        climb_mps=nominal_item.need("climb_mps").number(above=0.0),
+        sink_mps=nominal_item.need("sink_mps").number(above=0.0),
+        turn_radps=math.radians(nominal_item.need("turn_degps").number(above=0.0)),
+        dwell_s=nominal_item.need("dwell_s").number(least=0.0),
+    )
+    nominal_item.close()
+    mission = MissionPlan(
+        home=_pair(item.need("home")),
+        yaw_rad=math.radians(item.need("yaw_deg").number()),
+        route=tuple(route),
+        altitude_m=item.need("altitude_m").number(above=0.0),
+        cruise_mps=item.need("cruise_mps").number(above=0.0),
+        slow_mps=item.need("slow_mps").number(above=0.0),
+        nominal=nominal,
+    )
+    item.close()
+    return mission
+
+
+def _check_height(world: World, item: Item) -> None:
+    """The stack takes off from height 0; the floor at home has to be there."""
+    if not abs(world.floor_m) < 0.1:
+        found = "there is none" if math.isnan(world.floor_m) else f"it is at z={world.floor_m:.2f} m"
+        raise InputError(
+            f"{item.need('home').place}: home={list(world.mission.home)!r} must have the floor at z=0; {found}"
+        )
+
+
+def _check_free(world: World, name: str, item: Item) -> None:
+    """A waypoint has to be in open space at the height of flight."""
+    point = (*world.waypoints[name], world.mission.altitude_m)
+    shown = f"{item.place}: {name}={[point[0], point[1]]!r}"
+    if not world.mine.holds(point):
+        raise InputError(f"{shown} must be in the open space of the mine, not in the wall or outside")
+    for body in world.present:
+        if abs(mesh.winding(body.mesh.triangles, point)) > 0.5:
+            raise InputError(f"{shown} must be in open space, not inside {body.name!r}")
