@@ -130,7 +130,7 @@ class Companion:
         self._target = cross("target", now_s, mission.target())
         self._replan(now_s, believed)
         if mission.phase == "land" or now_s - self._depth_s > self.config.depth_land_s:
-            control.land()
+            control.land(self.limit.limit_mps)
         order = self._command(now_s, believed) if mission.phase == "fly" else None
         delivered = cross("velcmd", now_s, order)
         if delivered is not None:
@@ -153,11 +153,12 @@ class Companion:
             self._depth_s = frame.stamp_s
             clearing = stages.memory.observe(frame, pose)
         stages.memory.update(cross("clearing", now_s, clearing))
-        proximity = cross("proximity", now_s, self._near(frame, pose, bumper))
+        flying = stages.mission.phase == "fly"
+        proximity = cross("proximity", now_s, self._near(frame, pose, bumper) if flying else None)
         flag = cross("collision", now_s, stages.proximity.flag(now_s, proximity))
         self.flagged = flag is not None
         believed = self._poses.newest
-        if believed is not None and stages.mission.phase == "fly":
+        if believed is not None and flying:
             stages.recoil.hear(now_s, flag, believed)
 
     def _fresh(self, now_s: float, frame: DepthFrame | None) -> DepthFrame | None:

@@ -62,7 +62,7 @@ class ControlConfig:
     land_mps: float
 
     def gains(self) -> Array:
-        """The numbers as the compiled loop reads them, (22,)."""
+        """The numbers as the compiled loop reads them, (19,)."""
         return np.array(
             [
                 self.mass_kg,
@@ -76,7 +76,6 @@ class ControlConfig:
                 self.tilt_accel_mps2,
                 self.yaw_rate_radps,
                 *self.hold_mps,
-                self.land_mps,
             ]
         )
 
@@ -108,7 +107,8 @@ def control(
     Args:
         state: (16,) estimator state. r: (3, 3) its rotation matrix. rate: (3,) body rate [rad/s].
         mode: VELOCITY_MODE follows `velocity_sp` (3,) [m/s, world]; HOLD_MODE flies to and holds `hold` (3,)
-            [m, world]; LAND_MODE sinks above `hold`; LEVEL_MODE sinks level, wherever that drifts.
+            [m, world]; LAND_MODE sinks above `hold` and LEVEL_MODE level, wherever
+            that drifts, both at the vertical velocity of `velocity_sp`.
         yaw_sp: heading to take [rad]. accel_mps2: greatest change of the velocity setpoint [m/s2].
         thrust: (4,) receives the rotor thrusts [N].
 
@@ -128,7 +128,7 @@ def control(
         if mode == HOLD_MODE:
             target[2] = min(gains[18], max(-gains[18], gains[6] * (hold[2] - state[2])))
         else:
-            target[2] = -gains[19]
+            target[2] = velocity_sp[2]
 
     dx, dy, dz = target[0] - memory[0], target[1] - memory[1], target[2] - memory[2]
     change = math.sqrt(dx * dx + dy * dy + dz * dz)

@@ -66,10 +66,10 @@ class FlightControl:
         self._enter("takeoff", HOLD_MODE)
         self._hold[2] = altitude_m
 
-    def land(self) -> None:
-        """Sink where it is."""
+    def land(self, limit_mps: float) -> None:
+        """Sink where it is, no faster than `limit_mps`."""
         if self.mode not in ("land", "level", "stopped"):
-            self._enter("land", LAND_MODE)
+            self._sink("land", LAND_MODE, limit_mps)
 
     def command(self, now_s: float, order: VelocityCommand, accel_mps2: float) -> None:
         """Follow a velocity; ends take-off and hold, not a landing."""
@@ -87,9 +87,9 @@ class FlightControl:
         if self.mode == "offboard" and silent_s > self.failsafe.command_hold_s:
             self._enter("hold", HOLD_MODE)
         if self.mode == "hold" and silent_s > self.failsafe.command_land_s:
-            self._enter("land", LAND_MODE)
+            self._sink("land", LAND_MODE, self.config.land_mps)
         if self.mode not in ("level", "stopped") and now_s - self.estimator.last_fix_s > self.failsafe.fix_level_s:
-            self._enter("level", LEVEL_MODE)
+            self._sink("level", LEVEL_MODE, self.config.land_mps)
 
     def step(self, now_s: float, imu: Imu | None, dt_s: float) -> Thrust:
         """One 240 Hz step: integrate the inertial sample, if it came, and order thrust."""
@@ -120,6 +120,10 @@ class FlightControl:
             self.mode = "stopped"
             return Thrust(self._stopped)
         return Thrust(thrust)
+
+    def _sink(self, mode: str, kernel_mode: int, limit_mps: float) -> None:
+        self._enter(mode, kernel_mode)
+        self._velocity[:] = 0.0, 0.0, -min(limit_mps, self.config.land_mps)
 
     def _enter(self, mode: str, kernel_mode: int) -> None:
         self.mode, self._kernel_mode = mode, kernel_mode

@@ -59,7 +59,6 @@ class ObstacleMemory:
         self._seen_s: Array = np.empty(0)
         self._frame_s = -math.inf
         self._fresh: Cells = np.empty(0, np.int64)  # what the last frame marked
-        self._places: Cells = np.empty(0, np.int64)  # where these are known already, or -1
 
     def __len__(self) -> int:
         return len(self._cells)
@@ -70,8 +69,8 @@ class ObstacleMemory:
         Keeps the cells that the frame marks until `update`; a cell that the frame marks is not forgotten.
         """
         c, camera = self.config, self.camera
-        self._fresh, self._places, forget = _observe(
-            frame.depth, camera.rays, camera.ahead_m, camera.column, camera.row, pose.position, pose.attitude,
+        self._fresh, forget = _observe(
+            frame.depth, camera.ahead_m, camera.column, camera.row, pose.position, pose.attitude,
             c.voxel_m, (c.min_range_m, c.max_range_m), c.min_pixels, c.clear_margin_m,
             self._cells, self._seen_s, frame.stamp_s - c.max_age_s,
         )  # fmt: skip
@@ -81,8 +80,8 @@ class ObstacleMemory:
     def update(self, delivered: Clearing | None) -> None:
         """Forget the cells that were `delivered` (None: forget nothing), then insert what the last frame marked."""
         forget = delivered.forget if delivered is not None else _NOTHING
-        self._cells, self._seen_s = _update(self._cells, self._seen_s, forget, self._fresh, self._places, self._frame_s)
-        self._fresh = self._places = _NOTHING
+        self._cells, self._seen_s = _update(self._cells, self._seen_s, forget, self._fresh, self._frame_s)
+        self._fresh = _NOTHING
 
     def map(self, pose: PoseEstimate) -> ObstacleMap:
         """The occupied cells' centres around `pose`, stamped with the newest frame's stamp."""
@@ -101,37 +100,34 @@ _NOTHING: Cells = np.empty(0, np.int64)
 
 
 @jit
-def _slot(cell, mask):  # type: ignore[no-untyped-def]
+def _start(cell, mask):  # type: ignore[no-untyped-def]
     """Where the search for `cell` starts in a table of mask + 1 slots."""
     mixed = (np.uint64(cell) ^ (np.uint64(cell) >> np.uint64(23))) * _MIX
     return np.int64(mixed >> np.uint64(44)) & mask
 
 
 @jit
-def _table(cells):  # type: ignore[no-untyped-def]
-    """Hash table over `cells`: (slots, with the place in `cells` or -1; mask)."""
-    size = 64
-    while size < 4 * len(cells):
-        size *= 2
-    mask = size - 1
-    slots = np.full(size, np.int32(-1), np.int32)
-    for i in range(len(cells)):
-        s = _slot(cells[i], mask)
+def _places(cells, among):  # type: ignore[no-untyped-def]
+    """The place in `among` of each of `cells`, or -1."""
+    mask = 64
+    while mask < 4 * len(among):
+        mask *= 2
+    mask -= 1
+    slots = np.full(mask + 1, -1, np.int32)
+    for i in range(len(among)):
+        s = _start(among[i], mask)
         while slots[s] >= 0:
             s = (s + 1) & mask
         slots[s] = i
-    return slots, mask
-
-
-@jit
-def _find(slots, mask, cells, cell):  # type: ignore[no-untyped-def]
-    """Place of `cell` in `cells`, or -1."""
-    s = _slot(cell, mask)
-    while slots[s] >= 0:
-        if cells[slots[s]] == cell:
-            return slots[s]
-        s = (s + 1) & mask
-    return np.int32(-1)
+    out = np.full(len(cells), -1, np.int64)
+    for i in range(len(cells)):
+        s = _start(cells[i], mask)
+        while slots[s] >= 0:
+            if among[slots[s]] == cells[i]:
+                out[i] = slots[s]
+                break
+            s = (s + 1) & mask
+    return out
 
 
 @jit
@@ -146,34 +142,35 @@ def _rotation(q):  # type: ignore[no-untyped-def]
 
 
 @jit
-def _pixel_cells(depth, rays, eye, turn, voxel_m, near_m, far_m, out):  # type: ignore[no-untyped-def]
+def _pixel_cells(depth, column, row, eye, turn, voxel_m, near_m, far_m, out):  # type: ignore[no-untyped-def]
     """The cell each pixel falls into, -1 where the pixel is not used."""
     scale = 1.0 / voxel_m
     a, b, c = turn
-    n = 0
-    for r in range(depth.shape[0]):
-        for k in range(depth.shape[1]):
-            d = depth[r, k]
-            y, z = rays[r, k, 1], rays[r, k, 2]
-            px = eye[0] + d * (a[0] + a[1] * y + a[2] * z)
-            py = eye[1] + d * (b[0] + b[1] * y + b[2] * z)
-            pz = eye[2] + d * (c[0] + c[1] * y + c[2] * z)
+    height, width = depth.shape
+    flat = depth.reshape(-1)
+    for r in range(height):
+        z = row[0] + r * row[1]
+        base = r * width
+        line, cells = flat[base : base + width], out[base : base + width]
+        ax, bx, cx = a[0] + a[2] * z, b[0] + b[2] * z, c[0] + c[2] * z
+        for k in range(width):
+            d = line[k]
+            y = column[0] + k * column[1]
+            px = eye[0] + d * (ax + a[1] * y)
+            py = eye[1] + d * (bx + b[1] * y)
+            pz = eye[2] + d * (cx + c[1] * y)
             used = (d >= near_m) & (d <= far_m) & (abs(px) < _REACH_M) & (abs(py) < _REACH_M) & (abs(pz) < _REACH_M)
-            if used:
-                i = np.int64(math.floor(px * scale)) + _HALF
-                j = np.int64(math.floor(py * scale)) + _HALF
-                h = np.int64(math.floor(pz * scale)) + _HALF
-                out[n] = (i << 2 * _BITS) | (j << _BITS) | h
-            else:
-                out[n] = -1
-            n += 1
+            i = np.int64(math.floor(px * scale)) + _HALF
+            j = np.int64(math.floor(py * scale)) + _HALF
+            h = np.int64(math.floor(pz * scale)) + _HALF
+            cells[k] = ((i << 2 * _BITS) | (j << _BITS) | h) if used else -1
 
 
 @jit
 def _marked(hit, min_pixels):  # type: ignore[no-untyped-def]
     """The distinct cells of `hit` that hold at least `min_pixels`, in order of appearance."""
-    mask = 2
-    while mask < 2 * len(hit):
+    mask = 64
+    while mask <= len(hit):
         mask *= 2
     mask -= 1
     slots = np.full(mask + 1, np.int32(-1), np.int32)
@@ -185,7 +182,7 @@ def _marked(hit, min_pixels):  # type: ignore[no-untyped-def]
             continue
         if cell != before:  # neighbours in a row mostly share a cell
             before = cell
-            s = _slot(cell, mask)
+            s = _start(cell, mask)
             while slots[s] >= 0 and cells[slots[s]] != cell:
                 s = (s + 1) & mask
             if slots[s] < 0:
@@ -199,13 +196,12 @@ def _marked(hit, min_pixels):  # type: ignore[no-untyped-def]
         if count[i] >= min_pixels:
             cells[kept] = cells[i]
             kept += 1
-    return cells[:kept].copy()
+    return cells[:kept]
 
 
 @jit
 def _observe(  # type: ignore[no-untyped-def]
     depth,
-    rays,
     ahead_m,
     column,
     row,
@@ -219,83 +215,76 @@ def _observe(  # type: ignore[no-untyped-def]
     seen_s,
     oldest_s,
 ):
-    """(cells the frame marks, their places in `cells` or -1, cells to forget); see ObstacleMemory.observe."""
+    """(cells the frame marks, cells to forget); see ObstacleMemory.observe."""
     turn = _rotation(attitude)
     a, b, c = turn
     eye = (position[0] + ahead_m * a[0], position[1] + ahead_m * b[0], position[2] + ahead_m * c[0])
     hit = np.empty(depth.size, np.int64)
-    _pixel_cells(depth, rays, eye, turn, voxel_m, ranges[0], ranges[1], hit)
+    _pixel_cells(depth, column, row, eye, turn, voxel_m, ranges[0], ranges[1], hit)
     fresh = _marked(hit, min_pixels)
-    places = np.full(len(fresh), -1, np.int64)
-    slots, mask = _table(fresh)
+    marked = _places(cells, fresh)
     forget = np.empty(len(cells), np.int64)
-    height, width = depth.shape
     n = 0
     low = (1 << _BITS) - 1
     for i in range(len(cells)):
+        if marked[i] >= 0:
+            continue
         cell = cells[i]
         gone = seen_s[i] < oldest_s
         x = ((cell >> 2 * _BITS) - _HALF + 0.5) * voxel_m - eye[0]
         y = (((cell >> _BITS) & low) - _HALF + 0.5) * voxel_m - eye[1]
         z = ((cell & low) - _HALF + 0.5) * voxel_m - eye[2]
         ahead = x * a[0] + y * b[0] + z * c[0]
-        marked = False
-        if ahead > ranges[0] - voxel_m and ahead < ranges[1] + voxel_m:
+        if ahead > ranges[0] and ahead < ranges[1]:
             k = ((x * a[1] + y * b[1] + z * c[1]) / ahead - column[0]) / column[1] + 0.5
             r = ((x * a[2] + y * b[2] + z * c[2]) / ahead - row[0]) / row[1] + 0.5
-            rim = abs(voxel_m / (ahead * column[1]))  # a cell whose centre is out of the view may still be marked
-            if k > -rim and k < width + rim and r > -rim and r < height + rim:
-                place = _find(slots, mask, fresh, cell)
-                marked = place >= 0
-                if marked:
-                    places[place] = i
-                elif k >= 0.0 and k < width and r >= 0.0 and r < height and ahead > ranges[0] and ahead < ranges[1]:
-                    d = depth[int(r), int(k)]
-                    gone = gone or d > ahead + margin_m or not d > 0.0
-        if gone and not marked:
+            if k >= 0.0 and k < depth.shape[1] and r >= 0.0 and r < depth.shape[0]:
+                d = depth[int(r), int(k)]
+                gone = gone or d > ahead + margin_m or not d > 0.0
+        if gone:
             forget[n] = cell
             n += 1
-    return fresh, places, forget[:n].copy()
+    return fresh, forget[:n]
 
 
 @jit
 def _dropped(cells, forget):  # type: ignore[no-untyped-def]
-    """Which of `cells` are in `forget`; quick where that is in the same order."""
+    """Which of `cells` are in `forget`; quick where these come in the same order."""
     out = np.zeros(len(cells), np.bool_)
     n = 0
     for i in range(len(cells)):
-        if n == len(forget):
-            return out
-        if cells[i] == forget[n]:
+        if n < len(forget) and cells[i] == forget[n]:
             out[i] = True
             n += 1
     if n < len(forget):
-        slots, mask = _table(forget)
+        places = _places(cells, forget)
         for i in range(len(cells)):
-            out[i] = _find(slots, mask, forget, cells[i]) >= 0
+            out[i] = places[i] >= 0
     return out
 
 
 @jit
-def _update(cells, seen_s, forget, fresh, places, stamp_s):  # type: ignore[no-untyped-def]
-    """(cells, when each was last seen) after forgetting `forget` and marking `fresh`, known at `places`."""
+def _update(cells, seen_s, forget, fresh, stamp_s):  # type: ignore[no-untyped-def]
+    """(cells, when each was last seen) after forgetting `forget` and marking `fresh`."""
     dropped = _dropped(cells, forget)
+    marked = _places(cells, fresh)
+    known = np.zeros(len(fresh), np.bool_)
     out = np.empty(len(cells) + len(fresh), np.int64)
     when = np.empty(len(out), np.float64)
-    place = np.empty(len(cells), np.int64)
     n = 0
     for i in range(len(cells)):
-        if not dropped[i]:
-            out[n], when[n], place[i] = cells[i], seen_s[i], n
-            n += 1
+        if dropped[i]:
+            continue
+        out[n], when[n] = cells[i], seen_s[i]
+        if marked[i] >= 0:
+            known[marked[i]] = True
+            when[n] = stamp_s
+        n += 1
     for j in range(len(fresh)):
-        i = places[j]
-        if i >= 0 and not dropped[i]:
-            when[place[i]] = stamp_s
-        else:
+        if not known[j]:
             out[n], when[n] = fresh[j], stamp_s
             n += 1
-    return out[:n].copy(), when[:n].copy()
+    return out[:n], when[:n]
 
 
 @jit
@@ -312,4 +301,4 @@ def _centres(cells, position, voxel_m, radius_m):  # type: ignore[no-untyped-def
         if dx * dx + dy * dy + dz * dz < radius_m * radius_m:
             out[n, 0], out[n, 1], out[n, 2] = x, y, z
             n += 1
-    return out[:n].copy()
+    return out[:n]

@@ -44,7 +44,9 @@ class Planner:
         goal = np.array(target, dtype=np.float64)
         offset = goal - pose.position
         distance = math.sqrt(float(offset @ offset))
-        if not distance > c.straight_in_m:
+        if not math.isfinite(distance):
+            return Plan(np.zeros(3), distance, blocked=True, expanded=0)
+        if distance <= c.straight_in_m:
             direction = offset / distance if distance > 0.0 else np.zeros(3)
             return Plan(direction, distance, blocked=False, expanded=0)
         radius = dilation_bins(c.dilation_bins, obstacles.inflation)

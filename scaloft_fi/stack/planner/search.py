@@ -14,6 +14,7 @@ from scaloft_fi.stack.kernel import jit
 
 BIN_DEG = 6.0
 ROWS, COLUMNS = 30, 60
+SLICES = 64  # along the way to the goal, so that a node looks only at those near it
 MAX_DILATION = 29  # a wider window would wrap onto itself
 
 _F = np.float32
@@ -45,9 +46,42 @@ def _atan2_deg(y, x):  # type: ignore[no-untyped-def]
 
 
 @jit
-def _locate(x, y, z, node, bins, square):  # type: ignore[no-untyped-def]
-    """Bin (row * COLUMNS + column) and squared distance [m2] of each point, seen from `node`."""
+def slices(points, origin, axis, reach):  # type: ignore[no-untyped-def]
+    """The points relative to `origin`, sorted into SLICES slices along the unit vector `axis`, -reach..reach [m].
+
+    Returns cloud (3, N) and begin (SLICES + 1,): slice s is cloud[:, begin[s] : begin[s + 1]].
+    """
+    n = len(points)
+    raw, cloud = np.empty((3, n), np.float32), np.empty((3, n), np.float32)
+    key = np.empty(n, np.int32)
+    begin = np.zeros(SLICES + 2, np.int64)
+    pitch = _F(0.5 * SLICES / reach)
+    for i in range(n):
+        x, y, z = _F(points[i, 0] - origin[0]), _F(points[i, 1] - origin[1]), _F(points[i, 2] - origin[2])
+        raw[0, i], raw[1, i], raw[2, i] = x, y, z
+        along = (x * axis[0] + y * axis[1] + z * axis[2] + reach) * pitch
+        along = along if along > _F(0.0) else _F(0.0)  # NaN too
+        key[i] = np.int32(along if along < _F(SLICES - 1) else _F(SLICES - 1))
+    for i in range(n):
+        begin[key[i] + 2] += 1
+    for s in range(2, SLICES + 2):
+        begin[s] += begin[s - 1]
+    for i in range(n):
+        k = begin[key[i] + 1]
+        begin[key[i] + 1] += 1
+        cloud[0, k], cloud[1, k], cloud[2, k] = raw[0, i], raw[1, i], raw[2, i]
+    return cloud, begin[:-1]
+
+
+@jit
+def histogram(cloud, start, stop, node, near, far, nearest):  # type: ignore[no-untyped-def]
+    """Fill `nearest` (ROWS * COLUMNS,) with the squared distance of the nearest point of each bin [m2], or a huge one.
+
+    Of the points start..stop-1 of `cloud` (3, N) those count that are `near` to `far` away from `node`.
+    """
     nx, ny, nz = node
+    x, y, z = cloud[0][start:stop], cloud[1][start:stop], cloud[2][start:stop]
+    bins, square = np.empty(len(x), np.int32), np.empty(len(x), np.float32)
     for i in range(len(x)):
         dx, dy, dz = x[i] - nx, y[i] - ny, z[i] - nz
         flat = dx * dx + dy * dy
@@ -58,14 +92,6 @@ def _locate(x, y, z, node, bins, square):  # type: ignore[no-untyped-def]
         e = np.int32(ROWS - 1) if e >= np.int32(ROWS) else e
         bins[i] = e * np.int32(COLUMNS) + a
         square[i] = flat + dz * dz
-
-
-@jit
-def histogram(x, y, z, node, near, far, nearest):  # type: ignore[no-untyped-def]
-    """Fill `nearest` (ROWS * COLUMNS,) with the squared distance of the nearest point in each bin [m2], or a huge one."""
-    bins = np.empty(len(x), np.int32)
-    square = np.empty(len(x), np.float32)
-    _locate(x, y, z, node, bins, square)
     nearest[:] = _FAR
     low, high = near * near, far * far
     for i in range(len(x)):
@@ -87,37 +113,29 @@ def obstacle_costs(nearest, scale, half, width, cost):  # type: ignore[no-untype
 def dilate(cost, radius, first, last, out):  # type: ignore[no-untyped-def]
     """Fill rows first..last-1 of `out` with the max-dilation of `cost` (both (ROWS, COLUMNS)) by a pyramid.
 
-    out[e, a] = max over |i|, |j| <= radius of cost[e + i, a + j] * k(i) * k(j), k(i) = 1 - |i| / (radius + 1): the kernel
-    of PX4-Avoidance, with the maximum in place of the sum, which dilutes thin obstacles.  Azimuth wraps, elevation
-    ends at the poles.  Products of non-negative numbers commute with the maximum: two passes give the whole window.
+    out[e, a] = max over |i|, |j| <= radius of cost[e + i, a + j] * k(i) * k(j), k(i) = 1 - |i| / (radius + 1): the
+    kernel of PX4-Avoidance, with the maximum in place of the sum, which dilutes thin obstacles.  Azimuth wraps,
+    elevation ends at the poles.  Non-negative factors commute with the maximum: two passes give the whole window.
     """
     wide = np.empty(COLUMNS + 2 * radius, np.float32)
-    column = np.empty(COLUMNS, np.float32)
+    row = np.empty(COLUMNS, np.float32)
     for e in range(first, last):
-        column[:] = cost[e]
+        row[:] = cost[e]
         for i in range(1, radius + 1):
             weight = _F(1.0) - _F(i) / _F(radius + 1)
-            if e + i < ROWS:
-                _raise(column, cost[e + i], weight)
-            if e - i >= 0:
-                _raise(column, cost[e - i], weight)
-        wide[radius : radius + COLUMNS] = column
-        wide[:radius] = column[COLUMNS - radius :]
-        wide[radius + COLUMNS :] = column[:radius]
-        row = out[e]
-        row[:] = column
+            # beyond a pole the pole's own row comes again, with a smaller weight than before: no effect
+            above, below = cost[min(e + i, ROWS - 1)], cost[max(e - i, 0)]
+            for a in range(COLUMNS):
+                row[a] = max(row[a], max(above[a], below[a]) * weight)
+        wide[radius : radius + COLUMNS] = row
+        wide[:radius] = row[COLUMNS - radius :]
+        wide[radius + COLUMNS :] = row[:radius]
         for i in range(1, radius + 1):
             weight = _F(1.0) - _F(i) / _F(radius + 1)
-            _raise(row, wide[radius - i : radius - i + COLUMNS], weight)
-            _raise(row, wide[radius + i : radius + i + COLUMNS], weight)
-
-
-@jit
-def _raise(out, source, weight):  # type: ignore[no-untyped-def]
-    """Raise `out` to `source` * `weight` where that is more."""
-    for k in range(COLUMNS):
-        value = source[k] * weight
-        out[k] = value if value > out[k] else out[k]
+            left, right = wide[radius - i :], wide[radius + i :]
+            for a in range(COLUMNS):
+                row[a] = max(row[a], max(left[a], right[a]) * weight)
+        out[e] = row
 
 
 @jit
@@ -177,9 +195,6 @@ def _exclude(costs, angles, first, last, way, step, apart):  # type: ignore[no-u
     """Make infinite the cost of each bin whose end point, `step` [m] along it, is nearer than `apart` to `way`."""
     x, y, z = way
     square = x * x + y * y + z * z
-    reach = step + apart
-    if square >= reach * reach:
-        return
     _azimuths, _elevations, cosines, sines, levels, rises = angles
     least = (square + step * step - apart * apart) / (_F(2.0) * step)
     along = np.empty(COLUMNS, np.float32)
@@ -220,7 +235,8 @@ def _grow(tree, node, here, goal, obstacle, total, angles, first, last, p):  # t
     apart = _F(p.separation_m)
     for i in range(nodes):
         way = (place[i, 0] - here[0], place[i, 1] - here[1], place[i, 2] - here[2])
-        _exclude(total, angles, first, last, way, step, apart)
+        if way[0] * way[0] + way[1] * way[1] + way[2] * way[2] < (step + apart) * (step + apart):
+            _exclude(total, angles, first, last, way, step, apart)
     for _ in range(p.children):
         e, a = _best(total, first, last)
         price = total[e, a]
@@ -252,15 +268,6 @@ def search(points, origin, target, previous, radius, p):  # type: ignore[no-unty
     dilation [bins]; p: the planner's settings.  Expands the node of least cost so far plus heuristic; the way is the
     one that comes near the goal first, or else the one to the deepest open node, the cheapest of them.
     """
-    n = 0
-    cloud = np.empty((3, len(points)), np.float32)
-    reach = p.expansions * p.node_m + p.range_m
-    for i in range(len(points)):
-        dx, dy, dz = points[i, 0] - origin[0], points[i, 1] - origin[1], points[i, 2] - origin[2]
-        if dx * dx + dy * dy + dz * dz < reach * reach:
-            cloud[0, n], cloud[1, n], cloud[2, n] = dx, dy, dz
-            n += 1
-    x, y, z = cloud[0, :n], cloud[1, :n], cloud[2, :n]
     first = int(math.ceil((90.0 - p.elevation_limit_deg) / BIN_DEG - 0.5))
     last = ROWS - first
     nearest = np.empty(ROWS * COLUMNS, np.float32)
@@ -286,6 +293,10 @@ def search(points, origin, target, previous, radius, p):  # type: ignore[no-unty
     left[0] = math.sqrt(goal[0] * goal[0] + goal[1] * goal[1] + goal[2] * goal[2])
     for k in range(3):
         heading[0, k] = previous[k]
+    axis = (goal[0] / left[0], goal[1] / left[0], goal[2] / left[0])
+    reach = _F(p.expansions * p.node_m + p.range_m)
+    pitch = _F(0.5 * SLICES) / reach
+    cloud, begin = slices(points, origin, axis, reach)
     expanded, chosen = 0, 0
     while expanded < p.expansions:
         node, value = -1, _INFINITE
@@ -302,7 +313,10 @@ def search(points, origin, target, previous, radius, p):  # type: ignore[no-unty
         expanded += 1
         here = (place[node, 0], place[node, 1], place[node, 2])
         far = min(_F(p.range_m), left[node] + _F(p.beyond_goal_m))
-        histogram(x, y, z, here, _F(p.near_m), far, nearest)
+        along = here[0] * axis[0] + here[1] * axis[1] + here[2] * axis[2] + reach
+        low = int(max(along - far, _F(0.0)) * pitch)
+        high = min(int((along + far) * pitch) + 1, SLICES)
+        histogram(cloud, begin[low], begin[high], here, _F(p.near_m), far, nearest)
         obstacle_costs(nearest, _F(p.obstacle_cost * p.obstacle_weight), _F(p.obstacle_m), _F(p.obstacle_width_m), flat)
         dilate(cost, radius, first, last, obstacle)
         toward = aim((goal[0] - here[0], goal[1] - here[1], goal[2] - here[2]), *angles)

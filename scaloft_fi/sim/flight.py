@@ -1,0 +1,212 @@
+"""One flight: the vehicle, its sensors and the stack under test in the physics of a situation, until it ends.
+
+Physics, inertial sensor and flight control run at 240 Hz; the other sensors, the companion and the log at 20 Hz.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+
+import numpy as np
+
+from scaloft_fi.errors import InputError
+from scaloft_fi.mutants.wire import TapError
+from scaloft_fi.sim.build import STEP_S, build, connect
+from scaloft_fi.sim.contact import contacts
+from scaloft_fi.sim.events import events_of
+from scaloft_fi.sim.load import SimConfig
+from scaloft_fi.sim.log import Count, Ending, FlightLog, Recorder
+from scaloft_fi.sim.observer import Observer
+from scaloft_fi.sim.scenario import Scenario
+from scaloft_fi.sim.sensors import Sensors
+from scaloft_fi.sim.situation import Situation
+from scaloft_fi.sim.stacks import STACKS
+from scaloft_fi.sim.vehicle import STATE_SIZE, push, read_state, rotor_step, spawn, wrench
+from scaloft_fi.stack.camera import DepthCamera
+from scaloft_fi.stack.config import ConfigError
+from scaloft_fi.stack.messages import SensorFrames
+from scaloft_fi.stack.reference import BELIEFS, Stack, Task
+from scaloft_fi.stack.seam import Wire
+
+STEPS_PER_TICK = 12
+NO_THRUST = np.zeros(4)
+
+
+def fly(config: SimConfig, situation: Situation, seed: int, wire: Wire) -> FlightLog:
+    """Fly once; a pure function of its arguments, and the wire is used up.
+
+    Raises:
+        InputError: the study names no known stack, or its settings do not fit.
+        TapError: a fault could not be injected.
+    """
+    scenario = config.scenario(situation)
+    with physics_server() as client:
+        flight = Flight(client, config, scenario, seed, wire)
+        while flight.tick():
+            for _ in range(STEPS_PER_TICK):
+                flight.step()
+        return flight.log()
+
+
+@contextmanager
+def physics_server() -> Iterator[int]:
+    """A physics server of its own, closed afterwards."""
+    import pybullet
+
+    client = connect()
+    try:
+        yield client
+    finally:
+        pybullet.disconnect(physicsClientId=client)
+
+
+def make_stack(config: SimConfig, scenario: Scenario, wire: Wire) -> Stack:
+    """The stack that the study names, ready for take-off.
+
+    Raises:
+        InputError: there is no such stack, or its settings do not fit.
+    """
+    mission, camera = scenario.world.mission, config.sensors.depth.camera
+    task = Task(
+        settings=config.stack.parameters,
+        camera=DepthCamera(camera.rays, camera.ahead_m),
+        home=scenario.start(config.vehicle.half_height_m),
+        yaw_rad=mission.yaw_rad,
+        route=scenario.route,
+        altitude_m=mission.altitude_m,
+        cruise_mps=mission.cruise_mps,
+        slow_mps=mission.slow_mps,
+    )
+    try:
+        return STACKS[config.stack.name](task, wire)
+    except ConfigError as error:
+        raise InputError(f"sim/stack.yaml: {error}") from error
+
+
+class Flight:
+    """A flight under way.
+
+    Whatever the stack under test raises is a fact about the drone: when its companion fails, the autopilot flies on
+    with its own fail-safes; when the autopilot fails, the rotors stop.
+    """
+
+    def __init__(self, client: int, config: SimConfig, scenario: Scenario, seed: int, wire: Wire) -> None:
+        vehicle = config.vehicle
+        start = scenario.start(vehicle.half_height_m)
+        ids = build(client, scenario.world)
+        self.state = np.zeros(STATE_SIZE)
+        self.stack: Stack = make_stack(config, scenario, wire)
+        self.sensors = Sensors(
+            config.sensors, scenario.world.scene, scenario.persons, scenario.world.light, scenario.key, seed
+        )
+        self._client, self._scenario, self._wire = client, scenario, wire
+        self._body = spawn(client, vehicle, start, scenario.world.mission.yaw_rad)
+        self._observer = Observer(client, ids, self._body, vehicle, scenario, config.sensors.depth.max_m)
+        self._names, self._half_height_m = ids.name_of, vehicle.half_height_m
+        self._lag, self._effect = vehicle.lag(), vehicle.effect()
+        self._thrusts, self._force, self._torque = np.zeros(4), np.zeros(3), np.zeros(3)
+        self._truth, self._beliefs = Recorder(self._observer.names), Recorder(BELIEFS)
+        self._ticks = self._steps = 0
+        self._companion_alive = self._autopilot_alive = True
+        self._stack_error = ""
+        read_state(client, self._body, self.state)
+
+    def tick(self) -> bool:
+        """Record a sample; unless the flight is over, let sensors and companion work.  Returns whether it goes on."""
+        now_s = self._ticks / 20
+        self._truth.add(self._observer.sample(now_s, self.state, self.sensors.view))
+        self._beliefs.add(self.stack.beliefs(now_s))
+        if self._ending(now_s) is not None:
+            return False
+        frames = self._sense(now_s)
+        if frames is not None and self._autopilot_alive:
+            self._think(now_s, frames)
+        self._ticks += 1
+        return True
+
+    def step(self) -> None:
+        """One physics step with the thrust that flight control orders."""
+        import pybullet
+
+        now_s = self._steps / 240
+        order = NO_THRUST
+        if self._autopilot_alive:
+            try:
+                thrust = self.stack.step(now_s, self.sensors.imu(self._steps, self.state))
+                order = NO_THRUST if thrust is None else thrust.rotors
+            except TapError:
+                raise
+            except Exception as error:  # noqa: BLE001 - whatever the stack under test raises
+                self._autopilot_fails(now_s, error)
+        rotor_step(self._thrusts, order, self._lag)
+        wrench(self._thrusts, self.state, self._effect, self._force, self._torque)
+        push(self._client, self._body, self.state, self._force, self._torque)
+        pybullet.stepSimulation(physicsClientId=self._client)
+        read_state(self._client, self._body, self.state)
+        self._steps += 1
+        touched = contacts(self._client, self._body, self._names, self.state, self._half_height_m)
+        self.sensors.feel(touched)
+        self._observer.step(self._steps * STEP_S, self.state, touched)
+
+    def log(self) -> FlightLog:
+        """What happened so far."""
+        truth, beliefs = self._truth.signals(), self._beliefs.signals()
+        counts: Mapping[str, Count] = getattr(self._wire, "counts", {})
+        observer = self._observer
+        return FlightLog(
+            signals={**truth, **beliefs},
+            ending=self._ending(self._ticks / 20) or Ending.TIMED_OUT,
+            struck=observer.struck,
+            struck_at_s=observer.struck_at_s,
+            stack_error=self._stack_error,
+            counts=counts,
+            t_max_s=self._scenario.t_max_s,
+            events=events_of(truth["elapsed_s"], beliefs, counts, observer.struck, observer.struck_at_s, self._stack_error),
+        )
+
+    def _ending(self, now_s: float) -> Ending | None:
+        if self._observer.struck:
+            return Ending.STRUCK
+        if self._observer.landed:
+            return Ending.LANDED
+        return Ending.TIMED_OUT if now_s >= self._scenario.t_max_s else None
+
+    def _sense(self, now_s: float) -> SensorFrames | None:
+        """Measure, with the clocks and the exposure that the stack gives; without them when it is dead."""
+        stamps = None
+        if self._autopilot_alive:
+            try:
+                stamps = self.stack.stamps(now_s)
+            except TapError:
+                raise
+            except Exception as error:  # noqa: BLE001 - whatever the stack under test raises
+                self._autopilot_fails(now_s, error)
+        return self.sensors.frames(self._ticks, self.state, self._thrusts, self.stack.exposure, stamps)
+
+    def _think(self, now_s: float, frames: SensorFrames) -> None:
+        try:
+            self.stack.autopilot(now_s, frames)
+        except TapError:
+            raise
+        except Exception as error:  # noqa: BLE001 - whatever the stack under test raises
+            self._autopilot_fails(now_s, error)
+            return
+        if not self._companion_alive:
+            return
+        try:
+            self.stack.companion(now_s, frames)
+        except TapError:
+            raise
+        except Exception as error:  # noqa: BLE001 - whatever the stack under test raises
+            self._companion_alive = False
+            self._note(now_s, "companion", error)
+
+    def _autopilot_fails(self, now_s: float, error: Exception) -> None:
+        self._autopilot_alive = self._companion_alive = False
+        self._note(now_s, "autopilot", error)
+
+    def _note(self, now_s: float, part: str, error: Exception) -> None:
+        text = f"{part} at {now_s:.3f} s: {type(error).__name__}: {' '.join(str(error).split())}"
+        self._stack_error = self._stack_error or text
+
