@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from scaloft_fi.sim.mesh import Mesh
@@ -23,7 +24,7 @@ class BodyIds:
 
     by_name: Mapping[str, int]
 
-    @property
+    @cached_property
     def name_of(self) -> dict[int, str]:
         """Names by number."""
         return {number: name for name, number in self.by_name.items()}
@@ -39,9 +40,9 @@ def connect() -> int:
 def build(client: int, world: World) -> BodyIds:
     """Put the world into an empty physics server.
 
-    Every body is the very triangles that the camera sees, so that rays and pictures agree; a hollow body is enough,
-    because a flight ends at the first contact.  Bullet keeps 1 mm of margin about triangles: distances to them are
-    short by that much.  A level floor is a solid box under the same triangles.
+    The rock is the very triangles that the camera sees; Bullet keeps 1 mm of margin about them, so distances to rock
+    are short by that much.  Bodies are convex hulls that with Bullet's margin have the surface that the camera sees.
+    A level floor is a solid box under the same triangles.
     """
     import pybullet
 
@@ -55,7 +56,7 @@ def build(client: int, world: World) -> BodyIds:
         ),
     }
     for body in world.present:
-        ids[body.name] = _fixed(client, pybullet, _triangles(client, pybullet, body.mesh))
+        ids[body.name] = _fixed(client, pybullet, _hull(client, pybullet, body.core))
     return BodyIds(ids)
 
 
@@ -68,6 +69,12 @@ def _triangles(client: int, pybullet: Any, mesh: Mesh) -> int:
             flags=pybullet.GEOM_FORCE_CONCAVE_TRIMESH,
             physicsClientId=client,
         )
+    )
+
+
+def _hull(client: int, pybullet: Any, mesh: Mesh) -> int:
+    return int(
+        pybullet.createCollisionShape(pybullet.GEOM_MESH, vertices=mesh.vertices.tolist(), physicsClientId=client)
     )
 
 

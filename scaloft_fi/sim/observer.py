@@ -58,12 +58,12 @@ class Observer:
         self._persons = [(owners[name], _axis_points(world.bodies[name].mesh.vertices)) for name in scenario.persons]
         self._obstacles = [owners[name] for name in world.role_names(OBSTACLE)]
         meshes = {WALL: world.mine.wall, GROUND: world.mine.ground, **{body.name: body.mesh for body in world.present}}
-        self._bounds = {name: (mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)) for name, mesh in meshes.items()}
+        self._bounds = {name: _bounds(mesh.vertices) for name, mesh in meshes.items()}
+        self._home = scenario.home
         self._passed = 0
         self._airborne = False
         self._top_mps = 0.0
         self._touched: set[str] = set()
-        self._eased = False
         self._sink_mps, self._upright = 0.0, 1.0
 
     def step(self, t_s: float, state: Array, contacts: Iterable[Contact]) -> None:
@@ -78,7 +78,6 @@ class Observer:
         self._top_mps = max(self._top_mps, math.sqrt(vx * vx + vy * vy + vz * vz))
         for contact in contacts:
             if contact.struck == GROUND and self._excused(state):
-                self._eased = True
                 self.landed |= self._airborne
             else:
                 self._touched.add(contact.struck)
@@ -93,8 +92,7 @@ class Observer:
         return self._home_m(state) <= PASS_M or (self._sink_mps < LANDING_MPS and self._upright > LANDING_TILT_COS)
 
     def _home_m(self, state: Array) -> float:
-        x, y, _ = self._scenario.home
-        return math.hypot(float(state[0]) - x, float(state[1]) - y)
+        return math.hypot(float(state[0]) - self._home[0], float(state[1]) - self._home[1])
 
     def sample(self, t_s: float, state: Array, view: View | None) -> list[float]:
         """The truth signals at `t_s`, in the order of `names`; maxima and minima start anew.
@@ -106,8 +104,9 @@ class Observer:
         """
         scenario = self._scenario
         x, y, z, qx, qy, qz, qw, vx, vy, vz = state[:10].tolist()
-        self._airborne |= z - scenario.home[2] > AIRBORNE_M
-        clearances = {name: self._clearance(name, state) for name in self._surfaces}
+        self._airborne |= z - self._home[2] > AIRBORNE_M
+        home_m = math.hypot(x - self._home[0], y - self._home[1])
+        clearances = {name: self._clearance(name, x, y, z, home_m) for name in self._surfaces}
         person_range_m, person_sight_m = self._person(state)
         self._pass_waypoints(x, y)
         near_waypoint = any(math.hypot(x - wx, y - wy) <= PASS_M for wx, wy, _ in scenario.route[:-1])
@@ -121,7 +120,7 @@ class Observer:
             person_range_m,
             person_sight_m,
             float(len(scenario.route) - self._passed),
-            self._home_m(state),
+            home_m,
             float(self.landed),
             scenario.world.light,
             self._obstacle_pixels(view),
@@ -130,15 +129,14 @@ class Observer:
         ]
         self._top_mps = 0.0
         self._touched.clear()
-        self._eased = False
         return row
 
-    def _clearance(self, name: str, state: Array) -> float:
+    def _clearance(self, name: str, x: float, y: float, z: float, home_m: float) -> float:
         """Hull to a surface [m], at most 1; a contact since the last sample makes it negative."""
-        if name == GROUND and self._home_m(state) <= PASS_M:
+        if name == GROUND and home_m <= PASS_M:
             return CLEARANCE_CAP_M if name not in self._touched else TOUCH_M
         clearance_m = CLEARANCE_CAP_M
-        if name in self._ids and self._within_reach(name, state):
+        if name in self._ids and self._within_reach(name, x, y, z):
             import pybullet
 
             points = pybullet.getClosestPoints(
@@ -150,14 +148,11 @@ class Observer:
         # Bullet's margin may overlap by less than it takes for a touch; only a touch counts.
         return max(clearance_m, -TOUCH_M)
 
-    def _within_reach(self, name: str, state: Array) -> bool:
+    def _within_reach(self, name: str, x: float, y: float, z: float) -> bool:
         """Whether a ball about the hull, as large as clearances are measured, meets the surface's bounding box."""
-        low, high = self._bounds[name]
-        square = 0.0
-        for k in range(3):
-            gap = max(low[k] - state[k], 0.0, state[k] - high[k])
-            square += gap * gap
-        return square < self._reach_m * self._reach_m
+        x0, y0, z0, x1, y1, z1 = self._bounds[name]
+        dx, dy, dz = max(x0 - x, 0.0, x - x1), max(y0 - y, 0.0, y - y1), max(z0 - z, 0.0, z - z1)
+        return dx * dx + dy * dy + dz * dz < self._reach_m * self._reach_m
 
     def _person(self, state: Array) -> tuple[float, float]:
         """Range of the nearest person's surface, and of the nearest one in sight [m]."""
@@ -185,6 +180,11 @@ class Observer:
             return 0.0
         seen = np.isin(view.segments, self._obstacles) & (view.depth <= self._range_m)
         return float(np.count_nonzero(seen))
+
+
+def _bounds(vertices: Array) -> tuple[float, ...]:
+    """Least x, y, z, then greatest [m]."""
+    return tuple(map(float, (*vertices.min(axis=0), *vertices.max(axis=0))))
 
 
 def _axis_points(vertices: Array) -> list[Array]:

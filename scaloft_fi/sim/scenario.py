@@ -49,7 +49,7 @@ class Scenario:
         """The situation's key."""
         return self.situation.key
 
-    @property
+    @cached_property
     def home(self) -> Point:
         """Where the mission starts and ends, on the floor [m, world]."""
         return (*self.world.mission.home, self.world.floor_m)
@@ -75,7 +75,7 @@ class Scenario:
         mission = self.world.mission
         return sum(leg.duration_s for leg in self._legs(mission.slow_mps if self.persons else mission.cruise_mps))
 
-    @property
+    @cached_property
     def t_max_s(self) -> float:
         """Time limit of a flight [s]."""
         return TIME_LIMIT_S + TIME_LIMIT_FACTOR * self.nominal_s

@@ -95,7 +95,7 @@ def read_vehicle(item: Item) -> Vehicle:
     max_thrust_n = thrust_item.number(above=0.0)
     if 4.0 * max_thrust_n <= mass_kg * GRAVITY_MPS2:
         raise InputError(
-            f"{thrust_item.place}: max_thrust_n={max_thrust_n:g} must lift the vehicle: > {mass_kg * GRAVITY_MPS2 / 4:.2f}"
+            f"{thrust_item.place}: max_thrust_n={max_thrust_n:g} must be > {mass_kg * GRAVITY_MPS2 / 4:.2f} to lift off"
         )
     vehicle = Vehicle(
         mass_kg=mass_kg,

@@ -12,6 +12,7 @@ import numpy as np
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.sim import mesh
+from scaloft_fi.sim.mesh import Mesh
 from scaloft_fi.sim.mine import Mine, read_mine
 from scaloft_fi.sim.raster import Scene
 
@@ -19,6 +20,12 @@ WALL, GROUND = "wall", "ground"
 PERSON, OBSTACLE, STRUCTURE = "person", "obstacle", "structure"
 ROLES = (PERSON, OBSTACLE, STRUCTURE)
 """`person`: SR2 protects it; `obstacle`: counts as one on the path; `structure`: part of the mine's fittings."""
+
+MARGIN_M = 0.001
+"""Bullet surrounds a convex mesh by this."""
+
+LEAST_M = 0.005
+"""No body is thinner than this."""
 
 SHAPES = ("box", "cylinder", "capsule")
 
@@ -33,13 +40,15 @@ class Body:
         name: unique name; what is struck is called so.
         role: one of `ROLES`.
         mesh: its triangles [m, world].
+        core: the same shape, smaller by `MARGIN_M` all round: what the physics keeps, which adds that margin.
         reflectivity: share of infrared light returned, 0..1.
         present: whether it is there.
     """
 
     name: str
     role: str
-    mesh: mesh.Mesh
+    mesh: Mesh
+    core: Mesh
     reflectivity: float
     present: bool
 
@@ -114,12 +123,12 @@ class World:
         """Names of the bodies that are there in that role."""
         return tuple(body.name for body in self.present if body.role == role)
 
-    @property
+    @cached_property
     def route(self) -> tuple[Point, ...]:
         """The waypoints of the mission in order, the last one home [m, world]."""
         return tuple((*self.waypoints[name], self.mission.altitude_m) for name in self.mission.route)
 
-    @property
+    @cached_property
     def floor_m(self) -> float:
         """Height of the floor at home [m, world]."""
         return self.mine.floor_m(*self.mission.home)
@@ -185,23 +194,26 @@ def _body(name: str, item: Item) -> Body:
     if shape == "box":
         size_item = item.need("size_m")
         size = size_item.numbers(3)
-        if min(size) <= 0:
-            raise size_item.error("3 numbers > 0")
+        if min(size) < LEAST_M:
+            raise size_item.error(f"3 numbers >= {LEAST_M:g}")
         form, height_m = mesh.box(size), size[2]
+        core = mesh.box([edge - 2.0 * MARGIN_M for edge in size])
     else:
-        radius_m = item.need("radius_m").number(above=0.0)
-        least = 2.0 * radius_m if shape == "capsule" else 0.0
-        height_m = item.need("height_m").number(least=least, above=0.0)
-        form = (mesh.cylinder if shape == "cylinder" else mesh.capsule)(radius_m, height_m)
+        radius_m = item.need("radius_m").number(least=LEAST_M)
+        height_m = item.need("height_m").number(least=2.0 * radius_m if shape == "capsule" else LEAST_M)
+        turned = mesh.cylinder if shape == "cylinder" else mesh.capsule
+        form, core = turned(radius_m, height_m), turned(radius_m - MARGIN_M, height_m - 2.0 * MARGIN_M)
     position_item = item.need("position")
     position = position_item.numbers()
     if len(position) not in (2, 3):
         raise position_item.error("[x, y] or [x, y, z of the foot]")
     foot_m = position[2] if len(position) == 3 else 0.0
+    centre = (position[0], position[1], foot_m + 0.5 * height_m)
     body = Body(
         name=name,
         role=role,
-        mesh=form.moved((position[0], position[1], foot_m + 0.5 * height_m)),
+        mesh=form.moved(centre),
+        core=core.moved(centre),
         reflectivity=item.need("reflectivity").number(least=0.0, most=1.0),
         present=item.need("present").flag(),
     )
