@@ -26,6 +26,11 @@ class Ending(StrEnum):
     TIMED_OUT = "timed_out"
 
     @property
+    def cut_short(self) -> bool:
+        """Whether the flight was ended before its time, so that what it did not violate is open."""
+        return self is Ending.STRUCK
+
+    @property
     def sentence(self) -> str:
         """In words."""
         return {
