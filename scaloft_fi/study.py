@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +15,7 @@ from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.folder import find_study
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.registry import load_plugins
 from scaloft_fi.stack.seam import SEAMS
 
 if TYPE_CHECKING:
@@ -22,14 +23,16 @@ if TYPE_CHECKING:
     from scaloft_fi.results.requirement import Requirement
     from scaloft_fi.results.roster import Roster
     from scaloft_fi.results.space import Realisation, Space
-    from scaloft_fi.sim.config import SimConfig
-    from scaloft_fi.sim.situation import Grid, Situation
+    from scaloft_fi.sim.grid import Grid
+    from scaloft_fi.sim.load import SimConfig
+    from scaloft_fi.sim.scenario import Scenario
+    from scaloft_fi.sim.situation import Situation
 
 PACKAGE = Path(__file__).resolve().parent
 FLYING_CODE = ("stack", "sim", "mutants", "results/outcome.py", "results/requirement.py", "results/stl.py")
 """The sources that can change an outcome."""
-NOT_FLOWN = ("situations.yaml", "requirements.yaml", "sources.yaml")
-"""Files of `sim/` that do not enter a flight as a whole."""
+FLYING_DATA = ("world", "vehicle", "sensors", "stack")
+"""The documents of `sim/` that enter every flight; of `situations.yaml` only the situation's own values do."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,7 @@ class Study:
     """
 
     folder: Path
+    _scenarios: dict[str, Scenario] = field(default_factory=dict, compare=False, repr=False)
 
     @classmethod
     def open(cls, folder: Path | str | None = None) -> Study:
@@ -49,6 +53,7 @@ class Study:
         Raises:
             InputError: it is none.
         """
+        load_plugins()
         return cls(find_study(folder))
 
     @property
@@ -74,12 +79,30 @@ class Study:
         return check(self.folder / "mutants", self.matrix)
 
     @cached_property
+    def sim(self) -> SimConfig:
+        """Mine, vehicle, sensors, stack and situations."""
+        from scaloft_fi.sim.load import load as load_sim
+
+        return load_sim(self.folder / "sim")
+
+    @property
+    def grid(self) -> Grid:
+        """The situations."""
+        return self.sim.grid
+
+    @cached_property
+    def signals(self) -> tuple[str, ...]:
+        """Names of the signals that requirements and situations may speak of."""
+        from scaloft_fi.sim.signals import signal_names
+
+        return signal_names(self.sim.world.surfaces)
+
+    @cached_property
     def requirements(self) -> tuple[Requirement, ...]:
         """What flights are judged by."""
         from scaloft_fi.results.requirement import load_requirements
-        from scaloft_fi.sim.signals import SIGNALS
 
-        return load_requirements(self.folder / "sim" / "requirements.yaml", SIGNALS)
+        return load_requirements(self.folder / "sim" / "requirements.yaml", self.signals)
 
     @cached_property
     def roster(self) -> Roster:
@@ -93,6 +116,68 @@ class Study:
         defaults = {cell.name: default_of(cell).id for cell in credible}
         return Roster(defaults, controls, tuple(mutant.id for mutant in self.catalogue))
 
+    @cached_property
+    def space(self) -> Space:
+        """The situations as scores and coverage see them."""
+        from scaloft_fi.results.space import Space
+
+        axes = self.grid.axes
+        return Space(
+            axes=tuple(axis.id for axis in axes),
+            values=tuple(tuple(str(value.id) for value in axis.values) for axis in axes),
+            words=tuple(tuple(value.title for value in axis.values) for axis in axes),
+            points=tuple((s.key, tuple(str(level) for _, level in s.levels)) for s in self.grid.situations),
+        )
+
+    @cached_property
+    def realisation(self) -> Realisation:
+        """Judges whether a flight met its situation.
+
+        Raises:
+            InputError: a predicate of an axis is no formula over the log.
+        """
+        from scaloft_fi.results.space import Realisation
+        from scaloft_fi.results.stl import Formula, FormulaError
+
+        def parsed(text: str, value: str) -> Formula | None:
+            try:
+                return Formula.parse(text, self.signals) if text else None
+            except FormulaError as error:
+                path = self.folder / "sim" / "situations.yaml"
+                raise InputError(f"{path}: realised of {value} {error}") from error
+
+        predicates = [[parsed(v.realised, f"{axis.id}{v.id}") for v in axis.values] for axis in self.grid.axes]
+        return Realisation(self.space, tuple(map(tuple, predicates)))
+
+    def scenario(self, situation: Situation) -> Scenario:
+        """What stands before a flight in the situation."""
+        if situation.key not in self._scenarios:
+            self._scenarios[situation.key] = self.sim.scenario(situation)
+        return self._scenarios[situation.key]
+
+    def expected_s(self, situation: Situation) -> float:
+        """How long a flight in the situation is expected to last: its nominal mission time [s]."""
+        return self.scenario(situation).nominal_s
+
+    def changes(self, situation: Situation) -> dict[str, Any]:
+        """What the situation changes in the world's document, by dotted path."""
+        values = [axis.value(situation[axis.id]) for axis in self.grid.axes]
+        return {path: item.plain() for value in values for path, item in value.changes.items()}
+
+    @cached_property
+    def inputs(self) -> Mapping[str, str]:
+        """Content hashes of what decides an outcome, by part; comments and the order of keys are no content."""
+        sim = self.folder / "sim"
+        documents = {name: load(sim / f"{name}.yaml").plain() for name in FLYING_DATA}
+        others = {path.relative_to(sim).as_posix(): _bytes(path) for path in _files(sim) if path.suffix != ".yaml"}
+        realised = {f"{axis.id}{value.id}": value.realised for axis in self.grid.axes for value in axis.values}
+        return {
+            "sim": _digest([documents, others]),
+            "requirements": _digest([asdict(requirement) for requirement in self.requirements]),
+            "realised": _digest(realised),
+            "code": _digest({path.relative_to(PACKAGE).as_posix(): _bytes(path) for path in _sources()}),
+        }
+
     def check(self) -> None:
         """Read every part and hold it against the others.
 
@@ -103,6 +188,30 @@ class Study:
         for cell in self.matrix:
             for name in cell.requirements:
                 if name not in known:
-                    place = cell.requirements_place
-                    raise InputError(f"{place}: requirement {name!r} of {cell.name} is not one{did_you_mean(name, known)}")
-        _ = self.catalogue, self.sim, self.grid
+                    hint = did_you_mean(name, known)
+                    raise InputError(f"{cell.requirements_place}: {name!r} of {cell.name} is no requirement{hint}")
+        # each of these reads a part, and refuses what is wrong with it
+        _ = self.catalogue, self.realisation, [self.scenario(situation) for situation in self.grid.situations]
+
+
+def _files(folder: Path) -> Iterator[Path]:
+    return (path for path in sorted(folder.rglob("*")) if path.is_file() and not path.name.startswith("."))
+
+
+def _sources() -> Iterator[Path]:
+    for name in FLYING_CODE:
+        path = PACKAGE / name
+        yield from sorted(path.rglob("*.py")) if path.is_dir() else [path]
+
+
+def _bytes(path: Path) -> str:
+    try:
+        return hashlib.sha256(path.read_bytes()).hexdigest()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
+
+
+def _digest(content: Any) -> str:
+    """A hash of plain JSON values."""
+    text = json.dumps(content, sort_keys=True, ensure_ascii=False)
+    return hashlib.sha256(text.encode()).hexdigest()

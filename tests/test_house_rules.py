@@ -1,4 +1,4 @@
-"""The rules of the house, each as the command that holds it; `pytest tests/test_house_rules.py` is the whole lint run."""
+"""The rules of the house, each as the command that holds it: this file is the whole lint run."""
 
 from __future__ import annotations
 

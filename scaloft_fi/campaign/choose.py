@@ -1,45 +1,20 @@
-"""From what a user writes on the command line to situations, seeds and subjects."""
+"""From what a user writes on the command line to seeds and subjects."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
-from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
-from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.cell import CellStatus
 from scaloft_fi.mutants.derive import defaults
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.mutants.select import select
 from scaloft_fi.study import Study
 
-if TYPE_CHECKING:
-    from scaloft_fi.sim.situation import Situation
-
 MOST_SEEDS = 100_000
 STEADY_SEAMS = ("velcmd", "pose", "imu", "goal")
 """Seams that carry samples in every situation: a control there can be asked to show itself anywhere."""
-
-
-def situations(study: Study, patterns: Iterable[str]) -> tuple[Situation, ...]:
-    """The situations that keys, aliases or globs mean, in the order of the grid; none given means all.
-
-    Raises:
-        InputError: one of them means nothing.
-    """
-    grid = study.grid
-    chosen: set[str] = set()
-    for pattern in patterns:
-        if re.search(r"[*?\[]", pattern):
-            found = [situation.key for situation in grid if fnmatchcase(situation.key, pattern)]
-        else:
-            found = [situation.key for situation in grid if pattern in (situation.key, *situation.aliases)]
-        if not found:
-            known = [situation.key for situation in grid]
-            raise InputError(f"no situation {pattern!r}{did_you_mean(pattern, known)}")
-        chosen.update(found)
-    return tuple(situation for situation in grid if not chosen or situation.key in chosen)
 
 
 def seeds(text: str) -> tuple[int, ...]:

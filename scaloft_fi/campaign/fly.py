@@ -2,56 +2,134 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
+from threading import Timer
+from typing import TYPE_CHECKING, Protocol
 
 from scaloft_fi.campaign.plan import Flight
+from scaloft_fi.errors import InputError
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.study import Study
 
-Flyer = Callable[[Study, Flight], Outcome]
-"""Flies and judges one flight."""
+if TYPE_CHECKING:
+    from scaloft_fi.sim.log import FlightLog
+    from scaloft_fi.sim.scenario import Scenario
+
+KERNELS_S = 5.0
+"""So much of a flight calls every compiled kernel: the drone has climbed, and plans [s]."""
+PATIENCE_S = 1.0
+"""After this a person is told what the wait is for [s, wall]."""
 
 
-def fly_once(study: Study, flight: Flight) -> Outcome:
-    """Fly and judge one flight; whatever goes wrong on the way is raised."""
+class Flyer(Protocol):
+    """What turns planned flights into outcomes."""
+
+    def prepare(self, study: Study, say: Callable[[str], None]) -> None:
+        """Do in the parent what every worker would have to do by itself.
+
+        Raises:
+            InputError: the study cannot be flown.
+        """
+        ...
+
+    def __call__(self, study: Study, flight: Flight) -> Outcome:
+        """Fly and judge one flight; whatever goes wrong with the harness is raised."""
+        ...
+
+
+class Physics:
+    """Flies in PyBullet."""
+
+    def prepare(self, study: Study, say: Callable[[str], None]) -> None:
+        """Build the stack and compile its kernels by flying a few seconds; workers forked afterwards have them.
+
+        Raises:
+            InputError: the settings of the stack do not fit.
+        """
+        with _unheard():
+            import pybullet  # noqa: F401 - it greets on standard error when first imported
+        from scaloft_fi.sim import flight
+        from scaloft_fi.stack.seam import TICK_HZ, PlainWire
+
+        notice = Timer(PATIENCE_S, say, ["compiling kernels (first run only)"])
+        notice.start()
+        try:
+            first = study.grid.situations[0]
+            with flight.physics_server() as client:
+                trial = flight.Flight(client, study.sim, study.scenario(first), 0, PlainWire())
+                for _ in range(round(KERNELS_S * TICK_HZ)):
+                    trial.tick()
+                    for _ in range(flight.STEPS_PER_TICK):
+                        trial.step()
+        finally:
+            notice.cancel()
+            notice.join()
+
+    def __call__(self, study: Study, flight: Flight) -> Outcome:
+        """Fly and judge one flight."""
+        from scaloft_fi.results.outcome import outcome_of
+
+        return outcome_of(
+            fly_log(study, flight),
+            flight.subject,
+            flight.situation.key,
+            flight.seed,
+            requirements=study.requirements,
+            realisation=study.realisation if flight.mutant is None else None,
+        )
+
+
+def fly_log(study: Study, flight: Flight) -> FlightLog:
+    """Fly one flight; returns all that happened."""
     from scaloft_fi.mutants.wire import contexts, wire_for
-    from scaloft_fi.results.outcome import outcome_of
     from scaloft_fi.sim.flight import fly
 
-    situation, mutant = flight.situation, flight.mutant
-    facts = study.sim.facts(situation)
-    context = contexts(flight.subject.id, situation.key, flight.seed, situation.nominal_s, facts)
-    log = fly(study.sim, situation, flight.seed, wire_for(mutant, context))
-    return outcome_of(
-        log,
-        flight.subject,
-        situation.key,
-        flight.seed,
-        requirements=study.requirements,
-        realisation=study.realisation if mutant is None else None,
-    )
+    scenario = study.scenario(flight.situation)
+    context = contexts(flight.subject.id, flight.situation.key, flight.seed, scenario.nominal_s, facts(scenario))
+    return fly(study.sim, flight.situation, flight.seed, wire_for(flight.mutant, context))
+
+
+def facts(scenario: Scenario) -> Mapping[str, float | None]:
+    """What a fault may know of the nominal flight."""
+    mission = scenario.world.mission
+    home_x, home_y = mission.home
+    return {
+        "sighting_s": scenario.sighting_s,
+        "home_x": home_x,
+        "home_y": home_y,
+        "cruise_mps": mission.cruise_mps,
+        "slow_mps": mission.slow_mps,
+    }
 
 
 class Worker:
-    """The work of one process: a callable that never raises over a flight.
+    """The work of one process: a callable that never raises over a flight, only over the study.
 
     Args:
         study: opened in the parent; a forked worker shares it.
-        flyer: what flies, `fly_once` but for tests.
+        flyer: what flies.
     """
 
-    def __init__(self, study: Study, flyer: Flyer = fly_once) -> None:
+    def __init__(self, study: Study, flyer: Flyer) -> None:
         self.study, self.flyer = study, flyer
 
     def __call__(self, flight: Flight) -> Outcome:
-        """The outcome of `flight`, tried once more when the harness failed."""
+        """The outcome of `flight`, tried once more when the harness failed.
+
+        Raises:
+            InputError: the study cannot be flown.
+        """
         outcome = self._try(flight)
         return self._try(flight) if outcome.invalid else outcome
 
     def _try(self, flight: Flight) -> Outcome:
         try:
             return self.flyer(self.study, flight)
+        except InputError:
+            raise
         except Exception as error:  # noqa: BLE001 - any failure of the harness is a fact to be told, never a verdict
             return invalid(flight, f"{type(error).__name__}: {' '.join(str(error).split())}")
 
@@ -64,3 +142,16 @@ def invalid(flight: Flight, reason: str) -> Outcome:
 def lost(flight: Flight) -> Outcome:
     """The outcome of a flight that took its worker with it."""
     return invalid(flight, "its worker process died every time it was flown")
+
+
+@contextmanager
+def _unheard() -> Iterator[None]:
+    """Send what C code writes to standard error nowhere."""
+    saved, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 2)
+    try:
+        yield
+    finally:
+        os.dup2(saved, 2)
+        os.close(saved)
+        os.close(nowhere)

@@ -15,7 +15,12 @@ NAMED = 3
 
 
 def check(
-    outcomes: Iterable[Outcome], roster: Roster, *, canary: str | None, whole_grid: bool, repeats: Sequence[Outcome] = ()
+    outcomes: Iterable[Outcome],
+    roster: Roster,
+    *,
+    canary: str | None,
+    whole_grid: bool,
+    repeats: Sequence[Outcome] = (),
 ) -> None:
     """Hold the gates over the flights of a run.
 

@@ -56,7 +56,7 @@ def flight_named(study: Study, mutant: str, situation: str, seed: int) -> Flight
     Raises:
         InputError: one of them is unknown.
     """
-    return Flight(_mutant(study, mutant), study.situation(situation), seed)
+    return Flight(_mutant(study, mutant), study.grid.situation(situation), seed)
 
 
 def _mutant(study: Study, name: str) -> Mutant | None:

@@ -21,7 +21,7 @@ def flight_key(study: Study, flight: Flight) -> str:
         "requirements": inputs["requirements"],
         "code": inputs["code"],
         "mutant": flight.mutant.to_json() if flight.mutant else None,
-        "situation": [flight.situation.key, study.settings(flight.situation)],
+        "situation": [flight.situation.key, study.changes(flight.situation)],
         "seed": flight.seed,
     }
     if flight.mutant is None:

@@ -1,4 +1,4 @@
-"""Which flights a campaign flies, in a stable order: baselines, PLACEBO beside each, the mutants, then the proof flights."""
+"""Which flights a campaign flies, in a stable order: the baselines, PLACEBO beside each, then the mutants."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.results.outcome import BASELINE, Outcome, Subject
 from scaloft_fi.results.requirement import Kind
-from scaloft_fi.results.status import held_to_end
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.situation import Situation
@@ -37,11 +36,6 @@ class Flight:
     def name(self) -> str:
         """`MUTANT/SITUATION/SEED`, as `replay` takes it."""
         return f"{self.subject.id}/{self.situation.key}/{self.seed}"
-
-    @property
-    def expected_s(self) -> float:
-        """How long the flight will be, roughly: the situation's nominal mission time [s]."""
-        return self.situation.nominal_s
 
 
 @dataclass(frozen=True)
@@ -82,13 +76,15 @@ def canary_flight(planned: Plan, baselines: Iterable[Outcome]) -> Flight | None:
     """The canary where its baseline holds most, so that it has something to violate; None without a canary."""
     if planned.canary is None or not planned.baselines:
         return None
-    held = {
-        (outcome.situation, outcome.seed): sum(held_to_end(outcome, kind) for kind in (Kind.SAFETY, Kind.OPERABILITY))
-        for outcome in baselines
-        if not outcome.invalid
-    }
-    best = max(planned.baselines, key=lambda flight: held.get((flight.situation.key, flight.seed), -1))
+    held = {(outcome.situation, outcome.seed): _held(outcome) for outcome in baselines}
+    best = max(planned.baselines, key=lambda flight: held.get((flight.situation.key, flight.seed), 0))
     return Flight(planned.canary, best.situation, best.seed)
+
+
+def _held(baseline: Outcome) -> int:
+    """How many requirements that count the baseline held to its end."""
+    counting = [reading for reading in baseline.readings if reading.kind is not Kind.REPORTED]
+    return sum(not (reading.violated or reading.open) for reading in counting)
 
 
 def subject_of(mutant: Mutant | None) -> Subject:

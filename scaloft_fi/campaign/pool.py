@@ -12,6 +12,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from multiprocessing.connection import wait as wait_for
+from multiprocessing.process import BaseProcess
 from typing import Any, Generic, TypeVar
 
 Task = TypeVar("Task")
@@ -23,8 +24,6 @@ THREAD_SETTINGS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS",
 ATTEMPTS = 3
 AHEAD = 2
 """Tasks handed out per worker, so that none waits for the parent."""
-GRACE_S = 2.0
-"""How long an idle worker may take to leave [s, wall]."""
 LOOK_UP_S = 0.5
 """How often the parent looks up from waiting, to see whether it shall stop [s, wall]."""
 
@@ -75,6 +74,7 @@ class Pool(Generic[Task, Result]):
 
     def _until_broken(self, waiting: deque[_Try[Task]]) -> Iterator[tuple[Task, Result]]:
         """Work on `waiting` until it is empty or a worker dies; what was in the air then is put back."""
+        others = set(multiprocessing.active_children())
         executor = self._executor()
         in_air: dict[Future[Result], _Try[Task]] = {}
         try:
@@ -90,8 +90,9 @@ class Pool(Generic[Task, Result]):
                     yield in_air.pop(future).task, result
         except BrokenProcessPool:
             yield from self._put_back(in_air, waiting)
+            in_air.clear()
         finally:
-            _end(executor)
+            _end(executor, set(multiprocessing.active_children()) - others if in_air else ())
 
     def _may_start(self, trial: _Try[Task], in_air: Mapping[Future[Result], _Try[Task]]) -> bool:
         """A task that was in the air when a worker died flies alone, so that its neighbours are not blamed for it."""
@@ -140,11 +141,8 @@ def _end_with(sentinel: int) -> None:
     os._exit(1)
 
 
-def _end(executor: ProcessPoolExecutor) -> None:
-    """Stop the workers: the idle ones leave by themselves, a busy one is not waited for."""
-    workers = set(multiprocessing.active_children())
-    executor.shutdown(wait=False, cancel_futures=True)
-    for process in workers:
-        process.join(timeout=GRACE_S)
-        if process.is_alive():
-            process.kill()
+def _end(executor: ProcessPoolExecutor, busy: Iterable[BaseProcess]) -> None:
+    """Stop the workers: idle ones leave by themselves, `busy` ones are not waited for."""
+    for process in busy:
+        process.kill()
+    executor.shutdown(wait=True, cancel_futures=True)

@@ -11,8 +11,8 @@ from pathlib import Path
 from types import FrameType
 
 from scaloft_fi.campaign import gates
+from scaloft_fi.campaign.fly import Flyer, Physics, Worker, lost
 from scaloft_fi.campaign.folder import LOG_NAME, STORE_NAME, writable
-from scaloft_fi.campaign.fly import Flyer, Worker, fly_once, lost
 from scaloft_fi.campaign.key import flight_key
 from scaloft_fi.campaign.plan import Flight, Plan, canary_flight
 from scaloft_fi.campaign.pool import Pool
@@ -26,7 +26,7 @@ from scaloft_fi.results.store import Store
 from scaloft_fi.study import Study
 
 
-class Interrupted(ScaloftError):
+class Interrupted(ScaloftError):  # noqa: N818 - an event, not an error
     """The user stopped the run; everything flown is saved."""
 
     exit_code = 130
@@ -41,7 +41,7 @@ class Report:
 
 
 def run(
-    study: Study, planned: Plan, folder: Path, *, jobs: int, progress: Progress, flyer: Flyer = fly_once
+    study: Study, planned: Plan, folder: Path, *, jobs: int, progress: Progress, flyer: Flyer | None = None
 ) -> Report:
     """Fly what is missing of `planned`, save it, write the mission log, hold the gates.
 
@@ -51,13 +51,16 @@ def run(
         folder: of the campaign; made when it does not exist.
         jobs: number of worker processes.
         progress: what a person sees meanwhile.
-        flyer: flies one flight.
+        flyer: what flies; PyBullet when None.
 
     Raises:
         GateError: a gate failed.
         InputError: the folder or the store cannot be written.
         Interrupted: the user stopped it.
     """
+    flyer = flyer or Physics()
+    if not _all_flown(study, planned, folder / STORE_NAME):
+        flyer.prepare(study, progress.line)
     with Store(writable(folder) / STORE_NAME) as store, _interruptible() as stopped:
         _remember_platform(store, progress)
         crew = _Crew(study, store, Pool(Worker(study, flyer), lost, jobs, stopped), progress)
@@ -75,10 +78,19 @@ def run(
         raise Interrupted(
             f"interrupted: {len(outcomes)} of {planned.flights} flights are saved in {folder}; the same command resumes"
         )
-    whole_grid = {flight.situation.key for flight in planned.baselines} == {s.key for s in study.grid}
+    whole_grid = {flight.situation.key for flight in planned.baselines} == study.space.point.keys()
     judged = planned.canary.id if planned.canary else None
     gates.check(outcomes, study.roster, canary=judged, whole_grid=whole_grid, repeats=repeats)
     return Report(outcomes, crew.flown)
+
+
+def _all_flown(study: Study, planned: Plan, path: Path) -> bool:
+    """Whether the store at `path`, which need not exist, has everything but the canary."""
+    if not path.is_file():
+        return False
+    with Store(path, create=False) as store:
+        keys = {flight_key(study, flight) for flight in (*planned.baselines, *planned.mutants)}
+        return store.known(keys) == keys
 
 
 class _Crew:
@@ -91,7 +103,7 @@ class _Crew:
     def expect(self, flights: Iterable[Flight], extra: int) -> None:
         """Tell the progress what is to come; `extra`: flights not known yet."""
         missing = [flight for flight, _ in self._missing(flights)]
-        self._progress.expect(len(missing) + extra, sum(flight.expected_s for flight in missing))
+        self._progress.expect(len(missing) + extra, sum(self._study.expected_s(flight.situation) for flight in missing))
 
     def fly(self, flights: Iterable[Flight]) -> None:
         """Fly those of `flights` that the store lacks."""
@@ -102,13 +114,13 @@ class _Crew:
             self.flown += 1
             for line in _warnings(outcome):
                 self._progress.line(line)
-            self._progress.advance(flight.expected_s)
+            self._progress.advance(self._study.expected_s(flight.situation))
 
     def repeat(self, flights: Sequence[Flight]) -> tuple[Outcome, ...]:
-        """The shortest of `flights` again, when anything was flown at all: a second flight must be the first one's twin."""
+        """The shortest of `flights` again, when anything was flown at all: it must be the first one's twin."""
         if not self.flown or not flights:
             return ()
-        shortest = min(flights, key=lambda flight: flight.expected_s)
+        shortest = min(flights, key=lambda flight: self._study.expected_s(flight.situation))
         return tuple(outcome for _, outcome in self._pool.map([shortest]))
 
     def outcomes(self, flights: Iterable[Flight]) -> tuple[Outcome, ...]:
@@ -169,7 +181,7 @@ class _Flag:
     def __call__(self) -> bool:
         return self._up
 
-    def raise_it(self, number: int, frame: FrameType | None) -> None:  # noqa: ARG002 - a signal handler's signature
+    def raise_it(self, number: int, frame: FrameType | None) -> None:
         if self._up:
             raise KeyboardInterrupt
         self._up = True

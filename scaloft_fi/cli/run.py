@@ -61,7 +61,7 @@ def run_command(
     study = Study.open(study_folder)
     study.check()
     planned = plan(
-        choose.situations(study, situations), choose.seeds(seeds), choose.mutants(study, mutants), choose.canary(study)
+        study.grid.select(situations), choose.seeds(seeds), choose.mutants(study, mutants), choose.canary(study)
     )
     progress = Silence() if quiet else Progress()
     folder = campaign_folder(study, campaign)

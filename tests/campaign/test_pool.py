@@ -33,6 +33,10 @@ def _slow(number: int) -> int:
     return number
 
 
+def _lost_word(task: object) -> str:
+    return "lost"
+
+
 def _lost(task: object) -> int:
     return -1
 
@@ -48,13 +52,12 @@ def test_a_task_that_kills_its_worker_is_lost_and_no_other() -> None:
 
 def test_a_task_whose_worker_dies_once_is_tried_again(tmp_path: Path) -> None:
     assert ATTEMPTS > 1
-    assert list(Pool(_die_once, lambda task: "lost", 1).map([str(tmp_path)])) == [(str(tmp_path), "done")]
+    assert list(Pool(_die_once, _lost_word, 1).map([str(tmp_path)])) == [(str(tmp_path), "done")]
 
 
 def test_once_stopped_no_task_is_handed_out_and_those_in_the_air_come_home() -> None:
     home: list[tuple[int, int]] = []
-    for pair in Pool(_slow, _lost, 2, stop=lambda: len(home) >= 3).map(range(100)):
-        home.append(pair)
+    home.extend(Pool(_slow, _lost, 2, stop=lambda: len(home) >= 3).map(range(100)))
     assert 3 <= len(home) < 12
 
 

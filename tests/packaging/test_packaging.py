@@ -31,6 +31,10 @@ def _fresh(folder: Path) -> Path:
     return folder / "bin" / "python"
 
 
+def _install(python: Path, *what: str | Path) -> None:
+    _call(sys.executable, "-m", "pip", "--python", python, "install", "--quiet", "--no-deps", *what, cwd=python.parent)
+
+
 @pytest.fixture(scope="module")
 def checkout(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The files a clone would hold."""
@@ -66,13 +70,13 @@ def test_the_wheel_carries_the_reference_study(wheel: Path) -> None:
 
 def test_the_matrix_comes_out_of_the_installed_wheel(wheel: Path, tmp_path: Path) -> None:
     python = _fresh(tmp_path / "venv")
-    _call(sys.executable, "-m", "pip", "--python", python, "install", "--quiet", "--no-deps", wheel, cwd=tmp_path)
+    _install(python, wheel)
     assert "LATE" in _call(python.parent / "scaloft-fi", "matrix", cwd=tmp_path)
 
 
 def test_the_matrix_comes_out_of_an_editable_install(checkout: Path, tmp_path: Path) -> None:
     python = _fresh(tmp_path / "venv")
-    _call(sys.executable, "-m", "pip", "--python", python, "install", "--quiet", "--no-deps", "-e", checkout, cwd=tmp_path)
+    _install(python, "-e", checkout)
     assert "LATE" in _call(python.parent / "scaloft-fi", "matrix", cwd=tmp_path)
 
 

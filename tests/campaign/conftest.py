@@ -1,0 +1,138 @@
+"""A study without physics: four situations, a small matrix, and a flyer whose verdicts are a table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from scaloft_fi.campaign.plan import Flight
+from scaloft_fi.mutants.mutant import PLACEBO, Mutant
+from scaloft_fi.results.outcome import BASELINE, Outcome, Violation
+from scaloft_fi.results.requirement import Kind, Reading
+from scaloft_fi.results.roster import Roster
+from scaloft_fi.results.space import Space
+
+KINDS = {"SR1": Kind.SAFETY, "SR2": Kind.SAFETY, "OP1": Kind.OPERABILITY}
+
+
+@dataclass(frozen=True)
+class FakeSituation:
+    key: str
+    nominal_s: float
+
+
+GRID = tuple(FakeSituation(f"D{d}H{h}", 30.0 + 10 * d + 20 * h) for d in (0, 1) for h in (0, 1))
+
+
+def mutant(name: str, seam: str = "person") -> Mutant:
+    guideword, parameter = name.split("@")[0].split("-")
+    return Mutant(name, guideword, parameter, name.partition("@")[2], 0.0, seam, "delay")
+
+
+LATE, MORE, CONTROL = mutant("LATE-human@3s"), mutant("MORE-goal@1m", "goal"), mutant("REVERSE-velcmd", "velcmd")
+
+
+SPACE = Space(
+    axes=("D", "H"),
+    values=(("0", "1"), ("0", "1")),
+    words=(("light", "dark"), ("nobody", "human")),
+    points=tuple((s.key, (s.key[1], s.key[3])) for s in GRID),
+)
+ROSTER = Roster(
+    defaults={"LATE-human": LATE.id, "MORE-goal": MORE.id},
+    controls=frozenset({"REVERSE-velcmd"}),
+    ids=(LATE.id, MORE.id, CONTROL.id),
+)
+
+
+@dataclass(frozen=True)
+class FakeStudy:
+    """What a run asks of a study."""
+
+    folder: Path
+    inputs: Mapping[str, str] = field(
+        default_factory=lambda: {"sim": "s", "requirements": "r", "code": "c", "realised": "t"}
+    )
+    grid: tuple[FakeSituation, ...] = GRID
+    space: Space = SPACE
+    roster: Roster = ROSTER
+
+    def changes(self, situation: FakeSituation) -> dict[str, Any]:
+        return {"key": situation.key}
+
+    def expected_s(self, situation: FakeSituation) -> float:
+        return situation.nominal_s
+
+
+def fly(study: FakeStudy, flight: Flight) -> Outcome:
+    """The control strikes the wall at 5 s everywhere; LATE kills by SR2 where a person is; a dark person is red."""
+    subject, key = flight.subject.id, flight.situation.key
+    violated: dict[str, float] = {}
+    if key == "D1H1":
+        violated["SR2"] = 6.0
+    if subject == CONTROL.id:
+        violated["SR1"] = 5.0
+    if subject == LATE.id and "H1" in key:
+        violated.setdefault("SR2", 7.0)
+    plain = subject in (BASELINE, PLACEBO.id) or (subject == LATE.id and "H0" in key)
+    return outcome(
+        flight, violated, digest=f"{key}-{flight.seed}" + "" * plain if plain else f"{subject}-{key}-{flight.seed}"
+    )
+
+
+def outcome(flight: Flight, violated: Mapping[str, float], *, digest: str) -> Outcome:
+    readings = tuple(
+        Reading(name, kind, -1.0 if name in violated else 1.0, violated.get(name), 1, open=False)
+        for name, kind in KINDS.items()
+    )
+    violations = tuple(Violation(name, KINDS[name], t_s, 0.1, 1.0, 1.6, "") for name, t_s in violated.items())
+    infected = flight.subject.id not in (BASELINE, PLACEBO.id) and digest.startswith(flight.subject.id)
+    return Outcome(
+        flight.subject,
+        flight.situation.key,
+        flight.seed,
+        ending="landed",
+        readings=readings,
+        violations=violations,
+        carried=10,
+        altered=3 if infected else 0,
+        infected_at_s=1.0 if infected else None,
+        duration_s=flight.situation.nominal_s,
+        digest=digest,
+        perceived_digest="p",
+        realised=(("D", True), ("H", True)) if flight.mutant is None else (),
+    )
+
+
+@dataclass
+class Log:
+    """A flyer that notes on disk what it flew, and lets a test change what comes out."""
+
+    path: Path
+    change: Callable[[Flight, Outcome], Outcome] = lambda _flight, outcome: outcome
+
+    def prepare(self, study: Any, say: Callable[[str], None]) -> None:
+        pass
+
+    def __call__(self, study: Any, flight: Flight) -> Outcome:
+        with self.path.open("a") as file:
+            file.write(f"{flight.name}\n")
+        return self.change(flight, fly(study, flight))
+
+    @property
+    def flown(self) -> list[str]:
+        return self.path.read_text().splitlines() if self.path.exists() else []
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> FakeStudy:
+    return FakeStudy(tmp_path)
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Log:
+    return Log(tmp_path / "flown.txt")

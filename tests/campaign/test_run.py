@@ -1,0 +1,205 @@
+"""Runs without physics: what is flown, what is saved, what stops them."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import signal
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from scaloft_fi.campaign.folder import LOG_NAME, STORE_NAME
+from scaloft_fi.campaign.plan import Flight, Plan, plan
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.run import Interrupted, Report, run
+from scaloft_fi.errors import GateError, InputError
+from scaloft_fi.results.export import export_rows, to_json
+from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.store import Store
+
+CONTROL, LATE = "REVERSE-velcmd", "LATE-human@3s"
+
+
+def _plan(study: Any, seeds: tuple[int, ...] = (0,)) -> Plan:
+    from scaloft_fi.mutants.mutant import Mutant
+
+    late = Mutant(LATE, "LATE", "human", "3s", 0.0, "person", "delay")
+    control = Mutant(CONTROL, "REVERSE", "velcmd", "", 0.0, "velcmd", "delay")
+    return plan(study.grid, seeds, [late], control)
+
+
+def _run(study: Any, log: Any, *, jobs: int = 1, planned: Plan | None = None, folder: str = "c") -> Report:
+    progress = Progress(stream=io.StringIO())
+    return run(study, planned or _plan(study), study.folder / folder, jobs=jobs, progress=progress, flyer=log)
+
+
+def _export(study: Any, report: Report) -> str:
+    return to_json(export_rows(report.outcomes, study.roster, study.space))
+
+
+def test_baseline_placebo_and_mutant_fly_everywhere_and_one_control_somewhere(study: Any, log: Any) -> None:
+    report = _run(study, log)
+    assert len(report.outcomes) == 3 * len(study.grid) + 1
+    assert sum(name.startswith(CONTROL) for name in log.flown) == 1
+
+
+def test_the_control_flies_where_its_baseline_holds(study: Any, log: Any) -> None:
+    only = plan(study.grid[::-1], (0,), [], _plan(study).canary)
+    report = _run(study, log, planned=only)
+    (control,) = [o for o in report.outcomes if o.mutant == CONTROL]
+    assert control.situation != "D1H1"
+
+
+def test_one_flight_is_repeated_and_not_saved_twice(study: Any, log: Any) -> None:
+    report = _run(study, log)
+    assert report.flown == len(report.outcomes)
+    assert len(log.flown) == len(report.outcomes) + 1
+    assert log.flown[-1] == "baseline/D0H0/0"
+
+
+def test_the_same_command_flies_nothing_again(study: Any, log: Any) -> None:
+    first = _run(study, log)
+    flown = len(log.flown)
+    second = _run(study, log)
+    assert (second.flown, len(log.flown)) == (0, flown)
+    assert _export(study, first) == _export(study, second)
+
+
+def test_another_number_of_jobs_exports_the_same_bytes(study: Any, log: Any) -> None:
+    one = _run(study, log, jobs=1, folder="one", planned=_plan(study, (0, 1)))
+    two = _run(study, log, jobs=2, folder="two", planned=_plan(study, (0, 1)))
+    assert _export(study, one) == _export(study, two)
+
+
+def test_changed_study_data_fly_again_and_changed_comments_do_not(study: Any, log: Any) -> None:
+    _run(study, log)
+    flown = len(log.flown)
+    changed = replace(study, inputs={**study.inputs, "realised": "u"})
+    _run(changed, log)
+    assert set(log.flown[flown:]) == {f"baseline/{s.key}/0" for s in study.grid}
+
+
+def test_more_seeds_fly_only_what_is_new(study: Any, log: Any) -> None:
+    _run(study, log)
+    flown = len(log.flown)
+    _run(study, log, planned=_plan(study, (0, 1)))
+    assert {name.rsplit("/", 1)[1] for name in log.flown[flown:-1]} == {"1"}
+
+
+def test_a_violation_is_a_warning_line_the_baselines_too(study: Any, log: Any) -> None:
+    stream = io.StringIO()
+    run(study, _plan(study), study.folder / "c", jobs=1, progress=Progress(stream=stream), flyer=log)
+    warnings = [line for line in stream.getvalue().splitlines() if line.startswith("warning: ")]
+    assert any("SR2 violated at 6.00 s" in line and "baseline/D1H1/0" in line for line in warnings)
+    assert any("SR2 violated at 7.00 s" in line and "LATE-human@3s/D0H1/0" in line for line in warnings)
+
+
+def test_the_mission_log_names_every_safety_violation(study: Any, log: Any) -> None:
+    _run(study, log)
+    written = json.loads((study.folder / "c" / LOG_NAME).read_text())
+    assert written["total_test_cases"] == written["generated_test_cases"] == 4
+    assert f"SR2:{LATE}/D0H1/0" in written["safety_violation_ids"]
+
+
+def _change(name: str, **changes: Any) -> Callable[[Flight, Outcome], Outcome]:
+    return lambda flight, outcome: replace(outcome, **changes) if flight.name == name else outcome
+
+
+def test_a_placebo_that_differs_fails_the_gate_by_name(study: Any, log: Any) -> None:
+    log.change = _change("PLACEBO/D0H1/0", digest="other")
+    with pytest.raises(GateError, match=r"PLACEBO differs from the baseline: PLACEBO/D0H1/0"):
+        _run(study, log)
+
+
+def test_a_placebo_that_is_only_perceived_otherwise_fails_the_gate(study: Any, log: Any) -> None:
+    log.change = _change("PLACEBO/D0H1/0", perceived_digest="other")
+    with pytest.raises(GateError, match="PLACEBO differs"):
+        _run(study, log)
+
+
+def test_a_repeat_that_differs_fails_the_gate(study: Any, log: Any) -> None:
+    log.change = lambda _flight, outcome: replace(outcome, digest=f"{outcome.digest}-{len(log.flown) > 13}")
+    with pytest.raises(GateError, match="a repeated flight differs from the first: baseline/D0H0/0"):
+        _run(study, log)
+
+
+def test_a_control_that_survives_fails_the_gate(study: Any, log: Any) -> None:
+    def tame(flight: Flight, outcome: Outcome) -> Outcome:
+        if flight.subject.id != CONTROL:
+            return outcome
+        calm = tuple(replace(r, violated_at_s=None) for r in outcome.readings)
+        return replace(outcome, readings=calm, violations=())
+
+    log.change = tame
+    with pytest.raises(GateError, match="a control survives, so faults may not reach the drone: REVERSE-velcmd"):
+        _run(study, log)
+
+
+def test_red_baselines_everywhere_fail_the_gate(study: Any, log: Any) -> None:
+    def red(flight: Flight, outcome: Outcome) -> Outcome:
+        return replace(outcome, readings=tuple(replace(r, violated_at_s=2.0) for r in outcome.readings))
+
+    log.change = red
+    with pytest.raises(GateError, match="no situation flown has a baseline that holds a safety requirement"):
+        _run(study, log)
+
+
+def test_a_crash_of_the_harness_is_invalid_with_its_reason_and_is_flown_again_next_time(study: Any, log: Any) -> None:
+    def crash(flight: Flight, outcome: Outcome) -> Outcome:
+        if flight.name == f"{LATE}/D0H1/0":
+            raise RuntimeError("no memory\nleft")
+        return outcome
+
+    log.change = crash
+    report = _run(study, log)
+    (invalid,) = [o for o in report.outcomes if o.invalid]
+    assert invalid.invalid == "RuntimeError: no memory left"
+    log.change = lambda _flight, outcome: outcome
+    assert not any(o.invalid for o in _run(study, log).outcomes)
+
+
+def test_an_interrupted_run_saves_all_and_resumes(study: Any, log: Any) -> None:
+    def interrupt(flight: Flight, outcome: Outcome) -> Outcome:
+        if len(log.flown) == 6:
+            os.kill(os.getppid(), signal.SIGINT)
+        return outcome
+
+    log.change = interrupt
+    with pytest.raises(Interrupted, match=r"flights are saved in .*; the same command resumes"):
+        _run(study, log)
+    with Store(study.folder / "c" / STORE_NAME, create=False) as store:
+        saved = len(list(store.outcomes()))
+    assert 6 <= saved < 13
+    assert (study.folder / "c" / LOG_NAME).exists()
+    log.change = lambda _flight, outcome: outcome
+    assert _run(study, log).flown == 13 - saved
+
+
+def test_a_folder_that_cannot_be_written_is_one_sentence_before_anything_flies(study: Any, log: Any) -> None:
+    (study.folder / "c").write_text("a file stands where the folder should be")
+    with pytest.raises(InputError, match="the results folder cannot be written"):
+        _run(study, log)
+    assert log.flown == []
+
+
+def test_another_platform_is_said(study: Any, log: Any, tmp_path: Path) -> None:
+    _run(study, log)
+    with Store(study.folder / "c" / STORE_NAME) as store:
+        store._connection.execute("UPDATE meta SET value = 'PDP-11' WHERE name = 'machine'")
+    stream = io.StringIO()
+    run(study, _plan(study), study.folder / "c", jobs=1, progress=Progress(stream=stream), flyer=log)
+    assert "warning: the campaign began on another platform, digests may differ: machine" in stream.getvalue()
+
+
+def test_a_study_that_cannot_be_flown_stops_the_run_with_its_sentence(study: Any, log: Any) -> None:
+    def refuse(_flight: Flight, _outcome: Outcome) -> Outcome:
+        raise InputError("sim/stack.yaml: gain=-1 must be > 0")
+
+    log.change = refuse
+    with pytest.raises(InputError, match="gain=-1"):
+        _run(study, log)
