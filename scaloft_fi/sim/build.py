@@ -14,8 +14,8 @@ from scaloft_fi.sim.world import GROUND, WALL, World
 GRAVITY_MPS2 = 9.81
 STEP_S = 1.0 / 240.0
 
-WORLD_GROUP, VEHICLE_GROUP = 1, 2
-"""Collision groups: rays for the line of sight pass through the vehicle."""
+RAY_GROUP, VEHICLE_GROUP, WORLD_GROUP = 1, 2, 4
+"""Collision groups: the vehicle meets the world, rays meet the world only."""
 
 
 @dataclass(frozen=True)
@@ -93,5 +93,5 @@ def _slab(client: int, pybullet: Any, plate: Mesh) -> int:
 
 def _fixed(client: int, pybullet: Any, shape: int) -> int:
     number = int(pybullet.createMultiBody(baseMass=0.0, baseCollisionShapeIndex=shape, physicsClientId=client))
-    pybullet.setCollisionFilterGroupMask(number, -1, WORLD_GROUP, VEHICLE_GROUP, physicsClientId=client)
+    pybullet.setCollisionFilterGroupMask(number, -1, WORLD_GROUP, VEHICLE_GROUP | RAY_GROUP, physicsClientId=client)
     return number

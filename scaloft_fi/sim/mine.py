@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,8 @@ from scaloft_fi.sim.streams import generator
 SLAB_M = 0.5
 """How far floor and ceiling reach beyond the footprint, behind the walls [m]."""
 
-Ring = tuple[tuple[float, float], ...]
+Corner = tuple[float, float]
+Ring = tuple[Corner, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +98,17 @@ def _ring(item: Item) -> Ring:
     points = tuple((x, y) for x, y in (corner.numbers(2) for corner in item))
     if len(points) < 3 or abs(_area(points)) < 1e-6:
         raise InputError(f"{item.place}: {item.name} must be a list of at least 3 corners [x, y] that enclose an area")
+    if len(set(points)) < len(points):
+        raise InputError(f"{item.place}: {item.name} must not name a corner twice")
+    sides = list(zip(points, points[1:] + points[:1], strict=True))
+    if any(_cross(*first, *second) for first, second in combinations(sides, 2)):
+        raise InputError(f"{item.place}: {item.name} must not cross itself")
     return points
+
+
+def _cross(a: Corner, b: Corner, c: Corner, d: Corner) -> bool:
+    """Whether the segments a-b and c-d cross, each strictly between its ends."""
+    return _area((a, b, c)) * _area((a, b, d)) < 0 and _area((c, d, a)) * _area((c, d, b)) < 0
 
 
 def _area(ring: Ring) -> float:
@@ -147,14 +159,14 @@ def _wall(ring: Ring, number: int, height_m: float, cell_m: float, roughness_m: 
     return Mesh(vertices.reshape(-1, 3), np.array(faces, np.int64))
 
 
-def _inward(p: tuple[float, float], q: tuple[float, float]) -> tuple[float, float]:
+def _inward(p: Corner, q: Corner) -> Corner:
     """Unit normal to the left of p -> q."""
     dx, dy = q[0] - p[0], q[1] - p[1]
     length = math.hypot(dx, dy)
     return -dy / length, dx / length
 
 
-def _bisector(a: tuple[float, float], b: tuple[float, float]) -> tuple[float, float]:
+def _bisector(a: Corner, b: Corner) -> Corner:
     """Where a corner moves when both its walls move inwards by one."""
     scale = 1.0 + a[0] * b[0] + a[1] * b[1]
     return ((a[0] + b[0]) / scale, (a[1] + b[1]) / scale) if scale > 0.2 else b

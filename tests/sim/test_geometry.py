@@ -1,0 +1,59 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from scaloft_fi.sim import mesh
+from scaloft_fi.sim.geometry import blocked, nearest
+
+points = st.tuples(*[st.floats(-2, 2)] * 3).map(np.array)
+FORM = mesh.join([mesh.box((0.5, 0.6, 0.7)), mesh.capsule(0.2, 1.0).moved((0.9, 0.2, 0.1))])
+OWNER = np.repeat(np.array([0, 1], np.int16), [12, len(FORM.faces) - 12])
+
+
+def box_distance(point, size):
+    outside = np.maximum(np.abs(point) - np.array(size) / 2, 0)
+    inside = min(np.min(np.array(size) / 2 - np.abs(point)), math.inf)
+    return float(np.linalg.norm(outside)) if outside.any() else float(inside)
+
+
+@settings(deadline=None)
+@given(points)
+def test_the_nearest_point_of_a_box_is_as_far_as_the_formula_says(point):
+    found = np.empty(3)
+    distance = nearest(FORM.vertices, FORM.faces, OWNER, 0, point, found)
+    assert math.isclose(distance, box_distance(point, (0.5, 0.6, 0.7)), abs_tol=1e-9)
+    assert math.isclose(float(np.linalg.norm(found - point)), distance, abs_tol=1e-9)
+
+
+@settings(deadline=None)
+@given(points)
+def test_no_corner_or_point_inside_a_face_is_nearer_than_the_nearest(point):
+    found = np.empty(3)
+    distance = nearest(FORM.vertices, FORM.faces, OWNER, 1, point, found)
+    samples = np.random.default_rng(0).dirichlet((1, 1, 1), 30)
+    dense = np.einsum("sk,fkx->fsx", samples, FORM.triangles[OWNER == 1]).reshape(-1, 3)
+    assert np.linalg.norm(dense - point, axis=1).min() >= distance - 1e-9
+
+
+def crosses(start, end, triangle):
+    """Solve start + t (end - start) = a + u (b - a) + v (c - a)."""
+    a, b, c = triangle
+    matrix = np.column_stack([start - end, b - a, c - a])
+    if abs(np.linalg.det(matrix)) < 1e-12:
+        return False
+    t, u, v = np.linalg.solve(matrix, start - a)
+    return 0 < t < 1 and u >= 0 and v >= 0 and u + v <= 1
+
+
+@settings(deadline=None)
+@given(points, points)
+def test_a_line_is_blocked_where_solving_for_each_triangle_says_so(start, end):
+    for spared in (-1, 0, 1):
+        expected = any(
+            crosses(start, end, t) for t, owner in zip(FORM.triangles, OWNER, strict=True) if owner != spared
+        )
+        assert blocked(FORM.vertices, FORM.faces, OWNER, spared, start, end) == expected

@@ -1,0 +1,47 @@
+from __future__ import annotations
+
+import pytest
+
+from scaloft_fi.errors import InputError
+from scaloft_fi.sim.load import load
+from scaloft_fi.sim.situation import Situation
+
+
+def test_a_key_is_made_of_axes_and_values():
+    situation = Situation.of({"T": 1, "Li": 12})
+    assert situation.key == str(situation) == "T1Li12"
+    assert situation["Li"] == 12
+
+
+def test_the_benign_predicate_denies_all_others(config):
+    axis = config.grid.axes[0]
+    assert axis.predicate(1) == "eventually(x_m < -1)"
+    assert axis.predicate(0) == "(not (eventually(x_m < -1)))"
+
+
+BAD = [
+    ("    category: mine structure\n", "", "lacks the key 'category'"),
+    ("- {id: 0, title: straight}", "- {id: 1, title: straight}", "id=1 must be 0: ids count from 0"),
+    ("realised: eventually(x_m < -1)\n", "\n", "value T1 must have the key 'realised'"),
+    ("- {id: 0, title: straight}", "- {id: 0, title: straight, realised: light > 0}", "value T0 must not have the key"),
+    ("- {id: 0, title: straight}", "- {id: 0, titel: straight}", "lacks the key 'title'"),
+    ("bodies.obstacle.present: true", "bodies.obstacel.present: true", "did you mean 'bodies.obstacle.present'"),
+    ("set: {light: 0.003}", "set: {light: -0.003}", "light=-0.003 must be >= 0"),
+    ("set: {light: 0.003}", "set: {lihgt: 0.003}", "no path 'lihgt' in world.yaml; did you mean 'light'"),
+    ("[0.865, 7.0]", "[1.865, 7.0]", "corner=[1.865, 7.0] must be in the open space"),
+    ("[corner, end, corner, home]", "[corner, and, corner, home]", "no waypoint 'and'; did you mean 'end'"),
+    ("T0O0W0D1H0", "T0O0W0D7H0", "alias '2': no situation 'T0O0W0D7H0'"),
+    ("  T:\n", "  turn:\n", "axis 'turn' must be named by a capital letter"),
+    ("axes:\n", "axis:\n", "lacks the key 'axes'"),
+    ("axes:\n", "speed: 3\naxes:\n", "unknown key 'speed'"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "sentence"), BAD)
+def test_situations_that_cannot_be_are_refused_with_their_line(edited, old, new, sentence):
+    study = edited("situations.yaml", old, new)
+    with pytest.raises(InputError) as error:
+        load(study)
+    assert sentence in str(error.value)
+    assert "situations.yaml:" in str(error.value)
+    assert "\n" not in str(error.value)
