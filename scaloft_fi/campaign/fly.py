@@ -17,6 +17,7 @@ from scaloft_fi.study import Study
 if TYPE_CHECKING:
     from scaloft_fi.sim.log import FlightLog
     from scaloft_fi.sim.scenario import Scenario
+    from scaloft_fi.stack.seam import Wire
 
 KERNELS_S = 5.0
 """So much of a flight calls every compiled kernel: the drone has climbed, and plans [s]."""
@@ -70,26 +71,37 @@ class Physics:
 
     def __call__(self, study: Study, flight: Flight) -> Outcome:
         """Fly and judge one flight."""
-        from scaloft_fi.results.outcome import outcome_of
-
-        return outcome_of(
-            fly_log(study, flight),
-            flight.subject,
-            flight.situation.key,
-            flight.seed,
-            requirements=study.requirements,
-            realisation=study.realisation if flight.mutant is None else None,
-        )
+        return judged(study, flight, fly_log(study, flight))
 
 
 def fly_log(study: Study, flight: Flight) -> FlightLog:
     """Fly one flight; returns all that happened."""
-    from scaloft_fi.mutants.wire import contexts, wire_for
     from scaloft_fi.sim.flight import fly
+
+    return fly(study.sim, flight.situation, flight.seed, wire_of(study, flight))
+
+
+def judged(study: Study, flight: Flight, log: FlightLog) -> Outcome:
+    """What is kept of a flight."""
+    from scaloft_fi.results.outcome import outcome_of
+
+    return outcome_of(
+        log,
+        flight.subject,
+        flight.situation.key,
+        flight.seed,
+        requirements=study.requirements,
+        realisation=study.realisation if flight.mutant is None else None,
+    )
+
+
+def wire_of(study: Study, flight: Flight) -> Wire:
+    """A fresh wire with the flight's fault in it."""
+    from scaloft_fi.mutants.wire import contexts, wire_for
 
     scenario = study.scenario(flight.situation)
     context = contexts(flight.subject.id, flight.situation.key, flight.seed, scenario.nominal_s, facts(scenario))
-    return fly(study.sim, flight.situation, flight.seed, wire_for(flight.mutant, context))
+    return wire_for(flight.mutant, context)
 
 
 def facts(scenario: Scenario) -> Mapping[str, float | None]:

@@ -1,7 +1,4 @@
-"""The top-down map of flights, drawn as SVG by hand: mine, bodies, waypoints, paths coloured by speed, numbered events.
-
-Colours: the path's ramp is viridis without its palest end (even in lightness, safe for colour-blind readers).
-"""
+"""The top-down map of flights, drawn as SVG by hand: mine, bodies, waypoints, paths in colours of speed, events."""
 
 from __future__ import annotations
 
@@ -10,25 +7,34 @@ from dataclasses import dataclass
 from html import escape
 from math import ceil, floor, hypot
 
-from scaloft_fi.results.picture import FAMILY, Frame, Point, text
+from scaloft_fi.results.picture import Frame, Point, text
+from scaloft_fi.results.symbols import (
+    BODY_STYLES,
+    FAINT,
+    FLOOR,
+    FONT,
+    HOLES,
+    INK,
+    LINE_STYLE,
+    MARK_COLOURS,
+    RAMP,
+    ROCK,
+    THIN,
+    legend,
+    shade,
+    waypoint,
+)
 
 Segment = tuple[Point, Point]
 
-FONT = f"{FAMILY}, Helvetica, Arial, sans-serif"
-RAMP = ("#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#a0da39")
-TOP_SPEED_MPS = 0.8
-INK, FAINT, ROCK, FLOOR = "#22262b", "#6b727b", "#d5d1c9", "#fbfaf7"
-THIN = f'stroke="{INK}" stroke-width="1.3"'
-LINE_STYLE = 'fill="none" stroke-linejoin="round" stroke-linecap="round"'
-MARK_COLOURS = {"violation": "#c1121f", "infection": "#b5179e", "detection": "#1d4ed8", "recoil": "#b45309"}
-SCALE, MARGIN, GAP, TOP, LINE = 62.0, 54.0, 64.0, 108.0, 19.0
+SCALE, MARGIN, GAP, TOP, LINE = 62.0, 54.0, 64.0, 118.0, 19.0
 LONGEST_LIST = 10
 SIDES = ((1.0, -0.3), (-1.0, 0.3), (0.3, 1.0), (-0.3, -1.0))
 
 
 @dataclass(frozen=True)
 class Body:
-    """A body seen from above.  outline: its corners in order [m, world]; kind: `obstacle`, `person` or `bar`."""
+    """A body seen from above.  outline: its corners in order [m, world]; kind: `obstacle`, `person` or `structure`."""
 
     kind: str
     outline: tuple[Point, ...]
@@ -39,7 +45,7 @@ class Scene:
     """What the flights share.
 
     Attributes:
-        floor: outlines of what is open at flight height [m, world]; everything else is rock.
+        floor: outlines of what is open at flight height, and of pillars in it [m, world]; everything else is rock.
         walls: where the wall surface cuts flight height [m, world].
         bodies: what stands in the mine.
         waypoints: in the order of the mission [m, world].
@@ -101,7 +107,7 @@ def draw(scene: Scene, tracks: Sequence[Track], *, title: str, subtitle: str = "
     for number, (frame, track) in enumerate(zip(frames, tracks, strict=True)):
         parts += _panel(frame, scene, track, number)
         parts += _list(frame, track, list_top)
-    parts += _legend(MARGIN, legend_top)
+    parts += legend(MARGIN, legend_top)
     return "\n".join([*parts, "</svg>", ""])
 
 
@@ -133,7 +139,7 @@ def _panel(frame: Frame, scene: Scene, track: Track, number: int) -> list[str]:
         f'<clipPath id="{clip}"><rect {box}/></clipPath>',
         f'<g clip-path="url(#{clip})">',
         f'<rect {box} fill="{ROCK if scene.floor else FLOOR}"/>',
-        *(f'<polygon points="{frame.all(outline)}" fill="{FLOOR}"/>' for outline in scene.floor),
+        f'<path d="{"".join(f"M{frame.all(outline)}Z" for outline in scene.floor)}" fill="{FLOOR}" {HOLES}/>',
         *_grid(frame),
         f'<path d="{_strokes(frame, scene.walls)}" {LINE_STYLE} stroke="{INK}" stroke-width="1.6"/>',
         *_places(frame, scene),
@@ -176,20 +182,8 @@ def _places(frame: Frame, scene: Scene) -> list[str]:
     ]
     for point in dict.fromkeys(p for p in scene.waypoints if hypot(p[0] - scene.home[0], p[1] - scene.home[1]) > 0.3):
         x, y = frame.pixel(point)
-        parts += [_waypoint(x, y)]
+        parts += [waypoint(x, y)]
     return parts
-
-
-def _waypoint(x: float, y: float, radius: float = 9.0) -> str:
-    ring = f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{radius:g}" fill="none" {THIN} stroke-dasharray="3 2.4"/>'
-    return ring + f'<path d="M{x - 4:.1f},{y:.1f}h8M{x:.1f},{y - 4:.1f}v8" {THIN}/>'
-
-
-BODY_STYLES = {
-    "obstacle": 'fill="#a8a29e" stroke="#44403c" stroke-width="1.4"',
-    "person": 'fill="#fdba74" stroke="#9a3412" stroke-width="1.4"',
-    "bar": 'fill="#111827" stroke="#111827" stroke-width="3"',
-}
 
 
 def _body(frame: Frame, body: Body) -> str:
@@ -202,13 +196,13 @@ def _path(frame: Frame, track: Track) -> list[str]:
     if len(track.points) < 2:
         return []
     parts = [f'<polyline points="{frame.all(track.points)}" {LINE_STYLE} stroke="#ffffff" stroke-width="6"/>']
-    first, shade = 0, _shade(track.speeds_mps[0])
+    first, tint = 0, shade(track.speeds_mps[0])
     for i in range(1, len(track.points) + 1):
-        if i == len(track.points) or _shade(track.speeds_mps[i]) != shade:
+        if i == len(track.points) or shade(track.speeds_mps[i]) != tint:
             run = track.points[first : min(i, len(track.points) - 1) + 1]
-            parts += [f'<polyline points="{frame.all(run)}" {LINE_STYLE} stroke="{RAMP[shade]}" stroke-width="3.2"/>']
+            parts += [f'<polyline points="{frame.all(run)}" {LINE_STYLE} stroke="{RAMP[tint]}" stroke-width="3.2"/>']
             if i < len(track.points):
-                first, shade = i, _shade(track.speeds_mps[i])
+                first, tint = i, shade(track.speeds_mps[i])
     return [*parts, *_chevrons(frame, track.points)]
 
 
@@ -268,30 +262,6 @@ def _list(frame: Frame, track: Track, top: float) -> list[str]:
     return parts
 
 
-def _legend(left: float, top: float) -> list[str]:
-    step = 240.0 / len(RAMP)
-    parts = [text(left, top, "speed [m/s]", colour=FAINT, size=12)]
-    for i, colour in enumerate(RAMP):
-        x = left + i * step
-        parts += [f'<rect x="{x:.1f}" y="{top + 9:.1f}" width="{step + 0.5:.1f}" height="10" fill="{colour}"/>']
-    for i in range(0, len(RAMP) + 1, 2):
-        label = f"{TOP_SPEED_MPS * i / len(RAMP):g}" + ("+" if i == len(RAMP) else "")
-        parts += [text(left + i * step, top + 34, label, anchor="middle", colour=FAINT, size=12)]
-    x, y = left + 290, top + 15
-    for kind, name in (("obstacle", "obstacle"), ("person", "person"), ("bar", "support bar")):
-        size = 5 if kind == "bar" else 12
-        parts += [f'<rect x="{x:.1f}" y="{y - size / 2:.1f}" width="{size}" height="{size}" {BODY_STYLES[kind]}/>']
-        parts += [text(x + 20, y + 4.5, name, size=12)]
-        x += 48 + 7 * len(name)
-    parts += [
-        _waypoint(x + 6, y, 7.0),
-        text(x + 20, y + 4.5, "waypoint", size=12),
-        text(x + 92, y + 4.5, "H", size=12, weight="bold"),
-        text(x + 106, y + 4.5, "home", size=12),
-    ]
-    return parts
-
-
 def _strokes(frame: Frame, segments: Iterable[Segment]) -> str:
     return "".join(f"M{frame.at(a)}L{frame.at(b)}" for a, b in segments)
 
@@ -302,7 +272,3 @@ def _signed(metres: float) -> str:
 
 def _metres(low: float, high: float) -> range:
     return range(ceil(low), floor(high) + 1)
-
-
-def _shade(speed_mps: float) -> int:
-    return max(0, min(len(RAMP) - 1, int(len(RAMP) * speed_mps / TOP_SPEED_MPS)))

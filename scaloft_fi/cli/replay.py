@@ -1,0 +1,131 @@
+"""`scaloft-fi replay`: fly one flight again, bit for bit, and show it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from scaloft_fi.cli.options import campaign_option, study_option
+from scaloft_fi.errors import GateError, InputError
+
+if TYPE_CHECKING:
+    from scaloft_fi.campaign.plan import Flight
+    from scaloft_fi.results.outcome import Outcome
+    from scaloft_fi.sim.log import FlightLog
+    from scaloft_fi.study import Study
+
+PICTURES = (".svg", ".png")
+
+
+@click.command("replay")
+@click.argument("name", metavar="MUTANT/SITUATION/SEED")
+@study_option
+@campaign_option
+@click.option("--output", type=click.Path(path_type=Path), metavar="FILE", help="Draw the map there: .svg or .png.")
+@click.option("--gui", is_flag=True, help="Watch it in PyBullet's window, in real time.")
+def replay_command(name: str, study_folder: Path | None, campaign: str, output: Path | None, gui: bool) -> None:
+    """Fly one flight again and hold its digest against the campaign's.
+
+    MUTANT is `baseline`, `PLACEBO` or a mutant's id.  The map has the baseline beside the mutant.
+    """
+    if output is not None and output.suffix.lower() not in PICTURES:
+        raise InputError(f"--output={str(output)!r} must end in .svg or .png")
+    from scaloft_fi.campaign.pool import one_thread_each
+
+    one_thread_each()
+    from scaloft_fi.campaign.fly import Physics, fly_log, judged
+    from scaloft_fi.study import Study
+
+    study = Study.open(study_folder)
+    flight = _flight(study, name)
+    Physics().prepare(study, lambda text: click.echo(text, err=True))
+    if gui:
+        from scaloft_fi.campaign.window import fly_in_window
+
+        log = fly_in_window(study, flight)
+    else:
+        log = fly_log(study, flight)
+    outcome = judged(study, flight, log)
+    click.echo(_facts(study, flight, outcome, log))
+    if output is not None:
+        _draw(study, flight, outcome, log, output)
+    click.echo(_compared(study, campaign, flight, outcome))
+
+
+def _flight(study: Study, name: str) -> Flight:
+    from scaloft_fi.campaign.held import flight_named
+
+    parts = name.split("/")
+    if len(parts) != 3 or not parts[2].isdecimal():
+        raise InputError(f"{name!r} must be MUTANT/SITUATION/SEED, as in baseline/T0O0W0D0H1/0")
+    return flight_named(study, parts[0], parts[1], int(parts[2]))
+
+
+def _facts(study: Study, flight: Flight, outcome: Outcome, log: FlightLog) -> str:
+    from scaloft_fi.results.table import Format, Table, render
+
+    rows: list[tuple[str, str]] = [
+        ("situation", ", ".join(study.grid.titles(flight.situation))),
+        ("ending", f"{log.ending.sentence} after {log.duration_s:.2f} s"),
+    ]
+    if flight.mutant is not None:
+        first = f", first at {outcome.infected_at_s:.2f} s" if outcome.infected_at_s is not None else ""
+        rows.append(("samples altered", f"{outcome.altered} of {outcome.carried}{first}"))
+    for reading in outcome.readings:
+        at = f" at {reading.violated_at_s:.2f} s" if reading.violated_at_s is not None else ""
+        rows.append((reading.requirement, f"{reading.verdict.value}{at}, robustness {reading.rho:.3f}"))
+    if outcome.stack_error:
+        rows.append(("stack", outcome.stack_error))
+    rows.append(("digest", outcome.digest))
+    return render((Table(outcome.name, ("what", ""), tuple(rows)),), Format.TABLE)
+
+
+def _draw(study: Study, flight: Flight, outcome: Outcome, log: FlightLog, output: Path) -> None:
+    from scaloft_fi.campaign.fly import fly_log, judged
+    from scaloft_fi.campaign.plan import Flight
+    from scaloft_fi.cli.export import write
+    from scaloft_fi.results.map import draw
+    from scaloft_fi.results.outcome import BASELINE
+    from scaloft_fi.results.picture import png
+    from scaloft_fi.results.scene import scene_of, track_of
+
+    tracks = [track_of(log, outcome, flight.subject.id)]
+    if flight.mutant is not None:
+        clean = Flight(None, flight.situation, flight.seed)
+        clean_log = fly_log(study, clean)
+        tracks.insert(0, track_of(clean_log, judged(study, clean, clean_log), BASELINE))
+    words = ", ".join(study.grid.titles(flight.situation))
+    title = f"{flight.subject.id} in {flight.situation.key}, seed {flight.seed}"
+    svg = draw(scene_of(study.scenario(flight.situation)), tracks, title=title, subtitle=words)
+    write(output, png(svg) if output.suffix.lower() == ".png" else svg.encode())
+    click.echo(f"map: {output}")
+
+
+def _compared(study: Study, campaign: str, flight: Flight, outcome: Outcome) -> str:
+    """What the campaign has of the flight.
+
+    Raises:
+        GateError: on the same platform the same flight came out otherwise.
+    """
+    from scaloft_fi.campaign.folder import STORE_NAME, campaign_folder
+    from scaloft_fi.campaign.key import flight_key
+    from scaloft_fi.results.fingerprint import differences, fingerprint
+    from scaloft_fi.results.store import Store
+
+    path = campaign_folder(study, campaign) / STORE_NAME
+    if not path.is_file():
+        return f"no campaign in {path.parent} to compare with"
+    with Store(path, create=False) as store:
+        known, theirs = store.get(flight_key(study, flight)), store.meta()
+    if known is None or known.invalid:
+        return f"the campaign in {path.parent} holds no such flight to compare with"
+    if (known.digest, known.perceived_digest) == (outcome.digest, outcome.perceived_digest):
+        return f"bit for bit the flight in {path.parent}"
+    changed = differences(fingerprint(), theirs)
+    if not changed:
+        raise GateError(f"{outcome.name} differs from the flight in {path.parent}: digest {known.digest} there")
+    mine, other = (sorted(v.requirement for v in o.violations) for o in (outcome, known))
+    same = "the same requirements are violated" if mine == other else f"violated here {mine}, there {other}"
+    return f"other bits than the flight in {path.parent}, which is from another platform ({', '.join(changed)}); {same}"
