@@ -38,7 +38,7 @@ def condition(space: Space, killing: Collection[str], surviving: Collection[str]
         return ""
     texts = [_text(space, term) for term in terms]
     if texts == [""]:
-        return "everywhere"
+        return "everywhere" if len(set(killing)) == len(space.points) else "wherever tested"
     return " | ".join(f"({text})" if len(texts) > 1 and " & " in text else text for text in texts)
 
 

@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.results.requirement import Kind, Reading, Requirement, judge_signals
+from scaloft_fi.results.stl import Signals
 
 if TYPE_CHECKING:
     from scaloft_fi.mutants.mutant import Mutant
@@ -163,7 +164,7 @@ def outcome_of(
         subject=subject,
         situation=situation,
         seed=seed,
-        ending=log.ending.name.lower(),
+        ending=log.ending.value,
         readings=tuple(readings),
         violations=tuple(violations),
         carried=sum(count.carried for count in counts),
@@ -179,13 +180,13 @@ def outcome_of(
     )
 
 
-def _violation(requirement: Requirement, signals: Mapping[str, Any], sample: int, struck: str) -> Violation:
+def _violation(requirement: Requirement, signals: Signals, sample: int, struck: str) -> Violation:
     t_s, x, y, z = (float(signals[name][sample]) for name in ("elapsed_s", "x_m", "y_m", "z_m"))
     in_contact = float(signals["clearance_m"][sample]) <= 0
     return Violation(requirement.name, requirement.kind, t_s, x, y, z, struck if in_contact else "")
 
 
-def pack_track(signals: Mapping[str, Sequence[float]]) -> bytes:
+def pack_track(signals: Signals) -> bytes:
     """The trajectory at 5 Hz as packed single floats, the last sample always among them."""
     columns = [list(map(float, signals[name])) for name in TRACK_COLUMNS]
     length = len(columns[0])

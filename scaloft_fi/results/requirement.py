@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.document import Item, load
 from scaloft_fi.errors import InputError
-from scaloft_fi.results.stl import FUTURE, WORDS, Formula, FormulaError, inside_always, tokenize
+from scaloft_fi.results.stl import FUTURE, WORDS, Formula, FormulaError, Signals, inside_always, tokenize
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.log import FlightLog
@@ -121,7 +121,7 @@ def judge(requirement: Requirement, log: FlightLog) -> Reading:
     return judge_signals(requirement, log.signals, cut_short=log.ending.cut_short).reading
 
 
-def judge_signals(requirement: Requirement, signals: Mapping[str, Sequence[float]], *, cut_short: bool) -> Judgement:
+def judge_signals(requirement: Requirement, signals: Signals, *, cut_short: bool) -> Judgement:
     """Judge recorded signals, (T,) each at 20 Hz, `elapsed_s` among them.
 
     Raises:

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
 
-from scaloft_fi.results.stl import Formula
+from scaloft_fi.document import load
+from scaloft_fi.errors import InputError
+from scaloft_fi.results.stl import Formula, FormulaError, Signals
+
+if TYPE_CHECKING:
+    from scaloft_fi.sim.grid import Grid
+    from scaloft_fi.sim.situation import AxisValue
 
 Point = tuple[str, ...]
 """One value per axis, in the axes' order."""
@@ -27,6 +35,16 @@ class Space:
     values: tuple[tuple[str, ...], ...]
     words: tuple[tuple[str, ...], ...]
     points: tuple[tuple[str, Point], ...]
+
+    @classmethod
+    def of(cls, grid: Grid) -> Space:
+        """The space of the study's grid; the words are the titles of the values."""
+        return cls(
+            axes=tuple(axis.id for axis in grid.axes),
+            values=tuple(tuple(str(value.id) for value in axis.values) for axis in grid.axes),
+            words=tuple(tuple(value.title for value in axis.values) for axis in grid.axes),
+            points=tuple((s.key, tuple(str(s[axis.id]) for axis in grid.axes)) for s in grid.situations),
+        )
 
     @cached_property
     def point(self) -> Mapping[str, Point]:
@@ -59,7 +77,24 @@ class Realisation:
     space: Space
     predicates: tuple[tuple[Formula | None, ...], ...] = field(repr=False)
 
-    def of(self, situation: str, signals: Mapping[str, Sequence[float]]) -> tuple[tuple[str, bool], ...]:
+    @classmethod
+    def read(cls, grid: Grid, path: Path, signals: Collection[str]) -> Realisation:
+        """The predicates of the grid's values, checked against the names of the log's signals.
+
+        Args:
+            grid: of the study.
+            path: the file it was read from, for the place of an error.
+            signals: names of the log's signals.
+
+        Raises:
+            InputError: naming file and line of a text that is no formula over them.
+        """
+        predicates = tuple(
+            tuple(_predicate(axis.id, value, path, signals) for value in axis.values) for axis in grid.axes
+        )
+        return cls(Space.of(grid), predicates)
+
+    def of(self, situation: str, signals: Signals) -> tuple[tuple[str, bool], ...]:
         """Per axis, whether the situation's value came true in a flight with these signals, (T,) each at 20 Hz.
 
         Raises:
@@ -70,9 +105,19 @@ class Realisation:
             (axis, self._came_true(number, point[number], signals)) for number, axis in enumerate(self.space.axes)
         )
 
-    def _came_true(self, axis: int, value: str, signals: Mapping[str, Sequence[float]]) -> bool:
+    def _came_true(self, axis: int, value: str, signals: Signals) -> bool:
         by_value = dict(zip(self.space.values[axis], self.predicates[axis], strict=True))
         predicate = by_value[value]
         if predicate is not None:
             return predicate.robustness(signals)[0] >= 0
         return all(other.robustness(signals)[0] < 0 for other in by_value.values() if other is not None)
+
+
+def _predicate(axis: str, value: AxisValue, path: Path, signals: Collection[str]) -> Formula | None:
+    if not value.realised:
+        return None
+    try:
+        return Formula.parse(value.realised, signals)
+    except FormulaError as error:
+        place = load(path).need("axes").need(axis).need("values").items()[value.id].need("realised").place
+        raise InputError(f"{place}: realised {error}") from error

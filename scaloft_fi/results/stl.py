@@ -15,7 +15,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, Protocol
 
 from scaloft_fi.errors import did_you_mean
 
@@ -36,6 +36,18 @@ _TOKEN = re.compile(
     r"\s*(?:(?P<name>[A-Za-z_]\w*)|(?P<number>\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)|(?P<mark>->|<=|>=|[-+*/()<>\[\]:]))"
 )
 _INTERVAL = re.compile(r"(historically|once|since|always|eventually|until) \[ ([\d.]+) : ([\d.]+) \]")
+
+
+class Samples(Protocol):
+    """Samples of a signal, (T,): a list or an array of numbers."""
+
+    def __len__(self) -> int: ...
+    def __iter__(self) -> Iterator[Any]: ...
+    def __getitem__(self, place: int, /) -> Any: ...
+
+
+Signals = Mapping[str, Samples]
+"""Samples by name of the signal, all of one length, 20 Hz."""
 
 
 class FormulaError(ValueError):
@@ -79,7 +91,7 @@ class Formula:
             raise FormulaError(f"is not a formula (put sums and comparisons in brackets): {reason[:120]}") from error
         return cls(spaced, names)
 
-    def robustness(self, signals: Mapping[str, Sequence[float]]) -> list[float]:
+    def robustness(self, signals: Signals) -> list[float]:
         """Robustness at each sample, (T,); below 0 the formula is violated there.
 
         Args:

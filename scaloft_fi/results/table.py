@@ -12,8 +12,6 @@ from textwrap import fill
 
 WIDTH = 120
 """Columns of a terminal that a text table keeps within."""
-NARROWEST = 16
-"""No column is wrapped below this."""
 
 Cell = str | int | float | None
 
@@ -33,7 +31,7 @@ _TABULATE = {Format.TABLE: "simple", Format.MARKDOWN: "github", Format.LATEX: "l
 
 @dataclass(frozen=True)
 class Table:
-    """A titled table with notes under it; the last column is wrapped when the table is too wide."""
+    """A titled table with notes under it; its widest columns are wrapped when it is too wide."""
 
     title: str
     headers: tuple[str, ...]
@@ -75,7 +73,12 @@ def _one(table: Table, how: Format) -> str:
 
 
 def _limits(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> list[int | None]:
-    """The last column takes what the others leave of the terminal."""
-    widths = [max(len(cell) for cell in column) for column in zip(headers, *rows, strict=True)]
-    left = WIDTH - sum(widths[:-1]) - 2 * (len(widths) - 1)
-    return [None] * (len(widths) - 1) + [max(NARROWEST, left) if widths[-1] > left else None]
+    """What each column may take of the terminal: the widest give way first, the last of them before the others."""
+    # tabulate keeps a column two wider than its header
+    least = [len(header) + 2 for header in headers]
+    natural = [max(low, *map(len, column)) for low, column in zip(least, zip(*rows, strict=True), strict=True)]
+    widths = list(natural)
+    while sum(widths) + 2 * (len(widths) - 1) > WIDTH and widths != least:
+        widest = max(range(len(widths)), key=lambda column: (widths[column] > least[column], widths[column], column))
+        widths[widest] -= 1
+    return [width if width < wanted else None for width, wanted in zip(widths, natural, strict=True)]

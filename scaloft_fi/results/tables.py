@@ -79,7 +79,7 @@ def mutant_table(mutants: Sequence[MutantScore], space: Space, seeds: int, title
     notes = ["First kill: seconds from take-off, over all situations and seeds."]
     if decided:
         notes.append("Decided: situations killed + survived, ? undecided, over the seeds.")
-    return Table(title, headers, rows, (*notes, *_notes(seeds)))
+    return Table(title, headers, rows, tuple(notes))
 
 
 def _decisions(mutant: MutantScore) -> str:
@@ -141,10 +141,10 @@ def coverage_table(covered: Coverage) -> Table:
     rows = [
         ("distinct situations", covered.situations.plain, "situations of the grid"),
         ("draws", str(covered.draws), "situations flown with a seed"),
-        *((f"{t}-way", ratio.plain, f"combinations of the values of {t} axes") for t, ratio in covered.t_way),
+        *((f"{t}-way", ratio.plain, "value combinations of that many axes") for t, ratio in covered.t_way),
         ("realised", covered.realised.plain, "situations whose every value came true in a baseline flight"),
         *(
-            (f"realised {axis}", ratio.plain, f"situations where the value on axis {axis} came true")
+            (f"realised {axis}", ratio.plain, "situations where the value on that axis came true")
             for axis, ratio in covered.by_axis
         ),
     ]
@@ -155,7 +155,7 @@ def group_table(scored: Score, by: By, roster: Roster, space: Space) -> Table:
     """The score of each part."""
     rows = tuple((group.name, str(group.killed), str(group.flown)) for group in groups(scored, by, roster, space))
     what = "mutants" if by is not By.AXIS else "mutants in situations"
-    notes = (f"Counted are {what}, default mutants of credible cells only.", INTERVALS)
+    notes = (f"Counted are {what}, default mutants of credible cells only.",)
     return Table(f"Score by {by.value}", (by.value, "killed/eligible", "killed/flown"), rows, notes)
 
 

@@ -11,6 +11,7 @@ from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome, Subject, Viol
 from scaloft_fi.results.requirement import Kind, Reading
 from scaloft_fi.results.roster import Roster, cell_of
 from scaloft_fi.results.space import Space
+from scaloft_fi.sim.signals import signal_names
 
 KINDS = {"SR1": Kind.SAFETY, "SR2": Kind.SAFETY, "SR2-literal": Kind.REPORTED, "OP1": Kind.OPERABILITY}
 
@@ -22,11 +23,7 @@ def key_of(point: tuple[str, ...]) -> str:
     return "".join(axis + value for axis, value in zip(AXES, point, strict=True))
 
 
-SIGNALS = (
-    *("elapsed_s", "remaining_s", "x_m", "y_m", "z_m", "vx_mps", "speed_mps", "clearance_m", "clearance_wall_m"),
-    *("clearance_person_m", "person_range_m", "person_sight_m", "waypoints_left", "home_m", "landed", "light"),
-    *("obstacle_pixels", "waypoint_wall_m", "told_person", "told_range_m", "limit_mps"),
-)
+SIGNALS = signal_names(("wall", "bar", "obstacle", "person", "ground"))
 
 GRID = Space(
     axes=AXES,

@@ -13,6 +13,7 @@ from scaloft_fi.results.outcome import Outcome, Subject, outcome_of, pack_track,
 from scaloft_fi.results.requirement import Kind, Requirement
 from scaloft_fi.results.space import Realisation, Space
 from scaloft_fi.results.stl import Formula
+from scaloft_fi.sim.log import Ending
 
 
 @given(flights(), st.binary(max_size=40))
@@ -47,7 +48,7 @@ RULES = (
 def log(**changed: object) -> SimpleNamespace:
     facts = {
         "signals": SIGNALS,
-        "ending": SimpleNamespace(name="STRUCK", cut_short=True),
+        "ending": Ending.STRUCK,
         "struck": "wall",
         "stack_error": "",
         "counts": {"depth": SimpleNamespace(carried=9, altered=4, first_altered_s=0.05)},

@@ -1,0 +1,138 @@
+from __future__ import annotations
+
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import textwrap
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from builders import campaigns, outcome
+from hypothesis import HealthCheck, given, settings
+
+from scaloft_fi.errors import InputError
+from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.store import SCHEMA, Store
+
+M = "LATE-human@3s"
+
+
+def test_what_was_put_is_there_after_reopening(tmp_path: Path) -> None:
+    kept = replace(outcome(M), track=b"\x00\x01")
+    with Store(tmp_path / "deep" / "campaign.sqlite") as store:
+        assert store.put("k", kept)
+    with Store(tmp_path / "deep" / "campaign.sqlite", create=False) as store:
+        assert store.get("k") == kept
+        assert store.get("other") is None
+        assert store.known(["k", "other"]) == {"k"}
+
+
+def test_putting_again_changes_nothing(tmp_path: Path) -> None:
+    with Store(tmp_path / "s.sqlite") as store:
+        assert store.put("k", outcome(M))
+        assert not store.put("k", outcome(M))
+        assert not store.put("k", outcome(M, violated={"SR1": 3.0}))
+        assert list(store.outcomes()) == [outcome(M)]
+
+
+def test_an_invalid_flight_gives_way_to_one_that_counts(tmp_path: Path) -> None:
+    with Store(tmp_path / "s.sqlite") as store:
+        store.put("k", outcome(M, invalid="the worker died"))
+        assert store.known(["k"]) == set()
+        assert store.put("k", outcome(M))
+        assert not store.put("k", outcome(M, invalid="the worker died"))
+        assert list(store.outcomes()) == [outcome(M)]
+
+
+def test_outcomes_come_without_tracks_in_one_order(tmp_path: Path) -> None:
+    with Store(tmp_path / "s.sqlite") as store:
+        for seed in (2, 0, 1):
+            store.put(f"k{seed}", replace(outcome(M, seed=seed), track=b"x"))
+        assert list(store.outcomes()) == [outcome(M, seed=seed) for seed in range(3)]
+        assert list(store.outcomes(["k1"])) == [outcome(M, seed=1)]
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None, max_examples=10)
+@given(campaigns())
+def test_a_campaign_survives_the_store(tmp_path: Path, outcomes: list[Outcome]) -> None:
+    path = tmp_path / "s.sqlite"
+    path.unlink(missing_ok=True)
+    with Store(path) as store:
+        for _ in range(2):
+            for flown in outcomes:
+                store.put(flown.name, flown)
+        assert sorted(store.outcomes(), key=lambda o: o.name) == sorted(outcomes, key=lambda o: o.name)
+
+
+def test_the_first_fact_about_a_campaign_stays(tmp_path: Path) -> None:
+    with Store(tmp_path / "s.sqlite") as store:
+        store.set_meta({"numpy": "1", "system": "Linux"})
+        store.set_meta({"numpy": "2"})
+        assert store.meta() == {"numpy": "1", "system": "Linux"}
+
+
+def test_two_processes_may_write_one_store(tmp_path: Path) -> None:
+    with Store(tmp_path / "s.sqlite") as one, Store(tmp_path / "s.sqlite") as two:
+        assert one.put("a", outcome(M, seed=0))
+        assert two.put("b", outcome(M, seed=1))
+        assert one.known("ab") == two.known("ab") == {"a", "b"}
+
+
+def test_a_writer_killed_in_the_middle_loses_nothing_that_was_put(tmp_path: Path) -> None:
+    path = tmp_path / "s.sqlite"
+    script = f"""
+        import sys
+        sys.path.insert(0, {str(Path(__file__).parent)!r})
+        from pathlib import Path
+        from builders import outcome
+        from scaloft_fi.results.store import Store
+        store = Store(Path({str(path)!r}))
+        for seed in range(100000):
+            store.put(str(seed), outcome({M!r}, seed=seed))
+            print(seed, flush=True)
+    """
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(Path(__file__).resolve().parents[2]), *sys.path])}
+    with subprocess.Popen(
+        [sys.executable, "-c", textwrap.dedent(script)], stdout=subprocess.PIPE, text=True, env=environment
+    ) as writer:
+        assert writer.stdout is not None
+        done = [int(writer.stdout.readline()) for _ in range(20)]
+        writer.send_signal(signal.SIGKILL)
+        done += [int(line) for line in writer.stdout if line.endswith("\n")]
+    with Store(path) as store:
+        kept = {flown.seed for flown in store.outcomes()}
+        assert kept >= set(done)
+        assert store.put("after", outcome(M, seed=-1))
+
+
+def test_there_is_no_campaign_where_none_was_made(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="there is no campaign here"):
+        Store(tmp_path / "s.sqlite", create=False)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_results_folder_that_cannot_be_made_is_one_sentence_and_nothing_is_written(tmp_path: Path) -> None:
+    (tmp_path / "results").write_text("a file where the folder should be")
+    with pytest.raises(InputError, match="the results folder cannot be written"):
+        Store(tmp_path / "results" / "campaigns" / "s.sqlite")
+    assert [path.name for path in tmp_path.iterdir()] == ["results"]
+
+
+def test_a_file_that_is_no_store_is_left_alone(tmp_path: Path) -> None:
+    path = tmp_path / "s.sqlite"
+    path.write_text("these are notes of mine, not a database; " * 50)
+    with pytest.raises(InputError, match="cannot be used"):
+        Store(path)
+    assert path.read_text().startswith("these are notes")
+
+
+def test_a_store_of_a_later_version_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "s.sqlite"
+    with sqlite3.connect(path) as connection:
+        connection.execute(f"PRAGMA user_version={SCHEMA + 1}")
+    connection.close()
+    with pytest.raises(InputError, match=f"schema {SCHEMA + 1} must be at most {SCHEMA}"):
+        Store(path)

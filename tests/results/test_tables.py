@@ -1,0 +1,132 @@
+from __future__ import annotations
+
+import csv
+import io
+import json
+
+import pytest
+from builders import GRID, ROSTER, campaigns, outcome
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from scaloft_fi.results.baseline import findings, holds_somewhere
+from scaloft_fi.results.grouping import By, groups
+from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
+from scaloft_fi.results.ratio import Ratio
+from scaloft_fi.results.score import score
+from scaloft_fi.results.table import WIDTH, Format, Table, render
+from scaloft_fi.results.tables import ONE_SEED, score_tables
+
+LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
+HUMAN, NOBODY, DARK = "T0O0W0D0H1", "T0O0W0D0H0", "T1O0W0D1H0"
+
+CAMPAIGN = [
+    outcome(BASELINE, HUMAN),
+    outcome(BASELINE, NOBODY),
+    outcome(BASELINE, DARK, violated={"SR1": 30.0}, struck="bar"),
+    outcome(PLACEBO, HUMAN, altered=0),
+    outcome(LATE, HUMAN, violated={"SR2": 12.35}),
+    outcome(LATE, NOBODY, carried=0, altered=0),
+    outcome(NO, HUMAN, violated={"SR2": 11.0, "SR1": 14.0}, struck="person"),
+    outcome(GOAL, HUMAN),
+    outcome(GOAL, NOBODY, violated={"OP1": 60.0}),
+]
+
+
+def test_the_tables_say_kills_requirement_time_and_condition() -> None:
+    text = render(score_tables(CAMPAIGN, ROSTER, GRID), Format.TABLE)
+    (row,) = [
+        line for line in (" ".join(raw.split()) for raw in text.splitlines()) if line.startswith(f"{LATE} killed")
+    ]
+    assert row == f"{LATE} killed 1/1 = 100 % [21, 100] 1/2 = 50 % [9, 91] SR2 1/1 12.35 s human"
+    assert "mutation score  2/3 = 67 % [21, 94]" in text
+    assert "T1O0W0D1H0   1/1 = 100 % [21, 100]  SR1" in text
+    assert "distinct situations  3/32 = 9 %" in text
+
+
+def test_the_note_on_one_seed_is_printed_once() -> None:
+    assert render(score_tables(CAMPAIGN, ROSTER, GRID, By.AXIS), Format.TABLE).count(ONE_SEED) == 1
+
+
+def test_one_seed_says_that_it_decides_nothing() -> None:
+    assert ONE_SEED in render(score_tables(CAMPAIGN, ROSTER, GRID), Format.MARKDOWN)
+    more = [outcome(BASELINE, HUMAN, 1), outcome(LATE, HUMAN, 1, violated={"SR2": 12.0})]
+    text = render(score_tables([*CAMPAIGN, *more], ROSTER, GRID), Format.MARKDOWN)
+    assert ONE_SEED not in text
+    assert "| decided" in text
+
+
+@pytest.mark.parametrize("by", [None, *By])
+@settings(deadline=None, max_examples=15)
+@given(outcomes=campaigns())
+def test_every_table_of_every_campaign_fits_a_terminal(by: By | None, outcomes: list[Outcome]) -> None:
+    text = render(score_tables(outcomes, ROSTER, GRID, by), Format.TABLE)
+    assert max(len(line) for line in text.splitlines()) <= WIDTH
+
+
+@pytest.mark.parametrize("how", Format)
+def test_every_format_names_every_mutant(how: Format) -> None:
+    text = render(score_tables(CAMPAIGN, ROSTER, GRID), how)
+    assert text.endswith("\n")
+    assert all(mutant.replace("%", "\\%" * (how is Format.LATEX) or "%") in text for mutant in (LATE, NO, GOAL))
+
+
+def test_json_and_csv_hold_the_cells() -> None:
+    table = Table("T", ("a", "b"), (("x", 1), ("y, z", None)), ("note",))
+    assert json.loads(render([table], Format.JSON)) == [
+        {"title": "T", "rows": [{"a": "x", "b": 1}, {"a": "y, z", "b": None}], "notes": ["note"]}
+    ]
+    lines = render([table], Format.CSV).splitlines()
+    assert lines[0] == "# T"
+    assert list(csv.reader(io.StringIO("\n".join(lines[1:])))) == [["a", "b"], ["x", "1"], ["y, z", ""]]
+
+
+def parts(by: By) -> dict[str, tuple[Ratio, Ratio]]:
+    found = score(CAMPAIGN, ROSTER, GRID)
+    return {group.name: (group.killed, group.flown) for group in groups(found, by, ROSTER, GRID)}
+
+
+def test_the_score_by_guideword_and_by_parameter_is_of_mutants() -> None:
+    assert parts(By.GUIDEWORD) == {
+        "NO": (Ratio(1, 1), Ratio(1, 1)),
+        "LATE": (Ratio(1, 1), Ratio(1, 1)),
+        "MORE": (Ratio(0, 1), Ratio(0, 1)),
+    }
+    assert parts(By.PARAMETER) == {"human": (Ratio(2, 2), Ratio(2, 2)), "goal": (Ratio(0, 1), Ratio(0, 1))}
+
+
+def test_the_score_by_requirement_counts_a_mutant_for_each_that_kills_it() -> None:
+    killed = {name: ratio for name, (ratio, _) in parts(By.REQUIREMENT).items()}
+    assert killed == {"SR1": Ratio(1, 3), "SR2": Ratio(2, 3), "OP1": Ratio(1, 3)}
+
+
+def test_the_score_by_situation_and_by_axis_is_of_mutants_in_situations() -> None:
+    assert parts(By.SITUATION) == {NOBODY: (Ratio(0, 1), Ratio(0, 2)), HUMAN: (Ratio(2, 3), Ratio(2, 3))}
+    axis = parts(By.AXIS)
+    assert len(axis) == 10
+    assert axis["H = human"] == (Ratio(2, 3), Ratio(2, 3))
+    assert axis["H = nobody"] == (Ratio(0, 1), Ratio(0, 2))
+
+
+@given(campaigns(), st.sampled_from([By.GUIDEWORD, By.PARAMETER]))
+def test_the_parts_of_the_score_sum_to_the_score(outcomes: list[Outcome], by: By) -> None:
+    found = score(outcomes, ROSTER, GRID)
+    listed = groups(found, by, ROSTER, GRID)
+    assert sum(group.killed.part for group in listed) == found.mutation_score.part
+    assert sum(group.killed.whole for group in listed) == found.mutation_score.whole
+    assert sum(group.flown.whole for group in listed) == found.strict_score.whole
+
+
+def test_the_baselines_findings_name_the_first_violation_and_what_stayed_open() -> None:
+    flown = [*CAMPAIGN, outcome(BASELINE, DARK, 1, violated={"SR1": 28.0}, struck="bar"), outcome(BASELINE, DARK, 2)]
+    (_, _, dark) = findings(flown, GRID)
+    assert (dark.situation, dark.flown, dark.red, dark.violated) == (DARK, 3, 2, ("SR1",))
+    assert dark.open == ("SR2", "SR2-literal", "OP1")
+    assert dark.first is not None
+    assert (dark.first[0].t_s, dark.first[1]) == (28.0, 1)
+
+
+def test_a_study_whose_every_baseline_is_red_or_cut_short_can_reveal_nothing() -> None:
+    assert holds_somewhere(CAMPAIGN)
+    assert not holds_somewhere([CAMPAIGN[2]])
+    assert not holds_somewhere([])
