@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from itertools import pairwise
+
 import pytest
 
 from scaloft_fi.errors import InputError
@@ -41,7 +43,7 @@ def test_a_situation_that_is_none_is_refused_with_the_nearest(config, name):
 def test_gray_order_visits_every_situation_once_one_axis_at_a_time(config):
     walk = config.grid.gray_order()
     assert {situation.key for situation in walk} == {situation.key for situation in config.grid.situations}
-    for before, after in zip(walk, walk[1:], strict=False):
+    for before, after in pairwise(walk):
         changed = [abs(a - b) for (_, a), (_, b) in zip(before.levels, after.levels, strict=True) if a != b]
         assert changed == [1]
 

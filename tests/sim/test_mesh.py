@@ -128,7 +128,7 @@ def test_without_a_name_the_floor_is_what_is_level_and_has_nothing_below():
 
 def test_a_floor_name_that_the_mesh_lacks_is_refused_with_the_nearest():
     form = mesh.box((4, 4, 3))
-    with pytest.raises(InputError, match="world.yaml:3: ground='flor' is no object of the mesh; did you mean 'floor'"):
+    with pytest.raises(InputError, match=r"world.yaml:3: ground='flor' is no object of the mesh; did you mean 'floor'"):
         mesh.split_floor(form, ["floor"] * len(form.faces), ["flor"], "world.yaml:3")
 
 

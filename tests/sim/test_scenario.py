@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import pytest
 
@@ -53,6 +54,6 @@ def test_home_is_on_the_floor_and_the_start_half_a_hull_above(config):
 @pytest.mark.parametrize("key", ["T0O0W0D0H0", "T1O1W1D1H1"])
 def test_the_nominal_flight_is_without_jumps(config, key):
     legs = list(scenario(config, key)._legs(0.5))
-    for before, after in zip(legs, legs[1:], strict=False):
+    for before, after in pairwise(legs):
         assert before.end == after.start
     assert legs[-1].end[:3] == (0, 0, 0)
