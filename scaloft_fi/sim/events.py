@@ -11,7 +11,12 @@ from scaloft_fi.stack.reference import MODES
 
 
 def events_of(
-    elapsed_s: Array, beliefs: Mapping[str, Array], counts: Mapping[str, Count], struck: str, struck_at_s: float, error: str
+    elapsed_s: Array,
+    beliefs: Mapping[str, Array],
+    counts: Mapping[str, Count],
+    struck: str,
+    struck_at_s: float,
+    error: str,
 ) -> tuple[Event, ...]:
     """Events in order of time: first person report, collision flags, changes of mode, infection, contact.
 

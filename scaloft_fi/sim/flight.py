@@ -162,7 +162,9 @@ class Flight:
             stack_error=self._stack_error,
             counts=counts,
             t_max_s=self._scenario.t_max_s,
-            events=events_of(truth["elapsed_s"], beliefs, counts, observer.struck, observer.struck_at_s, self._stack_error),
+            events=events_of(
+                truth["elapsed_s"], beliefs, counts, observer.struck, observer.struck_at_s, self._stack_error
+            ),
         )
 
     def _ending(self, now_s: float) -> Ending | None:
@@ -209,4 +211,3 @@ class Flight:
     def _note(self, now_s: float, part: str, error: Exception) -> None:
         text = f"{part} at {now_s:.3f} s: {type(error).__name__}: {' '.join(str(error).split())}"
         self._stack_error = self._stack_error or text
-

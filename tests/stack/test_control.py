@@ -38,7 +38,7 @@ ESTIMATOR = EstimatorConfig(0.005, 0.05, 0.0005, 0.005, 0.02, 0.02, 8.0, 1.0, 0.
 FAILSAFE = FailsafeConfig(command_hold_s=0.5, command_land_s=15.0, fix_level_s=5.0, imu_stop_s=0.5)
 
 
-def order(state, mode=HOLD_MODE, velocity=(0.0, 0.0, 0.0), hold=(0.0, 0.0, 0.0), yaw=0.0, steps=1):
+def order(state, mode=HOLD_MODE, velocity=(0.0, 0.0, -0.5), hold=(0.0, 0.0, 0.0), yaw=0.0, steps=1):
     """Thrusts after `steps` steps with a frozen vehicle."""
     r, memory, thrust = np.eye(3), np.zeros(MEMORY_SIZE), np.zeros(4)
     rotation(state[6:10], r)

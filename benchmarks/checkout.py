@@ -1,0 +1,8 @@
+"""Imported first by the benchmarks: they measure the package of this checkout, on one thread."""
+
+import os
+import sys
+from pathlib import Path
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))

@@ -1,0 +1,216 @@
+"""How fast is a flight?  CPU time of the 32 baselines of seed 0, beside a bare PyBullet loop in the same mine.
+
+    python benchmarks/flight.py [--json] [--situation GLOB ...]
+
+`sim_s_per_cpu_s`: simulated seconds per CPU second of one core: scenario, flight and requirements, kernels compiled.
+`bare_pybullet_sim_s_per_cpu_s`: a loop that only reads the state, pushes, steps at 240 Hz and renders with TinyRenderer
+as many frames as the flights rendered, over the same simulated time, in the same run.
+`ms_per_sim_s`: where the time goes, from a second, instrumented pass; the probes themselves cost time, so the parts are
+scaled to the total of the first pass.
+"""
+
+from __future__ import annotations
+
+import checkout  # noqa: F401 - first: it sets the path and the threads
+
+# isort: split
+import argparse
+import functools
+import json
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from scaloft_fi.results.requirement import judge
+from scaloft_fi.sim import flight as flight_module
+from scaloft_fi.sim.build import build
+from scaloft_fi.sim.flight import fly, physics_server
+from scaloft_fi.sim.observer import Observer
+from scaloft_fi.sim.sensors import suite
+from scaloft_fi.sim.sensors.camera import DepthSensor
+from scaloft_fi.sim.sensors.detector import Detector
+from scaloft_fi.sim.sensors.imu import ImuSensor
+from scaloft_fi.sim.vehicle import STATE_SIZE, push, read_state, spawn
+from scaloft_fi.stack import companion, flight_control
+from scaloft_fi.stack.estimator import Estimator
+from scaloft_fi.stack.memory import ObstacleMemory
+from scaloft_fi.stack.planner import Planner
+from scaloft_fi.stack.proximity import ProximityMonitor
+from scaloft_fi.stack.seam import PlainWire
+from scaloft_fi.study import Study
+
+# Who is timed: (owner, attribute, part).  Nested parts are taken out of the outer ones.
+PROBES: tuple[tuple[Any, str, str], ...] = (
+    (flight_module, "push", "physics"),
+    (flight_module, "read_state", "physics"),
+    (flight_module, "rotor_step", "physics"),
+    (flight_module, "wrench", "physics"),
+    (flight_module, "contacts", "physics"),
+    (suite, "look", "camera"),
+    (DepthSensor, "measure", "camera"),
+    (Detector, "measure", "perception"),
+    (ObstacleMemory, "observe", "perception"),
+    (ObstacleMemory, "update", "perception"),
+    (ObstacleMemory, "map", "perception"),
+    (ProximityMonitor, "sectors", "perception"),
+    (ProximityMonitor, "flag", "perception"),
+    (Planner, "plan", "planner"),
+    (companion, "shape_velocity", "planner"),
+    (flight_control.FlightControl, "step", "control"),
+    (Estimator, "inertial", "estimator"),
+    (Estimator, "tick", "estimator"),
+    (ImuSensor, "measure", "other sensors"),
+    (Observer, "step", "oracle"),
+    (Observer, "sample", "oracle"),
+)
+
+
+class Clock:
+    """Adds up CPU time by part; a part inside another one counts for itself only."""
+
+    def __init__(self) -> None:
+        self.spent: Counter[str] = Counter()
+        self._inner: list[float] = []
+
+    def probe(self, function: Callable[..., Any], part: str) -> Callable[..., Any]:
+        """`function`, timed."""
+
+        @functools.wraps(function)
+        def timed(*args: Any, **kwargs: Any) -> Any:
+            self._inner.append(0.0)
+            begin = time.process_time()
+            try:
+                return function(*args, **kwargs)
+            finally:
+                took = time.process_time() - begin
+                self.spent[part] += took - self._inner.pop()
+                if self._inner:
+                    self._inner[-1] += took
+
+        return timed
+
+
+@contextmanager
+def instrumented(clock: Clock) -> Iterator[None]:
+    """Time the probes' functions."""
+    import pybullet
+
+    probes = (*PROBES, (pybullet, "stepSimulation", "physics"))
+    originals = [(owner, name, getattr(owner, name)) for owner, name, _ in probes]
+    for (owner, name, part), (_, _, original) in zip(probes, originals, strict=True):
+        setattr(owner, name, clock.probe(original, part))
+    try:
+        yield
+    finally:
+        for owner, name, original in originals:
+            setattr(owner, name, original)
+
+
+def flights(study: Study, situations: list[Any], clock: Clock | None = None) -> tuple[float, float]:
+    """Fly each situation's baseline and judge it; returns simulated and CPU seconds."""
+    judging = clock.probe(judge, "requirements") if clock else judge
+    simulated_s, begin = 0.0, time.process_time()
+    for situation in situations:
+        log = fly(study.sim, situation, 0, PlainWire())
+        for requirement in study.requirements:
+            judging(requirement, log)
+        simulated_s += log.duration_s
+    return simulated_s, time.process_time() - begin
+
+
+def bare_loop(study: Study, situation: Any, simulated_s: float) -> float:
+    """CPU seconds of a loop that only steps, pushes and renders."""
+    import pybullet
+
+    scenario = study.sim.scenario(situation)
+    camera, vehicle = study.sim.sensors.depth.camera, study.sim.vehicle
+    with physics_server() as client:
+        build(client, scenario.world)
+        draw(client, scenario.world.scene)
+        body = spawn(client, vehicle, (0.0, 0.0, 1.65), 0.0)
+        fov_deg = np.degrees(2 * np.arctan(np.tan(camera.fov_rad / 2) * camera.height / camera.width))
+        lens = pybullet.computeProjectionMatrixFOV(fov_deg, camera.width / camera.height, 0.05, 20.0)
+        state, torque = np.zeros(STATE_SIZE), np.zeros(3)
+        hover = np.array([0.0, 0.0, vehicle.mass_kg * 9.81])
+        blank = 0.0
+        begin = time.process_time()
+        for step in range(round(simulated_s * 240)):
+            read_state(client, body, state)
+            if step % 12 == 0:
+                x, y, z = state[:3]
+                eye = pybullet.computeViewMatrix([x, y, z], [x, y + 1.0, z], [0.0, 0.0, 1.0])
+                *_, depth, _ = pybullet.getCameraImage(
+                    camera.width, camera.height, eye, lens, shadow=0,
+                    flags=pybullet.ER_NO_SEGMENTATION_MASK, renderer=pybullet.ER_TINY_RENDERER, physicsClientId=client,
+                )  # fmt: skip
+                blank = max(blank, float(np.mean(depth == 1.0)))
+            push(client, body, state, hover, torque)
+            pybullet.stepSimulation(physicsClientId=client)
+        spent_s = time.process_time() - begin
+    if blank > 0.05:
+        raise SystemExit(f"the bare loop renders an empty mine: {blank:.0%} of a picture is blank")
+    return spent_s
+
+
+def draw(client: int, scene: Any) -> None:
+    """Give the renderer the triangles of the world; it draws only visual shapes, and only their front sides."""
+    import pybullet
+
+    for owner in range(len(scene.names)):
+        faces = scene.faces[scene.owner == owner]
+        shape = pybullet.createVisualShape(
+            pybullet.GEOM_MESH,
+            vertices=scene.vertices[faces.ravel()].tolist(),
+            indices=list(range(faces.size)),
+            normals=np.repeat(normals(scene.vertices[faces]), 3, axis=0).tolist(),
+            physicsClientId=client,
+        )
+        pybullet.createMultiBody(baseVisualShapeIndex=shape, physicsClientId=client)
+
+
+def normals(triangles: Any) -> Any:
+    """(N, 3) unit normals of (N, 3, 3) triangles."""
+    across = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    return across / np.linalg.norm(across, axis=1, keepdims=True)
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument("--situation", action="append", default=[], help="key or glob, repeatable (default: all)")
+    options = parser.parse_args()
+    study = Study.open(None)
+    situations = list(study.sim.grid.select(options.situation))
+    flights(study, situations[:1])
+    simulated_s, cpu_s = flights(study, situations)
+    clock = Clock()
+    with instrumented(clock):
+        _, probed_s = flights(study, situations, clock)
+    bare_s = sum(bare_loop(study, situation, 10.0) for situation in situations[::8])
+    bare_simulated_s = 10.0 * len(situations[::8])
+    parts = {**clock.spent, "rest": probed_s - sum(clock.spent.values())}
+    scale = cpu_s / probed_s * 1000.0 / simulated_s
+    figures = {
+        "situations": len(situations),
+        "simulated_s": round(simulated_s, 2),
+        "cpu_s": round(cpu_s, 2),
+        "sim_s_per_cpu_s": round(simulated_s / cpu_s, 1),
+        "bare_pybullet_sim_s_per_cpu_s": round(bare_simulated_s / bare_s, 1),
+        "ms_per_sim_s": {part: round(spent * scale, 2) for part, spent in sorted(parts.items(), key=lambda p: -p[1])},
+    }
+    if options.json:
+        json.dump(figures, sys.stdout, indent=2)
+        print()
+        return
+    for name, figure in figures.items():
+        print(f"{name:32} {figure}")
+
+
+if __name__ == "__main__":
+    main()
