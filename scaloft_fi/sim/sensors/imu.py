@@ -45,8 +45,8 @@ class ImuSensor:
 
     def __init__(self, config: ImuConfig, *stream: object) -> None:
         self._noise = Table(6, *stream, "imu")
-        self._sigma = np.repeat([config.rate_sigma_radps, config.force_sigma_mps2], 3)
-        self._bias = np.repeat([config.rate_bias_radps, config.force_bias_mps2], 3)
+        self._sigma = np.repeat(np.array([config.rate_sigma_radps, config.force_sigma_mps2], np.float64), 3)
+        self._bias = np.repeat(np.array([config.rate_bias_radps, config.force_bias_mps2], np.float64), 3)
         self._bias *= generator(*stream, "imu bias").standard_normal(6)
         self._velocity: Array | None = None
 
