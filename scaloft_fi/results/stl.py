@@ -10,7 +10,6 @@ from __future__ import annotations
 import logging
 import math
 import re
-import warnings
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -190,27 +189,19 @@ def _column(name: str, samples: Any) -> list[float]:
 
 @contextmanager
 def _silence() -> Iterator[None]:
-    """RTAMT's parser warns of its own dependencies and logs to the root logger; neither is the user's concern."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        previous = logging.root.manager.disable
-        logging.disable(logging.WARNING)
-        try:
-            yield
-        finally:
-            logging.disable(previous)
+    """RTAMT's parser logs to the root logger, which is no concern of the user's."""
+    previous = logging.root.manager.disable
+    logging.disable(logging.WARNING)
+    try:
+        yield
+    finally:
+        logging.disable(previous)
 
 
 @lru_cache(maxsize=256)
 def _specification(text: str, names: tuple[str, ...]) -> Any:
-    """The parsed formula, once a process.  The brackets around it make RTAMT refuse what follows a complete formula."""
+    """The parsed formula, once a process."""
     with _silence():
-        import rtamt
+        from scaloft_fi.results import monitor
 
-        specification = rtamt.StlDiscreteTimeOfflineSpecification()
-        for name in (*names, "result_"):
-            specification.declare_var(name, "float")
-        specification.set_sampling_period(SAMPLE_MS, "ms", 0.1)
-        specification.spec = f"result_ = ( {text} )"
-        specification.parse()
-    return specification
+        return monitor.specification(text, names, SAMPLE_MS)

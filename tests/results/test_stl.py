@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import logging
 import math
+import warnings
 
 import numpy as np
 import pytest
@@ -153,6 +154,24 @@ def test_always_of_a_formula_is_the_least_of_its_robustness(trace: tuple[list[fl
     signals = {"a": trace[0], "b": trace[1]}
     body = "a > 0 implies b <= 1"
     assert rho(f"always({body})", **signals)[0] == min(rho(body, **signals))
+
+
+@settings(deadline=None, max_examples=30)
+@given(traces, st.sampled_from(["<", "<=", ">", ">="]))
+def test_the_quick_comparison_is_the_librarys_own(trace: tuple[list[float], list[float]], sign: str) -> None:
+    text = f"historically[0:1](a {sign} b) or b {sign} 2"
+    signals = {"a": trace[0] * 2, "b": trace[1] * 2}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        import rtamt
+    plain = rtamt.StlDiscreteTimeOfflineSpecification()
+    for name in ("a", "b", "out"):
+        plain.declare_var(name, "float")
+    plain.set_sampling_period(50, "ms", 0.1)
+    plain.spec = f"out = {text}"
+    plain.parse()
+    times = [0.05 * i for i in range(len(signals["a"]))]
+    assert rho(text, **signals) == [value for _, value in plain.evaluate({"time": times, **signals})]
 
 
 def test_the_sampling_period_is_that_of_the_flight_log() -> None:
