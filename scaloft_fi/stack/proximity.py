@@ -23,10 +23,10 @@ class ProximityConfig:
         min_pixels: pixels of a sector that must be in the band to count; its range is that of the min_pixels-nearest.
     """
 
-    sectors: int = 8
-    trigger_m: float = 0.45
-    band_m: float = 0.155
-    min_pixels: int = 3
+    sectors: int
+    trigger_m: float
+    band_m: float
+    min_pixels: int
 
 
 class ProximityMonitor:
@@ -38,7 +38,7 @@ class ProximityMonitor:
         width = 2.0 * half / config.sectors
         self.config, self.camera = config, camera
         self._sector_of_column = ((half - bearing) / width).astype(np.int64)
-        self._bearings = half - (np.arange(config.sectors) + 0.5) * width
+        self._bearings = (half - (np.arange(config.sectors) + 0.5) * width).astype(np.float64)
         self._watched = np.ones(config.sectors, np.bool_)
         for array in (self._sector_of_column, self._bearings, self._watched):
             array.setflags(write=False)

@@ -38,29 +38,29 @@ class PlannerConfig:
         creep_mps: and it does not go slower than this [m/s], unless limited.
     """
 
-    obstacle_cost: float = 5000.0
-    obstacle_weight: float = 8.0
-    obstacle_m: float = 1.1
-    obstacle_width_m: float = 0.2
-    dilation_bins: int = 9
-    yaw_cost: float = 3.0
-    pitch_cost: float = 25.0
-    inertia_cost: float = 2000.0
-    elevation_limit_deg: float = 50.0
-    range_m: float = 2.5
-    near_m: float = 0.2
-    node_m: float = 0.7
-    expansions: int = 10
-    children: int = 4
-    separation_m: float = 0.2
-    heuristic_cost: float = 2000.0
-    beyond_goal_m: float = 0.35
-    straight_in_m: float = 0.35
-    full_off_axis_rad: float = 0.2
-    stop_off_axis_rad: float = 0.5
-    slow_radius_m: float = 1.0
-    slow_gain_per_s: float = 0.8
-    creep_mps: float = 0.12
+    obstacle_cost: float
+    obstacle_weight: float
+    obstacle_m: float
+    obstacle_width_m: float
+    dilation_bins: int
+    yaw_cost: float
+    pitch_cost: float
+    inertia_cost: float
+    elevation_limit_deg: float
+    range_m: float
+    near_m: float
+    node_m: float
+    expansions: int
+    children: int
+    separation_m: float
+    heuristic_cost: float
+    beyond_goal_m: float
+    straight_in_m: float
+    full_off_axis_rad: float
+    stop_off_axis_rad: float
+    slow_radius_m: float
+    slow_gain_per_s: float
+    creep_mps: float
 
 
 # the same fields as compiled code takes them

@@ -1,7 +1,8 @@
 """The compiled planner: polar histogram, obstacle dilation, costs of directions, look-ahead tree.
 
 Everything is relative to the vehicle and in single precision: 6 deg bins need no more, and it doubles the width of the
-vector units.  Grids are (elevation, azimuth): row e covers [-90 + 6 e, -84 + 6 e) deg, column a [-180 + 6 a, -174 + 6 a).
+vector units.  Grids are (elevation, azimuth): row e covers -90 + 6 e to -84 + 6 e deg, column a -180 + 6 a to
+-174 + 6 a.
 """
 
 from __future__ import annotations
@@ -14,7 +15,6 @@ from scaloft_fi.stack.kernel import jit
 
 BIN_DEG = 6.0
 ROWS, COLUMNS = 30, 60
-SLICES = 64  # along the way to the goal, so that a node looks only at those near it
 MAX_DILATION = 29  # a wider window would wrap onto itself
 
 _F = np.float32
@@ -46,43 +46,27 @@ def _atan2_deg(y, x):  # type: ignore[no-untyped-def]
 
 
 @jit
-def slices(points, origin, axis, reach):  # type: ignore[no-untyped-def]
-    """The points relative to `origin`, sorted into SLICES slices along the unit vector `axis`, -reach..reach [m].
-
-    Returns cloud (3, N) and begin (SLICES + 1,): slice s is cloud[:, begin[s] : begin[s + 1]].
-    """
-    n = len(points)
-    raw, cloud = np.empty((3, n), np.float32), np.empty((3, n), np.float32)
-    key = np.empty(n, np.int32)
-    begin = np.zeros(SLICES + 2, np.int64)
-    pitch = _F(0.5 * SLICES / reach)
-    for i in range(n):
+def relative(points, origin, reach):  # type: ignore[no-untyped-def]
+    """The points (N, 3) within `reach` of `origin`, relative to it: (3, M)."""
+    n = 0
+    cloud = np.empty((3, len(points)), np.float32)
+    for i in range(len(points)):
         x, y, z = _F(points[i, 0] - origin[0]), _F(points[i, 1] - origin[1]), _F(points[i, 2] - origin[2])
-        raw[0, i], raw[1, i], raw[2, i] = x, y, z
-        along = (x * axis[0] + y * axis[1] + z * axis[2] + reach) * pitch
-        along = along if along > _F(0.0) else _F(0.0)  # NaN too
-        key[i] = np.int32(along if along < _F(SLICES - 1) else _F(SLICES - 1))
-    for i in range(n):
-        begin[key[i] + 2] += 1
-    for s in range(2, SLICES + 2):
-        begin[s] += begin[s - 1]
-    for i in range(n):
-        k = begin[key[i] + 1]
-        begin[key[i] + 1] += 1
-        cloud[0, k], cloud[1, k], cloud[2, k] = raw[0, i], raw[1, i], raw[2, i]
-    return cloud, begin[:-1]
+        cloud[0, n], cloud[1, n], cloud[2, n] = x, y, z
+        n += x * x + y * y + z * z < reach * reach
+    return cloud[0][:n], cloud[1][:n], cloud[2][:n]
 
 
 @jit
-def histogram(cloud, start, stop, node, near, far, nearest):  # type: ignore[no-untyped-def]
+def histogram(x, y, z, node, near, far, nearest):  # type: ignore[no-untyped-def]
     """Fill `nearest` (ROWS * COLUMNS,) with the squared distance of the nearest point of each bin [m2], or a huge one.
 
-    Of the points start..stop-1 of `cloud` (3, N) those count that are `near` to `far` away from `node`.
+    Of the points x, y, z (N,) those count that are `near` to `far` away from `node`.
     """
     nx, ny, nz = node
-    x, y, z = cloud[0][start:stop], cloud[1][start:stop], cloud[2][start:stop]
+    low, high = near * near, far * far
     bins, square = np.empty(len(x), np.int32), np.empty(len(x), np.float32)
-    for i in range(len(x)):
+    for i in range(len(x)):  # a loop without branches, which is vectorised
         dx, dy, dz = x[i] - nx, y[i] - ny, z[i] - nz
         flat = dx * dx + dy * dy
         azimuth = (_atan2_deg(dy, dx) + _F(180.0)) * _F(1.0 / BIN_DEG)
@@ -90,14 +74,13 @@ def histogram(cloud, start, stop, node, near, far, nearest):  # type: ignore[no-
         a, e = np.int32(azimuth), np.int32(elevation)
         a = a - np.int32(COLUMNS) if a >= np.int32(COLUMNS) else a  # +180 deg is -180 deg
         e = np.int32(ROWS - 1) if e >= np.int32(ROWS) else e
+        s = flat + dz * dz
         bins[i] = e * np.int32(COLUMNS) + a
-        square[i] = flat + dz * dz
+        square[i] = s if (s >= low) & (s < high) else _FAR
     nearest[:] = _FAR
-    low, high = near * near, far * far
     for i in range(len(x)):
-        s = square[i]
-        if s >= low and s < high and s < nearest[bins[i]]:
-            nearest[bins[i]] = s
+        if square[i] < nearest[bins[i]]:
+            nearest[bins[i]] = square[i]
 
 
 @jit
@@ -139,15 +122,6 @@ def dilate(cost, radius, first, last, out):  # type: ignore[no-untyped-def]
 
 
 @jit
-def _turned(a, b):  # type: ignore[no-untyped-def]
-    """Difference of two azimuths [deg], in -180..180."""
-    d = a - b
-    if d > _F(180.0):
-        return d - _F(360.0)
-    return d + _F(360.0) if d < _F(-180.0) else d
-
-
-@jit
 def aim(goal, azimuths, elevations, cosines, sines, levels, rises):  # type: ignore[no-untyped-def]
     """Azimuth and elevation of `goal` [deg] and its bins; fills the angle that each column and row stands for.
 
@@ -171,13 +145,14 @@ def direction_costs(  # type: ignore[no-untyped-def]
 ):
     """Fill rows first..last-1 of `out` with the cost of flying along each bin.
 
-    obstacle + yaw_cost * turn^2 + pitch_cost * pitch^2 + inertia_cost * (|previous| - u . previous), with turn and pitch
-    [deg] off `toward` (azimuth, elevation), u the bin's unit vector, `previous` the direction flown before.
+    obstacle + yaw_cost * turn^2 + pitch_cost * pitch^2 + inertia_cost * (|previous| - u . previous), turn and pitch in
+    deg off `toward` (azimuth, elevation), u the bin's unit vector, `previous` the direction flown before.
     """
     azimuths, elevations, cosines, sines, levels, rises = angles
     across, along = np.empty(COLUMNS, np.float32), np.empty(COLUMNS, np.float32)
     for a in range(COLUMNS):
-        turn = _turned(azimuths[a], toward[0])
+        turn = abs(azimuths[a] - toward[0])
+        turn = min(turn, _F(360.0) - turn)
         across[a] = _F(p.yaw_cost) * turn * turn
         along[a] = cosines[a] * previous[0] + sines[a] * previous[1]
     size = math.sqrt(previous[0] * previous[0] + previous[1] * previous[1] + previous[2] * previous[2])
@@ -268,16 +243,14 @@ def search(points, origin, target, previous, radius, p):  # type: ignore[no-unty
     dilation [bins]; p: the planner's settings.  Expands the node of least cost so far plus heuristic; the way is the
     one that comes near the goal first, or else the one to the deepest open node, the cheapest of them.
     """
-    first = int(math.ceil((90.0 - p.elevation_limit_deg) / BIN_DEG - 0.5))
+    first = math.ceil((90.0 - p.elevation_limit_deg) / BIN_DEG - 0.5)
     last = ROWS - first
     nearest = np.empty(ROWS * COLUMNS, np.float32)
     cost = np.empty((ROWS, COLUMNS), np.float32)
     flat = cost.reshape(-1)
     obstacle, total = np.empty((ROWS, COLUMNS), np.float32), np.empty((ROWS, COLUMNS), np.float32)
-    angles = (
-        np.empty(COLUMNS, np.float32), np.empty(ROWS, np.float32),
-        np.empty(COLUMNS, np.float32), np.empty(COLUMNS, np.float32), np.empty(ROWS, np.float32), np.empty(ROWS, np.float32),
-    )  # fmt: skip
+    columns, rows = np.empty((3, COLUMNS), np.float32), np.empty((3, ROWS), np.float32)
+    angles = (columns[0], rows[0], columns[1], columns[2], rows[1], rows[2])
 
     most = 1 + p.expansions * p.children
     place = np.zeros((most, 3), np.float32)
@@ -293,10 +266,7 @@ def search(points, origin, target, previous, radius, p):  # type: ignore[no-unty
     left[0] = math.sqrt(goal[0] * goal[0] + goal[1] * goal[1] + goal[2] * goal[2])
     for k in range(3):
         heading[0, k] = previous[k]
-    axis = (goal[0] / left[0], goal[1] / left[0], goal[2] / left[0])
-    reach = _F(p.expansions * p.node_m + p.range_m)
-    pitch = _F(0.5 * SLICES) / reach
-    cloud, begin = slices(points, origin, axis, reach)
+    x, y, z = relative(points, origin, _F(min(p.expansions * p.node_m, left[0]) + p.range_m))
     expanded, chosen = 0, 0
     while expanded < p.expansions:
         node, value = -1, _INFINITE
@@ -313,10 +283,7 @@ def search(points, origin, target, previous, radius, p):  # type: ignore[no-unty
         expanded += 1
         here = (place[node, 0], place[node, 1], place[node, 2])
         far = min(_F(p.range_m), left[node] + _F(p.beyond_goal_m))
-        along = here[0] * axis[0] + here[1] * axis[1] + here[2] * axis[2] + reach
-        low = int(max(along - far, _F(0.0)) * pitch)
-        high = min(int((along + far) * pitch) + 1, SLICES)
-        histogram(cloud, begin[low], begin[high], here, _F(p.near_m), far, nearest)
+        histogram(x, y, z, here, _F(p.near_m), far, nearest)
         obstacle_costs(nearest, _F(p.obstacle_cost * p.obstacle_weight), _F(p.obstacle_m), _F(p.obstacle_width_m), flat)
         dilate(cost, radius, first, last, obstacle)
         toward = aim((goal[0] - here[0], goal[1] - here[1], goal[2] - here[2]), *angles)

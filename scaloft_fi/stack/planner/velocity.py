@@ -16,7 +16,7 @@ _STEEP = 0.2  # a direction with less than this share in the plane has no bearin
 def permitted_mps(direction: Array, limit: SpeedLimit) -> float:
     """Greatest speed along the unit vector `direction` (3,) within `limit` [m/s]."""
     if limit.norm == "per_axis":
-        return limit.limit_mps / max(abs(component) for component in direction.tolist())
+        return limit.limit_mps / float(np.max(np.abs(direction)))
     return limit.limit_mps
 
 

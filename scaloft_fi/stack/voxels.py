@@ -1,0 +1,239 @@
+"""A sparse voxel grid: cells as integers, and the compiled work of the obstacle memory on lists of them.
+
+A cell is the index triple of a cube of edge `voxel_m`, aligned with the world's origin, packed into one integer.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scaloft_fi.stack.kernel import jit
+from scaloft_fi.stack.messages import Array
+
+Cells = NDArray[np.int64]
+
+_HALF, _BITS = 1 << 20, 21  # a cell is three signed 21-bit indices in one integer
+_REACH_M = 1.0e5  # coordinates beyond this are those of a diverged estimate [m]
+_MIX = np.uint64(0x9E3779B97F4A7C15)  # Fibonacci hashing
+
+
+def cells_at(points: Array, voxel_m: float) -> Cells:
+    """Cells of the grid that hold `points` (N, 3) [m, world]."""
+    i = np.floor(np.asarray(points) / voxel_m).astype(np.int64) + _HALF
+    cells: Cells = (i[:, 0] << 2 * _BITS) | (i[:, 1] << _BITS) | i[:, 2]
+    return cells
+
+
+@jit
+def _start(cell, mask):  # type: ignore[no-untyped-def]
+    """Where the search for `cell` starts in a table of mask + 1 slots."""
+    mixed = (np.uint64(cell) ^ (np.uint64(cell) >> np.uint64(23))) * _MIX
+    return np.int64(mixed >> np.uint64(44)) & mask
+
+
+@jit
+def _table(cells):  # type: ignore[no-untyped-def]
+    """Hash table of the places of `cells`, -1 in empty slots, with few collisions."""
+    size = 64
+    while size < 4 * len(cells):
+        size *= 2
+    slots = np.full(size, -1, np.int32)
+    for i in range(len(cells)):
+        s = _start(cells[i], size - 1)
+        while slots[s] >= 0:
+            s = (s + 1) & (size - 1)
+        slots[s] = i
+    return slots
+
+
+@jit
+def _rotation(q):  # type: ignore[no-untyped-def]
+    """Rotation matrix, body to world, of the quaternion x, y, z, w."""
+    x, y, z, w = q[0], q[1], q[2], q[3]
+    return (
+        (1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
+        (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
+        (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
+    )
+
+
+@jit
+def _pixel_cells(depth, column, row, eye, turn, voxel_m, near_m, far_m, out):  # type: ignore[no-untyped-def]
+    """The cell each pixel falls into, -1 where the pixel is not used."""
+    scale = 1.0 / voxel_m
+    a, b, c = turn
+    height, width = depth.shape
+    flat = depth.reshape(-1)
+    for r in range(height):
+        z = row[0] + r * row[1]
+        base = r * width
+        line, cells = flat[base : base + width], out[base : base + width]
+        ax, bx, cx = a[0] + a[2] * z, b[0] + b[2] * z, c[0] + c[2] * z
+        for k in range(width):
+            d = line[k]
+            y = column[0] + k * column[1]
+            px = eye[0] + d * (ax + a[1] * y)
+            py = eye[1] + d * (bx + b[1] * y)
+            pz = eye[2] + d * (cx + c[1] * y)
+            used = (d >= near_m) & (d <= far_m) & (abs(px) < _REACH_M) & (abs(py) < _REACH_M) & (abs(pz) < _REACH_M)
+            i = np.int64(math.floor(px * scale)) + _HALF
+            j = np.int64(math.floor(py * scale)) + _HALF
+            h = np.int64(math.floor(pz * scale)) + _HALF
+            cells[k] = ((i << 2 * _BITS) | (j << _BITS) | h) if used else -1
+
+
+@jit
+def _marked(hit, min_pixels):  # type: ignore[no-untyped-def]
+    """The distinct cells of `hit` that hold at least `min_pixels`, in the order in which they come to as many."""
+    mask = 64
+    while mask <= 2 * len(hit):
+        mask *= 2
+    mask -= 1
+    keys, count = np.full(mask + 1, -1, np.int64), np.zeros(mask + 1, np.int32)
+    cells = np.empty(len(hit) + 1, np.int64)
+    n = 0
+    for cell in hit:
+        if cell < 0:
+            continue
+        s = _start(cell, mask)
+        while (keys[s] != cell) & (keys[s] >= 0):  # one branch, mostly not taken
+            s = (s + 1) & mask
+        keys[s] = cell
+        count[s] += 1
+        cells[n] = cell
+        n += count[s] == min_pixels
+    return cells[:n]
+
+
+@jit
+def _near_view(cells, eye, turn, column, row, shape, ranges, voxel_m):  # type: ignore[no-untyped-def]
+    """Places in `cells` of those of which any part may be in view (a loop without branches, which is vectorised)."""
+    a, b, c = turn
+    left, right = column[0] - 0.5 * column[1], column[0] + (shape[1] - 0.5) * column[1]
+    top, bottom = row[0] - 0.5 * row[1], row[0] + (shape[0] - 0.5) * row[1]
+    low_y, high_y, low_z, high_z = min(left, right), max(left, right), min(top, bottom), max(top, bottom)
+    near, far = ranges[0] - voxel_m, ranges[1] + voxel_m
+    steepest = max(max(abs(low_y), abs(high_y)), max(abs(low_z), abs(high_z)))
+    pad = 0.87 * voxel_m * math.sqrt(1.0 + steepest * steepest)  # half a cell's diagonal, against a slope
+    low = (1 << _BITS) - 1
+    seen = np.empty(len(cells), np.bool_)
+    for i in range(len(cells)):
+        cell = cells[i]
+        x = (np.int32(cell >> 2 * _BITS) - _HALF + 0.5) * voxel_m - eye[0]
+        y = (np.int32((cell >> _BITS) & low) - _HALF + 0.5) * voxel_m - eye[1]
+        z = (np.int32(cell & low) - _HALF + 0.5) * voxel_m - eye[2]
+        ahead = x * a[0] + y * b[0] + z * c[0]
+        side = x * a[1] + y * b[1] + z * c[1]
+        up = x * a[2] + y * b[2] + z * c[2]
+        seen[i] = (
+            (ahead > near) & (ahead < far)
+            & (side > low_y * ahead - pad) & (side < high_y * ahead + pad)
+            & (up > low_z * ahead - pad) & (up < high_z * ahead + pad)
+        )  # fmt: skip
+    out = np.empty(len(cells), np.int32)
+    n = 0
+    for i in range(len(cells)):
+        out[n] = i
+        n += seen[i]
+    return out[:n]
+
+
+@jit
+def observe(  # type: ignore[no-untyped-def]
+    depth, ahead_m, column, row, position, attitude, voxel_m, ranges, min_pixels, margin_m, cells, seen_s, oldest_s
+):
+    """(cells the frame marks, their places in `cells` or -1, cells to forget); see ObstacleMemory.observe."""
+    turn = _rotation(attitude)
+    a, b, c = turn
+    eye = (position[0] + ahead_m * a[0], position[1] + ahead_m * b[0], position[2] + ahead_m * c[0])
+    height, width = depth.shape
+    hit = np.empty(depth.size, np.int64)
+    _pixel_cells(depth, column, row, eye, turn, voxel_m, ranges[0], ranges[1], hit)
+    fresh = _marked(hit, min_pixels)
+    slots = _table(fresh)
+    mask = len(slots) - 1
+    places = np.full(len(fresh), -1, np.int64)
+    gone = seen_s < oldest_s
+    low = (1 << _BITS) - 1
+    for i in _near_view(cells, eye, turn, column, row, (height, width), ranges, voxel_m):
+        cell = cells[i]
+        s = _start(cell, mask)
+        while slots[s] >= 0 and fresh[slots[s]] != cell:
+            s = (s + 1) & mask
+        if slots[s] >= 0:
+            places[slots[s]], gone[i] = i, False
+            continue
+        x = ((cell >> 2 * _BITS) - _HALF + 0.5) * voxel_m - eye[0]
+        y = (((cell >> _BITS) & low) - _HALF + 0.5) * voxel_m - eye[1]
+        z = ((cell & low) - _HALF + 0.5) * voxel_m - eye[2]
+        ahead = x * a[0] + y * b[0] + z * c[0]
+        k = ((x * a[1] + y * b[1] + z * c[1]) / ahead - column[0]) / column[1] + 0.5
+        r = ((x * a[2] + y * b[2] + z * c[2]) / ahead - row[0]) / row[1] + 0.5
+        if ahead > ranges[0] and ahead < ranges[1] and k >= 0.0 and k < width and r >= 0.0 and r < height:
+            d = depth[int(r), int(k)]
+            gone[i] |= d > ahead + margin_m or not d > 0.0
+    forget = np.empty(len(cells), np.int64)
+    n = 0
+    for i in range(len(cells)):
+        forget[n] = cells[i]
+        n += gone[i]
+    return fresh, places, forget[:n]
+
+
+@jit
+def _dropped(cells, forget):  # type: ignore[no-untyped-def]
+    """Which of `cells` are in `forget`; quick where these come in the same order."""
+    out = np.zeros(len(cells), np.bool_)
+    n = 0
+    for i in range(len(cells)):
+        if n < len(forget) and cells[i] == forget[n]:
+            out[i] = True
+            n += 1
+    if n < len(forget):
+        slots = _table(forget)
+        mask = len(slots) - 1
+        for i in range(len(cells)):
+            s = _start(cells[i], mask)
+            while slots[s] >= 0 and forget[slots[s]] != cells[i]:
+                s = (s + 1) & mask
+            out[i] = slots[s] >= 0
+    return out
+
+
+@jit
+def update(cells, seen_s, forget, fresh, places, stamp_s):  # type: ignore[no-untyped-def]
+    """(cells, when each was last seen) after forgetting `forget` and marking `fresh`, which are at `places` or new."""
+    dropped = _dropped(cells, forget)
+    out = np.empty(len(cells) + len(fresh), np.int64)
+    when, moved = np.empty(len(out), np.float64), np.empty(len(cells), np.int64)
+    n = 0
+    for i in range(len(cells)):
+        out[n], when[n], moved[i] = cells[i], seen_s[i], n
+        n += not dropped[i]
+    for j in range(len(fresh)):
+        i = places[j]
+        if i >= 0 and not dropped[i]:
+            when[moved[i]] = stamp_s
+        else:
+            out[n], when[n] = fresh[j], stamp_s
+            n += 1
+    return out[:n], when[:n]
+
+
+@jit
+def centres(cells, position, voxel_m, radius_m):  # type: ignore[no-untyped-def]
+    """Centres (N, 3) [m, world] of the cells within `radius_m` of `position`."""
+    low = (1 << _BITS) - 1
+    out = np.empty((len(cells), 3))
+    n = 0
+    for cell in cells:
+        x = (np.int32(cell >> 2 * _BITS) - _HALF + 0.5) * voxel_m
+        y = (np.int32((cell >> _BITS) & low) - _HALF + 0.5) * voxel_m
+        z = (np.int32(cell & low) - _HALF + 0.5) * voxel_m
+        dx, dy, dz = x - position[0], y - position[1], z - position[2]
+        out[n, 0], out[n, 1], out[n, 2] = x, y, z
+        n += dx * dx + dy * dy + dz * dz < radius_m * radius_m
+    return out[:n]
