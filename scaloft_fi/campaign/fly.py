@@ -17,6 +17,7 @@ from scaloft_fi.study import Study
 if TYPE_CHECKING:
     from scaloft_fi.sim.log import FlightLog
     from scaloft_fi.sim.scenario import Scenario
+    from scaloft_fi.sim.sensors.imu import ImuConfig
     from scaloft_fi.stack.seam import Wire
 
 KERNELS_S = 5.0
@@ -100,12 +101,13 @@ def wire_of(study: Study, flight: Flight) -> Wire:
     from scaloft_fi.mutants.wire import contexts, wire_for
 
     scenario = study.scenario(flight.situation)
-    context = contexts(flight.subject.id, flight.situation.key, flight.seed, scenario.nominal_s, facts(scenario))
+    known = facts(scenario, study.sim.sensors.imu)
+    context = contexts(flight.subject.id, flight.situation.key, flight.seed, scenario.nominal_s, known)
     return wire_for(flight.mutant, context)
 
 
-def facts(scenario: Scenario) -> Mapping[str, float | None]:
-    """What a fault may know of the nominal flight."""
+def facts(scenario: Scenario, imu: ImuConfig) -> Mapping[str, float | None]:
+    """What a fault may know of the nominal flight and of the sensor whose noise it multiplies."""
     mission = scenario.world.mission
     home_x, home_y = mission.home
     return {
@@ -114,6 +116,8 @@ def facts(scenario: Scenario) -> Mapping[str, float | None]:
         "home_y": home_y,
         "cruise_mps": mission.cruise_mps,
         "slow_mps": mission.slow_mps,
+        "gyro_sigma_radps": imu.rate_sigma_radps,
+        "accel_sigma_mps2": imu.force_sigma_mps2,
     }
 
 
