@@ -53,7 +53,7 @@ class Progress:
         """Leave the last count as a lasting line."""
         if self._live:
             self._stream.write("\r\x1b[K")
-        if self.flights:
+        if self.done:
             self._stream.write(f"{self.summary()}\n")
         self._stream.flush()
 

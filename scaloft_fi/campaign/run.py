@@ -64,7 +64,7 @@ def run(
     with Store(writable(folder) / STORE_NAME) as store, _interruptible() as stopped:
         _remember_platform(store, progress)
         crew = _Crew(study, store, Pool(Worker(study, flyer), lost, jobs, stopped), progress)
-        crew.expect([*planned.baselines, *planned.mutants], extra=int(planned.canary is not None))
+        crew.expect([*planned.baselines, *planned.mutants], canaries=int(planned.canary is not None))
         crew.fly(planned.baselines)
         canary = canary_flight(planned, crew.outcomes(planned.baselines))
         rest = (*planned.mutants, *([canary] if canary else []))
@@ -100,10 +100,11 @@ class _Crew:
         self._study, self._store, self._pool, self._progress = study, store, pool, progress
         self.flown = 0
 
-    def expect(self, flights: Iterable[Flight], extra: int) -> None:
-        """Tell the progress what is to come; `extra`: flights not known yet."""
+    def expect(self, flights: Sequence[Flight], canaries: int) -> None:
+        """Tell the progress what is to come; a canary is only counted when anything else is to be flown."""
         missing = [flight for flight, _ in self._missing(flights)]
-        self._progress.expect(len(missing) + extra, sum(self._study.expected_s(flight.situation) for flight in missing))
+        expected_s = sum(self._study.expected_s(flight.situation) for flight in missing)
+        self._progress.expect(len(missing) + canaries * bool(missing), expected_s)
 
     def fly(self, flights: Iterable[Flight]) -> None:
         """Fly those of `flights` that the store lacks."""

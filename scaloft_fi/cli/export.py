@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
+from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.options import campaign_option, study_option
-from scaloft_fi.errors import InputError
 
 
 @click.command("export")
@@ -17,6 +17,7 @@ from scaloft_fi.errors import InputError
 @click.option("--output", type=click.Path(path_type=Path), metavar="FILE", help="Write there instead of printing.")
 def export_command(study_folder: Path | None, campaign: str, style: str, output: Path | None) -> None:
     """Print one row per flight, ordered by mutant, situation and seed: facts of the simulation only."""
+    check_writable(output)
     from scaloft_fi.campaign.held import held
     from scaloft_fi.results.export import export_rows, to_csv, to_json
     from scaloft_fi.study import Study
@@ -29,15 +30,3 @@ def export_command(study_folder: Path | None, campaign: str, style: str, output:
         click.echo(text, nl=False)
     else:
         write(output, text.encode())
-
-
-def write(path: Path, content: bytes) -> None:
-    """Write a file that the user named.
-
-    Raises:
-        InputError: it cannot be written.
-    """
-    try:
-        path.write_bytes(content)
-    except OSError as error:
-        raise InputError(f"--output={str(path)!r} cannot be written: {error.strerror}") from error

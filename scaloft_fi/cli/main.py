@@ -31,11 +31,11 @@ INTERNAL, INTERRUPTED, USAGE = 70, 130, 2
 class Pipeline(click.Group):
     """The verbs in pipeline order, each loaded when it is called."""
 
-    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
+    def list_commands(self, ctx: click.Context) -> list[str]:
         """Every verb, in the order of the pipeline."""
         return list(VERBS)
 
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002 - click's signature
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Import the verb's file."""
         if cmd_name not in VERBS:
             return None
@@ -52,7 +52,7 @@ class Pipeline(click.Group):
             raise click.UsageError(f"no verb {args[0]!r}{did_you_mean(args[0], VERBS)}", ctx)
         return super().resolve_command(ctx, args)
 
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002 - click's signature
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the verbs without importing them."""
         with formatter.section("The pipeline, in order"):
             formatter.write_dl([(verb, about) for verb, (_, about) in VERBS.items()])
@@ -62,7 +62,7 @@ class Pipeline(click.Group):
         args: Sequence[str] | None = None,
         prog_name: str | None = None,
         complete_var: str | None = None,
-        standalone_mode: bool = True,  # noqa: ARG002 - click's signature
+        standalone_mode: bool = True,
         **extra: Any,
     ) -> NoReturn:
         """Run one verb and leave the process with its exit code."""
@@ -102,6 +102,7 @@ def _say(sentence: str) -> None:
 
 
 @click.group(
+    "scaloft-fi",
     cls=Pipeline,
     invoke_without_command=True,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 120},

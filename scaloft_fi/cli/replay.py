@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.options import campaign_option, study_option
 from scaloft_fi.errors import GateError, InputError
 
@@ -32,6 +33,7 @@ def replay_command(name: str, study_folder: Path | None, campaign: str, output: 
     """
     if output is not None and output.suffix.lower() not in PICTURES:
         raise InputError(f"--output={str(output)!r} must end in .svg or .png")
+    check_writable(output)
     from scaloft_fi.campaign.pool import one_thread_each
 
     one_thread_each()
@@ -85,7 +87,6 @@ def _facts(study: Study, flight: Flight, outcome: Outcome, log: FlightLog) -> st
 def _draw(study: Study, flight: Flight, outcome: Outcome, log: FlightLog, output: Path) -> None:
     from scaloft_fi.campaign.fly import fly_log, judged
     from scaloft_fi.campaign.plan import Flight
-    from scaloft_fi.cli.export import write
     from scaloft_fi.results.map import draw
     from scaloft_fi.results.outcome import BASELINE
     from scaloft_fi.results.picture import png
