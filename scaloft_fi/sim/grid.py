@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import fnmatch
 import itertools
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -135,11 +136,21 @@ def read_grid(item: Item, world_document: Item, camera: Camera) -> Grid:
     alias_item = item.get("aliases")
     alias_items = alias_item.mapping() if alias_item else {}
     item.close()
-    grid = Grid(axes, {alias: entry.text() for alias, entry in alias_items.items()}, world_document, camera)
+    aliases = {alias: _completed(entry.text(), axes) for alias, entry in alias_items.items()}
+    grid = Grid(axes, aliases, world_document, camera)
     for alias, entry in alias_items.items():
-        if entry.text() not in grid.by_key:
+        if aliases[alias] not in grid.by_key:
             raise InputError(f"{entry.place}: alias {alias!r}: {grid.miss(entry.text())}")
     for axis in axes:
         for value in axis.values:
             grid.world([(axis.id, value.id)])
     return grid
+
+
+def _completed(key: str, axes: Iterable[Axis]) -> str:
+    """The key with the benign value of every axis that it leaves out, so that aliases outlive a new axis."""
+    levels = dict(re.findall(r"([A-Z][a-z]*)(\d+)", key))
+    known = {axis.id for axis in axes}
+    if "".join(f"{axis}{level}" for axis, level in levels.items()) != key or not known.issuperset(levels):
+        return key
+    return "".join(f"{axis.id}{levels.get(axis.id, 0)}" for axis in axes)

@@ -124,17 +124,15 @@ def _numbers(documents: Mapping[str, Item]) -> dict[str, float]:
 
 
 def _sources(item: Item, documents: Mapping[str, Item]) -> dict[str, Source]:
-    """The sources; each has to cover something.
+    """The sources.
 
     Raises:
-        InputError: a kind is unknown, or a path covers no value.
+        InputError: a kind is unknown, or a path begins with no document's name.
     """
-    covered = {f"{name}.{path}" for name, document in documents.items() for path, _ in leaves(document)}
-    known = {".".join(parts[:n]) for parts in (path.split(".") for path in covered) for n in range(1, len(parts) + 1)}
     sources = {}
     for path, entry in item.mapping().items():
-        if path not in known:
-            raise InputError(f"{entry.place}: no value at {path!r}{did_you_mean(path, known)}")
+        if path.split(".")[0] not in documents:
+            raise InputError(f"{entry.place}: no document for {path!r}{did_you_mean(path.split('.')[0], documents)}")
         sources[path] = Source(entry.need("kind").choice(KINDS), entry.need("source").text())
         entry.close()
     return sources

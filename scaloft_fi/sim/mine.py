@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
@@ -12,7 +12,7 @@ import numpy as np
 
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.mesh import Array, Faces, Mesh, heights_at, join, read_obj, split_floor, winding
+from scaloft_fi.sim.mesh import Array, Faces, Mesh, heights_at, join, read_obj, section, split_floor, winding
 from scaloft_fi.sim.streams import generator
 
 SLAB_M = 0.5
@@ -48,8 +48,7 @@ class Mine:
         if not self.footprint:
             return abs(winding(np.concatenate([self.wall.triangles, self.ground.triangles]), point)) > 0.5
         x, y, z = point
-        inside = in_ring(self.footprint[0], x, y) and not any(in_ring(ring, x, y) for ring in self.footprint[1:])
-        return inside and 0.0 < z < self.height_m
+        return 0.0 < z < self.height_m and inside(section(self.wall.triangles, z), x, y)
 
     def floor_m(self, x: float, y: float) -> float:
         """Height of the floor at (x, y) [m, world], NaN where there is none."""
@@ -120,13 +119,12 @@ def _oriented(ring: Ring, sign: float) -> Ring:
     return ring if _area(ring) * sign > 0 else ring[::-1]
 
 
-def in_ring(ring: Ring, x: float, y: float) -> bool:
-    """Whether (x, y) is inside the polygon, by counting crossings of a ray towards +x."""
-    inside = False
-    for (x0, y0), (x1, y1) in zip(ring, ring[1:] + ring[:1], strict=True):
-        if (y0 > y) != (y1 > y) and x < x0 + (y - y0) * (x1 - x0) / (y1 - y0):
-            inside = not inside
-    return inside
+def inside(outline: Iterable[tuple[Corner, Corner]], x: float, y: float) -> bool:
+    """Whether (x, y) is inside closed outlines, by counting how many of their segments lie towards +x."""
+    crossings = sum(
+        (y0 > y) != (y1 > y) and x < x0 + (y - y0) * (x1 - x0) / (y1 - y0) for (x0, y0), (x1, y1) in outline
+    )
+    return crossings % 2 == 1
 
 
 def _plate(low: Array, high: Array, z_m: float, *, upward: bool) -> Mesh:

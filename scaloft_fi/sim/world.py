@@ -29,6 +29,9 @@ LEAST_M = 0.005
 
 SHAPES = ("box", "cylinder", "capsule")
 
+ON_FLOOR_M = 0.05
+"""Where a standing vehicle is, roughly."""
+
 Point = tuple[float, float, float]
 
 
@@ -262,11 +265,13 @@ def _check_height(world: World, item: Item) -> None:
 
 
 def _check_free(world: World, name: str, item: Item) -> None:
-    """A waypoint has to be in open space at the height of flight."""
-    point = (*world.waypoints[name], world.mission.altitude_m)
-    shown = f"{item.place}: {name}={[point[0], point[1]]!r}"
-    if not world.mine.holds(point):
-        raise InputError(f"{shown} must be in the open space of the mine, not in the wall or outside")
-    for body in world.present:
-        if abs(mesh.winding(body.mesh.triangles, point)) > 0.5:
-            raise InputError(f"{shown} must be in open space, not inside {body.name!r}")
+    """A waypoint has to be in open space at the height of flight, home also on the floor."""
+    x, y = world.waypoints[name]
+    shown = f"{item.place}: {name}={[x, y]!r}"
+    heights = [world.mission.altitude_m] + [world.floor_m + ON_FLOOR_M] * (name == "home")
+    for point in ((x, y, z) for z in heights):
+        if not world.mine.holds(point):
+            raise InputError(f"{shown} must be in the open space of the mine, not in the wall or outside")
+        for body in world.present:
+            if abs(mesh.winding(body.mesh.triangles, point)) > 0.5:
+                raise InputError(f"{shown} must be in open space, not inside {body.name!r}")

@@ -3,7 +3,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from scaloft_fi.sim import mesh
@@ -20,7 +20,6 @@ def box_distance(point, size):
     return float(np.linalg.norm(outside)) if outside.any() else float(inside)
 
 
-@settings(deadline=None)
 @given(points)
 def test_the_nearest_point_of_a_box_is_as_far_as_the_formula_says(point):
     found = np.empty(3)
@@ -29,7 +28,6 @@ def test_the_nearest_point_of_a_box_is_as_far_as_the_formula_says(point):
     assert math.isclose(float(np.linalg.norm(found - point)), distance, abs_tol=1e-9)
 
 
-@settings(deadline=None)
 @given(points)
 def test_no_corner_or_point_inside_a_face_is_nearer_than_the_nearest(point):
     found = np.empty(3)
@@ -49,7 +47,6 @@ def crosses(start, end, triangle):
     return 0 < t < 1 and u >= 0 and v >= 0 and u + v <= 1
 
 
-@settings(deadline=None)
 @given(points, points)
 def test_a_line_is_blocked_where_solving_for_each_triangle_says_so(start, end):
     for spared in (-1, 0, 1):

@@ -65,17 +65,14 @@ AIR = """
 
 
 def test_a_users_axis_with_three_values_joins_the_grid(edited):
-    study = edited("situations.yaml", "aliases: ", "was: ")
-    path = study / "situations.yaml"
-    path.write_text(path.read_text().split("was: ")[0] + AIR)
-    grid = load(study).grid
+    grid = load(edited("situations.yaml", "\naliases:", f"{AIR}\naliases:")).grid
     assert len(grid) == 96
     world = grid.scenario(grid.situation("T1O0W0D0H0Air2")).world
     assert world.light == 0.2
     assert world.mission.cruise_mps == 0.3
     assert grid.axes[-1].predicate(0) == "(not (always(light <= 0.5))) and (not (always(light <= 0.2)))"
-    walk = grid.gray_order()
-    assert len({s.key for s in walk}) == 96
+    assert len({situation.key for situation in grid.gray_order()}) == 96
+    assert grid.situation("32").key == "T1O1W1D1H0Air0"  # the paper's numbers outlive a new axis
 
 
 def test_values_that_do_not_go_together_are_refused_when_their_scenario_is_asked_for(edited):

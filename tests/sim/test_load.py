@@ -11,6 +11,11 @@ def test_every_number_has_a_source(config):
     assert all(source.text for source in config.sources.values())
 
 
+def test_every_source_covers_a_value(config):
+    covered = set(config.numbers)
+    assert [path for path in config.sources if not any(f"{n}.".startswith(f"{path}.") for n in covered)] == []
+
+
 def test_the_longest_path_decides_on_the_source(config):
     assert config.source_of("world.bodies.bar.radius_m").kind == "assumption"
     assert config.source_of("world.bodies.person.position.0").kind == "published"
@@ -91,7 +96,7 @@ BAD = [
         "kind: guess, source: x",
         "kind='guess' is not known",
     ),
-    ("sources.yaml", "vehicle.spins:", "vehicle.spin:", "no value at 'vehicle.spin'; did you mean 'vehicle.spins'"),
+    ("sources.yaml", "vehicle.spins:", "vehicel.spins:", "no document for 'vehicel.spins'; did you mean 'vehicle'"),
     ("stack.yaml", "name: reference", "label: reference", "lacks the key 'name'"),
 ]
 

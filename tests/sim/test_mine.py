@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from scaloft_fi import document
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.mine import in_ring, read_mine
+from scaloft_fi.sim.mine import inside, read_mine
 
 ROOM = """
 footprint: [[0, 0], [6, 0], [6, 4], [0, 4]]
@@ -63,6 +63,18 @@ def test_open_space_is_inside_the_footprint_outside_the_pillars_below_the_ceilin
         assert not room.holds(point)
 
 
+def test_the_rock_that_stands_out_of_a_rough_wall_is_not_open_space(tmp_path):
+    room = mine(tmp_path)
+    grid = room.wall.vertices
+    out = grid[
+        (grid[:, 0] > 0.02) & (grid[:, 0] < 0.1) & (np.abs(grid[:, 1] - 2) < 1.5) & (np.abs(grid[:, 2] - 1.5) < 1)
+    ]
+    assert len(out)
+    for x, y, z in out:
+        assert not room.holds((x - 0.01, y, z))
+        assert room.holds((x + 0.01, y, z))
+
+
 def test_the_floor_is_at_height_0(tmp_path):
     assert mine(tmp_path).floor_m(1, 1) == 0
 
@@ -71,7 +83,7 @@ def test_the_floor_is_at_height_0(tmp_path):
 def test_a_point_is_in_a_rectangle_by_comparison(x, y):
     ring = ((0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0))
     if min(abs(x), abs(x - 6), abs(y), abs(y - 4)) > 1e-9:
-        assert in_ring(ring, x, y) == (0 < x < 6 and 0 < y < 4)
+        assert inside(list(zip(ring, ring[1:] + ring[:1], strict=True)), x, y) == (0 < x < 6 and 0 < y < 4)
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,9 @@ from __future__ import annotations
 import pytest
 
 from scaloft_fi.errors import InputError
+from scaloft_fi.results.stl import Formula
 from scaloft_fi.sim.load import load
+from scaloft_fi.sim.signals import signal_names
 from scaloft_fi.sim.situation import Situation
 
 
@@ -17,6 +19,13 @@ def test_the_benign_predicate_denies_all_others(config):
     axis = config.grid.axes[0]
     assert axis.predicate(1) == "eventually(x_m < -1)"
     assert axis.predicate(0) == "(not (eventually(x_m < -1)))"
+
+
+def test_every_predicate_is_a_formula_over_the_log(config):
+    names = signal_names(config.world.surfaces)
+    for axis in config.grid.axes:
+        for value in axis.values:
+            assert set(Formula.parse(axis.predicate(value.id), names).names) <= set(names)
 
 
 BAD = [

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from scaloft_fi.sim.build import GRAVITY_MPS2, STEP_S, build
@@ -27,7 +27,6 @@ def pushed(config, thrust, state):
     return force, torque
 
 
-@settings(deadline=None)
 @given(thrusts, thrusts)
 def test_rotors_approach_their_order_without_passing_it(config, before, order):
     after = before.copy()
@@ -35,7 +34,6 @@ def test_rotors_approach_their_order_without_passing_it(config, before, order):
     assert np.all((after - before) * (order - after) >= -1e-12)
 
 
-@settings(deadline=None)
 @given(thrusts, st.tuples(*[st.floats(allow_nan=True, allow_infinity=True)] * 4).map(np.array))
 def test_rotors_stay_within_their_limits_whatever_is_ordered(config, before, order):
     for _ in range(5):
@@ -60,7 +58,6 @@ def test_each_rotor_lifts_and_turns_about_its_arm(config):
         assert np.allclose(torque, (y, -x, 0.06 * config.vehicle.spins[rotor]))
 
 
-@settings(deadline=None)
 @given(thrusts, units, st.tuples(*[st.floats(-3, 3)] * 3))
 def test_the_wrench_is_the_body_wrench_turned_into_the_world(config, thrust, attitude, velocity):
     state = still(attitude, velocity)

@@ -47,6 +47,7 @@ BAD = [
     ("corner: [0.0, 7.0]", "corner: [0.0, seven]", "must be a number"),
     ("home: [0.0, 0.0]", "home: [1.8, 0.0]", "home=[1.8, 0.0] must be in the open space"),
     ("home: [0.0, 0.0]", "home: [50.0, 0.0]", "must have the floor at z=0; there is none"),
+    ("position: [-1.9, 7.7]", "position: [0.0, 0.0]", "home=[0.0, 0.0] must be in open space, not inside 'bar'"),
     ("altitude_m: 1.65", "altitude_m: 4.0", "must be in the open space"),
     ("altitude_m: 1.65", "altitude_m: -1.65", "altitude_m=-1.65 must be > 0"),
     ("size_m: [0.5, 0.5, 1.8]", "size_m: [0.5, -0.5, 1.8]", "size_m='[...]' must be 3 numbers >= 0.005"),
