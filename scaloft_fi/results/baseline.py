@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from scaloft_fi.results.outcome import BASELINE, Outcome, Violation
-from scaloft_fi.results.requirement import Kind, Verdict
+from scaloft_fi.results.requirement import Kind, Reading, Verdict
 from scaloft_fi.results.space import Space
 
 
@@ -56,6 +56,38 @@ def _finding(situation: str, baselines: list[Outcome]) -> Finding:
         vacuous=tuple(name for name, said in verdicts.items() if set(said) == {Verdict.VACUOUS}),
         first=min(firsts, key=lambda pair: (pair[0].t_s, pair[1]), default=None),
         red=len(firsts),
+    )
+
+
+@dataclass(frozen=True)
+class Tally:
+    """A requirement over flights: how many of each verdict, how often it was triggered, the least robustness."""
+
+    requirement: str
+    kind: Kind
+    verdicts: tuple[tuple[Verdict, int], ...]
+    triggered: int
+    least_rho: float
+
+
+def tallies(outcomes: Iterable[Outcome]) -> tuple[Tally, ...]:
+    """One tally per requirement over the baseline flights that count, in the study's order."""
+    read: dict[str, list[Reading]] = {}
+    for outcome in outcomes:
+        if outcome.mutant == BASELINE and not outcome.invalid:
+            for reading in outcome.readings:
+                read.setdefault(reading.requirement, []).append(reading)
+    return tuple(_tally(name, readings) for name, readings in read.items())
+
+
+def _tally(name: str, readings: list[Reading]) -> Tally:
+    said = [reading.verdict for reading in readings]
+    return Tally(
+        requirement=name,
+        kind=readings[0].kind,
+        verdicts=tuple((verdict, said.count(verdict)) for verdict in Verdict),
+        triggered=sum(reading.triggered for reading in readings),
+        least_rho=min(reading.rho for reading in readings),
     )
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from scaloft_fi.results.baseline import Finding, findings
+from scaloft_fi.results.baseline import Finding, Tally, findings, tallies
 from scaloft_fi.results.coverage import Coverage, coverage
 from scaloft_fi.results.grouping import By, groups
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.ratio import Decision, Ratio
+from scaloft_fi.results.requirement import Verdict
 from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.score import MutantScore, Score, score
 from scaloft_fi.results.space import Space
@@ -30,7 +31,11 @@ def score_tables(outcomes: Iterable[Outcome], roster: Roster, space: Space, by: 
     tables.append(rung_table(scored))
     if by is not None:
         tables.append(group_table(scored, by, roster, space))
-    tables += [baseline_table(findings(listed, space)), coverage_table(coverage(listed, space))]
+    tables += [
+        baseline_table(findings(listed, space)),
+        requirement_table(tallies(listed)),
+        coverage_table(coverage(listed, space)),
+    ]
     return tuple(tables)
 
 
@@ -133,7 +138,19 @@ def _first(finding: Finding) -> str:
     violation, seed = finding.first
     struck = f" struck {violation.struck}" if violation.struck else ""
     place = f"({violation.x:.2f}, {violation.y:.2f}, {violation.z:.2f})"
-    return f"{violation.requirement} {violation.t_s:.2f} s {place}{struck}, seed {seed}"
+    of_seed = f", seed {seed}" if finding.flown > 1 else ""
+    return f"{violation.requirement} {violation.t_s:.2f} s {place}{struck}{of_seed}"
+
+
+def requirement_table(tallied: Sequence[Tally]) -> Table:
+    """What the baseline flights say about each requirement."""
+    headers = ("requirement", "kind", *(verdict.value for verdict in Verdict), "triggered", "least robustness")
+    rows = tuple(
+        (t.requirement, t.kind.value, *(count for _, count in t.verdicts), t.triggered, f"{t.least_rho:.3f}")
+        for t in tallied
+    )
+    notes = ("Baseline flights by verdict; triggered: episodes in which the requirement's condition came true.",)
+    return Table("Requirements of the unmutated drone (flights)", headers, rows, notes)
 
 
 def coverage_table(covered: Coverage) -> Table:

@@ -9,7 +9,7 @@ from builders import GRID, ROSTER, campaigns, outcome
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.results.baseline import findings, holds_somewhere
+from scaloft_fi.results.baseline import findings, holds_somewhere, tallies
 from scaloft_fi.results.grouping import By, groups
 from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.results.ratio import Ratio
@@ -130,3 +130,19 @@ def test_a_study_whose_every_baseline_is_red_or_cut_short_can_reveal_nothing() -
     assert holds_somewhere(CAMPAIGN)
     assert not holds_somewhere([CAMPAIGN[2]])
     assert not holds_somewhere([])
+
+
+def test_each_requirement_is_tallied_over_the_baseline_flights() -> None:
+    first, *_, last = tallies(CAMPAIGN)
+    assert (first.requirement, dict(first.verdicts), first.least_rho) == (
+        "SR1",
+        {"violated": 1, "open": 0, "vacuous": 0, "held": 2},
+        -0.1,
+    )
+    assert (last.requirement, dict(last.verdicts)["open"], last.triggered) == ("OP1", 1, 3)
+
+
+@given(campaigns())
+def test_the_verdicts_on_a_requirement_sum_to_the_baseline_flights(outcomes: list[Outcome]) -> None:
+    baselines = sum(o.mutant == BASELINE and not o.invalid for o in outcomes)
+    assert all(sum(count for _, count in tally.verdicts) == baselines for tally in tallies(outcomes))
