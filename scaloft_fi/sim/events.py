@@ -33,11 +33,11 @@ def events_of(
     if len(told):
         found.append(Event(float(elapsed_s[told[0]]), "person", "a person is reported"))
     flags = beliefs["collision_flag"] > 0.5
-    for i in np.flatnonzero(flags & ~np.concatenate([[False], flags[:-1]])):
-        found.append(Event(float(elapsed_s[i]), "flag", "the collision flag is raised"))
+    raised = np.flatnonzero(flags & ~np.concatenate([[False], flags[:-1]]))
+    found += [Event(float(elapsed_s[i]), "flag", "the collision flag is raised") for i in raised]
     modes = beliefs["mode"].astype(int)
-    for i in np.flatnonzero(np.diff(modes)) + 1:
-        found.append(Event(float(elapsed_s[i]), "mode", f"flight control: {MODES[modes[i]]}"))
+    changed = np.flatnonzero(np.diff(modes)) + 1
+    found += [Event(float(elapsed_s[i]), "mode", f"flight control: {MODES[modes[i]]}") for i in changed]
     first = [count.first_altered_s for count in counts.values() if count.first_altered_s is not None]
     if first:
         found.append(Event(min(first), "infection", "the first sample differs"))
