@@ -128,6 +128,11 @@ def _fewest(space: Space, primes: Sequence[Term], on: Sequence[Point]) -> list[T
         best = max(others, key=lambda term: len(covered[term] & missing))
         chosen.append(best)
         missing -= covered[best]
+    # a greedy choice may be made superfluous by later ones
+    for term in list(chosen):
+        rest = [covered[other] for other in chosen if other != term]
+        if everything <= frozenset().union(*rest):
+            chosen.remove(term)
     return chosen
 
 
