@@ -106,7 +106,8 @@ class Observer:
         x, y, z, qx, qy, qz, qw, vx, vy, vz = state[:10].tolist()
         self._airborne |= z - self._home[2] > AIRBORNE_M
         home_m = math.hypot(x - self._home[0], y - self._home[1])
-        clearances = {name: self._clearance(name, x, y, z, home_m) for name in self._surfaces}
+        excused = self._excused(state)
+        clearances = {name: self._clearance(name, x, y, z, excused) for name in self._surfaces}
         person_range_m, person_sight_m = self._person(state)
         self._pass_waypoints(x, y)
         near_waypoint = any(math.hypot(x - wx, y - wy) <= PASS_M for wx, wy, _ in scenario.route[:-1])
@@ -131,9 +132,12 @@ class Observer:
         self._touched.clear()
         return row
 
-    def _clearance(self, name: str, x: float, y: float, z: float, home_m: float) -> float:
-        """Hull to a surface [m], at most 1; a contact since the last sample makes it negative."""
-        if name == GROUND and home_m <= PASS_M:
+    def _clearance(self, name: str, x: float, y: float, z: float, excused: bool) -> float:
+        """Hull to a surface [m], at most 1; a contact since the last sample makes it negative.
+
+        Ground that may be touched as things stand counts as far, or every landing would end at clearance 0.
+        """
+        if name == GROUND and excused:
             return CLEARANCE_CAP_M if name not in self._touched else TOUCH_M
         clearance_m = CLEARANCE_CAP_M
         if name in self._ids and self._within_reach(name, x, y, z):
