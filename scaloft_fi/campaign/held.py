@@ -33,21 +33,36 @@ class Held:
 
 
 def held(study: Study, campaign: str) -> Held:
-    """Read a campaign without flying.
+    """What a campaign holds, read without flying.
 
     Raises:
-        InputError: there is none, or nothing in it is current.
+        InputError: there is no campaign.
     """
     folder = campaign_folder(study, campaign)
     with Store(existing(folder), create=False) as store:
-        everything = tuple(store.outcomes())
-        keys = _keys(study, everything)
-        current = tuple(store.outcomes(keys))
-    stale = len(everything) - len(current)
-    if not current:
-        reason = f"all {stale} flights are of other inputs or code" if stale else "it holds no flight"
-        raise InputError(f"{folder}: nothing here to score: {reason}; `scaloft-fi run` flies")
-    return Held(folder, current, stale)
+        return held_in(study, store, folder)
+
+
+def held_in(study: Study, store: Store, folder: Path) -> Held:
+    """The same of an open store."""
+    everything = tuple(store.outcomes())
+    now = tuple(store.outcomes(_keys(study, everything)))
+    return Held(folder, now, len(everything) - len(now))
+
+
+def current(study: Study, campaign: str) -> tuple[Outcome, ...]:
+    """The outcomes of a campaign that count.
+
+    Raises:
+        InputError: there are none.
+    """
+    found = held(study, campaign)
+    if not found.current:
+        reason = (
+            f"all {found.stale} flights were flown with other data or code" if found.stale else "it holds no flight"
+        )
+        raise InputError(f"{found.folder}: nothing to show: {reason}; `scaloft-fi run` flies what is asked for")
+    return found.current
 
 
 def flight_named(study: Study, mutant: str, situation: str, seed: int) -> Flight:

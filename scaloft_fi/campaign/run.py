@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +13,7 @@ from types import FrameType
 from scaloft_fi.campaign import gates
 from scaloft_fi.campaign.fly import Flyer, Physics, Worker, lost
 from scaloft_fi.campaign.folder import LOG_NAME, STORE_NAME, writable
+from scaloft_fi.campaign.held import held_in
 from scaloft_fi.campaign.key import flight_key
 from scaloft_fi.campaign.plan import Flight, Plan, canary_flight
 from scaloft_fi.campaign.pool import Pool
@@ -59,9 +60,24 @@ def run(
         Interrupted: the user stopped it.
     """
     flyer = flyer or Physics()
-    if not _all_flown(study, planned, folder / STORE_NAME):
-        flyer.prepare(study, progress.line)
-    with Store(writable(folder) / STORE_NAME) as store, _interruptible() as stopped:
+    with _interruptible() as stopped:
+        if not _all_flown(study, planned, folder / STORE_NAME):
+            flyer.prepare(study, progress.line)
+        report, repeats = _fly(study, planned, folder, jobs, progress, flyer, stopped)
+    if stopped():
+        saved = f"{len(report.outcomes)} of {planned.flights} flights are saved in {folder}"
+        raise Interrupted(f"interrupted: {saved}; the same command resumes")
+    whole_grid = {flight.situation.key for flight in planned.baselines} == study.space.point.keys()
+    judged = planned.canary.id if planned.canary else None
+    gates.check(report.outcomes, study.roster, canary=judged, whole_grid=whole_grid, repeats=repeats)
+    return report
+
+
+def _fly(
+    study: Study, planned: Plan, folder: Path, jobs: int, progress: Progress, flyer: Flyer, stopped: Callable[[], bool]
+) -> tuple[Report, tuple[Outcome, ...]]:
+    """Fly until all is flown or the user stops it; returns what the plan has now, and the repeated flights."""
+    with Store(writable(folder) / STORE_NAME) as store:
         _remember_platform(store, progress)
         crew = _Crew(study, store, Pool(Worker(study, flyer), lost, jobs, stopped), progress)
         crew.expect([*planned.baselines, *planned.mutants], canaries=int(planned.canary is not None))
@@ -73,15 +89,8 @@ def run(
         progress.close()
         everything = (*planned.baselines, *rest)
         outcomes = crew.outcomes(everything)
-        _write_log(study, folder, outcomes, len({(f.situation.key, f.seed) for f in planned.baselines}))
-    if stopped():
-        raise Interrupted(
-            f"interrupted: {len(outcomes)} of {planned.flights} flights are saved in {folder}; the same command resumes"
-        )
-    whole_grid = {flight.situation.key for flight in planned.baselines} == study.space.point.keys()
-    judged = planned.canary.id if planned.canary else None
-    gates.check(outcomes, study.roster, canary=judged, whole_grid=whole_grid, repeats=repeats)
-    return Report(outcomes, crew.flown)
+        _write_log(study, folder, held_in(study, store, folder).current)
+    return Report(outcomes, crew.flown), repeats
 
 
 def _all_flown(study: Study, planned: Plan, path: Path) -> bool:
@@ -150,10 +159,10 @@ def _remember_platform(store: Store, progress: Progress) -> None:
     store.set_meta(ours)
 
 
-def _write_log(study: Study, folder: Path, outcomes: Sequence[Outcome], planned: int) -> None:
+def _write_log(study: Study, folder: Path, outcomes: Sequence[Outcome]) -> None:
     path = folder / LOG_NAME
     try:
-        path.write_text(to_json(mission_log(outcomes, study.roster, study.space, planned)), encoding="utf-8")
+        path.write_text(to_json(mission_log(outcomes, study.roster, study.space)), encoding="utf-8")
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from error
 

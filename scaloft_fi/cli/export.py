@@ -18,13 +18,13 @@ from scaloft_fi.cli.options import campaign_option, study_option
 def export_command(study_folder: Path | None, campaign: str, style: str, output: Path | None) -> None:
     """Print one row per flight, ordered by mutant, situation and seed: facts of the simulation only."""
     check_writable(output)
-    from scaloft_fi.campaign.held import held
+    from scaloft_fi.campaign.held import current
     from scaloft_fi.results.export import export_rows, to_csv, to_json
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
     names = [requirement.name for requirement in study.requirements]
-    rows = export_rows(held(study, campaign).current, study.roster, study.space, names)
+    rows = export_rows(current(study, campaign), study.roster, study.space, names)
     text = to_json(rows) if style == "json" else to_csv(rows, names)
     if output is None:
         click.echo(text, nl=False)

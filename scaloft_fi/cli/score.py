@@ -29,11 +29,11 @@ def score_command(
     study_folder: Path | None, campaign: str, grouping: str | None, style: str, fail_under: float | None
 ) -> int:
     """Print the score, the mutants, the baseline's findings and the coverage of a campaign."""
-    from scaloft_fi.campaign.held import held
+    from scaloft_fi.campaign.held import current
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
-    return report(study, held(study, campaign).current, grouping, style, fail_under)
+    return report(study, current(study, campaign), grouping, style, fail_under)
 
 
 def report(

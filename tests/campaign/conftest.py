@@ -10,7 +10,10 @@ from typing import Any
 import pytest
 
 from scaloft_fi.campaign.plan import Flight
-from scaloft_fi.mutants.mutant import PLACEBO, Mutant
+from scaloft_fi.hazop.load import load_matrix
+from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.results.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.results.requirement import Kind, Reading
 from scaloft_fi.results.roster import Roster
@@ -25,15 +28,18 @@ class FakeSituation:
     nominal_s: float
 
 
-GRID = tuple(FakeSituation(f"D{d}H{h}", 30.0 + 10 * d + 20 * h) for d in (0, 1) for h in (0, 1))
+class FakeGrid(tuple[FakeSituation, ...]):
+    """The situations, found by key."""
+
+    __slots__ = ()
+
+    def situation(self, key: str) -> FakeSituation:
+        return next(situation for situation in self if situation.key == key)
 
 
-def mutant(name: str, seam: str = "person") -> Mutant:
-    guideword, parameter = name.split("@")[0].split("-")
-    return Mutant(name, guideword, parameter, name.partition("@")[2], 0.0, seam, "delay")
-
-
-LATE, MORE, CONTROL = mutant("LATE-human@3s"), mutant("MORE-goal@1m", "goal"), mutant("REVERSE-velcmd", "velcmd")
+GRID = FakeGrid(FakeSituation(f"D{d}H{h}", 30.0 + 10 * d + 20 * h) for d in (0, 1) for h in (0, 1))
+MATRIX = load_matrix(Path(__file__).parents[2] / "hazop")
+LATE, MORE, CONTROL = (realise(MATRIX, name) for name in ("LATE-human@3s", "MORE-goal@1m", "REVERSE-velcmd"))
 
 
 SPACE = Space(
@@ -57,7 +63,8 @@ class FakeStudy:
     inputs: Mapping[str, str] = field(
         default_factory=lambda: {"sim": "s", "requirements": "r", "code": "c", "realised": "t"}
     )
-    grid: tuple[FakeSituation, ...] = GRID
+    grid: FakeGrid = GRID
+    matrix: Matrix = MATRIX
     space: Space = SPACE
     roster: Roster = ROSTER
 
@@ -79,9 +86,7 @@ def fly(study: FakeStudy, flight: Flight) -> Outcome:
     if subject == LATE.id and "H1" in key:
         violated.setdefault("SR2", 7.0)
     plain = subject in (BASELINE, PLACEBO.id) or (subject == LATE.id and "H0" in key)
-    return outcome(
-        flight, violated, digest=f"{key}-{flight.seed}" + "" * plain if plain else f"{subject}-{key}-{flight.seed}"
-    )
+    return outcome(flight, violated, digest=f"{key}-{flight.seed}" if plain else f"{subject}-{key}-{flight.seed}")
 
 
 def outcome(flight: Flight, violated: Mapping[str, float], *, digest: str) -> Outcome:

@@ -18,6 +18,7 @@ from scaloft_fi.campaign.plan import Flight, Plan, plan
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.run import Interrupted, Report, run
 from scaloft_fi.errors import GateError, InputError
+from scaloft_fi.mutants.derive import realise
 from scaloft_fi.results.export import export_rows, to_json
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.store import Store
@@ -26,11 +27,7 @@ CONTROL, LATE = "REVERSE-velcmd", "LATE-human@3s"
 
 
 def _plan(study: Any, seeds: tuple[int, ...] = (0,)) -> Plan:
-    from scaloft_fi.mutants.mutant import Mutant
-
-    late = Mutant(LATE, "LATE", "human", "3s", 0.0, "person", "delay")
-    control = Mutant(CONTROL, "REVERSE", "velcmd", "", 0.0, "velcmd", "delay")
-    return plan(study.grid, seeds, [late], control)
+    return plan(study.grid, seeds, [realise(study.matrix, LATE)], realise(study.matrix, CONTROL))
 
 
 def _run(study: Any, log: Any, *, jobs: int = 1, planned: Plan | None = None, folder: str = "c") -> Report:
