@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import threading
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -25,6 +26,9 @@ from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.requirement import Kind
 from scaloft_fi.results.store import Store
 from scaloft_fi.study import Study
+
+ECHO_S = 1.0
+"""A second signal within this time is the first one's echo: a terminal and a wrapper may both pass it on [s, wall]."""
 
 
 class Interrupted(ScaloftError):  # noqa: N818 - an event, not an error
@@ -186,12 +190,14 @@ class _Flag:
     """Whether the user asked to stop."""
 
     def __init__(self) -> None:
-        self._up = False
+        self._since_s: float | None = None
 
     def __call__(self) -> bool:
-        return self._up
+        return self._since_s is not None
 
     def raise_it(self, number: int, frame: FrameType | None) -> None:
-        if self._up:
+        now_s = time.monotonic()
+        if self._since_s is None:
+            self._since_s = now_s
+        elif now_s - self._since_s > ECHO_S:
             raise KeyboardInterrupt
-        self._up = True

@@ -83,6 +83,7 @@ class Pipeline(click.Group):
             _say(str(error))
             return error.exit_code
         except (KeyboardInterrupt, click.Abort):
+            _say("interrupted")
             return INTERRUPTED
         except Exception as error:  # noqa: BLE001 - the last line of defence: no traceback reaches a user unasked
             return _internal(error)

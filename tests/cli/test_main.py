@@ -67,7 +67,7 @@ def test_an_unknown_option_is_one_sentence() -> None:
         (InputError("a:1: b=2 must be 3"), 2, "error: a:1: b=2 must be 3\n"),
         (GateError("PLACEBO differs"), 4, "error: PLACEBO differs\n"),
         (ScaloftError("lost"), 70, "error: lost\n"),
-        (KeyboardInterrupt(), 130, "\n"),
+        (KeyboardInterrupt(), 130, "\nerror: interrupted\n"),
         (ValueError("odd\nvalue"), 70, "error: internal error: ValueError: odd value (SCALOFT_DEBUG=1 shows where)\n"),
     ],
 )
