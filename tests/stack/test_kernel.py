@@ -1,0 +1,46 @@
+import numba
+import pytest
+
+from scaloft_fi.stack.kernel import jit
+
+
+def test_a_kernel_computes_what_its_function_says():
+    @jit
+    def half(x):
+        return x / 2.0
+
+    assert half(3.0) == 1.5
+
+
+def test_a_division_by_zero_gives_infinity_as_in_numpy():
+    @jit
+    def inverse(x):
+        return 1.0 / x
+
+    assert inverse(0.0) == float("inf")
+
+
+def test_without_a_place_for_the_cache_a_kernel_still_compiles(monkeypatch):
+    real = numba.njit
+
+    def nowhere(*args, cache=False, **options):
+        if cache:
+            raise RuntimeError("cannot cache function: no locator available")
+        return real(*args, **options)
+
+    monkeypatch.setattr(numba, "njit", nowhere)
+
+    @jit
+    def double(x):
+        return 2 * x
+
+    assert double(4) == 8
+
+
+def test_another_error_of_the_compiler_is_not_hidden(monkeypatch):
+    def broken(*args, **options):
+        raise TypeError("broken")
+
+    monkeypatch.setattr(numba, "njit", broken)
+    with pytest.raises(TypeError, match="broken"):
+        jit(lambda x: x)
