@@ -29,7 +29,10 @@ if TYPE_CHECKING:
     from scaloft_fi.sim.situation import Situation
 
 PACKAGE = Path(__file__).resolve().parent
-FLYING_CODE = ("stack", "sim", "mutants", "results/outcome.py", "results/requirement.py", "results/stl.py")
+FLYING_CODE = (
+    *("stack", "sim", "mutants", "campaign/fly.py"),
+    *("results/outcome.py", "results/requirement.py", "results/space.py", "results/stl.py"),
+)
 """The sources that can change an outcome."""
 FLYING_DATA = ("world", "vehicle", "sensors", "stack")
 """The documents of `sim/` that enter every flight; of `situations.yaml` only the situation's own values do."""

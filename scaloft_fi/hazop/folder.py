@@ -24,6 +24,6 @@ def find_study(path: Path | str | None = None) -> Path:
         return Path(path)
     here = Path.cwd()
     for folder in (here, *here.parents, _PACKAGE / "_study", _PACKAGE.parent):
-        if all((folder / name).is_dir() for name in FOLDERS):
+        if folder != _PACKAGE and all((folder / name).is_dir() for name in FOLDERS):  # the package has such folders too
             return folder
     raise InputError(f"no study in {here} or above it: a folder with hazop/, mutants/ and sim/; name one with --study")

@@ -1,0 +1,124 @@
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+
+import scaloft_fi
+from scaloft_fi.errors import InputError
+from scaloft_fi.study import FLYING_CODE, PACKAGE, Study
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="module")
+def study() -> Study:
+    return Study.open(ROOT)
+
+
+@pytest.fixture
+def copy(tmp_path: Path) -> Path:
+    for name in ("hazop", "mutants", "sim"):
+        shutil.copytree(ROOT / name, tmp_path / name)
+    return tmp_path
+
+
+def _edit(path: Path, old: str, new: str) -> None:
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+
+
+def test_the_reference_study_passes_every_check(study: Study) -> None:
+    study.check()
+    assert len(study.grid) == 32
+    assert len(study.space.points) == 32
+
+
+def test_the_study_is_the_nearest_folder_upwards(copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (copy / "deep" / "deeper").mkdir(parents=True)
+    monkeypatch.chdir(copy / "deep" / "deeper")
+    assert Study.open().folder == copy
+    assert Study.open().results_folder == copy / "results"
+
+
+def test_the_package_itself_is_no_study(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(PACKAGE)
+    assert Study.open().folder == ROOT
+
+
+def test_a_packaged_study_keeps_its_results_where_the_user_stands(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert Study(PACKAGE / "_study").results_folder == tmp_path / "results"
+
+
+def test_the_roster_has_every_cells_default_and_the_controls(study: Study) -> None:
+    assert study.roster.defaults["LATE-human"] == "LATE-human@3s"
+    assert "REVERSE-velcmd" in study.roster.controls
+    assert not study.roster.controls & study.roster.defaults.keys()
+
+
+def test_each_default_is_in_the_catalogue(study: Study) -> None:
+    assert set(study.roster.defaults.values()) <= set(study.roster.ids)
+
+
+def test_a_situation_changes_what_its_values_set_and_nothing_else(study: Study) -> None:
+    assert study.changes(study.grid.situation("T0O0W0D0H0")) == {}
+    dark = study.changes(study.grid.situation("T0O0W0D1H1"))
+    assert set(dark) == {"light", "bodies.person.present"}
+
+
+def test_the_time_expected_of_a_flight_grows_with_the_route_and_a_person(study: Study) -> None:
+    straight, turn, slow = (
+        study.expected_s(study.grid.situation(key)) for key in ("T0O0W0D0H0", "T1O0W0D0H0", "T1O0W0D0H1")
+    )
+    assert straight < turn < slow
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "part"),
+    [
+        ("world.yaml", "light: 0.9", "light: 0.8", "sim"),
+        ("requirements.yaml", "speed_mps / 0.25", "speed_mps / 0.30", "requirements"),
+        ("situations.yaml", "eventually(x_m < -1)", "eventually(x_m < -2)", "realised"),
+    ],
+)
+def test_an_edit_changes_the_hash_of_its_part_alone(copy: Path, name: str, old: str, new: str, part: str) -> None:
+    before = Study(copy).inputs
+    _edit(copy / "sim" / name, old, new)
+    after = Study(copy).inputs
+    assert {key for key in before if before[key] != after[key]} == {part}
+
+
+def test_a_comment_changes_no_hash(copy: Path) -> None:
+    before = Study(copy).inputs
+    for path in (copy / "sim").glob("*.yaml"):
+        path.write_text(f"# a comment\n{path.read_text()}")
+    assert Study(copy).inputs == before
+
+
+def test_a_mesh_of_the_users_own_is_part_of_the_hash(copy: Path) -> None:
+    before = Study(copy).inputs
+    (copy / "sim" / "mine.obj").write_text("v 0 0 0\n")
+    assert Study(copy).inputs["sim"] != before["sim"]
+
+
+def test_the_code_that_flies_exists() -> None:
+    assert all((PACKAGE / name).exists() for name in FLYING_CODE)
+    assert Path(scaloft_fi.__file__).parent == PACKAGE
+
+
+def test_a_requirement_that_no_cell_can_name_is_told_with_file_and_line(copy: Path) -> None:
+    _edit(copy / "hazop" / "matrix" / "human.yaml", "requirements: [SR2]", "requirements: [SR3]")
+    with pytest.raises(InputError, match=re.escape("human.yaml") + r":\d+: 'SR3' of \S+ is no requirement"):
+        Study(copy).check()
+
+
+def test_a_predicate_about_an_unknown_signal_is_refused(copy: Path) -> None:
+    _edit(copy / "sim" / "situations.yaml", "eventually(x_m < -1)", "eventually(x_mm < -1)")
+    with pytest.raises(InputError, match=r"situations\.yaml: realised of T1 .*x_mm"):
+        Study(copy).check()
