@@ -2,8 +2,8 @@
 
     python benchmarks/sensitivity.py [--jobs N] [--only PATH_GLOB] [--output results/published/sensitivity.md]
 
-Each number that `sim/sources.yaml` calls an assumption is multiplied by 0.7 and by 1.3, one at a time (whole numbers are
-rounded; the corridor's and the branch's widths vary as a whole).  Per variation the baseline and the row's mutants fly
+Each number that `sim/sources.yaml` calls an assumption is multiplied by 0.7 and by 1.3, one at a time (whole numbers
+are rounded; the corridor's and the branch's widths vary as a whole).  Per variation the baseline and the row's mutants fly
 the row's situation; the table says whether the verdict is that of the study as it stands.
 """
 
@@ -44,9 +44,10 @@ class Row:
     mutants: tuple[str, ...]
 
 
+PHASES = ("", "#5s", "#10s", "#15s")
 ROWS = (
     Row("LATE-human@3s", "T0O0W0D0H1", ("LATE-human@3s",)),
-    Row("UNINTENDED-collision@20s", "T1O0W1D0H0", tuple(f"UNINTENDED-collision@20s{p}" for p in ("", "#5s", "#10s", "#15s"))),
+    Row("UNINTENDED-collision@20s", "T1O0W1D0H0", tuple(f"UNINTENDED-collision@20s{p}" for p in PHASES)),
     Row("MORE-goal", "T1O1W0D0H1", ("MORE-goal@0.6m", "MORE-goal@1m", "MORE-goal@3m")),
 )  # fmt: skip
 
@@ -58,6 +59,10 @@ class Variation:
     name: str
     change: str
     overrides: Mapping[str, float]
+
+    def touches(self, pattern: str) -> bool:
+        """Whether it changes a number whose path matches."""
+        return any(fnmatch.fnmatch(path, pattern) for path in self.overrides)
 
 
 @dataclass(frozen=True)
@@ -78,21 +83,19 @@ def variations(numbers: Mapping[str, float]) -> Iterator[Variation]:
         for share in SHARES:
             changed = value * share
             if path.rsplit(".", 1)[-1] in WHOLE:
-                changed = int(round(changed))
+                changed = round(changed)
             if changed != value:
                 yield Variation(path, f"{value:g} -> {changed:g}", {path: changed})
     for share in SHARES:
         half = 1.2 * share
         low, high = 8.0 - half, 8.0 + half
         corners = {"4": high, "5": high, "6": low, "7": low}
-        yield Variation(
-            "width of the branch", f"2.4 -> {2 * half:g}", {f"world.mine.footprint.{k}.1": y for k, y in corners.items()}
-        )
+        moved = {f"world.mine.footprint.{k}.1": y for k, y in corners.items()}
+        yield Variation("width of the branch", f"2.4 -> {2 * half:g}", moved)
         half = 1.5 * share
         sides = {"0": -half, "1": half, "2": half, "3": -half, "4": -half, "7": -half}
-        yield Variation(
-            "width of the corridor", f"3 -> {2 * half:g}", {f"world.mine.footprint.{k}.0": x for k, x in sides.items()}
-        )
+        moved = {f"world.mine.footprint.{k}.0": x for k, x in sides.items()}
+        yield Variation("width of the corridor", f"3 -> {2 * half:g}", moved)
 
 
 def fly_row(task: tuple[Path, Variation, Row]) -> Finding | str:
@@ -110,7 +113,10 @@ def fly_row(task: tuple[Path, Variation, Row]) -> Finding | str:
         mutant = realise(study.matrix, mutant_id) if mutant_id else None
         context = contexts(mutant_id or "baseline", row.situation, 0, scenario.nominal_s, facts(scenario, sigma))
         log = fly(config, scenario.situation, 0, wire_for(mutant, context))
-        return outcome_of(log, Subject.of(mutant), row.situation, 0, requirements=study.requirements, realisation=None), log
+        judged = outcome_of(
+            log, Subject.of(mutant), row.situation, 0, requirements=study.requirements, realisation=None
+        )
+        return judged, log
 
     clean, clean_log = outcome(None)
     kills, clearances = [], [float(clean_log.signals["clearance_m"].min())]
@@ -130,9 +136,7 @@ def main() -> None:
     parser.add_argument("--output", type=Path, help="a Markdown file (default: print)")
     options = parser.parse_args()
     study = Study.open(None)
-    chosen = [
-        v for v in variations(study.sim.assumptions) if not v.overrides or any(fnmatch.fnmatch(p, options.only) for p in v.overrides)
-    ]  # fmt: skip
+    chosen = [v for v in variations(study.sim.assumptions) if not v.overrides or v.touches(options.only)]
     tasks = [(study.folder, variation, row) for variation in chosen for row in ROWS]
     with multiprocessing.Pool(options.jobs) as pool:
         findings = list(pool.imap(fly_row, tasks))
@@ -163,15 +167,19 @@ def table(tasks: list[tuple[Variation, Row]], findings: list[Finding | str]) -> 
             + ", ".join(f"{c:.2f}" for c in stands.clearance_m)
             + " m (baseline first).",
             "",
-            f"{len(flown)} variations flown, {len(own) - 1 - len(flown)} not possible: {len(same)} leave baseline and "
-            f"verdicts as they are; in {len(some)} at least one mutant of the row is killed.",
+            (
+                f"{len(flown)} variations flown, {len(own) - 1 - len(flown)} not possible: {len(same)} leave baseline and "
+                f"verdicts as they are; in {len(some)} at least one mutant of the row is killed."
+            ),
             "",
             "| assumption | from -> to | baseline | " + " | ".join(row.mutants) + " |",
             "|---|---|---|" + "---|" * len(row.mutants),
         ]
         for variation, finding in own[1:]:
             if isinstance(finding, str):
-                lines.append(f"| {variation.name} | {variation.change} | not possible: {finding} |" + " |" * len(row.mutants))
+                lines.append(
+                    f"| {variation.name} | {variation.change} | not possible: {finding} |{' |' * len(row.mutants)}"
+                )
             elif finding.kills != stands.kills or finding.baseline != stands.baseline:
                 cells = " | ".join(finding.kills)
                 lines.append(f"| {variation.name} | {variation.change} | {finding.baseline} | {cells} |")
