@@ -3,8 +3,8 @@
     python benchmarks/sensitivity.py [--jobs N] [--only PATH_GLOB] [--output results/published/sensitivity.md]
 
 Each number that `sim/sources.yaml` calls an assumption is multiplied by 0.7 and by 1.3, one at a time (whole numbers
-are rounded; the corridor's and the branch's widths vary as a whole).  Per variation the baseline and the row's mutants fly
-the row's situation; the table says whether the verdict is that of the study as it stands.
+are rounded; the corridor's and the branch's widths vary as a whole).  Per variation the baseline and the row's mutants
+fly the row's situation; the table says whether the verdict is that of the study as it stands.
 """
 
 from __future__ import annotations
@@ -168,8 +168,8 @@ def table(tasks: list[tuple[Variation, Row]], findings: list[Finding | str]) -> 
             + " m (baseline first).",
             "",
             (
-                f"{len(flown)} variations flown, {len(own) - 1 - len(flown)} not possible: {len(same)} leave baseline and "
-                f"verdicts as they are; in {len(some)} at least one mutant of the row is killed."
+                f"{len(flown)} variations flown, {len(own) - 1 - len(flown)} not possible: {len(same)} leave baseline "
+                f"and verdicts as they are; in {len(some)} at least one mutant of the row is killed."
             ),
             "",
             "| assumption | from -> to | baseline | " + " | ".join(row.mutants) + " |",
