@@ -33,7 +33,9 @@ class Item:
 
     def error(self, allowed: str) -> InputError:
         """The sentence for a value that is not allowed here."""
-        shown = self.value if not isinstance(self.value, tuple | dict) else "{...}" if isinstance(self.value, dict) else "[...]"
+        shown: object = self.value
+        if isinstance(shown, dict | tuple):
+            shown = "{...}" if isinstance(shown, dict) else "[...]"
         return InputError(f"{self.place}: {self.name}={shown!r} must be {allowed}")
 
     def mapping(self) -> dict[str, Item]:
@@ -62,8 +64,8 @@ class Item:
         if isinstance(self.value, bool) or not isinstance(self.value, int | float) or math.isnan(self.value):
             raise self.error("a number")
         if not (least <= self.value <= most and self.value > above):
-            bounds = [f">= {least:g}"] * (least > -math.inf) + [f"> {above:g}"] * (above > -math.inf) + [f"<= {most:g}"] * (most < math.inf)
-            raise self.error(" and ".join(bounds))
+            bounds = {f">= {least:g}": least, f"> {above:g}": above, f"<= {most:g}": most}
+            raise self.error(" and ".join(text for text, bound in bounds.items() if math.isfinite(bound)))
         return float(self.value)
 
     def whole(self, *, least: int = 0) -> int:
@@ -73,7 +75,7 @@ class Item:
         return self.value
 
     def flag(self) -> bool:
-        """true or false."""
+        """Either true or false."""
         if not isinstance(self.value, bool):
             raise self.error("true or false")
         return self.value
@@ -81,7 +83,8 @@ class Item:
     def choice(self, allowed: Sequence[str]) -> str:
         """One of `allowed`."""
         if str(self.value) not in allowed:
-            raise InputError(f"{self.place}: {self.name}={self.value!r} is not known{did_you_mean(str(self.value), allowed)}")
+            hint = did_you_mean(str(self.value), allowed)
+            raise InputError(f"{self.place}: {self.name}={self.value!r} is not known{hint}")
         return str(self.value)
 
     def numbers(self, count: int | None = None) -> tuple[float, ...]:
@@ -164,7 +167,8 @@ def _item(loader: Any, node: yaml.Node, path: Path, name: str) -> Item:
             entries[key] = _item(loader, value_node, path, key)
         return Item(path, line, name, entries)
     if isinstance(node, yaml.SequenceNode):
-        return Item(path, line, name, tuple(_item(loader, entry, path, f"{name}[{i}]") for i, entry in enumerate(node.value)))
+        listed = enumerate(node.value)
+        return Item(path, line, name, tuple(_item(loader, entry, path, f"{name}[{i}]") for i, entry in listed))
     value = loader.construct_object(node)
     if value is not None and not isinstance(value, str | int | float | bool):
         value = str(getattr(node, "value", value))

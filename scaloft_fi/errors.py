@@ -19,7 +19,7 @@ class InputError(ScaloftError):
 
 
 class GateError(ScaloftError):
-    """A gate failed (PLACEBO or a repeat differs, a control survives, no green baseline): no score is to be believed."""
+    """A gate failed (PLACEBO or a repeat differs, a control survives, no green baseline): no score can be believed."""
 
     exit_code = 4
 

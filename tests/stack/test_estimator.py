@@ -66,7 +66,7 @@ def test_a_late_fix_is_compared_with_the_estimate_of_its_own_time():
 
 @pytest.mark.parametrize(
     ("stamp_of", "why"),
-    [(lambda t: 0.0, "no stamp"), (lambda t: t - 0.7, "too old"), (lambda t: t + 5.0, "from the future")],
+    [(lambda _t: 0.0, "no stamp"), (lambda t: t - 0.7, "too old"), (lambda t: t + 5.0, "from the future")],
 )
 def test_a_fix_with_an_impossible_stamp_is_refused(stamp_of, why):
     estimator = Estimator(CONFIG, np.zeros(3), 0.0)

@@ -1,6 +1,7 @@
 """Speed limit, exposure, battery monitor, recoil, pose buffer, settings."""
 
 import math
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -181,9 +182,8 @@ def test_settings_become_nested_frozen_values():
     ],
 )
 def test_a_bad_setting_is_named(change, sentence):
-    with pytest.raises(ConfigError, match=".") as error:
+    with pytest.raises(ConfigError, match=re.escape(sentence)):
         build(Outer, {**GOOD, **change})
-    assert sentence in str(error.value)
 
 
 def test_a_missing_setting_is_named():
