@@ -67,7 +67,7 @@ class ObstacleMemory:
         """
         c, camera = self.config, self.camera
         self._fresh, self._places, forget = voxels.observe(
-            frame.depth, camera.ahead_m, camera.column, camera.row, pose.position, pose.attitude,
+            np.ascontiguousarray(frame.depth), camera.ahead_m, camera.column, camera.row, pose.position, pose.attitude,
             c.voxel_m, (c.min_range_m, c.max_range_m), c.min_pixels, c.clear_margin_m,
             self._cells, self._seen_s, frame.stamp_s - c.max_age_s,
         )  # fmt: skip
@@ -76,7 +76,7 @@ class ObstacleMemory:
 
     def update(self, delivered: Clearing | None) -> None:
         """Forget the cells that were `delivered` (None: forget nothing), then insert what the last frame marked."""
-        forget = delivered.forget if delivered is not None else _NOTHING
+        forget = np.ascontiguousarray(delivered.forget) if delivered is not None else _NOTHING
         self._cells, self._seen_s = voxels.update(
             self._cells, self._seen_s, forget, self._fresh, self._places, self._frame_s
         )

@@ -47,7 +47,7 @@ class ProximityMonitor:
         """Least range in each sector of `frame`, taken from `pose`; not touched."""
         c, camera = self.config, self.camera
         least = _least(
-            frame.depth, camera.rays, camera.ahead_m, pose.attitude,
+            np.ascontiguousarray(frame.depth), camera.rays, camera.ahead_m, pose.attitude,
             self._sector_of_column, c.sectors, c.band_m, c.min_pixels,
         )  # fmt: skip
         return Proximity(frame.stamp_s, least, self._watched, self._bearings, c.trigger_m, touched=False)

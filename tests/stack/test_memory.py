@@ -146,6 +146,13 @@ def test_the_map_holds_what_is_near_and_the_newest_frames_stamp(memory, memory_c
     assert len(memory.map(pose_at(x=-9.0)).points) == 0
 
 
+def test_a_mirrored_view_of_an_image_is_an_image(memory, pose_at):
+    depth = np.zeros((48, 64))
+    depth[20:28, 2:8] = 2.0
+    see(memory, DepthFrame(0.0, depth[:, ::-1]), pose_at())
+    assert np.all(memory.map(pose_at()).points[:, 1] < 0)
+
+
 @pytest.mark.parametrize("x", [np.nan, np.inf, 1e300])
 def test_a_diverged_estimate_marks_nothing_and_clears_nothing(memory, pose_at, wall_at, x):
     see(memory, wall_at(2.0), pose_at())

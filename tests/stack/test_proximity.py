@@ -64,6 +64,13 @@ def test_the_bearing_is_that_of_the_nearest_triggered_sector(monitor, pose_at, c
     assert abs(flag.bearing_rad) > 0.4
 
 
+def test_a_mirrored_image_gives_the_mirrored_bearing(monitor, pose_at):
+    frame = image(spot=(slice(20, 28), slice(0, 8), 0.31))
+    plain = monitor.flag(0.0, monitor.sectors(frame, pose_at()))
+    mirrored = monitor.flag(0.0, monitor.sectors(frame._replace(depth=frame.depth[:, ::-1]), pose_at()))
+    assert mirrored.bearing_rad == pytest.approx(-plain.bearing_rad)
+
+
 def test_of_two_the_nearer_one_gives_the_bearing(monitor, pose_at):
     frame = image(left=(slice(20, 28), slice(0, 8), 0.34), right=(slice(20, 28), slice(56, 64), 0.30))
     assert monitor.flag(0.0, monitor.sectors(frame, pose_at())).bearing_rad < 0

@@ -51,7 +51,7 @@ class Planner:
             return Plan(direction, distance, blocked=False, expanded=0)
         radius = dilation_bins(c.dilation_bins, obstacles.inflation)
         direction, cost, expanded = search(
-            obstacles.points, pose.position, goal, self._previous, radius, self._settings
+            np.ascontiguousarray(obstacles.points), pose.position, goal, self._previous, radius, self._settings
         )
         self._previous = direction
         return Plan(direction, distance, cost >= c.obstacle_cost * c.obstacle_weight, expanded)
