@@ -88,7 +88,7 @@ def test_what_is_expected_not_to_infect_does_not(default_rows):
 
 
 def test_every_control_is_seen_or_waits_for_a_situation_that_shows_it(default_rows):
-    """One situation is not the grid: what survives here has to be killed elsewhere, which the gate of a full run holds."""
+    """One situation is not the grid: what survives here has to be killed elsewhere; a full run holds that gate."""
     study = Study.open(ROOT)
     controls = [row for row in default_rows if row["mutant"].split("@")[0] in study.roster.controls]
     assert len(controls) == 11
