@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 PACKAGE = Path(__file__).resolve().parent
 FLYING_CODE = (
     *("stack", "sim", "mutants", "campaign/fly.py"),
-    *("results/outcome.py", "results/requirement.py", "results/space.py", "results/stl.py"),
+    *("results/outcome.py", "results/requirement.py", "results/space.py", "results/stl.py", "results/monitor.py"),
 )
 """The sources that can change an outcome."""
 FLYING_DATA = ("world", "vehicle", "sensors", "stack")
