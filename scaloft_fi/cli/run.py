@@ -29,6 +29,7 @@ from scaloft_fi.cli.options import campaign_option, fail_under_option, format_op
 )
 @click.option("--seeds", default="1", show_default=True, metavar="N|A-B", help="Seeds 0..N-1, or A to B inclusive.")
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
+@click.option("--no-share", is_flag=True, help="Fly every flight whole from take-off; the outcomes are the same.")
 @format_option
 @fail_under_option
 @click.option("--quiet", is_flag=True, help="No progress and no warnings.")
@@ -39,6 +40,7 @@ def run_command(
     situations: tuple[str, ...],
     seeds: str,
     jobs: int | None,
+    no_share: bool,
     style: str,
     fail_under: float | None,
     quiet: bool,
@@ -52,6 +54,7 @@ def run_command(
     one_thread_each()
     from scaloft_fi.campaign import choose
     from scaloft_fi.campaign.folder import campaign_folder
+    from scaloft_fi.campaign.fork import CAN_FORK
     from scaloft_fi.campaign.plan import plan
     from scaloft_fi.campaign.progress import Progress, Silence
     from scaloft_fi.campaign.run import run
@@ -65,5 +68,6 @@ def run_command(
     )
     progress = Silence() if quiet else Progress()
     folder = campaign_folder(study, campaign)
-    flown = run(study, planned, folder, jobs=jobs or cores(), progress=progress)
+    share = CAN_FORK and not no_share
+    flown = run(study, planned, folder, jobs=jobs or cores(), progress=progress, share=share)
     return report(study, flown.outcomes, None, style, fail_under)
