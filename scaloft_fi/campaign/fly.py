@@ -52,7 +52,9 @@ class Physics:
     """Flies in PyBullet."""
 
     def prepare(self, study: Study, say: Callable[[str], None]) -> None:
-        """Build the stack and compile its kernels by flying a few seconds; workers forked afterwards have them.
+        """Build the stack, compile its kernels and parse the formulas by flying and judging a few seconds.
+
+        Whatever is forked afterwards has them.
 
         Raises:
             InputError: the settings of the stack do not fit.
@@ -72,6 +74,7 @@ class Physics:
                     trial.tick()
                     for _ in range(flight.STEPS_PER_TICK):
                         trial.step()
+                judged(study, Flight(None, first, 0), trial.log())
         finally:
             notice.cancel()
             notice.join()
