@@ -10,6 +10,8 @@ from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.results.roster import Roster, cell_of
 from scaloft_fi.results.status import Flight, Status, baselines_of, flights_of
 
+MOST_INVALID = 0.1
+"""A run in which the harness failed over a larger share of the flights says nothing of the drone."""
 NAMED = 3
 """How many flights a sentence names before it counts the rest."""
 
@@ -36,6 +38,7 @@ def check(
     """
     listed = list(outcomes)
     failed = [
+        *_too_many_invalid(listed),
         *_differ("PLACEBO differs from the baseline", _placebos(listed)),
         *_differ("a repeated flight differs from the first", _repeated(listed, repeats)),
         *_no_green_baseline(listed),
@@ -43,6 +46,13 @@ def check(
     ]
     if failed:
         raise GateError("gate failed: " + "; ".join(failed))
+
+
+def _too_many_invalid(outcomes: Sequence[Outcome]) -> Iterator[str]:
+    broken = [outcome for outcome in outcomes if outcome.invalid]
+    if len(broken) > MOST_INVALID * len(outcomes):
+        names = _some([f"{outcome.name} ({outcome.invalid})" for outcome in broken])
+        yield f"{len(broken)} of {len(outcomes)} flights are invalid, more than {MOST_INVALID:.0%}: {names}"
 
 
 def _differ(what: str, pairs: Iterable[tuple[Outcome, Outcome]]) -> Iterator[str]:

@@ -160,6 +160,15 @@ def test_a_crash_of_the_harness_is_invalid_with_its_reason_and_is_flown_again_ne
     assert not any(o.invalid for o in _run(study, log).outcomes)
 
 
+def test_more_than_a_tenth_of_invalid_flights_fails_the_gate(study: Any, log: Any) -> None:
+    log.change = _change(f"{LATE}/D0H1/0", invalid="its worker process died every time it was flown")
+    _run(study, log)
+    broken = (f"{LATE}/D0H0/0", f"{LATE}/D0H1/0")
+    log.change = lambda flight, outcome: replace(outcome, invalid="no memory") if flight.name in broken else outcome
+    with pytest.raises(GateError, match=r"2 of 13 flights are invalid, more than 10%: LATE-human@3s/D0H0/0 \(no"):
+        _run(study, log, folder="other")
+
+
 def test_an_interrupted_run_saves_all_and_resumes(study: Any, log: Any) -> None:
     def interrupt(flight: Flight, outcome: Outcome) -> Outcome:
         if len(log.flown) == 6:
