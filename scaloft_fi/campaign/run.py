@@ -26,7 +26,7 @@ from scaloft_fi.results.fingerprint import differences, fingerprint
 from scaloft_fi.results.mission_log import mission_log, to_json, violation_line
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.requirement import Kind
-from scaloft_fi.results.store import Store
+from scaloft_fi.results.store import Planned, Store
 from scaloft_fi.study import Study
 
 ECHO_S = 1.0
@@ -55,6 +55,7 @@ def run(
     jobs: int,
     progress: Progress,
     share: bool = CAN_FORK,
+    shard: bool = False,
     flyer: Flyer | None = None,
 ) -> Report:
     """Fly what is missing of `planned`, save it, write the mission log, hold the gates.
@@ -66,6 +67,8 @@ def run(
         jobs: number of worker processes.
         progress: what a person sees meanwhile.
         share: whether mutants are flown only from where they leave their baseline; nothing that is saved depends on it.
+        shard: whether `planned` is part of a run that others fly the rest of; the gates that need all of it are theirs
+            who merge it.
         flyer: what flies; PyBullet when None.
 
     Raises:
@@ -87,20 +90,23 @@ def run(
         raise Interrupted(f"interrupted: {saved}; the same command resumes")
     whole_grid = {flight.situation.key for flight in planned.baselines} == study.space.point.keys()
     judged = planned.canary.id if planned.canary else None
-    gates.check(report.outcomes, study.roster, canary=judged, whole_grid=whole_grid, repeats=crew.repeats)
+    gates.check(report.outcomes, study.roster, canary=judged, whole_grid=whole_grid, part=shard, repeats=crew.repeats)
     return report
 
 
 def _fly(study: Study, planned: Plan, folder: Path, crew: _Crew) -> Report:
     """Fly until all is flown or the user stops it; returns what the plan has now."""
     crew.expect([*planned.baselines, *planned.mutants], canaries=int(planned.canary is not None))
+    crew.plan([*planned.baselines, *planned.mutants])
     crew.fly([*planned.baselines, *planned.mutants])
     canary = canary_flight(planned, crew.outcomes(planned.baselines))
-    crew.fly([canary] if canary else [])
+    if canary is not None:
+        crew.plan([canary], canary=True)
+        crew.fly([canary])
     crew.repeat(planned.baselines)
     crew.progress.close()
     outcomes = crew.outcomes((*planned.baselines, *planned.mutants, *([canary] if canary else [])))
-    _write_log(study, folder, held_in(study, crew.store, folder).current)
+    write_log(study, folder, held_in(study, crew.store, folder).current)
     return Report(outcomes, crew.flown)
 
 
@@ -140,6 +146,13 @@ class _Crew:
         missing = self._missing(flights)
         expected_s = sum(map(self._weight_s, missing.values()))
         self.progress.expect(len(missing) + canaries * bool(missing), expected_s)
+
+    def plan(self, flights: Iterable[Flight], *, canary: bool = False) -> None:
+        """Write down what is to be flown."""
+        self.store.plan(
+            Planned(flight_key(self._study, flight), flight.subject.id, flight.situation.key, flight.seed, canary)
+            for flight in flights
+        )
 
     def fly(self, flights: Iterable[Flight]) -> None:
         """Fly those of `flights` that the store lacks, and the baselines that they share."""
@@ -194,7 +207,12 @@ def _remember_platform(store: Store, progress: Progress) -> None:
     store.set_meta(ours)
 
 
-def _write_log(study: Study, folder: Path, outcomes: Sequence[Outcome]) -> None:
+def write_log(study: Study, folder: Path, outcomes: Sequence[Outcome]) -> None:
+    """Write the campaign's mission log.
+
+    Raises:
+        InputError: it cannot be written.
+    """
     path = folder / LOG_NAME
     try:
         path.write_text(to_json(mission_log(outcomes, study.roster, study.space)), encoding="utf-8")
