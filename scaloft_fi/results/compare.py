@@ -50,7 +50,7 @@ class Comparison:
 
 
 def compare(first: Iterable[Outcome], second: Iterable[Outcome], roster: Roster, space: Space) -> Comparison:
-    """Hold the flights of two campaigns against each other by mutant, situation and seed; each has one outcome of it."""
+    """Hold the flights of two campaigns, each flight once, against each other by mutant, situation and seed."""
     here, there = _said(first), _said(second)
     same = other_bits = 0
     differences = []
