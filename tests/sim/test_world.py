@@ -59,7 +59,7 @@ BAD = [
     ("route: [corner, home]", "route: [corner]", "route must end with home"),
     ("route: [corner, home]", "route: []", "route must end with home"),
     ("light: 0.9", "light: 1.9", "light=1.9 must be >= 0 and <= 1"),
-    ("light: 0.9", "ligth: 0.9", "lacks the key 'light'"),
+    ("light: 0.9", "ligth: 0.9", "unknown key 'ligth' in world.yaml; did you mean 'light'?"),
     ("present: true", "present: perhaps", "present='perhaps' must be true or false"),
     ("present: true", "present: true\n    colour: red", "unknown key 'colour'"),
     ("cruise_mps: 0.5", "cruise_mps: 0", "cruise_mps=0 must be > 0"),
