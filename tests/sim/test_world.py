@@ -50,7 +50,7 @@ BAD = [
     ("position: [-1.9, 7.7]", "position: [0.0, 0.0]", "home=[0.0, 0.0] must be in open space, not inside 'bar'"),
     ("altitude_m: 1.65", "altitude_m: 4.0", "must be in the open space"),
     ("altitude_m: 1.65", "altitude_m: -1.65", "altitude_m=-1.65 must be > 0"),
-    ("size_m: [0.5, 0.5, 1.8]", "size_m: [0.5, -0.5, 1.8]", "size_m='[...]' must be 3 numbers >= 0.005"),
+    ("size_m: [0.5, 0.5, 1.8]", "size_m: [0.5, -0.5, 1.8]", "size_m=[...] must be 3 numbers >= 0.005"),
     ("radius_m: 0.03", "radius_m: -0.03", "radius_m=-0.03 must be >= 0.005"),
     ("height_m: 1.7", "height_m: 0.3", "height_m=0.3 must be >= 0.5"),
     ("shape: cylinder", "shape: cilinder", "did you mean 'cylinder'"),
