@@ -14,7 +14,7 @@ from scaloft_fi.sim.build import BodyIds
 from scaloft_fi.sim.contact import Contact
 from scaloft_fi.sim.geometry import blocked, nearest
 from scaloft_fi.sim.log import NEVER_S
-from scaloft_fi.sim.raster import View
+from scaloft_fi.sim.raster import View, pixels_of
 from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.signals import CLEARANCE_CAP_M, FAR_M, TOUCH_M, truth_signals
 from scaloft_fi.sim.vehicle import STATE_SIZE, Array, Vehicle
@@ -56,7 +56,9 @@ class Observer:
         self._range_m = range_m
         owners = {name: number for number, name in enumerate(self._scene.names)}
         self._persons = [(owners[name], _axis_points(world.bodies[name].mesh.vertices)) for name in scenario.persons]
-        self._obstacles = [owners[name] for name in world.role_names(OBSTACLE)]
+        obstacles = world.role_names(OBSTACLE)
+        self._obstacles = np.array([name in obstacles for name in self._scene.names])
+        self._any_obstacle = bool(self._obstacles.any())
         meshes = {WALL: world.mine.wall, GROUND: world.mine.ground, **{body.name: body.mesh for body in world.present}}
         self._bounds = {name: _bounds(mesh.vertices) for name, mesh in meshes.items()}
         self._home = scenario.home
@@ -181,10 +183,9 @@ class Observer:
             self._passed += 1
 
     def _obstacle_pixels(self, view: View | None) -> float:
-        if view is None or not self._obstacles:
+        if view is None or not self._any_obstacle:
             return 0.0
-        seen = np.isin(view.segments, self._obstacles) & (view.depth <= self._range_m)
-        return float(np.count_nonzero(seen))
+        return float(pixels_of(view.segments, view.depth, self._obstacles, self._range_m))
 
 
 def _bounds(vertices: Array) -> tuple[float, ...]:

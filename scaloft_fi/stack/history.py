@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.messages import Array
 
 _ROWS = 64
@@ -30,8 +31,7 @@ class History:
                 self._rows = np.empty((2 * len(self._rows), 5))
             self._rows[: len(kept)] = kept
             self._first, self._end = 0, len(kept)
-        row = self._rows[self._end]
-        row[0], row[1:4], row[4] = now_s, position, yaw_rad
+        self._rows[self._end] = (now_s, *position.tolist(), yaw_rad)
         self._end += 1
         while now_s - self._rows[self._first, 0] > self._span_s:
             self._first += 1
@@ -53,6 +53,13 @@ class History:
 
     def shift(self, position: Array, yaw_rad: float) -> None:
         """A correction applies to the recent past as well, or late fixes would correct the same error twice."""
-        rows = self._rows[self._first : self._end]
-        rows[:, 1:4] += position
-        rows[:, 4] += yaw_rad
+        _shift(self._rows, self._first, self._end, position, yaw_rad)
+
+
+@jit
+def _shift(rows: Array, first: int, end: int, position: Array, yaw_rad: float) -> None:
+    """Add to position (3,) and heading of the rows from `first` to before `end`."""
+    for i in range(first, end):
+        for k in range(3):
+            rows[i, 1 + k] += position[k]
+        rows[i, 4] += yaw_rad
