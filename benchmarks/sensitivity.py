@@ -48,7 +48,7 @@ PHASES = ("", "#5s", "#10s", "#15s")
 ROWS = (
     Row("LATE-human@3s", "T0O0W0D0H1", ("LATE-human@3s",)),
     Row("UNINTENDED-collision@20s", "T1O0W1D0H0", tuple(f"UNINTENDED-collision@20s{p}" for p in PHASES)),
-    Row("MORE-goal", "T1O1W0D0H1", ("MORE-goal@0.6m", "MORE-goal@1m", "MORE-goal@3m")),
+    Row("MORE-goal", "T1O1W0D0H0", ("MORE-goal@0.6m", "MORE-goal@1m", "MORE-goal@3m")),
 )  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -33,10 +34,10 @@ class Item:
 
     def error(self, allowed: str) -> InputError:
         """The sentence for a value that is not allowed here."""
-        shown: object = self.value
-        if isinstance(shown, dict | tuple):
-            shown = "{...}" if isinstance(shown, dict) else "[...]"
-        return InputError(f"{self.place}: {self.name}={shown!r} must be {allowed}")
+        shown = (
+            "{...}" if isinstance(self.value, dict) else "[...]" if isinstance(self.value, tuple) else repr(self.value)
+        )
+        return InputError(f"{self.place}: {self.name}={shown} must be {allowed}")
 
     def mapping(self) -> dict[str, Item]:
         """The entries of a mapping, by key."""
@@ -115,6 +116,9 @@ class Item:
         """
         found = self.get(key)
         if found is None:
+            entries = self.mapping()
+            for near in difflib.get_close_matches(key, sorted(entries.keys() - self._taken), n=1, cutoff=0.75):
+                raise InputError(f"{entries[near].place}: unknown key {near!r} in {self.name}; did you mean {key!r}?")
             raise InputError(f"{self.place}: {self.name} lacks the key {key!r}")
         return found
 
@@ -156,20 +160,28 @@ def load(path: Path) -> Item:
         loader.dispose()
 
 
-def _item(loader: Any, node: yaml.Node, path: Path, name: str) -> Item:
-    line = node.start_mark.line + 1
+def _item(loader: Any, node: yaml.Node, path: Path, name: str, key_line: int = 0, inside: tuple[int, ...] = ()) -> Item:
+    """The item of a node; a mapping or list under a key stands where the key does."""
+    if id(node) in inside:
+        raise InputError(f"{path}:{node.start_mark.line + 1}: {name} contains itself")
+    inside = (*inside, id(node))
+    line = key_line or node.start_mark.line + 1
     if isinstance(node, yaml.MappingNode):
         entries: dict[str, Item] = {}
         for key_node, value_node in node.value:
-            key = str(loader.construct_object(key_node))
+            place = key_node.start_mark.line + 1
+            if not isinstance(key_node, yaml.ScalarNode):
+                raise InputError(f"{path}:{place}: a key of {name} must be a single word")
+            # The text itself: YAML would read a bare NO as false.
+            key = key_node.value
             if key in entries:
-                raise InputError(f"{path}:{key_node.start_mark.line + 1}: key {key!r} stands twice in {name}")
-            entries[key] = _item(loader, value_node, path, key)
+                raise InputError(f"{path}:{place}: key {key!r} stands twice in {name}")
+            entries[key] = _item(loader, value_node, path, key, place, inside)
         return Item(path, line, name, entries)
     if isinstance(node, yaml.SequenceNode):
-        listed = enumerate(node.value)
-        return Item(path, line, name, tuple(_item(loader, entry, path, f"{name}[{i}]") for i, entry in listed))
+        items = (_item(loader, entry, path, f"{name}[{i}]", 0, inside) for i, entry in enumerate(node.value))
+        return Item(path, line, name, tuple(items))
     value = loader.construct_object(node)
     if value is not None and not isinstance(value, str | int | float | bool):
         value = str(getattr(node, "value", value))
-    return Item(path, line, name, value)
+    return Item(path, node.start_mark.line + 1, name, value)

@@ -19,7 +19,6 @@ from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.parameter import Parameter
 
 _UNIT = re.compile(r"[A-Za-z%][A-Za-z0-9%]*")
-_BARE_NO = "; YAML reads a bare NO as false: write it in quotes"
 _NAMED_RUNG = re.compile(r"[A-Za-z][A-Za-z0-9_.]*")
 
 
@@ -57,8 +56,7 @@ def load_guidewords(path: Path) -> tuple[Guideword, ...]:
     """
     words = []
     for name, item in load(path).mapping().items():
-        allowed = "capital letters, as in a mutant's id" + _BARE_NO * (name == "False")
-        _guard_name(item, name, r"[A-Z][A-Z0-9]*", allowed)
+        _guard_name(item, name, r"[A-Z][A-Z0-9]*", "capital letters, as in a mutant's id")
         extension = (flag := item.get("extension")) is not None and flag.flag()
         words.append(
             Guideword(
@@ -98,8 +96,7 @@ def load_cells(path: Path, guidewords: tuple[Guideword, ...], seams: Collection[
     sheet, ids = load(path), [word.id for word in guidewords]
     for name, item in sheet.mapping().items():
         if name not in ids:
-            hint = _BARE_NO if name == "False" else did_you_mean(name, ids)
-            raise InputError(f"{item.place}: {name!r} is not a guideword{hint}")
+            raise InputError(f"{item.place}: {name!r} is not a guideword{did_you_mean(name, ids)}")
     cells = []
     for word in ids:
         cell = sheet.get(word)

@@ -39,7 +39,7 @@ def condition(space: Space, killing: Collection[str], surviving: Collection[str]
     texts = [_text(space, term) for term in terms]
     if texts == [""]:
         return "everywhere" if len(set(killing)) == len(space.points) else "wherever tested"
-    return " | ".join(f"({text})" if len(texts) > 1 and " & " in text else text for text in texts)
+    return " or ".join(f"({text})" if len(texts) > 1 and " & " in text else text for text in texts)
 
 
 def cover(space: Space, killing: Collection[str], surviving: Collection[str]) -> tuple[Term, ...]:

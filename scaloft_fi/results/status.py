@@ -22,7 +22,8 @@ class Status(StrEnum):
     MASKED = "masked"
     """Samples differed, the ground truth is the baseline's to the bit."""
     BASELINE_RED = "baseline_red"
-    """It violates only what the baseline violates too, or only later than a cut-short baseline's end."""
+    """It violates only what the baseline violates too (the same requirement, on the same body), or only later than a
+    cut-short baseline's end."""
     SURVIVED = "survived"
     """The rest."""
     KILLED = "killed"
@@ -101,24 +102,31 @@ def held_to_end(baseline: Outcome, kind: Kind) -> bool:
 
 
 def killed_by(outcome: Outcome, baseline: Outcome, kind: Kind) -> tuple[str, ...]:
-    """The requirements of a kind that the flight violates and the baseline held up to that moment, earliest first."""
+    """The requirements of a kind by whose violation the flight is told from its baseline, earliest first."""
     found: list[tuple[float, str]] = []
     for reading in outcome.readings:
         clean = baseline.reading(reading.requirement)
         at_s = reading.violated_at_s
-        if (
-            reading.kind is kind
-            and at_s is not None
-            and clean is not None
-            and _held_until(clean, at_s, baseline.duration_s)
-        ):
-            found.append((at_s, reading.requirement))
+        if reading.kind is kind and at_s is not None and clean is not None:
+            body, clean_body = (_struck(flight, reading.requirement) for flight in (outcome, baseline))
+            if _held_until(clean, at_s, baseline.duration_s, same=body == clean_body):
+                found.append((at_s, reading.requirement))
     return tuple(name for _, name in sorted(found, key=lambda pair: pair[0]))
 
 
-def _held_until(clean: Reading, t_s: float, end_s: float) -> bool:
+def _struck(flight: Outcome, requirement: str) -> str:
+    """The body struck when the flight violated the requirement; "" when none was."""
+    return next((violation.struck for violation in flight.violations if violation.requirement == requirement), "")
+
+
+def _held_until(clean: Reading, t_s: float, end_s: float, *, same: bool) -> bool:
+    """Whether the baseline held up to `t_s` what a flight violates then.
+
+    To violate sooner what the baseline violates too, on the `same` body, proves nothing: any change of the flight
+    moves that moment.  Of a baseline that was cut short only what it flew counts.
+    """
     if clean.violated_at_s is not None:
-        return t_s < clean.violated_at_s
+        return not same and t_s < clean.violated_at_s
     return not clean.open or t_s <= end_s
 
 

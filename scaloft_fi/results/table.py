@@ -31,7 +31,7 @@ _TABULATE = {Format.TABLE: "simple", Format.MARKDOWN: "github", Format.LATEX: "l
 
 @dataclass(frozen=True)
 class Table:
-    """A titled table with notes under it; its widest columns are wrapped when it is too wide."""
+    """A titled table with notes under it; its widest columns but the first are wrapped when it is too wide."""
 
     title: str
     headers: tuple[str, ...]
@@ -61,6 +61,8 @@ def _one(table: Table, how: Format) -> str:
     from tabulate import tabulate
 
     rows = [["" if cell is None else str(cell) for cell in row] for row in table.rows]
+    if how is Format.MARKDOWN:
+        rows = [[" ".join(cell.replace("|", "\\|").split()) for cell in row] for row in rows]
     limits = _limits(table.headers, rows) if how is Format.TABLE and rows else None
     body = tabulate(rows, table.headers, _TABULATE[how], disable_numparse=True, maxcolwidths=limits)
     if how is Format.LATEX:
@@ -73,12 +75,28 @@ def _one(table: Table, how: Format) -> str:
 
 
 def _limits(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> list[int | None]:
-    """What each column may take of the terminal: the widest give way first, the last of them before the others."""
+    """What each column may take of the terminal: the widest give way first, the last of them before the others.
+
+    The first column names its row and gives way last; words are broken only when nothing else helps.
+    """
+    columns = list(zip(*rows, strict=True))
     # tabulate keeps a column two wider than its header
     least = [len(header) + 2 for header in headers]
-    natural = [max(low, *map(len, column)) for low, column in zip(least, zip(*rows, strict=True), strict=True)]
-    widths = list(natural)
-    while sum(widths) + 2 * (len(widths) - 1) > WIDTH and widths != least:
-        widest = max(range(len(widths)), key=lambda column: (widths[column] > least[column], widths[column], column))
-        widths[widest] -= 1
+    words = [max(low, max(map(_longest_word, column))) for low, column in zip(least, columns, strict=True)]
+    natural = [max(low, *map(len, column)) for low, column in zip(least, columns, strict=True)]
+    words[0] = natural[0]
+    widths = _narrowed(_narrowed(natural, words), least)
     return [width if width < wanted else None for width, wanted in zip(widths, natural, strict=True)]
+
+
+def _longest_word(cell: str) -> int:
+    return max(map(len, cell.split()), default=0)
+
+
+def _narrowed(widths: Sequence[int], least: Sequence[int]) -> list[int]:
+    """`widths` taken in until the table fits the terminal or every column is at its `least`."""
+    found = list(widths)
+    while sum(found) + 2 * (len(found) - 1) > WIDTH and any(w > low for w, low in zip(found, least, strict=True)):
+        widest = max(range(len(found)), key=lambda column: (found[column] > least[column], found[column], column))
+        found[widest] -= 1
+    return found

@@ -17,6 +17,8 @@ from scaloft_fi.results.status import Status
 from scaloft_fi.results.table import Table
 
 ONE_SEED = "One seed: one flight per mutant and situation decides nothing statistically; fly more with --seeds."
+SHORT = 30
+"""Longest condition that the mutants' table shows."""
 INTERVALS = "In brackets Wilson's 95 % interval [%] over the row's population; 0/0 is n/a."
 
 
@@ -28,6 +30,7 @@ def score_tables(outcomes: Iterable[Outcome], roster: Roster, space: Space, by: 
     tables = [ratio_table(scored, seeds), mutant_table(scored.mutants, space, seeds)]
     if scored.controls:
         tables.append(mutant_table(scored.controls, space, seeds, "Controls (in no ratio)"))
+    tables += condition_tables([*scored.mutants, *scored.controls], space)
     tables.append(rung_table(scored))
     if by is not None:
         tables.append(group_table(scored, by, roster, space))
@@ -77,7 +80,7 @@ def mutant_table(mutants: Sequence[MutantScore], space: Space, seeds: int, title
             ", ".join(f"{name} {ratio.part}/{ratio.whole}" for name, ratio in mutant.requirements),
             f"{mutant.earliest.t_s:.2f} s" if mutant.earliest else "",
             *([_decisions(mutant)] * decided),
-            mutant.condition(space),
+            _short(mutant.condition(space)),
         )
         for mutant in mutants
     )
@@ -85,6 +88,19 @@ def mutant_table(mutants: Sequence[MutantScore], space: Space, seeds: int, title
     if decided:
         notes.append("Decided: situations killed + survived, ? undecided, over the seeds.")
     return Table(title, headers, rows, tuple(notes))
+
+
+def _short(condition: str) -> str:
+    """A condition that fits into a column; a longer one stands in a table of its own."""
+    return condition if len(condition) <= SHORT else "see below"
+
+
+def condition_tables(mutants: Sequence[MutantScore], space: Space) -> tuple[Table, ...]:
+    """The conditions too long for the mutants' table, if there are any."""
+    conditions = [(mutant.subject.id, mutant.condition(space)) for mutant in mutants]
+    rows = tuple((name, condition) for name, condition in conditions if len(condition) > SHORT)
+    note = "The shortest condition that holds in every situation where it kills and in none where it survives."
+    return (Table("Killed where", ("mutant", "condition"), rows, (note,)),) if rows else ()
 
 
 def _decisions(mutant: MutantScore) -> str:

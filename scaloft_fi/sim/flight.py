@@ -12,6 +12,7 @@ import numpy as np
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.wire import TapError
+from scaloft_fi.sim.body import Body
 from scaloft_fi.sim.build import STEP_S, build, connect
 from scaloft_fi.sim.contact import contacts
 from scaloft_fi.sim.events import events_of
@@ -22,7 +23,6 @@ from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.sensors import Sensors
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.sim.stacks import STACKS
-from scaloft_fi.sim.vehicle import STATE_SIZE, push, read_state, rotor_step, spawn, wrench
 from scaloft_fi.stack.camera import DepthCamera
 from scaloft_fi.stack.config import ConfigError
 from scaloft_fi.stack.messages import SensorFrames
@@ -97,27 +97,23 @@ class Flight:
         vehicle = config.vehicle
         start = scenario.start(vehicle.half_height_m)
         ids = build(client, scenario.world)
-        self.state = np.zeros(STATE_SIZE)
         self.stack: Stack = make_stack(config, scenario, wire)
         self.sensors = Sensors(
             config.sensors, scenario.world.scene, scenario.persons, scenario.world.light, scenario.key, seed
         )
         self._client, self._scenario, self._wire = client, scenario, wire
-        self._body = spawn(client, vehicle, start, scenario.world.mission.yaw_rad)
-        self._observer = Observer(client, ids, self._body, vehicle, scenario, config.sensors.depth.max_m)
+        self.body = Body(client, vehicle, start, scenario.world.mission.yaw_rad)
+        self._observer = Observer(client, ids, self.body.number, vehicle, scenario, config.sensors.depth.max_m)
         self._names, self._half_height_m = ids.name_of, vehicle.half_height_m
-        self._lag, self._effect = vehicle.lag(), vehicle.effect()
-        self._thrusts, self._force, self._torque = np.zeros(4), np.zeros(3), np.zeros(3)
         self._truth, self._beliefs = Recorder(self._observer.names), Recorder(BELIEFS)
         self._ticks = self._steps = 0
         self._companion_alive = self._autopilot_alive = True
         self._stack_error = ""
-        read_state(client, self._body, self.state)
 
     def tick(self) -> bool:
         """Record a sample; unless the flight is over, let sensors and companion work.  Returns whether it goes on."""
         now_s = self._ticks / 20
-        self._truth.add(self._observer.sample(now_s, self.state, self.sensors.view))
+        self._truth.add(self._observer.sample(now_s, self.body.state, self.sensors.view))
         self._beliefs.add(self.stack.beliefs(now_s))
         if self._ending(now_s) is not None:
             return False
@@ -129,27 +125,23 @@ class Flight:
 
     def step(self) -> None:
         """One physics step with the thrust that flight control orders."""
-        import pybullet
-
-        now_s = self._steps / 240
+        body = self.body
         order = NO_THRUST
         if self._autopilot_alive:
+            now_s = self._steps / 240
             try:
-                thrust = self.stack.step(now_s, self.sensors.imu(self._steps, self.state))
+                thrust = self.stack.step(now_s, self.sensors.imu(self._steps, body.state))
                 order = NO_THRUST if thrust is None else thrust.rotors
             except HARNESS:
                 raise
             except Exception as error:  # noqa: BLE001 - whatever the stack under test raises
                 self._autopilot_fails(now_s, error)
-        rotor_step(self._thrusts, order, self._lag)
-        wrench(self._thrusts, self.state, self._effect, self._force, self._torque)
-        push(self._client, self._body, self.state, self._force, self._torque)
-        pybullet.stepSimulation(physicsClientId=self._client)
-        read_state(self._client, self._body, self.state)
+        body.step(order)
         self._steps += 1
-        touched = contacts(self._client, self._body, self._names, self.state, self._half_height_m)
-        self.sensors.feel(touched)
-        self._observer.step(self._steps * STEP_S, self.state, touched)
+        touched = contacts(self._client, body.number, self._names, body.state, self._half_height_m)
+        if touched:
+            self.sensors.feel(touched)
+        self._observer.step(self._steps * STEP_S, body.truth, touched)
 
     def log(self) -> FlightLog:
         """What happened so far."""
@@ -186,7 +178,7 @@ class Flight:
                 raise
             except Exception as error:  # noqa: BLE001 - whatever the stack under test raises
                 self._autopilot_fails(now_s, error)
-        return self.sensors.frames(self._ticks, self.state, self._thrusts, self.stack.exposure, stamps)
+        return self.sensors.frames(self._ticks, self.body.state, self.body.thrusts, self.stack.exposure, stamps)
 
     def _think(self, now_s: float, frames: SensorFrames) -> None:
         try:

@@ -6,7 +6,7 @@ Nothing here reaches the stack under test.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -14,10 +14,10 @@ from scaloft_fi.sim.build import BodyIds
 from scaloft_fi.sim.contact import Contact
 from scaloft_fi.sim.geometry import blocked, nearest
 from scaloft_fi.sim.log import NEVER_S
-from scaloft_fi.sim.raster import View
+from scaloft_fi.sim.raster import View, pixels_of
 from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.signals import CLEARANCE_CAP_M, FAR_M, TOUCH_M, truth_signals
-from scaloft_fi.sim.vehicle import Array, Vehicle
+from scaloft_fi.sim.vehicle import STATE_SIZE, Array, Vehicle
 from scaloft_fi.sim.world import GROUND, OBSTACLE, WALL
 
 PASS_M = 0.5
@@ -56,43 +56,46 @@ class Observer:
         self._range_m = range_m
         owners = {name: number for number, name in enumerate(self._scene.names)}
         self._persons = [(owners[name], _axis_points(world.bodies[name].mesh.vertices)) for name in scenario.persons]
-        self._obstacles = [owners[name] for name in world.role_names(OBSTACLE)]
+        obstacles = world.role_names(OBSTACLE)
+        self._obstacles = np.array([name in obstacles for name in self._scene.names])
+        self._any_obstacle = bool(self._obstacles.any())
         meshes = {WALL: world.mine.wall, GROUND: world.mine.ground, **{body.name: body.mesh for body in world.present}}
         self._bounds = {name: _bounds(mesh.vertices) for name, mesh in meshes.items()}
         self._home = scenario.home
         self._passed = 0
         self._airborne = False
-        self._top_mps = 0.0
+        self._top_square = 0.0
         self._touched: set[str] = set()
-        self._sink_mps, self._upright = 0.0, 1.0
+        self._before: Sequence[float] = (0.0,) * STATE_SIZE
 
-    def step(self, t_s: float, state: Array, contacts: Iterable[Contact]) -> None:
+    def step(self, t_s: float, state: Sequence[float], contacts: Iterable[Contact]) -> None:
         """Watch one physics step (240 Hz).
 
         Args:
             t_s: time at the end of the step [s].
-            state: (13,) state of the vehicle at the end of the step.
+            state: the 13 numbers of the vehicle's state at the end of the step; kept.
             contacts: touches during the step.
         """
-        vx, vy, vz = state[7:10].tolist()
-        self._top_mps = max(self._top_mps, math.sqrt(vx * vx + vy * vy + vz * vz))
+        vx, vy, vz = state[7:10]
+        square = vx * vx + vy * vy + vz * vz
+        if square > self._top_square:
+            self._top_square = square
         for contact in contacts:
-            if contact.struck == GROUND and self._excused(state):
+            if contact.struck == GROUND and self._excused(state[0], state[1]):
                 self.landed |= self._airborne
             else:
                 self._touched.add(contact.struck)
                 if not self.struck:
                     self.struck, self.struck_at_s = contact.struck, t_s
-        # What it was before the next step's contacts stop it.
-        x, y = state[3:5].tolist()
-        self._sink_mps, self._upright = -vz, 1.0 - 2.0 * (x * x + y * y)
+        # How it moved before the next step's contacts stop it.
+        self._before = state
 
-    def _excused(self, state: Array) -> bool:
-        """Whether touching the ground is no collision: near home, or in a landing."""
-        return self._home_m(state) <= PASS_M or (self._sink_mps < LANDING_MPS and self._upright > LANDING_TILT_COS)
-
-    def _home_m(self, state: Array) -> float:
-        return math.hypot(float(state[0]) - self._home[0], float(state[1]) - self._home[1])
+    def _excused(self, x: float, y: float) -> bool:
+        """Whether touching the ground at (x, y) is no collision: near home, or in a landing."""
+        if math.hypot(x - self._home[0], y - self._home[1]) <= PASS_M:
+            return True
+        qx, qy, sink_mps = self._before[3], self._before[4], -self._before[9]
+        return sink_mps < LANDING_MPS and 1.0 - 2.0 * (qx * qx + qy * qy) > LANDING_TILT_COS
 
     def sample(self, t_s: float, state: Array, view: View | None) -> list[float]:
         """The truth signals at `t_s`, in the order of `names`; maxima and minima start anew.
@@ -106,7 +109,7 @@ class Observer:
         x, y, z, qx, qy, qz, qw, vx, vy, vz = state[:10].tolist()
         self._airborne |= z - self._home[2] > AIRBORNE_M
         home_m = math.hypot(x - self._home[0], y - self._home[1])
-        excused = self._excused(state)
+        excused = self._excused(x, y)
         clearances = {name: self._clearance(name, x, y, z, excused) for name in self._surfaces}
         person_range_m, person_sight_m = self._person(state)
         self._pass_waypoints(x, y)
@@ -116,7 +119,7 @@ class Observer:
             scenario.t_max_s - t_s,
             *(x, y, z, vx, vy, vz, qx, qy, qz, qw),
             math.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz)),
-            max(self._top_mps, math.sqrt(vx * vx + vy * vy + vz * vz)),
+            math.sqrt(max(self._top_square, vx * vx + vy * vy + vz * vz)),
             min(clearances.values()),
             person_range_m,
             person_sight_m,
@@ -128,7 +131,7 @@ class Observer:
             clearances[WALL] if near_waypoint else FAR_M,
             *clearances.values(),
         ]
-        self._top_mps = 0.0
+        self._top_square = 0.0
         self._touched.clear()
         return row
 
@@ -180,10 +183,9 @@ class Observer:
             self._passed += 1
 
     def _obstacle_pixels(self, view: View | None) -> float:
-        if view is None or not self._obstacles:
+        if view is None or not self._any_obstacle:
             return 0.0
-        seen = np.isin(view.segments, self._obstacles) & (view.depth <= self._range_m)
-        return float(np.count_nonzero(seen))
+        return float(pixels_of(view.segments, view.depth, self._obstacles, self._range_m))
 
 
 def _bounds(vertices: Array) -> tuple[float, ...]:

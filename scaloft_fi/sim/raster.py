@@ -206,3 +206,22 @@ def draw(
     for j in range(height):
         for i in range(width):
             depth[j, i] = 1.0 / depth[j, i] if depth[j, i] > 0.0 else np.inf
+
+
+@jit
+def pixels_of(segments: Segments, depth: Array, wanted: NDArray[np.bool_], range_m: float) -> int:
+    """How many pixels show a wanted body within range.
+
+    Args:
+        segments: (H, W) index of the body seen, -1 for none.
+        depth: (H, W) [m].
+        wanted: (B,) which bodies count.
+        range_m: greatest depth that counts [m].
+    """
+    count = 0
+    for j in range(segments.shape[0]):
+        for i in range(segments.shape[1]):
+            body = segments[j, i]
+            if body >= 0 and wanted[body] and depth[j, i] <= range_m:
+                count += 1
+    return count

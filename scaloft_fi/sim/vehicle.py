@@ -1,4 +1,4 @@
-"""The vehicle: a rigid hull with four rotors, and its body in the physics server."""
+"""The vehicle: a rigid hull with four rotors, and what they do to it."""
 
 from __future__ import annotations
 
@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.build import GRAVITY_MPS2, STEP_S, VEHICLE_GROUP, WORLD_GROUP
+from scaloft_fi.sim.build import GRAVITY_MPS2, STEP_S
 from scaloft_fi.sim.kernel import jit
-from scaloft_fi.sim.world import Point
 
 Array = NDArray[np.float64]
 
@@ -156,50 +155,8 @@ def wrench(thrusts: Array, state: Array, effect: Array, force: Array, torque: Ar
     torque[2] = 2.0 * (x * z - y * w) * tx + 2.0 * (y * z + x * w) * ty + uz * tz
 
 
-def spawn(client: int, vehicle: Vehicle, position: Point, yaw_rad: float) -> int:
-    """Put the vehicle at rest into the physics server; returns its body number.
-
-    It never sleeps and nothing damps it but the drag of `wrench`.
-    """
-    import pybullet
-
-    shape = pybullet.createCollisionShape(
-        pybullet.GEOM_BOX, halfExtents=[0.5 * edge for edge in vehicle.hull_m], physicsClientId=client
-    )
-    body = pybullet.createMultiBody(
-        baseMass=vehicle.mass_kg,
-        baseCollisionShapeIndex=shape,
-        basePosition=list(position),
-        baseOrientation=[0.0, 0.0, math.sin(0.5 * yaw_rad), math.cos(0.5 * yaw_rad)],
-        physicsClientId=client,
-    )
-    pybullet.changeDynamics(
-        body,
-        -1,
-        localInertiaDiagonal=list(vehicle.inertia),
-        linearDamping=0.0,
-        angularDamping=0.0,
-        activationState=pybullet.ACTIVATION_STATE_DISABLE_SLEEPING,
-        physicsClientId=client,
-    )
-    pybullet.setCollisionFilterGroupMask(body, -1, VEHICLE_GROUP, WORLD_GROUP, physicsClientId=client)
-    return int(body)
-
-
-def read_state(client: int, body: int, state: Array) -> None:
-    """Read the vehicle's true state into `state` (13,)."""
-    import pybullet
-
-    position, attitude = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
-    velocity, rate = pybullet.getBaseVelocity(body, physicsClientId=client)
-    state[:] = (*position, *attitude, *velocity, *rate)
-
-
-def push(client: int, body: int, state: Array, force: Array, torque: Array) -> None:
-    """Apply force and torque (3,) [N, N m, world] at the vehicle's centre during the next step."""
-    import pybullet
-
-    pybullet.applyExternalForce(
-        body, -1, force.tolist(), state[POSITION].tolist(), pybullet.WORLD_FRAME, physicsClientId=client
-    )
-    pybullet.applyExternalTorque(body, -1, torque.tolist(), pybullet.WORLD_FRAME, physicsClientId=client)
+@jit
+def actuate(thrusts: Array, order: Array, lag: Array, effect: Array, state: Array, pushed: Array) -> None:
+    """`rotor_step` and `wrench` at once; `pushed` (6,) receives force, then torque."""
+    rotor_step(thrusts, order, lag)
+    wrench(thrusts, state, effect, pushed[:3], pushed[3:])

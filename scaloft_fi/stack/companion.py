@@ -221,19 +221,17 @@ class Companion:
             back *= self.limit.limit_mps / speed
         return VelocityCommand(now_s, back, self._yaw_rad)
 
-    def beliefs(self, now_s: float) -> Array:
+    def beliefs(self, now_s: float) -> tuple[float, ...]:
         """What the companion believes: told of a person, its range, limit, flag, leg, map points, command (4)."""
         told = now_s <= self.told_until_s
         order = self.order
-        command = (0.0, 0.0, 0.0, 0.0) if order is None else (*order.velocity, order.yaw_rad)
-        return np.array(
-            [
-                float(told),
-                self.told_range_m if told else 100.0,
-                self.limit.limit_mps,
-                float(self.flagged),
-                float(self.stages.mission.index),
-                float(self.map_points),
-                *command,
-            ]
+        command = (0.0, 0.0, 0.0, 0.0) if order is None else (*order.velocity.tolist(), order.yaw_rad)
+        return (
+            float(told),
+            self.told_range_m if told else 100.0,
+            self.limit.limit_mps,
+            float(self.flagged),
+            float(self.stages.mission.index),
+            float(self.map_points),
+            *command,
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -64,15 +65,17 @@ class ProximityMonitor:
         """
         if proximity is None:
             return None
-        near = proximity.watched & (proximity.sectors < proximity.trigger_m)
-        if not near.any():
+        ranges = [
+            r if w else math.inf for r, w in zip(proximity.sectors.tolist(), proximity.watched.tolist(), strict=True)
+        ]
+        near = [r for r in ranges if r < proximity.trigger_m]
+        if not near:
             if not proximity.touched:
                 return None
-            near = proximity.watched & np.isfinite(proximity.sectors)
-            if not near.any():
+            near = [r for r in ranges if math.isfinite(r)]
+            if not near:
                 return CollisionFlag(now_s, 0.0)
-        nearest = int(np.argmin(np.where(near, proximity.sectors, np.inf)))
-        return CollisionFlag(now_s, float(proximity.bearings[nearest]))
+        return CollisionFlag(now_s, float(proximity.bearings[ranges.index(min(near))]))
 
 
 @jit

@@ -171,6 +171,5 @@ class ReferenceStack:
 
     def beliefs(self, now_s: float) -> Array:
         """The values of `BELIEFS`."""
-        return np.concatenate(
-            [self._companion.beliefs(now_s), self._estimator.state[:6], [float(MODES.index(self._control.mode))]]
-        )
+        mode = float(MODES.index(self._control.mode))
+        return np.array((*self._companion.beliefs(now_s), *self._estimator.state[:6].tolist(), mode))

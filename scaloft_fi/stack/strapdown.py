@@ -46,7 +46,9 @@ def turn(q: Array, dx: float, dy: float, dz: float, in_world: bool) -> None:
 
 
 @jit
-def propagate(state: Array, rate: Array, force: Array, dt_s: float, r: Array, world_force: Array) -> None:
+def propagate(
+    state: Array, rate: Array, force: Array, dt_s: float, r: Array, world_force: Array, body_rate: Array
+) -> None:
     """Advance the nominal state by one inertial sample, in place.
 
     Args:
@@ -56,6 +58,7 @@ def propagate(state: Array, rate: Array, force: Array, dt_s: float, r: Array, wo
         dt_s: time since the last sample [s].
         r: (3, 3) scratch for the rotation matrix, left at the new attitude.
         world_force: (3,) sum of specific force x dt since it was last cleared [m/s, world].
+        body_rate: (3,) receives the angular rate without its bias [rad/s, body].
     """
     q = state[ATTITUDE:RATE_BIAS]
     rotation(q, r)
@@ -66,8 +69,23 @@ def propagate(state: Array, rate: Array, force: Array, dt_s: float, r: Array, wo
         a = f - (GRAVITY_MPS2 if i == 2 else 0.0)
         state[i] += state[3 + i] * dt_s + 0.5 * a * dt_s * dt_s
         state[3 + i] += a * dt_s
-    turn(q, (rate[0] - state[10]) * dt_s, (rate[1] - state[11]) * dt_s, (rate[2] - state[12]) * dt_s, False)
+        body_rate[i] = rate[i] - state[10 + i]
+    turn(q, body_rate[0] * dt_s, body_rate[1] * dt_s, body_rate[2] * dt_s, False)
     rotation(q, r)
+
+
+@jit
+def correct(state: Array, error: Array) -> None:
+    """Take the estimated `error` (15,) out of the nominal state (16,), in place.
+
+    Args:
+        state: (16,) as `propagate` has it.
+        error: (15,) of position [m], velocity [m/s], attitude [rad, world], rate bias [rad/s], force bias [m/s2].
+    """
+    for i in range(6):
+        state[i] += error[i]
+        state[10 + i] += error[9 + i]
+    turn(state[ATTITUDE:RATE_BIAS], error[6], error[7], error[8], True)
 
 
 @jit

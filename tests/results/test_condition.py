@@ -43,7 +43,7 @@ def test_everywhere_is_everywhere() -> None:
 
 def test_two_blocks_are_joined() -> None:
     killing = sorted({*where(H="1"), *where(T="1", O="1")})
-    assert condition(GRID, killing, but(killing)) == "human | (obstacle & corner)"
+    assert condition(GRID, killing, but(killing)) == "human or (obstacle & corner)"
 
 
 def test_where_nothing_is_known_the_condition_may_fall_either_way() -> None:

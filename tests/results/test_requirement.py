@@ -188,7 +188,7 @@ GOOD = "requirements:\n  R:\n    kind: safety\n    formula: always(clearance_m >
         (GOOD + "    trigger: x > 0\n", ":5: trigger names the unknown signal 'x'"),
         (GOOD + "definitions:\n  x_m: y_m > 0\n", ":6: definition 'x_m' must not be named like a signal"),
         (GOOD + "definitions:\n  near: y > 0\n", ":6: near names the unknown signal 'y'"),
-        (GOOD.replace("safety", "reported"), ":2: requirements must have at least one of kind safety"),
+        (GOOD.replace("safety", "reported"), ":1: requirements must have at least one of kind safety"),
         (GOOD.replace("    formula: always(clearance_m > 0)\n", ""), "lacks the key 'formula'"),
         ("requirements: [\n", "not valid YAML"),
     ],

@@ -32,8 +32,11 @@ def status(flight: Outcome, baseline: Outcome | None = HELD) -> Status:
         (outcome(M, violated={"SR1": 20.0}, struck="wall"), HELD, "killed"),
         (outcome(M, violated={"OP1": 60.0}), HELD, "survived"),
         (outcome(M, violated={"SR2-literal": 20.0}), HELD, "survived"),
-        # the baseline breaks the same requirement later, at the same moment, earlier
+        # the baseline breaks the same requirement later, at the same moment, earlier; on another body, on the same
         (outcome(M, violated={"SR1": 29.0}, struck="wall"), CUT, "killed"),
+        (outcome(M, violated={"SR1": 29.0}, struck="bar"), CUT, "baseline_red"),
+        (outcome(M, violated={"SR1": 31.0}, struck="wall"), CUT, "baseline_red"),
+        (outcome(M, violated={"SR2": 9.0}), outcome(violated={"SR2": 10.0}), "baseline_red"),
         (outcome(M, violated={"SR1": 30.0}, struck="bar"), CUT, "baseline_red"),
         (outcome(M, violated={"SR1": 31.0}, struck="bar"), CUT, "baseline_red"),
         # the baseline left it open: up to its end it held, beyond nothing is known

@@ -96,7 +96,7 @@ def test_a_point_is_in_a_rectangle_by_comparison(x, y):
         ({"height_m": "height_m: -3"}, "height_m=-3 must be > 0"),
         ({"roughness_m": "roughness_m: 0.9"}, "roughness_m=0.9 must be"),
         ({"wall_reflectivity": "wall_reflectivity: 2"}, "wall_reflectivity=2 must be"),
-        ({"cell_m": "cel_m: 1"}, "lacks the key 'cell_m'"),
+        ({"cell_m": "cel_m: 1"}, "unknown key 'cel_m' in mine.yaml; did you mean 'cell_m'?"),
         ({"height_m": "height_m: 3\nheight: 3"}, "unknown key 'height'"),
     ],
 )

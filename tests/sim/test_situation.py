@@ -33,7 +33,11 @@ BAD = [
     ("- {id: 0, title: straight}", "- {id: 1, title: straight}", "id=1 must be 0: ids count from 0"),
     ("realised: eventually(x_m < -1)\n", "\n", "value T1 must have the key 'realised'"),
     ("- {id: 0, title: straight}", "- {id: 0, title: straight, realised: light > 0}", "value T0 must not have the key"),
-    ("- {id: 0, title: straight}", "- {id: 0, titel: straight}", "lacks the key 'title'"),
+    (
+        "- {id: 0, title: straight}",
+        "- {id: 0, titel: straight}",
+        "unknown key 'titel' in values[0]; did you mean 'title'?",
+    ),
     ("bodies.obstacle.present: true", "bodies.obstacel.present: true", "did you mean 'bodies.obstacle.present'"),
     ("set: {light: 0.003}", "set: {light: -0.003}", "light=-0.003 must be >= 0"),
     ("set: {light: 0.003}", "set: {lihgt: 0.003}", "no path 'lihgt' in world.yaml; did you mean 'light'"),
@@ -41,7 +45,7 @@ BAD = [
     ("[corner, end, corner, home]", "[corner, and, corner, home]", "no waypoint 'and'; did you mean 'end'"),
     ("T0O0W0D1H0", "T0O0W0D7H0", "alias '2': no situation 'T0O0W0D7H0'"),
     ("  T:\n", "  turn:\n", "axis 'turn' must be named by a capital letter"),
-    ("axes:\n", "axis:\n", "lacks the key 'axes'"),
+    ("axes:\n", "axis:\n", "unknown key 'axis' in situations.yaml; did you mean 'axes'?"),
     ("axes:\n", "speed: 3\naxes:\n", "unknown key 'speed'"),
 ]
 

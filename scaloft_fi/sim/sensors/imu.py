@@ -45,31 +45,31 @@ class ImuSensor:
 
     def __init__(self, config: ImuConfig, *stream: object) -> None:
         self._noise = Table(6, *stream, "imu")
-        self._sigma = np.repeat(np.array([config.rate_sigma_radps, config.force_sigma_mps2], np.float64), 3)
-        self._bias = np.repeat(np.array([config.rate_bias_radps, config.force_bias_mps2], np.float64), 3)
-        self._bias *= generator(*stream, "imu bias").standard_normal(6)
+        bias = np.repeat(np.array([config.rate_bias_radps, config.force_bias_mps2], np.float64), 3)
+        bias *= generator(*stream, "imu bias").standard_normal(6)
+        sigma = np.repeat(np.array([config.rate_sigma_radps, config.force_sigma_mps2], np.float64), 3)
+        self._errors = np.array([bias, sigma])
         self._velocity: Array | None = None
 
     def measure(self, step: int, state: Array) -> Imu:
         """The sample of physics step `step` from the vehicle's true `state` (13,)."""
         if self._velocity is None:
             self._velocity = state[7:10].copy()
-        rate, force = np.empty(3), np.empty(3)
-        inertial(state, self._velocity, self._noise.row(step), self._sigma, self._bias, rate, force)
-        return Imu(step * STEP_S, rate, force)
+        reading = np.empty((2, 3))
+        inertial(state, self._velocity, self._noise.row(step), self._errors, reading)
+        return Imu(step * STEP_S, reading[0], reading[1])
 
 
 @jit
-def inertial(state: Array, before: Array, noise: Array, sigma: Array, bias: Array, rate: Array, force: Array) -> None:
-    """Write body rate [rad/s] and specific force [m/s2] (3,); `before` (3,) becomes the velocity of `state`.
+def inertial(state: Array, before: Array, noise: Array, errors: Array, reading: Array) -> None:
+    """Write the sensor's `reading`; `before` (3,) becomes the velocity of `state`.
 
     Args:
         state: (13,) state of the vehicle.
         before: (3,) velocity one step earlier [m/s, world].
         noise: (6,) standard normal numbers.
-        sigma, bias: (6,) of rate x, y, z and force x, y, z.
-        rate: (3,) receives the rate.
-        force: (3,) receives the specific force.
+        errors: (2, 6) bias and standard deviation of rate x, y, z and force x, y, z.
+        reading: (2, 3) receives body rate [rad/s] and specific force [m/s2].
     """
     x, y, z, w = state[3], state[4], state[5], state[6]
     r = np.empty((3, 3))
@@ -82,7 +82,7 @@ def inertial(state: Array, before: Array, noise: Array, sigma: Array, bias: Arra
             felt = (state[7 + k] - before[k]) / STEP_S + (GRAVITY_MPS2 if k == 2 else 0.0)
             turn += r[k, i] * state[10 + k]
             push += r[k, i] * felt
-        rate[i] = turn + bias[i] + sigma[i] * noise[i]
-        force[i] = push + bias[3 + i] + sigma[3 + i] * noise[3 + i]
+        reading[0, i] = turn + errors[0, i] + errors[1, i] * noise[i]
+        reading[1, i] = push + errors[0, 3 + i] + errors[1, 3 + i] * noise[3 + i]
     for k in range(3):
         before[k] = state[7 + k]

@@ -46,7 +46,7 @@ class Positioning:
     def measure(self, tick: int, state: Array, stamp_s: float) -> Fix:
         """The fix of tick `tick` from the vehicle's true `state` (13,)."""
         noise = self._noise.row(tick)
-        x, y, z, w = state[3:7]
+        x, y, z, w = state[3:7].tolist()
         yaw_rad = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
         return Fix(
             stamp_s,

@@ -1,0 +1,90 @@
+"""The vehicle's body in the physics server: pushed by its rotors, stepped, and read."""
+
+from __future__ import annotations
+
+import math
+import struct
+
+import numpy as np
+
+from scaloft_fi.sim.build import VEHICLE_GROUP, WORLD_GROUP
+from scaloft_fi.sim.vehicle import STATE_SIZE, Array, Vehicle, actuate
+from scaloft_fi.sim.world import Point
+
+_STATE = struct.Struct(f"{STATE_SIZE}d")
+
+
+class Body:
+    """The vehicle in the physics server.
+
+    Args:
+        client: physics server.
+        vehicle: what flies.
+        position: of its centre [m, world], where it is put at rest.
+        yaw_rad: its heading [rad].
+
+    Attributes:
+        number: of the body in the server.
+        truth: the 13 numbers of the state after the last step, laid out as `sim.vehicle` says.
+        state: (13,) the same as an array, which the next step overwrites.
+        thrusts: (4,) thrust of each rotor [N].
+    """
+
+    def __init__(self, client: int, vehicle: Vehicle, position: Point, yaw_rad: float) -> None:
+        import pybullet
+
+        # A flight makes these calls 240 times a second: bound once, arguments by place.
+        self._step = pybullet.stepSimulation
+        self._pose, self._motion = pybullet.getBasePositionAndOrientation, pybullet.getBaseVelocity
+        self._push, self._turn = pybullet.applyExternalForce, pybullet.applyExternalTorque
+        self._world_frame = pybullet.WORLD_FRAME
+        self._client = client
+        self._lag, self._effect = vehicle.lag(), vehicle.effect()
+        self._pushed = np.zeros(6)
+        self.number = spawn(client, vehicle, position, yaw_rad)
+        self.thrusts = np.zeros(4)
+        self.state: Array = np.zeros(STATE_SIZE)
+        self.read()
+
+    def step(self, order: Array) -> None:
+        """One 240 Hz step with rotor thrusts `order` (4,) [N]."""
+        actuate(self.thrusts, order, self._lag, self._effect, self.state, self._pushed)
+        pushed = self._pushed.tolist()
+        self._push(self.number, -1, pushed[:3], self._position, self._world_frame, self._client)
+        self._turn(self.number, -1, pushed[3:], self._world_frame, self._client)
+        self._step(self._client)
+        self.read()
+
+    def read(self) -> None:
+        """Read the true state."""
+        self._position, attitude = self._pose(self.number, self._client)
+        velocity, rate = self._motion(self.number, self._client)
+        self.truth: tuple[float, ...] = (*self._position, *attitude, *velocity, *rate)
+        _STATE.pack_into(self.state, 0, *self.truth)
+
+
+def spawn(client: int, vehicle: Vehicle, position: Point, yaw_rad: float) -> int:
+    """Put the vehicle at rest into the physics server; returns its body number."""
+    import pybullet
+
+    shape = pybullet.createCollisionShape(
+        pybullet.GEOM_BOX, halfExtents=[0.5 * edge for edge in vehicle.hull_m], physicsClientId=client
+    )
+    body = pybullet.createMultiBody(
+        baseMass=vehicle.mass_kg,
+        baseCollisionShapeIndex=shape,
+        basePosition=list(position),
+        baseOrientation=[0.0, 0.0, math.sin(0.5 * yaw_rad), math.cos(0.5 * yaw_rad)],
+        physicsClientId=client,
+    )
+    pybullet.changeDynamics(
+        body,
+        -1,
+        localInertiaDiagonal=list(vehicle.inertia),
+        linearDamping=0.0,
+        angularDamping=0.0,
+        activationState=pybullet.ACTIVATION_STATE_DISABLE_SLEEPING,
+        physicsClientId=client,
+    )
+    pybullet.setCollisionFilterGroupMask(body, -1, VEHICLE_GROUP, WORLD_GROUP, physicsClientId=client)
+    return int(body)

@@ -1,0 +1,79 @@
+"""The Kalman filter over the estimator's error, and what it is fed with.
+
+The error is of (position, velocity, attitude, rate bias, force bias); attitude errors are small rotation vectors in the
+world frame.  A fix measures position x, y, z and heading.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from filterpy.kalman import KalmanFilter
+
+from scaloft_fi.stack.kernel import jit
+from scaloft_fi.stack.messages import Array
+
+TICK_S = 0.05
+
+
+def error_filter(
+    force_noise: float,
+    rate_noise: float,
+    rate_bias_walk: float,
+    force_bias_walk: float,
+    fix_sigma_m: float,
+    fix_yaw_sigma_rad: float,
+) -> KalmanFilter:
+    """The filter before take-off; the noises are those of `EstimatorConfig`."""
+    kf = KalmanFilter(dim_x=15, dim_z=4)
+    kf.x = np.zeros(15)
+    kf.P = np.diag([1e-4] * 3 + [1e-4] * 3 + [1e-4] * 3 + [1e-5] * 3 + [1e-3] * 3)
+    kf.Q = np.diag(
+        [1e-10] * 3
+        + [force_noise**2 * TICK_S] * 3
+        + [rate_noise**2 * TICK_S] * 3
+        + [rate_bias_walk**2 * TICK_S] * 3
+        + [force_bias_walk**2 * TICK_S] * 3
+    )
+    kf.H = np.zeros((4, 15))
+    kf.H[0, 0] = kf.H[1, 1] = kf.H[2, 2] = kf.H[3, 8] = 1.0
+    kf.R = np.diag([fix_sigma_m**2] * 3 + [fix_yaw_sigma_rad**2])
+    return kf
+
+
+@jit
+def transition(f: Array, dt_s: float, world_force: Array, r: Array) -> None:
+    """Write what `dt_s` does to an error into the transition matrix `f` (15, 15).
+
+    Args:
+        f: (15, 15) identity elsewhere.
+        dt_s: time since the last prediction [s].
+        world_force: (3,) sum of specific force x dt in that time [m/s, world].
+        r: (3, 3) attitude, body to world.
+    """
+    ax, ay, az = world_force[0], world_force[1], world_force[2]
+    f[3, 7], f[3, 8] = az, -ay
+    f[4, 6], f[4, 8] = -az, ax
+    f[5, 6], f[5, 7] = ay, -ax
+    for i in range(3):
+        f[i, 3 + i] = dt_s
+        for k in range(3):
+            f[3 + i, 12 + k] = f[6 + i, 9 + k] = -dt_s * r[i, k]
+
+
+@jit
+def plausible(error: Array, covariance: Array, noise: Array, gate_sigma: float) -> bool:
+    """Whether each part of `error` (4,) is within `gate_sigma` standard deviations.
+
+    Args:
+        error: (4,) fix minus estimate: position x, y, z [m] and heading [rad].
+        covariance: (15, 15) of the estimator's error.
+        noise: (4, 4) covariance of a fix.
+        gate_sigma: standard deviations that are let through.
+    """
+    for i in range(4):
+        k = i if i < 3 else 8
+        if not abs(error[i]) <= gate_sigma * math.sqrt(covariance[k, k] + noise[i, i]):
+            return False
+    return True

@@ -1,0 +1,92 @@
+"""YAML with places: what the safe loader gives, and what is refused in one sentence."""
+
+from __future__ import annotations
+
+import pytest
+
+from scaloft_fi.document import load
+from scaloft_fi.errors import InputError
+
+
+@pytest.fixture
+def read(tmp_path):
+    def write_and_load(text):
+        path = tmp_path / "a.yaml"
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return load(path)
+
+    return write_and_load
+
+
+def test_every_value_knows_its_line_and_a_mapping_stands_where_its_key_does(read):
+    document = read("one: 1\ntwo:\n  three: [1,\n    2]\n")
+    assert document.need("one").line == 1
+    assert document.need("two").line == 2
+    assert document.need("two").need("three").line == 3
+    assert document.need("two").need("three").items()[1].line == 4
+
+
+def test_a_bare_word_is_a_key_whatever_yaml_makes_of_it(read):
+    assert set(read("NO: 1\n'on': 2\n1.5: 3\n").mapping()) == {"NO", "on", "1.5"}
+
+
+def test_plain_gives_the_bare_values_back(read):
+    assert read("a: [1, 2.5, x, true, null]\nb: {c: d}\n").plain() == {"a": [1, 2.5, "x", True, None], "b": {"c": "d"}}
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("", "a.yaml:1: the file is empty"),
+        ("a: [1\n", "a.yaml:2: not valid YAML"),
+        ("a: 1\na: 2\n", "a.yaml:2: key 'a' stands twice"),
+        ("a: !!python/object:os.system x\n", "a.yaml:1: not valid YAML"),
+        ("a: &x [*x]\n", "a.yaml:1: a[0] contains itself"),
+        ("? [1, 2]\n: 3\n", "a.yaml:1: a key of a.yaml must be a single word"),
+        (b"\xff\xfe\x00", "cannot be read: not UTF-8 text"),
+    ],
+)
+def test_what_cannot_be_read_is_refused_with_its_line(read, text, sentence):
+    with pytest.raises(InputError) as error:
+        read(text)
+    assert sentence in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("ask", "sentence"),
+    [
+        (lambda d: d.need("radius").number(), "a.yaml:1: radius='wide' must be a number"),
+        (lambda d: d.need("size").number(above=0.0), "a.yaml:2: size=-2 must be > 0"),
+        (lambda d: d.need("size").number(least=0.0, most=1.0), "a.yaml:2: size=-2 must be >= 0 and <= 1"),
+        (lambda d: d.need("size").flag(), "a.yaml:2: size=-2 must be true or false"),
+        (lambda d: d.need("size").text(), "a.yaml:2: size=-2 must be a text"),
+        (lambda d: d.need("size").items(), "a.yaml:2: size=-2 must be a list"),
+        (lambda d: d.need("on").number(), "a.yaml:4: on=True must be a number"),
+        (lambda d: d.need("place").numbers(3), "a.yaml:3: place=[...] must be a list of 3 numbers"),
+        (
+            lambda d: d.need("radius").choice(["width", "depth"]),
+            "a.yaml:1: radius='wide' is not known; did you mean 'width'?",
+        ),
+        (lambda d: d.need("height"), "a.yaml:1: a.yaml lacks the key 'height'"),
+        (lambda d: d.need("raduis"), "a.yaml:1: unknown key 'radius' in a.yaml; did you mean 'raduis'?"),
+    ],
+)
+def test_a_value_that_does_not_fit_is_named_with_what_is_allowed(read, ask, sentence):
+    document = read("radius: wide\nsize: -2\nplace: [1, 2]\non: true\n")
+    with pytest.raises(InputError) as error:
+        ask(document)
+    assert sentence in str(error.value)
+
+
+def test_keys_that_nobody_asked_for_are_refused_with_the_nearest_known_one(read):
+    document = read("radius: 1\nhieght: 2\n")
+    document.get("radius")
+    document.get("height")
+    with pytest.raises(InputError, match=r"a.yaml:2: unknown key 'hieght' in a.yaml; did you mean 'height'\?"):
+        document.close()
+
+
+def test_not_a_number_is_no_number(read):
+    with pytest.raises(InputError, match="must be a number"):
+        read("a: .nan\n").need("a").number()
