@@ -65,7 +65,9 @@ class ProximityMonitor:
         """
         if proximity is None:
             return None
-        ranges = [r if w else math.inf for r, w in zip(proximity.sectors.tolist(), proximity.watched.tolist(), strict=True)]
+        ranges = [
+            r if w else math.inf for r, w in zip(proximity.sectors.tolist(), proximity.watched.tolist(), strict=True)
+        ]
         near = [r for r in ranges if r < proximity.trigger_m]
         if not near:
             if not proximity.touched:
