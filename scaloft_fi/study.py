@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 PACKAGE = Path(__file__).resolve().parent
 FLYING_CODE = (
-    *("stack", "sim", "mutants", "campaign/fly.py"),
+    *("stack", "sim", "mutants", "campaign/fly.py", "campaign/fork.py", "campaign/share.py"),
     *("results/outcome.py", "results/requirement.py", "results/space.py", "results/stl.py", "results/monitor.py"),
 )
 """The sources that can change an outcome."""

@@ -34,6 +34,21 @@ def seeds(text: str) -> tuple[int, ...]:
     raise InputError(f"--seeds={text!r} must be N for seeds 0..N-1 (N >= 1), or A-B with A <= B")
 
 
+def shard(text: str) -> tuple[int, int]:
+    """`k/n`: the k-th of n shards.
+
+    >>> shard("2/3")
+    (2, 3)
+
+    Raises:
+        InputError: it is no such pair.
+    """
+    found = re.fullmatch(r"(\d{1,6})/(\d{1,6})", text.strip())
+    if found and 1 <= int(found[1]) <= int(found[2]):
+        return int(found[1]), int(found[2])
+    raise InputError(f"--shard={text!r} must be K/N with 1 <= K <= N, as in 1/4")
+
+
 def mutants(study: Study, patterns: Sequence[str]) -> tuple[Mutant, ...]:
     """The mutants to fly besides PLACEBO: those asked for and one control, or every cell's default and the controls.
 

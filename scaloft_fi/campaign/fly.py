@@ -1,15 +1,17 @@
-"""One planned flight to one outcome.  What the harness does wrong is `invalid`; what the drone does is judged."""
+"""Planned flights to outcomes.  What the harness does wrong is `invalid`; what the drone does is judged."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from threading import Timer
 from typing import TYPE_CHECKING, Protocol
 
 from scaloft_fi.campaign.plan import Flight
+from scaloft_fi.campaign.pool import ATTEMPTS
+from scaloft_fi.campaign.task import Task
 from scaloft_fi.errors import InputError
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.study import Study
@@ -38,7 +40,11 @@ class Flyer(Protocol):
         ...
 
     def __call__(self, study: Study, flight: Flight) -> Outcome:
-        """Fly and judge one flight; whatever goes wrong with the harness is raised."""
+        """Fly and judge one flight whole; whatever goes wrong with the harness is raised."""
+        ...
+
+    def share(self, study: Study, task: Task, home: Callable[[Outcome], None]) -> None:
+        """Fly and judge the flights of a shared task; what goes wrong over the baseline is raised."""
         ...
 
 
@@ -46,7 +52,9 @@ class Physics:
     """Flies in PyBullet."""
 
     def prepare(self, study: Study, say: Callable[[str], None]) -> None:
-        """Build the stack and compile its kernels by flying a few seconds; workers forked afterwards have them.
+        """Build the stack, compile its kernels and parse the formulas by flying and judging a few seconds.
+
+        Whatever is forked afterwards has them.
 
         Raises:
             InputError: the settings of the stack do not fit.
@@ -66,13 +74,20 @@ class Physics:
                     trial.tick()
                     for _ in range(flight.STEPS_PER_TICK):
                         trial.step()
+                judged(study, Flight(None, first, 0), trial.log())
         finally:
             notice.cancel()
             notice.join()
 
     def __call__(self, study: Study, flight: Flight) -> Outcome:
-        """Fly and judge one flight."""
+        """Fly and judge one flight whole."""
         return judged(study, flight, fly_log(study, flight))
+
+    def share(self, study: Study, task: Task, home: Callable[[Outcome], None]) -> None:
+        """Fly the baseline once, and each mutant from where it leaves it."""
+        from scaloft_fi.campaign.share import fly_shared
+
+        fly_shared(study, task, home)
 
 
 def fly_log(study: Study, flight: Flight) -> FlightLog:
@@ -132,22 +147,55 @@ class Worker:
     def __init__(self, study: Study, flyer: Flyer) -> None:
         self.study, self.flyer = study, flyer
 
-    def __call__(self, flight: Flight) -> Outcome:
-        """The outcome of `flight`, tried once more when the harness failed.
+    def __call__(self, task: Task, home: Callable[[Outcome], None]) -> None:
+        """Give `home` the outcome of every flight of `task`, tried twice more when the harness failed.
 
         Raises:
             InputError: the study cannot be flown.
         """
-        outcome = self._try(flight)
-        return self._try(flight) if outcome.invalid else outcome
+        if task.shared:
+            self._share(task, home)
+            return
+        for flight in task.flights:
+            home(self._alone(flight))
 
-    def _try(self, flight: Flight) -> Outcome:
-        try:
-            return self.flyer(self.study, flight)
-        except InputError:
-            raise
-        except Exception as error:  # noqa: BLE001 - any failure of the harness is a fact to be told, never a verdict
-            return invalid(flight, f"{type(error).__name__}: {' '.join(str(error).split())}")
+    def _alone(self, flight: Flight) -> Outcome:
+        reason = ""
+        for _ in range(ATTEMPTS):
+            try:
+                return self.flyer(self.study, flight)
+            except InputError:
+                raise
+            except Exception as error:  # noqa: BLE001 - any failure of the harness is a fact to be told, never a verdict
+                reason = reason_of(error)
+        return invalid(flight, reason)
+
+    def _share(self, task: Task, home: Callable[[Outcome], None]) -> None:
+        told: set[str] = set()
+
+        def note(outcome: Outcome) -> None:
+            told.add(outcome.name)
+            home(outcome)
+
+        reason = ""
+        for _ in range(ATTEMPTS):
+            left = task.without(told)
+            if left is None:
+                return
+            try:
+                self.flyer.share(self.study, left, note)
+            except InputError:
+                raise
+            except Exception as error:  # noqa: BLE001 - as above
+                reason = reason_of(error)
+        left = task.without(told)
+        for flight in left.flights if left else ():
+            home(invalid(flight, f"its baseline: {reason}"))
+
+
+def reason_of(error: BaseException) -> str:
+    """An error in one line."""
+    return f"{type(error).__name__}: {' '.join(str(error).split())}"
 
 
 def invalid(flight: Flight, reason: str) -> Outcome:
@@ -155,9 +203,14 @@ def invalid(flight: Flight, reason: str) -> Outcome:
     return replace(Outcome(flight.subject, flight.situation.key, flight.seed), invalid=reason)
 
 
-def lost(flight: Flight) -> Outcome:
-    """The outcome of a flight that took its worker with it."""
-    return invalid(flight, "its worker process died every time it was flown")
+def lost(task: Task, reason: str) -> list[Outcome]:
+    """The outcomes of the flights that took their worker with them."""
+    return [invalid(flight, f"its worker process {reason}") for flight in task.flights]
+
+
+def left_of(task: Task, outcomes: Iterable[Outcome]) -> Task | None:
+    """What a worker that was lost still owes of its task."""
+    return task.without({outcome.name for outcome in outcomes})
 
 
 @contextmanager

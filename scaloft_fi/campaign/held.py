@@ -25,11 +25,13 @@ class Held:
         folder: of the campaign.
         current: outcomes of flights as the study describes them now, in the store's order.
         stale: how many flights were flown with other data or code; `run` flies them again when they are asked for.
+        owed: how many flights were planned as the study describes them now, and have no outcome that counts.
     """
 
     folder: Path
     current: tuple[Outcome, ...]
     stale: int
+    owed: int = 0
 
 
 def held(study: Study, campaign: str) -> Held:
@@ -46,8 +48,10 @@ def held(study: Study, campaign: str) -> Held:
 def held_in(study: Study, store: Store, folder: Path) -> Held:
     """The same of an open store."""
     everything = tuple(store.outcomes())
-    now = tuple(store.outcomes(_keys(study, everything)))
-    return Held(folder, now, len(everything) - len(now))
+    now = tuple(store.outcomes(_keys(study, ((o.mutant, o.situation, o.seed) for o in everything))))
+    planned = store.planned()
+    due = {flight.key for flight in planned} & _keys(study, ((p.mutant, p.situation, p.seed) for p in planned))
+    return Held(folder, now, len(everything) - len(now), len(due - store.known(due)))
 
 
 def current(study: Study, campaign: str) -> tuple[Outcome, ...]:
@@ -65,6 +69,18 @@ def current(study: Study, campaign: str) -> tuple[Outcome, ...]:
     return found.current
 
 
+def latest(study: Study, campaign: str) -> tuple[Outcome, ...]:
+    """One outcome of each flight of a campaign: the current one, else one that the study has outgrown.
+
+    Raises:
+        InputError: there is no campaign.
+    """
+    folder = campaign_folder(study, campaign)
+    with Store(existing(folder), create=False) as store:
+        found = {outcome.name: outcome for outcome in (*store.outcomes(), *held_in(study, store, folder).current)}
+    return tuple(found.values())
+
+
 def flight_named(study: Study, mutant: str, situation: str, seed: int) -> Flight:
     """The flight of `mutant` (`baseline`, `PLACEBO` or an id) in a situation.
 
@@ -80,10 +96,10 @@ def _mutant(study: Study, name: str) -> Mutant | None:
     return PLACEBO if name == PLACEBO.id else realise(study.matrix, name)
 
 
-def _keys(study: Study, outcomes: Iterable[Outcome]) -> set[str]:
-    """The keys that the flights behind `outcomes` have now."""
+def _keys(study: Study, flights: Iterable[tuple[str, str, int]]) -> set[str]:
+    """The keys that flights (mutant, situation, seed) have now."""
     keys = set()
-    for name, situation, seed in {(o.mutant, o.situation, o.seed) for o in outcomes}:
+    for name, situation, seed in set(flights):
         try:
             keys.add(flight_key(study, flight_named(study, name, situation, seed)))
         except InputError:  # a cell or a situation that the study no longer has

@@ -58,6 +58,15 @@ class Plan:
         """How many flights there are, each counted once."""
         return len(self.baselines) + len(self.mutants) + (self.canary is not None)
 
+    def shard(self, number: int, shards: int) -> Plan:
+        """Every `shards`-th situation and seed, from the `number`-th (counted from 1) on."""
+        own = {(flight.situation.key, flight.seed) for flight in self.baselines[number - 1 :: shards]}
+
+        def ours(flights: tuple[Flight, ...]) -> tuple[Flight, ...]:
+            return tuple(flight for flight in flights if (flight.situation.key, flight.seed) in own)
+
+        return Plan(ours(self.baselines), ours(self.mutants), self.canary if own else None)
+
 
 def plan(
     situations: Sequence[Situation], seeds: Sequence[int], mutants: Iterable[Mutant], canary: Mutant | None
@@ -76,12 +85,12 @@ def canary_flight(planned: Plan, baselines: Iterable[Outcome]) -> Flight | None:
     """The canary where its baseline holds most, so that it has something to violate; None without a canary."""
     if planned.canary is None or not planned.baselines:
         return None
-    held = {(outcome.situation, outcome.seed): _held(outcome) for outcome in baselines}
+    held = {(outcome.situation, outcome.seed): held_requirements(outcome) for outcome in baselines}
     best = max(planned.baselines, key=lambda flight: held.get((flight.situation.key, flight.seed), 0))
     return Flight(planned.canary, best.situation, best.seed)
 
 
-def _held(baseline: Outcome) -> int:
+def held_requirements(baseline: Outcome) -> int:
     """How many requirements that count the baseline held to its end."""
     counting = [reading for reading in baseline.readings if reading.kind is not Kind.REPORTED]
     return sum(not (reading.violated or reading.open) for reading in counting)

@@ -5,15 +5,18 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
-import threading
+import time
+import traceback
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from multiprocessing.connection import Connection
 from multiprocessing.connection import wait as wait_for
 from multiprocessing.process import BaseProcess
 from typing import Any, Generic, TypeVar
+
+from scaloft_fi.campaign.lifeline import die_with
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -22,8 +25,10 @@ THREAD_SETTINGS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS",
 """A worker is one core: numeric libraries must not start threads of their own.  Set before numpy is imported."""
 
 ATTEMPTS = 3
-AHEAD = 2
-"""Tasks handed out per worker, so that none waits for the parent."""
+PATIENCE_S = 300.0
+"""A flight that takes longer is hung: a hundred times what it should take [s, wall]."""
+WORKER_PATIENCE_S = (ATTEMPTS + 1) * PATIENCE_S
+"""A worker says nothing while a process that it split off is flown, at most so often again [s, wall]."""
 LOOK_UP_S = 0.5
 """How often the parent looks up from waiting, to see whether it shall stop [s, wall]."""
 
@@ -39,110 +44,165 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-@dataclass(frozen=True)
-class _Try(Generic[Task]):
-    """A task and how often it was handed out, this time counted."""
+@dataclass
+class _Try(Generic[Task, Result]):
+    """A task, how often it was handed out, this time counted, and what came home of it this time."""
 
     task: Task
     attempt: int = 1
+    home: list[Result] = field(default_factory=list)
+
+
+@dataclass(eq=False)
+class _Worker(Generic[Task, Result]):
+    """A process and what it is busy with."""
+
+    process: BaseProcess
+    connection: Connection
+    trial: _Try[Task, Result] | None = None
+    heard_s: float = 0.0
+
+    def end(self) -> None:
+        """Stop it: an idle one leaves by itself, a busy one is not waited for."""
+        if self.trial is not None:
+            self.process.kill()
+        self.connection.close()
+        self.process.join()
 
 
 class Pool(Generic[Task, Result]):
-    """`jobs` processes that map tasks to results.
+    """`jobs` processes that turn each task into results.
 
     Args:
-        work: called in a worker with one task; whatever it raises ends the run.
-        lost: the result of a task that took its worker with it `ATTEMPTS` times.
+        work: called in a worker with one task and with what takes its results; whatever it raises ends the run.
         jobs: number of processes.
-        stop: asked between results; once true, no more tasks are handed out and those in the air come home.
+        left: what remains of a task of which some results are home when its worker dies; None = nothing.
+        lost: the results of a task that took its worker with it `ATTEMPTS` times without a result, and how.
+        stop: asked between results; once true, no more tasks are handed out and the next results in the air come home.
+        patience_s: a worker that says nothing for so long is hung [s, wall].
     """
 
     def __init__(
         self,
-        work: Callable[[Task], Result],
-        lost: Callable[[Task], Result],
+        work: Callable[[Task, Callable[[Result], None]], None],
         jobs: int,
+        *,
+        left: Callable[[Task, Sequence[Result]], Task | None],
+        lost: Callable[[Task, str], Iterable[Result]],
         stop: Callable[[], bool] = lambda: False,
+        patience_s: float = WORKER_PATIENCE_S,
     ) -> None:
-        self._work, self._lost, self._jobs, self._stop = work, lost, jobs, stop
+        self._work, self._jobs, self._left, self._lost = work, jobs, left, lost
+        self._stop, self._patience_s = stop, patience_s
 
-    def map(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, Result]]:
-        """(task, its result) for each, as they are done."""
-        waiting = deque(_Try(task) for task in tasks)
-        while waiting and not self._stop():
-            yield from self._until_broken(waiting)
-
-    def _until_broken(self, waiting: deque[_Try[Task]]) -> Iterator[tuple[Task, Result]]:
-        """Work on `waiting` until it is empty or a worker dies; what was in the air then is put back."""
-        others = set(multiprocessing.active_children())
-        executor = self._executor()
-        in_air: dict[Future[Result], _Try[Task]] = {}
+    def map(self, tasks: Iterable[Task]) -> Iterator[Result]:
+        """The results of `tasks`, as they are done."""
+        waiting: deque[_Try[Task, Result]] = deque(_Try(task) for task in tasks)
+        crew: list[_Worker[Task, Result]] = []
         try:
             while True:
-                while waiting and not self._stop() and self._may_start(waiting[0], in_air):
-                    in_air[executor.submit(_call, waiting[0].task)] = waiting[0]
-                    waiting.popleft()
-                if not in_air:
+                if not self._stop():
+                    self._hand_out(waiting, crew)
+                busy = {worker.connection: worker for worker in crew if worker.trial is not None}
+                if not busy:
                     return
-                done, _ = wait(in_air, timeout=LOOK_UP_S, return_when=FIRST_COMPLETED)
-                for future in done:
-                    result = future.result()
-                    yield in_air.pop(future).task, result
-        except BrokenProcessPool:
-            yield from self._put_back(in_air, waiting)
-            in_air.clear()
+                for connection in wait_for(list(busy), timeout=LOOK_UP_S):
+                    yield from self._hear(busy[connection], waiting, crew)  # type: ignore[index]
+                yield from self._end_hung(waiting, crew)
         finally:
-            _end(executor, set(multiprocessing.active_children()) - others if in_air else ())
+            for worker in crew:
+                worker.end()
 
-    def _may_start(self, trial: _Try[Task], in_air: Mapping[Future[Result], _Try[Task]]) -> bool:
-        """A task that was in the air when a worker died flies alone, so that its neighbours are not blamed for it."""
-        if trial.attempt > 1 or any(other.attempt > 1 for other in in_air.values()):
-            return not in_air
-        return len(in_air) < AHEAD * self._jobs
+    def _hand_out(self, waiting: deque[_Try[Task, Result]], crew: list[_Worker[Task, Result]]) -> None:
+        idle = [worker for worker in crew if worker.trial is None]
+        while waiting and (idle or len(crew) < self._jobs):
+            worker = idle.pop() if idle else self._hire(crew)
+            trial = waiting.popleft()
+            worker.trial, worker.heard_s = trial, time.monotonic()
+            with suppress(OSError):  # it has just died; that is heard when it is listened to
+                worker.connection.send(trial.task)
 
-    def _put_back(
-        self, in_air: Mapping[Future[Result], _Try[Task]], waiting: deque[_Try[Task]]
-    ) -> Iterator[tuple[Task, Result]]:
-        for future, trial in in_air.items():
-            if future.done() and not future.cancelled() and future.exception() is None:
-                yield trial.task, future.result()
-            elif trial.attempt < ATTEMPTS:
-                waiting.appendleft(_Try(trial.task, trial.attempt + 1))
-            else:
-                yield trial.task, self._lost(trial.task)
+    def _hear(
+        self, worker: _Worker[Task, Result], waiting: deque[_Try[Task, Result]], crew: list[_Worker[Task, Result]]
+    ) -> Iterator[Result]:
+        """One message of a worker."""
+        trial = worker.trial
+        if trial is None:
+            return
+        try:
+            kind, content = worker.connection.recv()
+        except (EOFError, OSError):
+            yield from self._bury(worker, "died", waiting, crew)
+            return
+        worker.heard_s = time.monotonic()
+        if kind == "raised":
+            raise content
+        if kind == "done":
+            worker.trial = None
+            return
+        trial.home.append(content)
+        if self._stop():
+            crew.remove(worker)
+            worker.end()
+        yield content
 
-    def _executor(self) -> ProcessPoolExecutor:
-        method = "fork" if "fork" in multiprocessing.get_all_start_methods() else "spawn"
-        context = multiprocessing.get_context(method)
-        return ProcessPoolExecutor(self._jobs, mp_context=context, initializer=_begin, initargs=(self._work,))
+    def _end_hung(self, waiting: deque[_Try[Task, Result]], crew: list[_Worker[Task, Result]]) -> Iterator[Result]:
+        due_s = time.monotonic() - self._patience_s
+        for worker in [worker for worker in crew if worker.trial is not None and worker.heard_s < due_s]:
+            yield from self._bury(worker, "hung", waiting, crew)
+
+    def _bury(
+        self,
+        worker: _Worker[Task, Result],
+        how: str,
+        waiting: deque[_Try[Task, Result]],
+        crew: list[_Worker[Task, Result]],
+    ) -> Iterator[Result]:
+        """A worker is lost: what it still owes is tried again, as long as that may lead anywhere."""
+        trial = worker.trial
+        crew.remove(worker)
+        worker.end()
+        left = self._left(trial.task, trial.home) if trial is not None else None
+        if trial is None or left is None:
+            return
+        attempt = 1 if trial.home else trial.attempt + 1
+        if attempt <= ATTEMPTS:
+            waiting.appendleft(_Try(left, attempt))
+        else:
+            yield from self._lost(left, f"{how} every time it was flown")
+
+    def _hire(self, crew: list[_Worker[Task, Result]]) -> _Worker[Task, Result]:
+        forked = "fork" in multiprocessing.get_all_start_methods()
+        context = multiprocessing.get_context("fork") if forked else multiprocessing.get_context("spawn")
+        ours, theirs = context.Pipe()
+        inherited = [ours, *(worker.connection for worker in crew)] if forked else []
+        process = context.Process(target=_serve, args=(self._work, theirs, inherited, os.getpid()))
+        process.start()
+        theirs.close()
+        worker: _Worker[Task, Result] = _Worker(process, ours)
+        crew.append(worker)
+        return worker
 
 
-_work: Callable[[Any], Any]
-"""What this worker does; set once when it starts, so that a task is all that travels."""
-
-
-def _call(task: Any) -> Any:
-    return _work(task)
-
-
-def _begin(work: Callable[[Any], Any]) -> None:
-    """A worker leaves Ctrl-C to its parent, and never outlives it."""
-    global _work
-    _work = work
+def _serve(
+    work: Callable[[Any, Callable[[Any], None]], None], connection: Connection, inherited: list[Connection], parent: int
+) -> None:
+    """The life of a worker: it leaves Ctrl-C to its parent, works on what it is sent, and never outlives it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
-
-
-def _end_with(sentinel: int) -> None:
-    wait_for([sentinel])
-    os._exit(1)
-
-
-def _end(executor: ProcessPoolExecutor, busy: Iterable[BaseProcess]) -> None:
-    """Stop the workers: idle ones leave by themselves, `busy` ones are not waited for."""
-    for process in busy:
-        process.kill()
-    executor.shutdown(wait=True, cancel_futures=True)
+    die_with(parent)
+    for other in inherited:
+        other.close()
+    while True:
+        try:
+            task = connection.recv()
+        except EOFError:
+            return
+        try:
+            work(task, lambda result: connection.send(("result", result)))
+            connection.send(("done", None))
+        except BrokenPipeError:
+            return
+        except Exception as error:  # noqa: BLE001 - it is raised again where the run is
+            error.add_note(traceback.format_exc())
+            connection.send(("raised", error))

@@ -19,8 +19,10 @@ VERBS: dict[str, tuple[str, str]] = {
     "matrix": ("scaloft_fi.cli.matrix:matrix_command", "the deviation matrix, every cell with its reason"),
     "mutants": ("scaloft_fi.cli.mutants:mutants_command", "the catalogue: list, derive, prove current"),
     "run": ("scaloft_fi.cli.run:run_command", "fly baseline and mutants over the grid, then score and coverage"),
+    "merge": ("scaloft_fi.cli.merge:merge_command", "join campaigns that were flown in parts"),
     "status": ("scaloft_fi.cli.status:status_command", "what a campaign holds"),
     "score": ("scaloft_fi.cli.score:score_command", "the tables of a campaign again, without flying"),
+    "diff": ("scaloft_fi.cli.diff:diff_command", "the flights of which two campaigns do not say the same"),
     "export": ("scaloft_fi.cli.export:export_command", "one row per flight, JSON or CSV"),
     "replay": ("scaloft_fi.cli.replay:replay_command", "fly one flight again, bit for bit, and draw it"),
 }

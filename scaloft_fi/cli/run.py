@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from scaloft_fi.cli.options import campaign_option, fail_under_option, format_option, study_option
+from scaloft_fi.errors import InputError
 
 
 @click.command("run")
@@ -29,6 +30,8 @@ from scaloft_fi.cli.options import campaign_option, fail_under_option, format_op
 )
 @click.option("--seeds", default="1", show_default=True, metavar="N|A-B", help="Seeds 0..N-1, or A to B inclusive.")
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
+@click.option("--shard", metavar="K/N", help="Fly the K-th of N parts of the run; `merge` joins them.")
+@click.option("--no-share", is_flag=True, help="Fly every flight whole from take-off; the outcomes are the same.")
 @format_option
 @fail_under_option
 @click.option("--quiet", is_flag=True, help="No progress and no warnings.")
@@ -39,6 +42,8 @@ def run_command(
     situations: tuple[str, ...],
     seeds: str,
     jobs: int | None,
+    shard: str | None,
+    no_share: bool,
     style: str,
     fail_under: float | None,
     quiet: bool,
@@ -52,6 +57,7 @@ def run_command(
     one_thread_each()
     from scaloft_fi.campaign import choose
     from scaloft_fi.campaign.folder import campaign_folder
+    from scaloft_fi.campaign.fork import CAN_FORK
     from scaloft_fi.campaign.plan import plan
     from scaloft_fi.campaign.progress import Progress, Silence
     from scaloft_fi.campaign.run import run
@@ -63,7 +69,12 @@ def run_command(
     planned = plan(
         study.grid.select(situations), choose.seeds(seeds), choose.mutants(study, mutants), choose.canary(study)
     )
+    if shard is not None:
+        planned = planned.shard(*choose.shard(shard))
+        if not planned.baselines:
+            raise InputError(f"--shard={shard!r} has no flights: there are fewer situations and seeds than shards")
     progress = Silence() if quiet else Progress()
     folder = campaign_folder(study, campaign)
-    flown = run(study, planned, folder, jobs=jobs or cores(), progress=progress)
+    share = CAN_FORK and not no_share
+    flown = run(study, planned, folder, jobs=jobs or cores(), progress=progress, share=share, shard=shard is not None)
     return report(study, flown.outcomes, None, style, fail_under)

@@ -30,7 +30,13 @@ def status_command(study_folder: Path | None, campaign: str, style: str) -> None
     table = Table(
         f"Campaign {found.folder}",
         ("flights", "number"),
-        (*baselines.items(), *mutants.items(), ("all", len(rows)), ("stale, not counted", found.stale)),
+        (
+            *baselines.items(),
+            *mutants.items(),
+            ("all", len(rows)),
+            ("planned, not flown", found.owed),
+            ("stale, not counted", found.stale),
+        ),
         (f"{len({row['mutant'] for row in rows})} subjects in {len({row['situation'] for row in rows})} situations.",),
     )
     click.echo(render((table,), Format(style)), nl=False)

@@ -49,15 +49,19 @@ class _Tally:
         except Exception as error:
             raise TapError(f"tap on {self.seam.name} at {t_s:.3f} s: {type(error).__name__}: {error}") from error
         self.carried += sample is not None or delivered is not None
-        if differs:
-            self.altered += 1
-            if self.first_altered_s is None:
-                self.first_altered_s = t_s
+        if not differs:
+            return sample
+        self.altered += 1
+        if self.first_altered_s is None:
+            self.first_altered_s = t_s
         return delivered
 
 
 class TappedWire:
-    """Carries samples through taps, by seam; seams without a tap carry them as they are."""
+    """Carries samples through taps, by seam; seams without a tap carry them as they are.
+
+    What does not differ arrives as it was sent, so that a flight is its baseline's to the bit until something differs.
+    """
 
     def __init__(self, taps: Mapping[str, Tap]) -> None:
         self._tallies = {name: _Tally(SEAMS[name], tap) for name, tap in taps.items()}
@@ -70,6 +74,16 @@ class TappedWire:
         """
         tally = self._tallies.get(seam)
         return sample if tally is None else tally.carry(t_s, sample)
+
+    @property
+    def seams(self) -> tuple[str, ...]:
+        """The tapped seams."""
+        return tuple(self._tallies)
+
+    @property
+    def altered(self) -> bool:
+        """Whether anything arrived that differs from what was sent."""
+        return any(tally.altered for tally in self._tallies.values())
 
     @property
     def counts(self) -> Mapping[str, SeamCount]:

@@ -9,11 +9,12 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
+from typing import NamedTuple
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.results.outcome import Outcome
 
-SCHEMA = 1
+SCHEMA = 2
 """Version of the tables below; a store of a later one is refused."""
 BUSY_S = 30.0
 """How long a writer waits for another process [s]."""
@@ -30,7 +31,24 @@ CREATE TABLE IF NOT EXISTS outcomes (
     track BLOB NOT NULL
 ) WITHOUT ROWID;
 CREATE INDEX IF NOT EXISTS outcomes_by_flight ON outcomes (mutant, situation, seed);
+CREATE TABLE IF NOT EXISTS plan (
+    key TEXT PRIMARY KEY,
+    mutant TEXT NOT NULL,
+    situation TEXT NOT NULL,
+    seed INTEGER NOT NULL,
+    canary INTEGER NOT NULL
+) WITHOUT ROWID;
 """
+
+
+class Planned(NamedTuple):
+    """A flight that was planned.  canary: only to prove that faults reach the drone."""
+
+    key: str
+    mutant: str
+    situation: str
+    seed: int
+    canary: bool = False
 
 
 class Store:
@@ -136,6 +154,33 @@ class Store:
             for key, text in rows:
                 if wanted is None or key in wanted:
                     yield Outcome.from_json(json.loads(text))
+
+    def rows(self) -> Iterator[tuple[str, Outcome]]:
+        """Every outcome with its key and its track, ordered by key."""
+        with _sentences(self.path):
+            for key, text, track in self._connection.execute("SELECT key, outcome, track FROM outcomes ORDER BY key"):
+                yield key, replace(Outcome.from_json(json.loads(text)), track=bytes(track))
+
+    def plan(self, flights: Iterable[Planned]) -> None:
+        """Keep what is to be flown, in one transaction; what was planned before stays planned.
+
+        Raises:
+            InputError: the store cannot be written.
+        """
+        with self._transaction():
+            self._connection.executemany(
+                "INSERT INTO plan VALUES (?, ?, ?, ?, ?) ON CONFLICT (key) DO UPDATE SET"
+                " canary = min(canary, excluded.canary) WHERE canary > excluded.canary",
+                flights,
+            )
+
+    def planned(self) -> list[Planned]:
+        """All that was ever planned, ordered by key."""
+        with _sentences(self.path):
+            rows = self._connection.execute("SELECT key, mutant, situation, seed, canary FROM plan ORDER BY key")
+            return [
+                Planned(key, mutant, situation, seed, bool(canary)) for key, mutant, situation, seed, canary in rows
+            ]
 
     def set_meta(self, entries: Mapping[str, str]) -> None:
         """Keep facts about the campaign, such as the platform's fingerprint; the first value of a name stays.

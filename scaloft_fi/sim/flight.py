@@ -31,6 +31,8 @@ from scaloft_fi.stack.seam import Wire
 
 STEPS_PER_TICK = 12
 NO_THRUST = np.zeros(4)
+HARNESS = (TapError, MemoryError)
+"""What is no fact about the drone, wherever it is raised."""
 
 
 def fly(config: SimConfig, situation: Situation, seed: int, wire: Wire) -> FlightLog:
@@ -131,7 +133,7 @@ class Flight:
             try:
                 thrust = self.stack.step(now_s, self.sensors.imu(self._steps, body.state))
                 order = NO_THRUST if thrust is None else thrust.rotors
-            except TapError:
+            except HARNESS:
                 raise
             except Exception as error:  # noqa: BLE001 - whatever the stack under test raises
                 self._autopilot_fails(now_s, error)
@@ -173,7 +175,7 @@ class Flight:
         if self._autopilot_alive:
             try:
                 stamps = self.stack.stamps(now_s)
-            except TapError:
+            except HARNESS:
                 raise
             except Exception as error:  # noqa: BLE001 - whatever the stack under test raises
                 self._autopilot_fails(now_s, error)
@@ -182,7 +184,7 @@ class Flight:
     def _think(self, now_s: float, frames: SensorFrames) -> None:
         try:
             self.stack.autopilot(now_s, frames)
-        except TapError:
+        except HARNESS:
             raise
         except Exception as error:  # noqa: BLE001 - whatever the stack under test raises
             self._autopilot_fails(now_s, error)
@@ -191,7 +193,7 @@ class Flight:
             return
         try:
             self.stack.companion(now_s, frames)
-        except TapError:
+        except HARNESS:
             raise
         except Exception as error:  # noqa: BLE001 - whatever the stack under test raises
             self._companion_alive = False

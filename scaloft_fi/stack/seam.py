@@ -37,9 +37,15 @@ def _reached(sample: m.GoalCheck) -> bool:
     return sample.reached
 
 
-def _alarm(sample: m.Proximity) -> tuple[bool, ...]:
-    """What the proximity monitor would conclude: which watched sectors are inside the trigger distance."""
-    return (sample.touched, *(bool(s) for s in (sample.sectors < sample.trigger_m) & sample.watched))
+def _alarm(sample: m.Proximity) -> tuple[Any, ...]:
+    """What the proximity monitor would conclude: which watched sectors are inside the trigger distance, the nearest.
+
+    After a mere touch the nearest is taken of all that are watched and seen.
+    """
+    near = (sample.sectors < sample.trigger_m) & sample.watched
+    seen = sample.watched & np.isfinite(sample.sectors) if sample.touched and not near.any() else near
+    bearing_rad = sample.bearings[np.argmin(np.where(seen, sample.sectors, np.inf))] if seen.any() else 0.0
+    return (sample.touched, *map(bool, near), float(bearing_rad))
 
 
 def _forgotten(sample: m.Clearing) -> Any:

@@ -9,7 +9,9 @@ from typing import Any
 
 import pytest
 
+from scaloft_fi.campaign.fly import invalid, reason_of
 from scaloft_fi.campaign.plan import Flight
+from scaloft_fi.campaign.task import Task
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.mutants.derive import realise
@@ -127,6 +129,13 @@ class Log:
         with self.path.open("a") as file:
             file.write(f"{flight.name}\n")
         return self.change(flight, fly(study, flight))
+
+    def share(self, study: Any, task: Task, home: Callable[[Outcome], None]) -> None:
+        for flight in task.flights:
+            try:
+                home(self(study, flight))
+            except RuntimeError as error:
+                home(invalid(flight, reason_of(error)))
 
     @property
     def flown(self) -> list[str]:

@@ -35,6 +35,12 @@ def test_another_process_with_other_jobs_exports_the_same_bytes(campaign: Path, 
     assert _call("export", "--campaign", other).stdout == _call("export", "--campaign", campaign).stdout
 
 
+def test_flights_that_are_flown_whole_export_the_same_bytes(campaign: Path, tmp_path: Path) -> None:
+    other = tmp_path / "c"
+    _call("run", *WORDS, "--jobs", "1", "--no-share", "--campaign", other)
+    assert _call("export", "--campaign", other).stdout == _call("export", "--campaign", campaign).stdout
+
+
 def test_placebo_is_the_baseline_bit_for_bit(campaign: Path) -> None:
     rows = {row["mutant"]: row for row in json.loads(_call("export", "--campaign", campaign).stdout)}
     assert rows["PLACEBO"]["digest"] == rows["baseline"]["digest"]

@@ -11,6 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from scaloft_fi.campaign.plan import Flight
+from scaloft_fi.campaign.task import Task
 from scaloft_fi.cli.main import main
 from scaloft_fi.results.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.results.requirement import Reading
@@ -27,6 +28,10 @@ class Paper:
 
     def prepare(self, study: Study, say: Callable[[str], None]) -> None:
         pass
+
+    def share(self, study: Study, task: Task, home: Callable[[Outcome], None]) -> None:
+        for flight in task.flights:
+            home(self(study, flight))
 
     def __call__(self, study: Study, flight: Flight) -> Outcome:
         subject, key = flight.subject, flight.situation.key

@@ -105,9 +105,10 @@ def test_an_autopilot_that_raises_stops_the_rotors(config):
     assert log.struck == "ground"
 
 
-def test_a_fault_that_cannot_be_injected_is_the_harness_own(config):
-    with pytest.raises(TapError):
-        flown(config, BreakingWire("depth", 1.0, TapError("broken tap")))
+@pytest.mark.parametrize("error", [TapError("broken tap"), MemoryError()])
+def test_a_fault_that_cannot_be_injected_and_a_lack_of_memory_are_the_harness_own(config, error):
+    with pytest.raises(type(error)):
+        flown(config, BreakingWire("depth", 1.0, error))
 
 
 def test_a_setting_of_the_stack_that_is_unknown_is_named(tmp_path):

@@ -2,9 +2,12 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from scaloft_fi.stack.messages import DepthFrame, Proximity
 from scaloft_fi.stack.proximity import ProximityMonitor
+from scaloft_fi.stack.seam import SEAMS
 
 
 @pytest.fixture
@@ -131,3 +134,18 @@ def test_the_flag_by_table(monitor, sectors, watched, touched, bearing):
     )
     flag = monitor.flag(2.0, proximity)
     assert (None if flag is None else flag.bearing_rad) == bearing
+
+
+@st.composite
+def proximities(draw):
+    sectors = draw(st.lists(st.sampled_from([0.2, 0.3, 0.5, 2.0, math.inf]), min_size=4, max_size=4))
+    watched = draw(st.lists(st.booleans(), min_size=4, max_size=4))
+    bearings = np.array([0.4, 0.1, -0.1, -0.4])
+    trigger_m, touched = draw(st.sampled_from([0.25, 0.4])), draw(st.booleans())
+    return Proximity(1.0, np.array(sectors), np.array(watched), bearings, trigger_m, touched)
+
+
+@given(first=proximities(), second=proximities())
+def test_samples_that_do_not_differ_raise_the_same_flag(first, second):
+    flags = [ProximityMonitor.flag(None, 1.0, sample) for sample in (first, second)]
+    assert SEAMS["proximity"].differ(first, second) or flags[0] == flags[1]

@@ -1,0 +1,189 @@
+"""What sharing saves and what a second process adds, measured on a sample of the default catalogue.
+
+    python benchmarks/campaign.py [--json] [--situation KEY|GLOB]... [--every N] [--whole]
+
+sim_s_shared: seconds simulated when mutants leave their baseline where they first differ, counted in the flight loop of
+every process.  sim_s_unavoidable: baselines and PLACEBO, and of each other flight what comes after its first differing
+sample.  sim_s_brute: every flight whole.  digests_equal: whether both ways give the same outcomes, field for field.
+flights_per_s and efficiency: outcomes per second of wall time with 1 and with 2 processes; cpu_s: what they took of the
+processors, which says on a busy machine what the wall time cannot.  peak_rss_mib: of a worker
+and of the largest process it split off, after 100 and after 1,000 flights.
+"""
+
+from __future__ import annotations
+
+import checkout  # noqa: F401 - first: it sets the path and the threads
+
+# isort: split
+
+import argparse
+import json
+import mmap
+import resource
+import struct
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from scaloft_fi.campaign.fly import Physics, Worker, left_of, lost
+from scaloft_fi.campaign.plan import Flight, plan
+from scaloft_fi.campaign.pool import Pool
+from scaloft_fi.campaign.task import Task, alone, together
+from scaloft_fi.mutants.derive import defaults, realise
+from scaloft_fi.mutants.mutant import PLACEBO
+from scaloft_fi.results.outcome import BASELINE, Outcome
+from scaloft_fi.sim import flight as flight_module
+from scaloft_fi.study import Study
+
+SITUATIONS = ("T0O0W0D0H1", "T0O1W0D1H0")
+QUICK = "REVERSE-velcmd"
+"""A mutant that strikes within seconds: a thousand of its flights are soon flown."""
+RSS_FLIGHTS = (100, 1000)
+
+
+class TickCounter:
+    """Counts the ticks that are flown in this process and in all that it forks."""
+
+    def __init__(self) -> None:
+        self._memory = mmap.mmap(-1, 8)
+
+    @property
+    def ticks(self) -> int:
+        """How many so far."""
+        return int(struct.unpack("q", self._memory[:8])[0])
+
+    @contextmanager
+    def counting(self) -> Iterator[None]:
+        """While it lasts, every tick is counted; one process flies at a time."""
+        tick: Callable[[Any], bool] = flight_module.Flight.tick
+
+        def counted(flight: Any) -> bool:
+            goes_on = tick(flight)
+            if goes_on:
+                self._memory[:8] = struct.pack("q", self.ticks + 1)
+            return goes_on
+
+        flight_module.Flight.tick = counted  # type: ignore[method-assign]
+        try:
+            yield
+        finally:
+            flight_module.Flight.tick = tick  # type: ignore[method-assign]
+
+
+def flown(study: Study, tasks: Sequence[Task], jobs: int) -> tuple[dict[str, Outcome], float, float]:
+    """The outcomes of `tasks` by name, and the wall time and the processor time they took [s]."""
+    begin_s, begin_cpu_s = time.perf_counter(), cpu_s()
+    pool = Pool(Worker(study, Physics()), jobs, left=left_of, lost=lost)
+    outcomes = {outcome.name: outcome for outcome in pool.map(tasks)}
+    return outcomes, time.perf_counter() - begin_s, cpu_s() - begin_cpu_s
+
+
+def cpu_s() -> float:
+    """Processor time of all processes that this one has started and that have ended [s]."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def unavoidable_s(outcomes: Sequence[Outcome]) -> float:
+    """What no sharing can save [s, simulated]."""
+    total_s = 0.0
+    for outcome in outcomes:
+        if outcome.mutant in (BASELINE, PLACEBO.id):
+            total_s += outcome.duration_s
+        elif outcome.infected_at_s is not None:
+            total_s += outcome.duration_s - outcome.infected_at_s
+    return total_s
+
+
+def peak_rss(study: Study) -> dict[str, dict[str, float]]:
+    """Peak memory of one worker after so many flights, each split off a baseline [MiB]."""
+    situation = study.grid.situation(SITUATIONS[0])
+    quick = realise(study.matrix, QUICK)
+    each = RSS_FLIGHTS[0] // 2
+    tasks = [
+        Task((Flight(None, situation, seed), Flight(quick, situation, seed)), shared=True)
+        for seed in range(RSS_FLIGHTS[-1] // 2)
+    ]
+
+    def work(batch: Sequence[Task], home: Callable[[tuple[int, float, float]], None]) -> None:
+        fly, count = Worker(study, Physics()), 0
+        for task in batch:
+            fly(task, lambda _outcome: None)
+            count += len(task.flights)
+            if count in RSS_FLIGHTS:
+                home((count, peak_mib(resource.RUSAGE_SELF), peak_mib(resource.RUSAGE_CHILDREN)))
+
+    assert each * 2 == RSS_FLIGHTS[0]
+    pool: Pool[Sequence[Task], tuple[int, float, float]] = Pool(
+        work, 1, left=lambda _task, _home: None, lost=lambda _task, _how: [], patience_s=86400.0
+    )
+    return {str(count): {"worker": own, "split_off": child} for count, own, child in pool.map([tasks])}
+
+
+def peak_mib(who: int) -> float:
+    """Peak resident memory [MiB]."""
+    unit = 1024**2 if sys.platform == "darwin" else 1024
+    return round(resource.getrusage(who).ru_maxrss / unit, 1)
+
+
+def measure(study: Study, keys: Sequence[str], every: int) -> dict[str, Any]:
+    """All figures."""
+    planned = plan(study.grid.select(keys), (0,), defaults(study.matrix)[::every], None)
+    flights = (*planned.baselines, *planned.mutants)
+    weight_s = {flight.name: study.expected_s(flight.situation) for flight in flights}
+
+    def tasks(jobs: int) -> list[Task]:
+        return together(flights, lambda flight: weight_s[flight.name], jobs)
+
+    counter = TickCounter()
+    with counter.counting():
+        shared, one_s, one_cpu_s = flown(study, tasks(1), 1)
+    two, two_s, two_cpu_s = flown(study, tasks(2), 2)
+    brute, brute_s, brute_cpu_s = flown(study, alone(flights), 1)
+    unavoidable = unavoidable_s(list(brute.values()))
+    shared_s = counter.ticks / 20
+    per_s = {"1": len(flights) / one_s, "2": len(flights) / two_s}
+    return {
+        "situations": len(planned.baselines),
+        "flights": len(flights),
+        "sim_s_shared": round(shared_s, 2),
+        "sim_s_unavoidable": round(unavoidable, 2),
+        "sim_s_brute": round(sum(outcome.duration_s for outcome in brute.values()), 2),
+        "shared_over_unavoidable": round(shared_s / unavoidable, 4),
+        "wall_s": {"brute": round(brute_s, 1), "1": round(one_s, 1), "2": round(two_s, 1)},
+        "cpu_s": {"brute": round(brute_cpu_s, 1), "1": round(one_cpu_s, 1), "2": round(two_cpu_s, 1)},
+        "digests_equal": shared == brute and two == brute,
+        "not_infected": sum(not outcome.altered for outcome in shared.values()),
+        "invalid": sum(bool(outcome.invalid) for outcome in shared.values()),
+        "flights_per_s": {jobs: round(rate, 2) for jobs, rate in per_s.items()},
+        "efficiency": round(per_s["2"] / per_s["1"] / 2, 3),
+    }
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument("--situation", action="append", default=[], help="key or glob, repeatable")
+    parser.add_argument("--every", type=int, default=3, help="fly every N-th default mutant (default: 3)")
+    parser.add_argument("--whole", action="store_true", help="every default mutant in every situation: takes hours")
+    parser.add_argument("--no-rss", action="store_true", help="leave the memory of 1,000 flights out")
+    options = parser.parse_args()
+    study = Study.open(None)
+    Physics().prepare(study, lambda text: print(text, file=sys.stderr))
+    keys = options.situation or ([] if options.whole else SITUATIONS)
+    figures = measure(study, keys, 1 if options.whole else options.every)
+    if not options.no_rss:
+        figures["peak_rss_mib"] = peak_rss(study)
+    if options.json:
+        json.dump(figures, sys.stdout, indent=2)
+        print()
+        return
+    for name, figure in figures.items():
+        print(f"{name:28} {figure}")
+
+
+if __name__ == "__main__":
+    main()

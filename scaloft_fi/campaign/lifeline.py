@@ -1,0 +1,46 @@
+"""Processes that do not outlive the one that started them, however it ends."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable
+from multiprocessing import parent_process
+from multiprocessing.connection import wait
+
+LINUX = sys.platform.startswith("linux")
+_PR_SET_PDEATHSIG = 1
+_prctl: Callable[..., int] | None = getattr(ctypes.CDLL(None), "prctl", None) if LINUX else None
+
+
+def die_with(parent: int) -> None:
+    """End this process when the one numbered `parent`, which has just started it, ends.
+
+    On Linux the kernel sees to it; elsewhere a thread waits, which needs a process started by `multiprocessing`.
+    """
+    if _prctl is not None:
+        _prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+        if os.getppid() != parent:  # it ended before the kernel was asked
+            os._exit(1)
+        return
+    process = parent_process()
+    if process is not None:
+        threading.Thread(target=_end_after, args=(process.sentinel,), daemon=True).start()
+
+
+def _end_after(sentinel: int) -> None:
+    wait([sentinel])
+    os._exit(1)
+
+
+def cause_of_death(status: int) -> str:
+    """How a process ended, in words, from its wait status.
+
+    >>> cause_of_death(9), cause_of_death(256)
+    ('SIGKILL', 'exit code 1')
+    """
+    code = os.waitstatus_to_exitcode(status)
+    return f"exit code {code}" if code >= 0 else signal.Signals(-code).name

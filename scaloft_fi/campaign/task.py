@@ -1,0 +1,82 @@
+"""What is handed to a worker in one go: a flight, or the flights that share one baseline's beginning."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import dataclass
+
+from scaloft_fi.campaign.plan import Flight
+from scaloft_fi.mutants.mutant import PLACEBO
+
+SHARES_PER_JOB = 2
+"""Into how many tasks per process the work is cut at least, so that all processes end at about the same time."""
+LEAST_SHARING = 16
+"""A baseline is flown once more for another process only when at least so many mutants share it."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """Flights of one situation and seed.
+
+    Attributes:
+        flights: whose outcomes are wanted.
+        shared: whether they are flown together with the baseline, each from where it leaves it; else each is whole.
+    """
+
+    flights: tuple[Flight, ...]
+    shared: bool = False
+
+    def __post_init__(self) -> None:
+        if self.shared and any(flight.mutant == PLACEBO for flight in self.flights):
+            raise ValueError("PLACEBO is always flown whole")
+
+    @property
+    def carrier(self) -> Flight:
+        """The baseline of the flights."""
+        return Flight(None, self.flights[0].situation, self.flights[0].seed)
+
+    def without(self, names: Collection[str]) -> Task | None:
+        """What is left when the flights called `names` are home; None = nothing."""
+        left = tuple(flight for flight in self.flights if flight.name not in names)
+        return Task(left, self.shared) if left else None
+
+
+def alone(flights: Iterable[Flight]) -> list[Task]:
+    """Each flight whole and by itself."""
+    return [Task((flight,)) for flight in flights]
+
+
+def together(flights: Sequence[Flight], weight_s: Callable[[Flight], float], jobs: int) -> list[Task]:
+    """Mutants with the baseline of their situation and seed, which is flown again when it is not among `flights`.
+
+    Args:
+        flights: to be flown.
+        weight_s: how long one is expected to take [s].
+        jobs: number of processes; a baseline with many mutants is flown by several when that keeps them busy.
+
+    Returns:
+        The tasks, the longest first.
+    """
+    most_s = sum(map(weight_s, flights)) / (SHARES_PER_JOB * jobs)
+    tasks = alone(flight for flight in flights if flight.mutant == PLACEBO)
+    for baseline, mutants in _by_baseline(flights).items():
+        if len(mutants) == 1 and baseline not in flights:  # the baseline would cost more than it saves
+            tasks += alone(mutants)
+            continue
+        own_s = weight_s(baseline) * (1 + len(mutants))
+        pieces = min(math.ceil(own_s / most_s), len(mutants) // LEAST_SHARING) if jobs > 1 and most_s else 1
+        pieces = max(1, pieces)
+        tasks += [Task((baseline, *mutants[piece::pieces]), shared=True) for piece in range(pieces)]
+    return sorted(tasks, key=lambda task: sum(map(weight_s, task.flights)), reverse=True)
+
+
+def _by_baseline(flights: Iterable[Flight]) -> dict[Flight, list[Flight]]:
+    """The mutants by the baseline they leave; PLACEBO leaves none."""
+    draws: dict[Flight, list[Flight]] = {}
+    for flight in flights:
+        if flight.mutant != PLACEBO:
+            mutants = draws.setdefault(Flight(None, flight.situation, flight.seed), [])
+            if flight.mutant is not None:
+                mutants.append(flight)
+    return draws

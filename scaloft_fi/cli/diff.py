@@ -1,0 +1,29 @@
+"""`scaloft-fi diff`: hold two campaigns against each other."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from scaloft_fi.cli.options import format_option, study_option
+
+
+@click.command("diff")
+@click.argument("first", metavar="CAMPAIGN")
+@click.argument("second", metavar="CAMPAIGN")
+@study_option
+@format_option
+def diff_command(first: str, second: str, study_folder: Path | None, style: str) -> None:
+    """Print the flights of which two campaigns do not say the same.
+
+    What was flown with other data or code counts too, unless the campaign has the flight as the study describes it now.
+    """
+    from scaloft_fi.campaign.held import latest
+    from scaloft_fi.results.compare import compare, comparison_table
+    from scaloft_fi.results.table import Format, render
+    from scaloft_fi.study import Study
+
+    study = Study.open(study_folder)
+    compared = compare(latest(study, first), latest(study, second), study.roster, study.space)
+    click.echo(render((comparison_table(compared, first, second),), Format(style)), nl=False)

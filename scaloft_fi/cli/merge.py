@@ -1,0 +1,30 @@
+"""`scaloft-fi merge`: join campaigns flown in parts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from scaloft_fi.cli.options import campaign_option, study_option
+
+
+@click.command("merge")
+@click.argument("sources", metavar="CAMPAIGN...", nargs=-1, required=True)
+@study_option
+@campaign_option
+def merge_command(sources: tuple[str, ...], study_folder: Path | None, campaign: str) -> None:
+    """Join CAMPAIGNs, such as those flown with `run --shard K/N`, into the one named by --campaign.
+
+    The run's own command, without --shard, then holds the gates over the whole and prints the tables; it flies nothing.
+    """
+    from scaloft_fi.campaign.folder import campaign_folder
+    from scaloft_fi.campaign.merge import merge
+    from scaloft_fi.study import Study
+
+    study = Study.open(study_folder)
+    folder = campaign_folder(study, campaign)
+    merged = merge(study, folder, [campaign_folder(study, source) for source in sources])
+    for warning in merged.warnings:
+        click.echo(f"warning: {warning}", err=True)
+    click.echo(f"{merged.added} flights added to {folder}, {merged.known} known already")
