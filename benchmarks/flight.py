@@ -27,15 +27,15 @@ from typing import Any
 import numpy as np
 
 from scaloft_fi.results.requirement import judge
-from scaloft_fi.sim import flight as flight_module
+from scaloft_fi.sim.body import Body, spawn
 from scaloft_fi.sim.build import build
+from scaloft_fi.sim.contact import Feeler
 from scaloft_fi.sim.flight import fly, physics_server
 from scaloft_fi.sim.observer import Observer
 from scaloft_fi.sim.sensors import suite
 from scaloft_fi.sim.sensors.camera import DepthSensor
 from scaloft_fi.sim.sensors.detector import Detector
 from scaloft_fi.sim.sensors.imu import ImuSensor
-from scaloft_fi.sim.vehicle import STATE_SIZE, push, read_state, spawn
 from scaloft_fi.stack import companion, flight_control
 from scaloft_fi.stack.estimator import Estimator
 from scaloft_fi.stack.memory import ObstacleMemory
@@ -46,11 +46,8 @@ from scaloft_fi.study import Study
 
 # Who is timed: (owner, attribute, part).  Nested parts are taken out of the outer ones.
 PROBES: tuple[tuple[Any, str, str], ...] = (
-    (flight_module, "push", "physics"),
-    (flight_module, "read_state", "physics"),
-    (flight_module, "rotor_step", "physics"),
-    (flight_module, "wrench", "physics"),
-    (flight_module, "contacts", "physics"),
+    (Body, "step", "physics"),
+    (Feeler, "feel", "physics"),
     (suite, "look", "camera"),
     (DepthSensor, "measure", "camera"),
     (Detector, "measure", "perception"),
@@ -98,11 +95,8 @@ class Clock:
 @contextmanager
 def instrumented(clock: Clock) -> Iterator[None]:
     """Time the probes' functions."""
-    import pybullet
-
-    probes = (*PROBES, (pybullet, "stepSimulation", "physics"))
-    originals = [(owner, name, getattr(owner, name)) for owner, name, _ in probes]
-    for (owner, name, part), (_, _, original) in zip(probes, originals, strict=True):
+    originals = [(owner, name, getattr(owner, name)) for owner, name, _ in PROBES]
+    for (owner, name, part), (_, _, original) in zip(PROBES, originals, strict=True):
         setattr(owner, name, clock.probe(original, part))
     try:
         yield
@@ -135,21 +129,21 @@ def bare_loop(study: Study, situation: Any, simulated_s: float) -> float:
         body = spawn(client, vehicle, (0.0, 0.0, 1.65), 0.0)
         fov_deg = np.degrees(2 * np.arctan(np.tan(camera.fov_rad / 2) * camera.height / camera.width))
         lens = pybullet.computeProjectionMatrixFOV(fov_deg, camera.width / camera.height, 0.05, 20.0)
-        state, torque = np.zeros(STATE_SIZE), np.zeros(3)
-        hover = np.array([0.0, 0.0, vehicle.mass_kg * 9.81])
+        hover, torque = [0.0, 0.0, vehicle.mass_kg * 9.81], [0.0, 0.0, 0.0]
         blank = 0.0
         begin = time.process_time()
         for step in range(round(simulated_s * 240)):
-            read_state(client, body, state)
+            (x, y, z), _ = pybullet.getBasePositionAndOrientation(body, client)
+            pybullet.getBaseVelocity(body, client)
             if step % 12 == 0:
-                x, y, z = state[:3]
                 eye = pybullet.computeViewMatrix([x, y, z], [x, y + 1.0, z], [0.0, 0.0, 1.0])
                 *_, depth, _ = pybullet.getCameraImage(
                     camera.width, camera.height, eye, lens, shadow=0,
                     flags=pybullet.ER_NO_SEGMENTATION_MASK, renderer=pybullet.ER_TINY_RENDERER, physicsClientId=client,
                 )  # fmt: skip
                 blank = max(blank, float(np.mean(depth == 1.0)))
-            push(client, body, state, hover, torque)
+            pybullet.applyExternalForce(body, -1, hover, [x, y, z], pybullet.WORLD_FRAME, client)
+            pybullet.applyExternalTorque(body, -1, torque, pybullet.WORLD_FRAME, client)
             pybullet.stepSimulation(physicsClientId=client)
         spent_s = time.process_time() - begin
     if blank > 0.05:

@@ -60,7 +60,7 @@ class Body:
         self._position, attitude = self._pose(self.number, self._client)
         velocity, rate = self._motion(self.number, self._client)
         self.truth: tuple[float, ...] = (*self._position, *attitude, *velocity, *rate)
-        _STATE.pack_into(self.state, 0, *self.truth)
+        _STATE.pack_into(self.state.data, 0, *self.truth)
 
 
 def spawn(client: int, vehicle: Vehicle, position: Point, yaw_rad: float) -> int:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from scaloft_fi.sim.vehicle import Array
+from scaloft_fi.sim.vehicle import Array, Vehicle
 
 GEAR_SHARE = 0.8
 """A touch below this share of the hull's half height is one of the landing gear, not of the hull."""
+SPARE_M = 0.05
+"""More than Bullet's margins, and than a step's way between detecting a touch and telling it [m]."""
 
 
 class Contact(NamedTuple):
@@ -45,3 +48,40 @@ def contacts(
             height_m = ux * (px - state[0]) + uy * (py - state[1]) + uz * (pz - state[2])
             found.add(Contact(name_of[point[2]], bool(height_m < -GEAR_SHARE * half_height_m)))
     return tuple(sorted(found))
+
+
+class Feeler:
+    """Finds touches, and asks the physics server only where there can be one.
+
+    Args:
+        client: physics server.
+        number: the vehicle's body number.
+        vehicle: what flies.
+        name_of: names of the world's bodies by number.
+    """
+
+    def __init__(self, client: int, number: int, vehicle: Vehicle, name_of: Mapping[int, str]) -> None:
+        self._client, self._number, self._name_of = client, number, name_of
+        self._half_height_m = vehicle.half_height_m
+        # However the hull turns, it stays in a ball about its centre, and a smaller ball stays in it.
+        self._needed_m = 0.5 * math.hypot(*vehicle.hull_m) - 0.5 * min(vehicle.hull_m) + SPARE_M
+        self._x = self._y = self._z = 0.0
+        self._free_square = -1.0
+
+    def look(self, position: Sequence[float], room_m: float) -> None:
+        """Take note that at `position` (3,) [m, world] nothing is nearer to the hull than `room_m` [m]."""
+        self._x, self._y, self._z = position
+        free_m = room_m - self._needed_m
+        self._free_square = free_m * free_m if free_m > 0.0 else -1.0
+
+    def feel(self, truth: Sequence[float], state: Array) -> tuple[Contact, ...]:
+        """The touches of the last physics step.
+
+        Args:
+            truth: the 13 numbers of the vehicle's state.
+            state: (13,) the same as an array.
+        """
+        dx, dy, dz = truth[0] - self._x, truth[1] - self._y, truth[2] - self._z
+        if dx * dx + dy * dy + dz * dz < self._free_square:
+            return ()
+        return contacts(self._client, self._number, self._name_of, state, self._half_height_m)

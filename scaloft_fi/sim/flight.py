@@ -14,7 +14,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.wire import TapError
 from scaloft_fi.sim.body import Body
 from scaloft_fi.sim.build import STEP_S, build, connect
-from scaloft_fi.sim.contact import contacts
+from scaloft_fi.sim.contact import Feeler
 from scaloft_fi.sim.events import events_of
 from scaloft_fi.sim.load import SimConfig
 from scaloft_fi.sim.log import Count, Ending, FlightLog, Recorder
@@ -104,7 +104,7 @@ class Flight:
         self._client, self._scenario, self._wire = client, scenario, wire
         self.body = Body(client, vehicle, start, scenario.world.mission.yaw_rad)
         self._observer = Observer(client, ids, self.body.number, vehicle, scenario, config.sensors.depth.max_m)
-        self._names, self._half_height_m = ids.name_of, vehicle.half_height_m
+        self._feeler = Feeler(client, self.body.number, vehicle, ids.name_of)
         self._truth, self._beliefs = Recorder(self._observer.names), Recorder(BELIEFS)
         self._ticks = self._steps = 0
         self._companion_alive = self._autopilot_alive = True
@@ -114,6 +114,7 @@ class Flight:
         """Record a sample; unless the flight is over, let sensors and companion work.  Returns whether it goes on."""
         now_s = self._ticks / 20
         self._truth.add(self._observer.sample(now_s, self.body.state, self.sensors.view))
+        self._feeler.look(self.body.truth[:3], self._observer.room_m)
         self._beliefs.add(self.stack.beliefs(now_s))
         if self._ending(now_s) is not None:
             return False
@@ -138,7 +139,7 @@ class Flight:
                 self._autopilot_fails(now_s, error)
         body.step(order)
         self._steps += 1
-        touched = contacts(self._client, body.number, self._names, body.state, self._half_height_m)
+        touched = self._feeler.feel(body.truth, body.state)
         if touched:
             self.sensors.feel(touched)
         self._observer.step(self._steps * STEP_S, body.truth, touched)

@@ -7,7 +7,7 @@ import fnmatch
 import itertools
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from scaloft_fi.document import Item
@@ -34,6 +34,7 @@ class Grid:
     aliases: Mapping[str, str]
     document: Item
     camera: Camera
+    _scenarios: dict[str, Scenario] = field(default_factory=dict, repr=False)
 
     @cached_property
     def situations(self) -> tuple[Situation, ...]:
@@ -110,12 +111,14 @@ class Grid:
         return read_world(document)
 
     def scenario(self, situation: Situation) -> Scenario:
-        """All that stands before a flight in the situation.
+        """All that stands before a flight in the situation, made once.
 
         Raises:
             InputError: the values of the axes do not go together.
         """
-        return Scenario(situation, self.world(situation.levels), self.camera)
+        if situation.key not in self._scenarios:
+            self._scenarios[situation.key] = Scenario(situation, self.world(situation.levels), self.camera)
+        return self._scenarios[situation.key]
 
     def miss(self, name: str) -> str:
         """The sentence for a name that is none of a situation."""

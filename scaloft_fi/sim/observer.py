@@ -40,19 +40,23 @@ class Observer:
         struck: name of the first thing struck without excuse; "" so far without one.
         struck_at_s: when [s]; NaN so far without one.
         landed: whether it touched down.
+        room_m: at the last sample nothing was nearer to the hull than this [m]; may be too small.
     """
 
     def __init__(
         self, client: int, ids: BodyIds, body: int, vehicle: Vehicle, scenario: Scenario, range_m: float
     ) -> None:
+        import pybullet
+
         world = scenario.world
         self.names = tuple(signal.name for signal in truth_signals(world.surfaces))
         self.struck = ""
         self.struck_at_s = NEVER_S
         self.landed = False
-        self._client, self._ids, self._body = client, ids.by_name, body
+        self._client, self._ids, self._body, self._closest = client, ids.by_name, body, pybullet.getClosestPoints
         self._scenario, self._scene, self._surfaces = scenario, world.scene, world.surfaces
-        self._reach_m = CLEARANCE_CAP_M + 0.5 * math.hypot(*vehicle.hull_m)
+        self.room_m = 0.0
+        self._radius_m = 0.5 * math.hypot(*vehicle.hull_m)
         self._range_m = range_m
         owners = {name: number for number, name in enumerate(self._scene.names)}
         self._persons = [(owners[name], _axis_points(world.bodies[name].mesh.vertices)) for name in scenario.persons]
@@ -112,6 +116,9 @@ class Observer:
         excused = self._excused(x, y)
         clearances = {name: self._clearance(name, x, y, z, excused) for name in self._surfaces}
         person_range_m, person_sight_m = self._person(state)
+        self.room_m = min(clearances.values())
+        if excused:
+            self.room_m = min(self.room_m, self._gap(GROUND, x, y, z))
         self._pass_waypoints(x, y)
         near_waypoint = any(math.hypot(x - wx, y - wy) <= PASS_M for wx, wy, _ in scenario.route[:-1])
         row = [
@@ -143,23 +150,18 @@ class Observer:
         if name == GROUND and excused:
             return CLEARANCE_CAP_M if name not in self._touched else TOUCH_M
         clearance_m = CLEARANCE_CAP_M
-        if name in self._ids and self._within_reach(name, x, y, z):
-            import pybullet
-
-            points = pybullet.getClosestPoints(
-                self._body, self._ids[name], CLEARANCE_CAP_M, physicsClientId=self._client
-            )
+        if name in self._ids and self._gap(name, x, y, z) < CLEARANCE_CAP_M:
+            points = self._closest(self._body, self._ids[name], CLEARANCE_CAP_M, physicsClientId=self._client)
             clearance_m = min((point[8] for point in points), default=CLEARANCE_CAP_M)
         if name in self._touched:
             return min(clearance_m, TOUCH_M)
         # Bullet's margin may overlap by less than it takes for a touch; only a touch counts.
         return max(clearance_m, -TOUCH_M)
 
-    def _within_reach(self, name: str, x: float, y: float, z: float) -> bool:
-        """Whether a ball about the hull, as large as clearances are measured, meets the surface's bounding box."""
+    def _gap(self, name: str, x: float, y: float, z: float) -> float:
+        """From a ball about the hull to the surface's bounding box [m]: no clearance is smaller."""
         x0, y0, z0, x1, y1, z1 = self._bounds[name]
-        dx, dy, dz = max(x0 - x, 0.0, x - x1), max(y0 - y, 0.0, y - y1), max(z0 - z, 0.0, z - z1)
-        return dx * dx + dy * dy + dz * dz < self._reach_m * self._reach_m
+        return math.hypot(max(x0 - x, 0.0, x - x1), max(y0 - y, 0.0, y - y1), max(z0 - z, 0.0, z - z1)) - self._radius_m
 
     def _person(self, state: Array) -> tuple[float, float]:
         """Range of the nearest person's surface, and of the nearest one in sight [m]."""

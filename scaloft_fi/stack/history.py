@@ -41,15 +41,14 @@ class History:
         i = self._end - 1
         while i > self._first and not self._rows[i, 0] <= stamp_s:
             i -= 1
-        before, after = self._rows[i], self._rows[min(i + 1, self._end - 1)]
-        begin_s = float(before[0])
+        begin_s, *position, yaw_rad = self._rows[i].tolist()
         if not begin_s <= stamp_s:
-            return before[1:4].copy(), float(before[4])
-        span_s = float(after[0]) - begin_s
+            return np.array(position), yaw_rad
+        end_s, *later, later_rad = self._rows[min(i + 1, self._end - 1)].tolist()
+        span_s = end_s - begin_s
         share = min(1.0, (stamp_s - begin_s) / span_s) if span_s > 0.0 else 0.0
-        yaw_rad = float(before[4])
-        turned = math.remainder(float(after[4]) - yaw_rad, 2.0 * math.pi)
-        return before[1:4] + share * (after[1:4] - before[1:4]), yaw_rad + share * turned
+        turned = math.remainder(later_rad - yaw_rad, 2.0 * math.pi)
+        return np.array([p + share * (q - p) for p, q in zip(position, later, strict=True)]), yaw_rad + share * turned
 
     def shift(self, position: Array, yaw_rad: float) -> None:
         """A correction applies to the recent past as well, or late fixes would correct the same error twice."""

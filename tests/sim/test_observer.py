@@ -5,11 +5,12 @@ import math
 import numpy as np
 import pytest
 
+from scaloft_fi.sim.body import spawn
 from scaloft_fi.sim.build import build
 from scaloft_fi.sim.contact import Contact
 from scaloft_fi.sim.observer import Observer
 from scaloft_fi.sim.raster import look
-from scaloft_fi.sim.vehicle import STATE_SIZE, spawn
+from scaloft_fi.sim.vehicle import STATE_SIZE
 
 pytestmark = pytest.mark.flight
 

@@ -8,7 +8,7 @@ import pytest
 
 from scaloft_fi.sim import mesh
 from scaloft_fi.sim.build import build
-from scaloft_fi.sim.raster import Camera, Scene, draw, look
+from scaloft_fi.sim.raster import Camera, Scene, draw, look, pixels_of
 
 CAMERA = Camera(64, 48, math.radians(59), 0.1)
 UPRIGHT = np.array([0.0, 0.0, 0.0, 1.0])
@@ -169,3 +169,12 @@ def test_a_picture_is_drawn_in_less_than_a_fifth_of_a_millisecond(config):
             look(scene, CAMERA, position, attitude)
         best = min(best, (time.process_time() - begun) / len(shots))
     assert best < 200e-6
+
+
+def test_pixels_of_a_body_are_counted_within_range():
+    draw = np.random.default_rng(1)
+    segments = draw.integers(-1, 4, (7, 9)).astype(np.int16)
+    depth = np.where(segments < 0, np.inf, draw.uniform(0, 10, (7, 9)))
+    wanted = np.array([False, True, False, True])
+    expected = np.count_nonzero(np.isin(segments, [1, 3]) & (depth <= 5.0))
+    assert pixels_of(segments, depth, wanted, 5.0) == expected > 0

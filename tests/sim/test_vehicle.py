@@ -3,12 +3,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.sim.build import GRAVITY_MPS2, STEP_S, build
-from scaloft_fi.sim.vehicle import STATE_SIZE, push, read_state, rotor_step, spawn, wrench
+from scaloft_fi.sim.build import GRAVITY_MPS2, STEP_S
+from scaloft_fi.sim.vehicle import STATE_SIZE, actuate, rotor_step, wrench
 
 thrusts = st.tuples(*[st.floats(0, 10.35)] * 4).map(np.array)
 units = st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: np.linalg.norm(q) > 0.1).map(np.array)
@@ -77,56 +76,18 @@ def test_the_wrench_is_the_body_wrench_turned_into_the_world(config, thrust, att
     assert np.allclose(torque, turn @ body_torque)
 
 
+@given(thrusts, thrusts, units, st.tuples(*[st.floats(-3, 3)] * 3))
+def test_actuating_is_turning_the_rotors_and_then_pushing(config, before, order, attitude, velocity):
+    vehicle, state, pushed_by = config.vehicle, still(attitude, velocity), np.empty(6)
+    after, plain = before.copy(), before.copy()
+    actuate(after, order, vehicle.lag(), vehicle.effect(), state, pushed_by)
+    rotor_step.py_func(plain, order, vehicle.lag())
+    force, torque = np.empty(3), np.empty(3)
+    wrench.py_func(plain, state, vehicle.effect(), force, torque)
+    assert np.array_equal(after, plain)
+    assert np.array_equal(pushed_by, np.concatenate([force, torque]))
+
+
 def test_thrust_to_weight_is_that_of_the_vehicle(config):
     ratio = 4 * config.vehicle.max_thrust_n / (config.vehicle.mass_kg * GRAVITY_MPS2)
     assert math.isclose(ratio, 2.75, rel_tol=0.03)
-
-
-def fly(client, config, steps, thrust, spin=None):
-    import pybullet
-
-    build(client, config.world)
-    body = spawn(client, config.vehicle, (0, 4, 1.5), 0.3)
-    if spin is not None:
-        pybullet.resetBaseVelocity(body, [0, 0, 0], spin, physicsClientId=client)
-    state, force, torque = np.empty(STATE_SIZE), np.empty(3), np.empty(3)
-    read_state(client, body, state)
-    states = [state.copy()]
-    for _ in range(steps):
-        wrench(thrust, state, config.vehicle.effect(), force, torque)
-        push(client, body, state, force, torque)
-        pybullet.stepSimulation(physicsClientId=client)
-        read_state(client, body, state)
-        states.append(state.copy())
-    return np.array(states)
-
-
-@pytest.mark.flight
-def test_without_thrust_it_falls_as_gravity_and_drag_say(client, config):
-    states = fly(client, config, 96, np.zeros(4))
-    t, k = 96 * STEP_S, config.vehicle.drag / config.vehicle.mass_kg
-    assert math.isclose(states[-1, 9], -GRAVITY_MPS2 / k * (1 - math.exp(-k * t)), rel_tol=1e-3)
-    assert np.allclose(states[-1, 3:7], states[0, 3:7])
-
-
-@pytest.mark.flight
-def test_with_its_weight_in_thrust_it_stays(client, config):
-    states = fly(client, config, 240, np.full(4, config.vehicle.mass_kg * GRAVITY_MPS2 / 4))
-    assert np.allclose(states[-1], states[0], atol=1e-9)
-
-
-@pytest.mark.flight
-def test_nothing_but_the_rotors_turns_it(client, config):
-    vehicle = config.vehicle
-    thrust = np.full(4, vehicle.mass_kg * GRAVITY_MPS2 / 4) + 0.1 * vehicle.spins
-    states = fly(client, config, 48, thrust)
-    expected = 0.06 * 0.4 / vehicle.inertia[2] * 48 * STEP_S
-    assert np.allclose(states[-1, 10:13], (0, 0, expected), atol=1e-9)
-    free = fly(client, config, 240, np.full(4, vehicle.mass_kg * GRAVITY_MPS2 / 4), spin=[0, 0, 1.0])
-    assert np.allclose(free[-1, 10:13], (0, 0, 1))
-
-
-@pytest.mark.flight
-def test_it_starts_where_and_as_it_is_told(client, config):
-    states = fly(client, config, 0, np.zeros(4))
-    assert np.allclose(states[0], [0, 4, 1.5, 0, 0, math.sin(0.15), math.cos(0.15), 0, 0, 0, 0, 0, 0])

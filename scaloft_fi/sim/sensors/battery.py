@@ -65,7 +65,8 @@ class BatteryGauge:
         """Take the energy of `thrusts` (4,) [N] for so long out of the pack; returns the terminal voltage [V]."""
         config = self._config
         rest_v = config.cells * (config.empty_cell_v + (config.full_cell_v - config.empty_cell_v) * self._charge)
-        power_w = config.idle_w + config.hover_w_per_n15 * sum(n * math.sqrt(n) for n in thrusts.tolist())
+        work: float = sum(n * math.sqrt(n) for n in thrusts.tolist())
+        power_w = config.idle_w + config.hover_w_per_n15 * work
         current_a = power_w / rest_v
         self._charge = max(0.0, self._charge - current_a * seconds / (3600.0 * config.capacity_ah))
         return rest_v - current_a * config.resistance_ohm

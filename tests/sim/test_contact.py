@@ -1,0 +1,56 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from scaloft_fi.sim.body import Body
+from scaloft_fi.sim.build import build
+from scaloft_fi.sim.contact import Feeler, contacts
+from scaloft_fi.sim.observer import Observer
+
+pytestmark = pytest.mark.flight
+
+
+@pytest.mark.parametrize(
+    ("position", "velocity", "spin"),
+    [
+        ((-0.5, 2.2, 0.9), (0.0, 2.0, 0.5), (3.0, 0.0, 8.0)),  # into the person
+        ((0.0, 4.0, 1.0), (5.0, 0.0, 1.0), (0.0, 9.0, 0.0)),  # into the wall
+        ((0.0, 1.0, 0.6), (0.0, 0.5, -1.0), (5.0, 5.0, 0.0)),  # onto the ground near home
+    ],
+)
+def test_feeling_only_where_something_is_near_finds_every_touch(client, config, position, velocity, spin):
+    import pybullet
+
+    scenario = config.scenario(config.grid.situation("T1O1W0D0H1"))
+    ids, vehicle = build(client, scenario.world), config.vehicle
+    body = Body(client, vehicle, position, 0.0)
+    pybullet.resetBaseVelocity(body.number, velocity, spin, physicsClientId=client)
+    body.read()
+    observer = Observer(client, ids, body.number, vehicle, scenario, 5.0)
+    feeler = Feeler(client, body.number, vehicle, ids.name_of)
+    felt = []
+    for step in range(240):
+        if step % 12 == 0:
+            observer.sample(step / 240, body.state, None)
+            feeler.look(body.truth[:3], observer.room_m)
+        body.step(np.zeros(4))
+        touches = feeler.feel(body.truth, body.state)
+        assert touches == contacts(client, body.number, ids.name_of, body.state, vehicle.half_height_m)
+        observer.step((step + 1) / 240, body.truth, touches)
+        felt += touches
+    assert felt
+
+
+def test_it_asks_again_once_the_vehicle_may_have_come_near(client, config):
+    build(client, config.world)
+    body = Body(client, config.vehicle, (0, 4, 1.65), 0.0)
+    feeler = Feeler(-1, body.number, config.vehicle, {})
+    free_m = 1.0 - 0.5 * math.hypot(*config.vehicle.hull_m) + 0.5 * min(config.vehicle.hull_m) - 0.05
+    feeler.look((0.0, 4.0, 1.65), 1.0)
+    assert feeler.feel((0.0, 4.0 + free_m - 1e-6, 1.65), body.state) == ()
+    for place in ((0.0, 4.0 + free_m + 1e-6, 1.65), (math.nan, 4.0, 1.65)):
+        with pytest.raises(Exception, match="Not connected"):
+            feeler.feel(place, body.state)
