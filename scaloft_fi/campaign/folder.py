@@ -25,6 +25,18 @@ def campaign_folder(study: Study, name: str) -> Path:
     return study.results_folder / "campaigns" / name
 
 
+def promising(folder: Path) -> None:
+    """Refuse early what `writable` would refuse later; writes nothing.
+
+    Raises:
+        InputError: the nearest folder above that exists cannot be written, or is none.
+    """
+    above = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
+    if not above.is_dir() or not os.access(above, os.W_OK):
+        reason = "permission denied" if above.is_dir() else f"{above} is no folder"
+        raise InputError(f"{folder}: the results folder cannot be written: {reason}")
+
+
 def writable(folder: Path) -> Path:
     """`folder`, made if need be, after a proof that files can be written there.
 

@@ -13,7 +13,7 @@ from types import FrameType
 
 from scaloft_fi.campaign import gates
 from scaloft_fi.campaign.fly import Flyer, Physics, Worker, left_of, lost
-from scaloft_fi.campaign.folder import LOG_NAME, STORE_NAME, writable
+from scaloft_fi.campaign.folder import LOG_NAME, STORE_NAME, promising, writable
 from scaloft_fi.campaign.fork import CAN_FORK
 from scaloft_fi.campaign.held import held_in
 from scaloft_fi.campaign.key import flight_key
@@ -76,6 +76,7 @@ def run(
         InputError: the folder or the store cannot be written.
         Interrupted: the user stopped it.
     """
+    promising(folder)
     flyer = flyer or Physics()
     with _interruptible() as stopped:
         if not _all_flown(study, planned, folder / STORE_NAME):

@@ -83,7 +83,7 @@ def make_stack(config: SimConfig, scenario: Scenario, wire: Wire) -> Stack:
     try:
         return STACKS[config.stack.name](task, wire)
     except ConfigError as error:
-        raise InputError(f"sim/stack.yaml: {error}") from error
+        raise InputError(f"{config.stack.place_of(error.path)}: {error}") from error
 
 
 class Flight:

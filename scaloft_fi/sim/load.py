@@ -32,10 +32,27 @@ class Source:
 
 @dataclass(frozen=True, eq=False)
 class StackChoice:
-    """Which stack flies.  name: in the registry of stacks; parameters: its settings, plain data."""
+    """Which stack flies.
+
+    Attributes:
+        name: in the registry of stacks.
+        parameters: its settings, plain data.
+        document: where they were read, for the places of errors.
+    """
 
     name: str
     parameters: Mapping[str, Any]
+    document: Item
+
+    def place_of(self, path: str) -> str:
+        """`file:line` of the setting at `path`, as `stack.mission.goal_radius_m`, or of what is nearest above it."""
+        item = self.document
+        for key in path.replace("[", ".").split(".")[1:]:
+            inner = item.value.get(key) if isinstance(item.value, dict) else None
+            if inner is None:
+                break
+            item = inner
+        return item.place
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +128,7 @@ def load(folder: Path, overrides: Mapping[str, float | str | bool] | None = None
 def _stack(item: Item) -> StackChoice:
     name = item.need("name").text()
     parameters = {key: entry.plain() for key, entry in item.mapping().items() if key != "name"}
-    return StackChoice(name, parameters)
+    return StackChoice(name, parameters, item)
 
 
 def _numbers(documents: Mapping[str, Item]) -> dict[str, float]:

@@ -58,7 +58,10 @@ def test_in_light_the_baselines_hold_sr1_and_sr2_and_finish(placebo_rows):
 
 def test_in_the_dark_turning_missions_strike_the_bar_and_straight_ones_do_not(placebo_rows):
     turning, straight = baselines(placebo_rows, ["D1", "T1"]), baselines(placebo_rows, ["D1", "T0"])
-    assert sum(row["struck"] == "bar" for row in turning) >= 6
+    assert sum("SR1" in row["violated"] for row in turning) >= 6
+    first = [row["struck"] for row in turning if row["violated"] == ["SR1"]]  # of others the row names SR2's moment
+    assert first
+    assert set(first) == {"bar"}
     assert all("SR1" not in row["violated"] for row in straight)
 
 
