@@ -29,7 +29,7 @@ from scaloft_fi.mutants.select import select
 from scaloft_fi.study import Study
 
 PUBLISHED = Path(__file__).resolve().parents[1] / "results" / "published"
-FREEZE = "freeze-1"
+FREEZE = "ee10286"
 Flight = dict[str, str]
 
 
@@ -79,7 +79,7 @@ def killed(flights: Iterable[Flight], requirement: str) -> list[Flight]:
 
 HEAD = """# The paper's table of injected faults, beside ours
 
-Flown with the stack, the world and the requirements of the tag `{freeze}`, chosen on clean baselines only; nothing
+Flown with the stack, the world and the requirements of commit `{freeze}`, chosen on clean baselines only; nothing
 there changed because of a verdict.  Seeds {seeds}; light situations unless stated.  Made by
 `python benchmarks/published.py`; the flights are in `paper.csv`.
 
