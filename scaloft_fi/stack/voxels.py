@@ -89,7 +89,7 @@ def _pixel_cells(depth, column, row, eye, turn, voxel_m, near_m, far_m, out):  #
 def _marked(hit, min_pixels):  # type: ignore[no-untyped-def]
     """The distinct cells of `hit` that hold at least `min_pixels`, in the order in which they come to as many."""
     mask = 64
-    while mask <= 2 * len(hit):
+    while mask <= len(hit):  # most pixels share their cells
         mask *= 2
     mask -= 1
     keys, count = np.full(mask + 1, -1, np.int64), np.zeros(mask + 1, np.int32)

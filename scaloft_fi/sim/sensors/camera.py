@@ -165,11 +165,18 @@ def sense(
     passive, passive_range_m, active = numbers[6] * light, numbers[7], numbers[8]
     height, columns = depth.shape
     counter = frame * np.uint64(2 * height * columns)
+    uniform, value = np.empty(columns), np.empty(columns)
     for j in range(height):
+        for i in range(columns):  # a loop without branches, which is vectorised
+            pixel = counter + TWO * np.uint64(j * columns + i)
+            uniform[i] = (word(key, pixel) >> S11) * UNIT_53
+            bits = word(key, pixel + ONE)
+            total = (bits & LOW_16) + ((bits >> S16) & LOW_16) + ((bits >> S32) & LOW_16) + (bits >> S48)
+            z = depth[j, i]
+            value[i] = z + sigma_per_m * z * z * (np.float64(total) - IRWIN_HALL_MEAN) / IRWIN_HALL_SIGMA
         for i in range(columns):
             z = depth[j, i]
             out[j, i] = 0.0
-            pixel = counter + TWO * np.uint64(j * columns + i)
             if z < min_m or z > max_m:
                 continue
             signal = passive * min(1.0, passive_range_m / z) + active * reflectivity[segments[j, i]] / (z * z)
@@ -177,10 +184,5 @@ def sense(
             if x < -CERTAIN:
                 continue
             chance = best if x > CERTAIN else best / (1.0 + math.exp(-x))
-            if (word(key, pixel) >> S11) * UNIT_53 >= chance:
-                continue
-            bits = word(key, pixel + ONE)
-            total = (bits & LOW_16) + ((bits >> S16) & LOW_16) + ((bits >> S32) & LOW_16) + (bits >> S48)
-            out[j, i] = max(
-                z + sigma_per_m * z * z * (np.float64(total) - IRWIN_HALL_MEAN) / IRWIN_HALL_SIGMA, 0.5 * min_m
-            )
+            if not uniform[i] >= chance:
+                out[j, i] = max(value[i], 0.5 * min_m)

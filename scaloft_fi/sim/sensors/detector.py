@@ -122,11 +122,14 @@ class Detector:
         error_ev = self._metering.error_ev(self._light, exposure)
         found = []
         for number, (noise, chance) in self._persons.items():
-            rows, columns = np.nonzero(view.segments == number)
-            pixels = len(rows) * (1.0 - min(1.0, max(0.0, exposure.saturated)))
+            shown = np.flatnonzero(view.segments == number)
+            if not len(shown):
+                continue
+            pixels = len(shown) * (1.0 - min(1.0, max(0.0, exposure.saturated)))
             probability = config.probability(pixels, self._light, exposure.gain, error_ev)
             if float(chance.row(picture)[0]) >= probability:
                 continue
+            rows, columns = np.divmod(shown, view.segments.shape[1])
             left = self._rays[rows, columns, 1]
             range_m = float(np.mean(view.depth[rows, columns] * np.sqrt(1.0 + left * left)))
             draw = noise.row(picture)
