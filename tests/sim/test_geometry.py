@@ -41,8 +41,9 @@ def crosses(start, end, triangle):
     """How far inside the triangle the line crosses it: solve start + t (end - start) = a + u (b - a) + v (c - a)."""
     a, b, c = triangle
     matrix = np.column_stack([start - end, b - a, c - a])
-    if abs(np.linalg.det(matrix)) < 1e-12:
-        return -1.0
+    volume = abs(np.linalg.det(matrix))
+    if volume < 1e-9:
+        return -1.0 if volume == 0 else 0.0  # nearly edge-on: neither
     t, u, v = np.linalg.solve(matrix, start - a)
     return min(t, 1 - t, u, v, 1 - u - v)
 
