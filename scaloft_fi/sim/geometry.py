@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from scaloft_fi.sim.kernel import jit
+from scaloft_fi.stack.kernel import jit
 
 Array = NDArray[np.float64]
 Faces = NDArray[np.int64]

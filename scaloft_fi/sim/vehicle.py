@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.build import GRAVITY_MPS2, STEP_S
-from scaloft_fi.sim.kernel import jit
+from scaloft_fi.stack.kernel import jit
 
 Array = NDArray[np.float64]
 

@@ -1,4 +1,4 @@
-"""Compiled kernels: one decorator for all of the stack."""
+"""Compiled kernels: one decorator for all of the stack, and for the simulation around it."""
 
 from __future__ import annotations
 

@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scaloft_fi.document import Item
-from scaloft_fi.sim.kernel import jit
 from scaloft_fi.sim.raster import Camera, View
 from scaloft_fi.sim.streams import Array, key_words
+from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.messages import DepthFrame
 
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)

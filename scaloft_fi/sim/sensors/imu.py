@@ -8,8 +8,8 @@ import numpy as np
 
 from scaloft_fi.document import Item
 from scaloft_fi.sim.build import GRAVITY_MPS2, STEP_S
-from scaloft_fi.sim.kernel import jit
 from scaloft_fi.sim.streams import Array, Table, generator
+from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.messages import Imu
 
 
