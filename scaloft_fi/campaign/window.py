@@ -12,6 +12,9 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.sim.log import FlightLog
 from scaloft_fi.study import Study
 
+DISTANCE_M, TURN_DEG, TILT_DEG = 3.0, 15.0, -60.0
+"""Where the window's camera is, seen from the vehicle: steeply above and a little behind (the roof has no outside)."""
+
 
 def fly_in_window(study: Study, flight: Flight) -> FlightLog:
     """Fly where a person can watch; returns all that happened.
@@ -28,11 +31,14 @@ def fly_in_window(study: Study, flight: Flight) -> FlightLog:
     client = pybullet.connect(pybullet.GUI)
     if client < 0:
         raise InputError("--gui: PyBullet could not open a window on this display")
+    pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_GUI, 0, physicsClientId=client)
     try:
         wire = wire_of(study, flight)
         under_way = flying.Flight(client, study.sim, study.scenario(flight.situation), flight.seed, wire)
         due_s = time.monotonic()
         while under_way.tick():
+            follow = under_way.body.state[:3].tolist()
+            pybullet.resetDebugVisualizerCamera(DISTANCE_M, TURN_DEG, TILT_DEG, follow, physicsClientId=client)
             for _ in range(flying.STEPS_PER_TICK):
                 under_way.step()
             due_s += 0.05
