@@ -81,7 +81,8 @@ HEAD = """# The paper's table of injected faults, beside ours
 
 Flown with the stack, the world and the requirements of commit `{freeze}`, chosen on clean baselines only; nothing
 there changed because of a verdict.  Seeds {seeds}; light situations unless stated.  Made by
-`python benchmarks/published.py`; the flights are in `paper.csv`.
+`python benchmarks/published.py`; the flights are in `paper.csv`.  The numbers of `sim/` stand since commit `ec7d4e0`,
+before any mutant had been flown; a few were flown between the two commits to try the tools.
 
 | row | paper | prediction | ours | first kill |
 |---|---|---|---|---|
