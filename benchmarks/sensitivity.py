@@ -24,11 +24,12 @@ from scaloft_fi.campaign.fly import facts
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.mutants.wire import contexts, wire_for
-from scaloft_fi.results.outcome import Subject, outcome_of
+from scaloft_fi.results.outcome import Outcome, Subject, outcome_of
 from scaloft_fi.results.requirement import Kind
 from scaloft_fi.results.status import flight_of
 from scaloft_fi.sim.flight import fly
 from scaloft_fi.sim.load import load
+from scaloft_fi.sim.log import FlightLog
 from scaloft_fi.study import Study
 
 SHARES = (0.7, 1.3)
@@ -109,7 +110,7 @@ def fly_row(task: tuple[Path, Variation, Row]) -> Finding | str:
         return str(error).rsplit(": ", 1)[-1]
     sigma = config.sensors.imu
 
-    def outcome(mutant_id: str | None):  # type: ignore[no-untyped-def]
+    def outcome(mutant_id: str | None) -> tuple[Outcome, FlightLog]:
         mutant = realise(study.matrix, mutant_id) if mutant_id else None
         context = contexts(mutant_id or "baseline", row.situation, 0, scenario.nominal_s, facts(scenario, sigma))
         log = fly(config, scenario.situation, 0, wire_for(mutant, context))
