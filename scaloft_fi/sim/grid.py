@@ -1,10 +1,10 @@
-"""The situation grid: the product of the axes, and the scenario of each point."""
+"""The situation grid: the product of the axes without what is excluded, and the scenario of each point."""
 
 from __future__ import annotations
 
-import difflib
 import fnmatch
 import itertools
+import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -12,11 +12,15 @@ from functools import cached_property
 
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
+from scaloft_fi.sim.constraint import Constraint, read_constraints
 from scaloft_fi.sim.patch import patched
 from scaloft_fi.sim.raster import Camera
 from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.situation import Axis, Situation, read_axis
 from scaloft_fi.sim.world import World, read_world
+
+MOST_POINTS = 1_000_000
+"""Largest product of the axes: every point is held in memory, by its key."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,20 +32,30 @@ class Grid:
         aliases: keys by other names, as the numbers of the paper.
         document: the world's document that the axes change.
         camera: the depth camera, which decides when a person comes into view.
+        constraints: combinations that no situation has.
     """
 
     axes: tuple[Axis, ...]
     aliases: Mapping[str, str]
     document: Item
     camera: Camera
+    constraints: tuple[Constraint, ...] = ()
     _scenarios: dict[str, Scenario] = field(default_factory=dict, repr=False)
 
     @cached_property
     def situations(self) -> tuple[Situation, ...]:
         """Every situation, the last axis counting fastest."""
+        return self._feasible(itertools.product(*([value.id for value in axis.values] for axis in self.axes)))
+
+    def _feasible(self, points: Iterable[tuple[int, ...]]) -> tuple[Situation, ...]:
+        """The situations of those points that no constraint forbids."""
         names = [axis.id for axis in self.axes]
-        ids = [[value.id for value in axis.values] for axis in self.axes]
-        return tuple(Situation.of(dict(zip(names, levels, strict=True))) for levels in itertools.product(*ids))
+        every = (dict(zip(names, point, strict=True)) for point in points)
+        return tuple(Situation.of(levels) for levels in every if self._why_not(levels) is None)
+
+    def _why_not(self, levels: Mapping[str, int]) -> Constraint | None:
+        """The constraint that forbids a point; None when it is a situation."""
+        return next((constraint for constraint in self.constraints if constraint.forbids(levels)), None)
 
     @cached_property
     def by_key(self) -> Mapping[str, Situation]:
@@ -81,13 +95,15 @@ class Grid:
         return tuple(situation for situation in self.situations if not patterns or situation.key in wanted)
 
     def gray_order(self) -> tuple[Situation, ...]:
-        """Every situation once, each differing from the one before in one axis by one step (reflected Gray code)."""
+        """Every situation once, each differing from the one before in one axis by one step (reflected Gray code).
+
+        Where constraints leave points out the step is longer.
+        """
         walks: list[tuple[int, ...]] = [()]
         for axis in self.axes:
             ids = [value.id for value in axis.values]
             walks = [(*walk, level) for i, walk in enumerate(walks) for level in (ids if i % 2 == 0 else ids[::-1])]
-        names = [axis.id for axis in self.axes]
-        return tuple(Situation.of(dict(zip(names, walk, strict=True))) for walk in walks)
+        return self._feasible(walks)
 
     def titles(self, situation: Situation) -> tuple[str, ...]:
         """The situation in words, one for each axis."""
@@ -121,26 +137,38 @@ class Grid:
         return self._scenarios[situation.key]
 
     def miss(self, name: str) -> str:
-        """The sentence for a name that is none of a situation."""
+        """The sentence for a name that is none of a situation: why it is excluded, or the nearest key."""
+        said = {axis.lower(): int(level) for axis, level in re.findall(r"([A-Za-z][a-z]*)(\d+)", name)}
+        levels = {axis.id: said.get(axis.id.lower(), -1) for axis in self.axes}
+        why = self._why_not(levels) if Situation.of(levels).key == name else None
+        if why is not None:
+            return f"situation {name!r} is excluded by {why.place}: {why.reason}"
+        near = min(self.situations, key=lambda found: sum(levels[axis] != level for axis, level in found.levels))
         shape = "".join(f"{axis.id}0" for axis in self.axes)
-        near = difflib.get_close_matches(name.replace("*", ""), self.by_key, n=1, cutoff=0.0)
-        return f"no situation {name!r} in keys like {shape!r}; did you mean {near[0]!r}?"
+        return f"no situation {name!r} in keys like {shape!r}; did you mean {near.key!r}?"
 
 
 def read_grid(item: Item, world_document: Item, camera: Camera) -> Grid:
     """Read the axes and check each of their values by itself.
 
     Raises:
-        InputError: a value is not allowed, a key or path unknown, or a value makes a world that cannot be.
+        InputError: a value is not allowed, a key or path unknown, a value makes a world that cannot be, or the
+            constraints leave a value without a situation.
     """
-    axes = tuple(read_axis(name, entry) for name, entry in item.need("axes").mapping().items())
+    axes_item = item.need("axes")
+    axes = tuple(read_axis(name, entry) for name, entry in axes_item.mapping().items())
     if not axes:
         raise InputError(f"{item.place}: axes must name at least one axis")
+    points = math.prod(len(axis.values) for axis in axes)
+    if points > MOST_POINTS:
+        raise InputError(f"{axes_item.place}: axes make {points} situations, they must make at most {MOST_POINTS}")
+    constraints = read_constraints(item.get("constraints"), axes)
     alias_item = item.get("aliases")
     alias_items = alias_item.mapping() if alias_item else {}
     item.close()
     aliases = {alias: _completed(entry.text(), axes) for alias, entry in alias_items.items()}
-    grid = Grid(axes, aliases, world_document, camera)
+    grid = Grid(axes, aliases, world_document, camera, constraints)
+    _check_values(grid)
     for alias, entry in alias_items.items():
         if aliases[alias] not in grid.by_key:
             raise InputError(f"{entry.place}: alias {alias!r}: {grid.miss(entry.text())}")
@@ -148,6 +176,18 @@ def read_grid(item: Item, world_document: Item, camera: Camera) -> Grid:
         for value in axis.values:
             grid.world([(axis.id, value.id)])
     return grid
+
+
+def _check_values(grid: Grid) -> None:
+    """Refuse constraints that leave a value without a situation."""
+    if not grid.constraints:
+        return
+    left = {level for situation in grid.situations for level in situation.levels}
+    for axis in grid.axes:
+        for value in axis.values:
+            if (axis.id, value.id) not in left:
+                wanted = f"constraints must leave every value a situation, {axis.id}{value.id} has none"
+                raise InputError(f"{grid.constraints[0].place}: {wanted}")
 
 
 def _completed(key: str, axes: Iterable[Axis]) -> str:

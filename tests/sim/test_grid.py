@@ -1,11 +1,13 @@
 from __future__ import annotations
 
+import itertools
 from itertools import pairwise
 
 import pytest
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.load import load
+from scaloft_fi.sim.situation import Situation
 
 
 def test_the_reference_grid_has_32_situations_in_order(config):
@@ -80,3 +82,69 @@ def test_values_that_do_not_go_together_are_refused_when_their_scenario_is_asked
     grid.scenario(grid.situation("T0O1W0D0H0"))
     with pytest.raises(InputError, match=r"situations.yaml:\d+: corner=.* not inside 'obstacle'"):
         grid.scenario(grid.situation("T0O1W1D0H0"))
+
+
+CONSTRAINT = """
+constraints:
+  - exclude: {T: 0, W: 1}
+    reason: no wall is near a straight corridor's waypoint
+  - {exclude: {D: 1, H: 1}, reason: people carry lamps}
+
+aliases:"""
+
+
+@pytest.fixture
+def constrained(edited):
+    edited("situations.yaml", '\n  "32": T1O1W1D1H0', "")
+    edited("situations.yaml", '\n  "3": T0O0W1D0H0', "")
+    return load(edited("situations.yaml", "\naliases:", CONSTRAINT)).grid
+
+
+def test_no_situation_has_an_excluded_combination(constrained):
+    wanted = [
+        s.key
+        for s in itertools.product(range(2), repeat=5)
+        for s in [Situation.of(dict(zip("TOWDH", s, strict=True)))]
+        if not (s["T"] == 0 and s["W"] == 1) and not (s["D"] == 1 and s["H"] == 1)
+    ]
+    assert [situation.key for situation in constrained.situations] == wanted
+    assert len(constrained) == 18
+    assert {situation.key for situation in constrained.gray_order()} == set(wanted)
+
+
+def test_an_excluded_situation_is_refused_with_its_reason(constrained):
+    with pytest.raises(InputError, match=r"'T0O0W1D0H0' is excluded by .*situations.yaml:\d+: no wall is near"):
+        constrained.situation("T0O0W1D0H0")
+
+
+@pytest.mark.parametrize(
+    ("constraint", "sentence"),
+    [
+        ("{exclude: {T: 0, X: 1}, reason: r}", "exclude names the unknown axis 'X'"),
+        ("{exclude: {T: 0, W: 2}, reason: r}", "W=2 must be values of axis 'W', 0 to 1"),
+        ("{exclude: {T: 0, W: []}, reason: r}", r"W=\[...\] must be values of axis 'W', 0 to 1"),
+        ("{exclude: {T: 0}, reason: r}", "exclude must name the values of at least 2 axes"),
+        ("{exclude: {T: 0, W: 1}}", "lacks the key 'reason'"),
+        ("{exclude: {T: 0, W: 1}, reason: r, why: x}", "unknown key 'why'"),
+        ("{exclude: {T: 1, W: [0, 1]}, reason: r}", "must leave every value a situation, T1 has none"),
+    ],
+)
+def test_a_constraint_that_means_nothing_is_refused(edited, constraint, sentence):
+    study = edited("situations.yaml", "\naliases:", f"\nconstraints:\n  - {constraint}\naliases:")
+    with pytest.raises(InputError, match=rf"situations.yaml:\d+: .*{sentence}"):
+        load(study)
+
+
+def test_an_alias_of_an_excluded_situation_is_refused(edited):
+    with pytest.raises(InputError, match="alias '3': situation 'T0O0W1D0H0' is excluded by"):
+        load(edited("situations.yaml", "\naliases:", CONSTRAINT))
+
+
+def test_axes_that_make_too_many_situations_are_refused(edited):
+    many = "".join(
+        f"\n  A{chr(97 + i)}: {{title: t, category: c, values: [{{id: 0, title: a}}, "
+        "{id: 1, title: b, realised: always(light <= 1)}]}"
+        for i in range(16)
+    )
+    with pytest.raises(InputError, match=r"axes make 2097152 situations, they must make at most 1000000"):
+        load(edited("situations.yaml", "\naliases:", f"{many}\n\naliases:"))

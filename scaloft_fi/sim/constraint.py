@@ -1,0 +1,68 @@
+"""Constraints over the axes: combinations of values that no situation has, each with its reason."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from scaloft_fi.document import Item
+from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.sim.situation import Axis
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """A combination of axis values that cannot be, or is of no interest.
+
+    Attributes:
+        excluded: per axis named, the values that make up the combination together.
+        reason: why no situation has it.
+        place: `file:line` where it stands.
+    """
+
+    excluded: Mapping[str, frozenset[int]]
+    reason: str
+    place: str
+
+    def forbids(self, levels: Mapping[str, int]) -> bool:
+        """Whether a point with these values has the combination.
+
+        >>> Constraint({"T": frozenset({0}), "W": frozenset({1, 2})}, "no room", "").forbids({"T": 0, "W": 2, "H": 0})
+        True
+        """
+        return all(levels[axis] in values for axis, values in self.excluded.items())
+
+
+def read_constraints(item: Item | None, axes: Iterable[Axis]) -> tuple[Constraint, ...]:
+    """Read the list under `constraints`; none when there is none.
+
+    Raises:
+        InputError: a constraint names an unknown axis or value, or no two axes, or lacks its reason.
+    """
+    known = {axis.id: axis for axis in axes}
+    return tuple(_constraint(entry, known) for entry in item) if item else ()
+
+
+def _constraint(item: Item, axes: Mapping[str, Axis]) -> Constraint:
+    excluded_item = item.need("exclude")
+    excluded = {name: _values(name, entry, axes) for name, entry in excluded_item.mapping().items()}
+    if len(excluded) < 2:
+        raise InputError(
+            f"{excluded_item.place}: exclude must name the values of at least 2 axes; "
+            "leave a value out of its axis to be rid of it alone"
+        )
+    constraint = Constraint(excluded, item.need("reason").text(), item.place)
+    item.close()
+    return constraint
+
+
+def _values(name: str, item: Item, axes: Mapping[str, Axis]) -> frozenset[int]:
+    """The value or the list of values of one axis in an `exclude`."""
+    if name not in axes:
+        raise InputError(f"{item.place}: exclude names the unknown axis {name!r}{did_you_mean(name, axes)}")
+    last = len(axes[name].values) - 1
+    entries = item.items() if isinstance(item.value, tuple) else (item,)
+    numbers = frozenset(entry.whole() for entry in entries)
+    if not numbers or max(numbers) > last:
+        raise item.error(f"values of axis {name!r}, 0 to {last}")
+    return numbers
