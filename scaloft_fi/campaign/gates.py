@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 
+from scaloft_fi.campaign.options import MOST_INVALID
 from scaloft_fi.errors import GateError
 from scaloft_fi.results.baseline import holds_somewhere
 from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.results.roster import Roster, cell_of
 from scaloft_fi.results.status import Flight, Status, baselines_of, flights_of
 
-MOST_INVALID = 0.1
-"""A run in which the harness failed over a larger share of the flights says nothing of the drone."""
 NAMED = 3
 """How many flights a sentence names before it counts the rest."""
 
@@ -24,6 +23,7 @@ def check(
     whole_grid: bool,
     part: bool = False,
     repeats: Sequence[Outcome] = (),
+    max_invalid: float = MOST_INVALID,
 ) -> None:
     """Hold the gates over the flights of a run.
 
@@ -34,13 +34,14 @@ def check(
         whole_grid: whether every situation was flown, so that every control has had its chance.
         part: whether others fly the rest of the run, so that what no flight here shows may show there.
         repeats: flights that were flown a second time.
+        max_invalid: largest share 0..1 of invalid flights.
 
     Raises:
         GateError: naming each gate that failed.
     """
     listed = list(outcomes)
     failed = [
-        *_too_many_invalid(listed),
+        *_too_many_invalid(listed, max_invalid),
         *_differ("PLACEBO differs from the baseline", _placebos(listed)),
         *_differ("a repeated flight differs from the first", _repeated(listed, repeats)),
     ]
@@ -53,11 +54,11 @@ def check(
         raise GateError("gate failed: " + "; ".join(failed))
 
 
-def _too_many_invalid(outcomes: Sequence[Outcome]) -> Iterator[str]:
+def _too_many_invalid(outcomes: Sequence[Outcome], most: float) -> Iterator[str]:
     broken = [outcome for outcome in outcomes if outcome.invalid]
-    if len(broken) > MOST_INVALID * len(outcomes):
+    if len(broken) > most * len(outcomes):
         names = _some([f"{outcome.name} ({outcome.invalid})" for outcome in broken])
-        yield f"{len(broken)} of {len(outcomes)} flights are invalid, more than {MOST_INVALID:.0%}: {names}"
+        yield f"{len(broken)} of {len(outcomes)} flights are invalid, more than {most:.0%}: {names}"
 
 
 def _differ(what: str, pairs: Iterable[tuple[Outcome, Outcome]]) -> Iterator[str]:

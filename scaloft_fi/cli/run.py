@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shlex
+import sys
 from pathlib import Path
 
 import click
@@ -32,6 +34,14 @@ from scaloft_fi.errors import InputError
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
 @click.option("--shard", metavar="K/N", help="Fly the K-th of N parts of the run; `merge` joins them.")
 @click.option("--no-share", is_flag=True, help="Fly every flight whole from take-off; the outcomes are the same.")
+@click.option(
+    "--max-invalid",
+    type=click.FloatRange(0.0, 1.0),
+    default=0.1,
+    show_default=True,
+    metavar="SHARE",
+    help="Exit with 4 when the harness fails over a larger share (0..1) of the flights.",
+)
 @format_option
 @fail_under_option
 @click.option("--quiet", is_flag=True, help="No progress and no warnings.")
@@ -44,6 +54,7 @@ def run_command(
     jobs: int | None,
     shard: str | None,
     no_share: bool,
+    max_invalid: float,
     style: str,
     fail_under: float | None,
     quiet: bool,
@@ -58,6 +69,7 @@ def run_command(
     from scaloft_fi.campaign import choose
     from scaloft_fi.campaign.folder import campaign_folder
     from scaloft_fi.campaign.fork import CAN_FORK
+    from scaloft_fi.campaign.options import RunOptions
     from scaloft_fi.campaign.plan import plan
     from scaloft_fi.campaign.progress import Progress, Silence
     from scaloft_fi.campaign.run import run
@@ -74,7 +86,18 @@ def run_command(
         if not planned.baselines:
             raise InputError(f"--shard={shard!r} has no flights: there are fewer situations and seeds than shards")
     progress = Silence() if quiet else Progress()
-    folder = campaign_folder(study, campaign)
-    share = CAN_FORK and not no_share
-    flown = run(study, planned, folder, jobs=jobs or cores(), progress=progress, share=share, shard=shard is not None)
+    options = RunOptions(
+        jobs=jobs or cores(),
+        share=CAN_FORK and not no_share,
+        part=shard is not None,
+        max_invalid=max_invalid,
+        command=_command(),
+    )
+    flown = run(study, planned, campaign_folder(study, campaign), options, progress=progress)
     return report(study, flown.outcomes, None, style, fail_under)
+
+
+def _command() -> str:
+    """What the user typed, as a shell takes it."""
+    program = Path(sys.argv[0]).name
+    return shlex.join([*(["python", "-m", "scaloft_fi"] if program == "__main__.py" else [program]), *sys.argv[1:]])

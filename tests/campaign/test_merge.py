@@ -12,6 +12,7 @@ import pytest
 from scaloft_fi.campaign.folder import LOG_NAME, STORE_NAME
 from scaloft_fi.campaign.held import held_in
 from scaloft_fi.campaign.merge import merge
+from scaloft_fi.campaign.options import RunOptions
 from scaloft_fi.campaign.plan import Plan, plan
 from scaloft_fi.campaign.progress import Silence
 from scaloft_fi.campaign.run import run
@@ -29,7 +30,7 @@ def _plan(study: Any) -> Plan:
 
 def _run(study: Any, log: Any, planned: Plan, name: str, *, shard: bool = False) -> Path:
     folder: Path = study.folder / name
-    run(study, planned, folder, jobs=1, progress=Silence(stream=io.StringIO()), flyer=log, shard=shard)
+    run(study, planned, folder, RunOptions(part=shard), progress=Silence(stream=io.StringIO()), flyer=log)
     return folder
 
 

@@ -14,9 +14,11 @@ from typing import Any
 import pytest
 
 from scaloft_fi.campaign.folder import LOG_NAME, STORE_NAME
+from scaloft_fi.campaign.interrupt import Interrupted
+from scaloft_fi.campaign.options import RunOptions
 from scaloft_fi.campaign.plan import Flight, Plan, plan
 from scaloft_fi.campaign.progress import Progress
-from scaloft_fi.campaign.run import Interrupted, Report, run
+from scaloft_fi.campaign.run import Report, run
 from scaloft_fi.errors import GateError, InputError
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.results.export import export_rows, to_json
@@ -32,7 +34,7 @@ def _plan(study: Any, seeds: tuple[int, ...] = (0,)) -> Plan:
 
 def _run(study: Any, log: Any, *, jobs: int = 1, planned: Plan | None = None, folder: str = "c") -> Report:
     progress = Progress(stream=io.StringIO())
-    return run(study, planned or _plan(study), study.folder / folder, jobs=jobs, progress=progress, flyer=log)
+    return run(study, planned or _plan(study), study.folder / folder, RunOptions(jobs), progress=progress, flyer=log)
 
 
 def _export(study: Any, report: Report) -> str:
@@ -90,7 +92,7 @@ def test_more_seeds_fly_only_what_is_new(study: Any, log: Any) -> None:
 
 def test_a_violation_is_a_warning_line_the_baselines_too(study: Any, log: Any) -> None:
     stream = io.StringIO()
-    run(study, _plan(study), study.folder / "c", jobs=1, progress=Progress(stream=stream), flyer=log)
+    run(study, _plan(study), study.folder / "c", progress=Progress(stream=stream), flyer=log)
     warnings = [line for line in stream.getvalue().splitlines() if line.startswith("warning: ")]
     assert any("SR2 violated at 6.00 s" in line and "baseline/D1H1/0" in line for line in warnings)
     assert any("SR2 violated at 7.00 s" in line and "LATE-human@3s/D0H1/0" in line for line in warnings)
@@ -189,7 +191,7 @@ def test_an_interrupted_run_saves_all_and_resumes(study: Any, log: Any) -> None:
 def test_flights_that_share_and_flights_that_do_not_export_the_same_bytes(study: Any, log: Any) -> None:
     shared = _run(study, log, folder="shared")
     progress = Progress(stream=io.StringIO())
-    whole = run(study, _plan(study), study.folder / "whole", jobs=1, progress=progress, share=False, flyer=log)
+    whole = run(study, _plan(study), study.folder / "whole", RunOptions(share=False), progress=progress, flyer=log)
     assert _export(study, shared) == _export(study, whole)
 
 
@@ -226,7 +228,7 @@ def test_another_platform_is_said(study: Any, log: Any, tmp_path: Path) -> None:
     with Store(study.folder / "c" / STORE_NAME) as store:
         store._connection.execute("UPDATE meta SET value = 'PDP-11' WHERE name = 'machine'")
     stream = io.StringIO()
-    run(study, _plan(study), study.folder / "c", jobs=1, progress=Progress(stream=stream), flyer=log)
+    run(study, _plan(study), study.folder / "c", progress=Progress(stream=stream), flyer=log)
     assert "warning: the campaign began on another platform, digests may differ: machine" in stream.getvalue()
 
 
@@ -237,3 +239,21 @@ def test_a_study_that_cannot_be_flown_stops_the_run_with_its_sentence(study: Any
     log.change = refuse
     with pytest.raises(InputError, match="gain=-1"):
         _run(study, log)
+
+
+def test_the_declared_share_of_invalid_flights_decides_whether_a_run_is_believed(study: Any, log: Any) -> None:
+    log.change = _change(f"{LATE}/D0H1/0", invalid="no memory")
+    strict = RunOptions(max_invalid=0.05)
+    with pytest.raises(GateError, match=r"1 of 13 flights are invalid, more than 5%: LATE-human@3s/D0H1/0 \(no"):
+        run(study, _plan(study), study.folder / "c", strict, progress=Progress(stream=io.StringIO()), flyer=log)
+
+
+def test_an_interrupted_run_says_the_command_that_resumes_it(study: Any, log: Any) -> None:
+    def interrupt(flight: Flight, outcome: Outcome) -> Outcome:
+        os.kill(os.getppid(), signal.SIGINT)
+        return outcome
+
+    log.change = interrupt
+    typed = RunOptions(command="scaloft-fi run --mutant 'LATE-human*'")
+    with pytest.raises(Interrupted, match=r"the same command resumes: scaloft-fi run --mutant 'LATE-human\*'$"):
+        run(study, _plan(study), study.folder / "c", typed, progress=Progress(stream=io.StringIO()), flyer=log)

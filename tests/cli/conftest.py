@@ -64,7 +64,7 @@ class Paper:
 @pytest.fixture
 def paper(monkeypatch: pytest.MonkeyPatch) -> Paper:
     flyer = Paper()
-    monkeypatch.setattr("scaloft_fi.campaign.run.Physics", lambda: flyer)
+    monkeypatch.setattr("scaloft_fi.campaign.crew.Physics", lambda: flyer)
     return flyer
 
 

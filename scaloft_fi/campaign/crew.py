@@ -1,0 +1,204 @@
+"""The crew of a run: it flies what the store lacks and saves every outcome as it comes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from scaloft_fi.campaign.fly import Flyer, Physics, Worker, left_of, lost
+from scaloft_fi.campaign.folder import STORE_NAME, promising, writable
+from scaloft_fi.campaign.interrupt import Interrupted, interruptible
+from scaloft_fi.campaign.key import flight_key
+from scaloft_fi.campaign.options import RunOptions
+from scaloft_fi.campaign.plan import Flight
+from scaloft_fi.campaign.pool import Pool
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.task import Task, alone, together
+from scaloft_fi.results.fingerprint import differences, fingerprint
+from scaloft_fi.results.mission_log import violation_line
+from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.requirement import Kind
+from scaloft_fi.results.store import Planned, Store
+from scaloft_fi.study import Study
+
+Arrange = Callable[[Sequence[Flight]], Iterable[Task]]
+"""Puts flights together into tasks, in the order in which they are handed out."""
+
+
+class Crew:
+    """Flies what the store lacks.
+
+    Args:
+        study: what is flown.
+        folder: of the campaign.
+        store: what is flown already.
+        pool: who flies.
+        progress: what a person sees.
+        options: how.
+        ready: called before anything is flown.
+        stopped: whether the user asked to stop.
+
+    Attributes:
+        flown: how many flights are home that the store lacked.
+        repeats: outcomes of flights that it had.
+    """
+
+    def __init__(
+        self,
+        study: Study,
+        folder: Path,
+        store: Store,
+        pool: Pool[Task, Outcome],
+        progress: Progress,
+        options: RunOptions,
+        ready: Callable[[], None],
+        stopped: Callable[[], bool],
+    ) -> None:
+        self.study, self.folder, self.store = study, folder, store
+        self.progress, self.options, self.stopped = progress, options, stopped
+        self._pool, self._ready = pool, ready
+        self.flown = 0
+        self.repeats: list[Outcome] = []
+
+    def expect(self, flights: Sequence[Flight], canaries: int = 0) -> None:
+        """Tell the progress what is to come; a canary is only counted when anything else is to be flown."""
+        missing = self.missing(flights)
+        expected_s = sum(map(self.weight_s, missing))
+        self.progress.expect(len(missing) + canaries * bool(missing), expected_s)
+
+    def plan(self, flights: Iterable[Flight], *, canary: bool = False) -> None:
+        """Write down what is to be flown."""
+        self.store.plan(
+            Planned(flight_key(self.study, flight), flight.subject.id, flight.situation.key, flight.seed, canary)
+            for flight in flights
+        )
+
+    def arrange(self, flights: Sequence[Flight]) -> list[Task]:
+        """Flights as tasks, the longest first; what shares a baseline's beginning together, if that is wanted."""
+        return together(flights, self.weight_s, self.options.jobs) if self.options.share else alone(flights)
+
+    def fly(self, flights: Iterable[Flight], arrange: Arrange | None = None) -> None:
+        """Fly those of `flights` that the store lacks, and the baselines that they share."""
+        missing = self._missing(flights)
+        keys = {flight.name: key for key, flight in missing.items()}
+        due = {flight.name: flight for flight in missing.values()}
+        for outcome in self._outcomes((arrange or self.arrange)(tuple(missing.values())) if missing else ()):
+            first = due.pop(outcome.name, None)
+            if outcome.name in keys and self.store.put(keys[outcome.name], outcome):
+                for line in _warnings(outcome):
+                    self.progress.line(line)
+            elif first is None:
+                self.repeats.append(outcome)
+            if first is not None:
+                self.flown += 1
+                self.progress.advance(self.weight_s(first))
+
+    def repeat(self, flights: Sequence[Flight]) -> None:
+        """The shortest of `flights` again, when anything was flown at all: it must be the first one's twin."""
+        if self.flown and flights:
+            self.repeats += self._outcomes(alone([min(flights, key=self.weight_s)]))
+
+    def outcomes(self, flights: Iterable[Flight]) -> tuple[Outcome, ...]:
+        """What the store has of `flights`."""
+        return tuple(self.store.outcomes(flight_key(self.study, flight) for flight in flights))
+
+    def missing(self, flights: Iterable[Flight]) -> tuple[Flight, ...]:
+        """Those of `flights` of which the store has no outcome that counts."""
+        return tuple(self._missing(flights).values())
+
+    def weight_s(self, flight: Flight) -> float:
+        """How long a flight is expected to last [s, simulated]."""
+        return self.study.expected_s(flight.situation)
+
+    def go_on(self, saved: int, asked: int) -> None:
+        """Go on unless the user asked to stop.
+
+        Args:
+            saved: how many flights are home.
+            asked: of how many.
+
+        Raises:
+            Interrupted: naming the command that resumes.
+        """
+        if self.stopped():
+            self.progress.close()
+            again = f"the same command resumes: {self.options.command}".removesuffix(": ")
+            raise Interrupted(f"interrupted: {saved} of {asked} flights are saved in {self.folder}; {again}")
+
+    def _outcomes(self, tasks: Iterable[Task]) -> Iterator[Outcome]:
+        self._ready()
+        return self._pool.map(tasks)
+
+    def _missing(self, flights: Iterable[Flight]) -> dict[str, Flight]:
+        """The same by key."""
+        keyed = {flight_key(self.study, flight): flight for flight in flights}
+        known = self.store.known(keyed)
+        return {key: flight for key, flight in keyed.items() if key not in known}
+
+
+@contextmanager
+def hired(
+    study: Study,
+    folder: Path,
+    options: RunOptions,
+    *,
+    progress: Progress,
+    flyer: Flyer | None,
+    first: Sequence[Flight],
+) -> Iterator[Crew]:
+    """A crew for the campaign in `folder`, which is made when it does not exist.
+
+    Args:
+        study: what is flown.
+        folder: of the campaign.
+        options: how.
+        progress: what a person sees.
+        flyer: what flies; PyBullet when None.
+        first: what is asked for to begin with: when any of it is lacking, the flyer is made ready before anything is
+            written, so that a study that cannot be flown leaves nothing behind.
+
+    Raises:
+        InputError: the folder or the store cannot be written, or the study cannot be flown.
+    """
+    promising(folder)
+    flying = flyer or Physics()
+    done: list[bool] = []
+
+    def ready() -> None:
+        if not done:
+            flying.prepare(study, progress.line)
+            done.append(True)
+
+    with interruptible() as stopped:
+        if not _all_flown(study, first, folder / STORE_NAME):
+            ready()
+        with Store(writable(folder) / STORE_NAME) as store:
+            _remember_platform(store, progress)
+            pool = Pool(Worker(study, flying), options.jobs, left=left_of, lost=lost, stop=stopped)
+            yield Crew(study, folder, store, pool, progress, options, ready, stopped)
+
+
+def _all_flown(study: Study, flights: Iterable[Flight], path: Path) -> bool:
+    """Whether the store at `path`, which need not exist, has all of `flights`."""
+    if not path.is_file():
+        return False
+    with Store(path, create=False) as store:
+        keys = {flight_key(study, flight) for flight in flights}
+        return store.known(keys) == keys
+
+
+def _warnings(outcome: Outcome) -> Iterator[str]:
+    if outcome.invalid:
+        yield f"warning: invalid, not counted: {outcome.name}: {outcome.invalid}"
+    for violation in outcome.violations:
+        if violation.kind is not Kind.REPORTED:
+            yield f"warning: {violation_line(outcome, violation)}"
+
+
+def _remember_platform(store: Store, progress: Progress) -> None:
+    """Keep the platform of the campaign's first flight, and say when this one is another: its bits may differ."""
+    ours, theirs = fingerprint(), store.meta()
+    if theirs and (changed := differences(ours, theirs)):
+        progress.line(f"warning: the campaign began on another platform, digests may differ: {', '.join(changed)}")
+    store.set_meta(ours)

@@ -1,0 +1,59 @@
+"""Ctrl-C: the first one lets a run save and end, the second one ends it."""
+
+from __future__ import annotations
+
+import signal
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+from scaloft_fi.errors import ScaloftError
+
+ECHO_S = 1.0
+"""A second signal within this time is the first one's echo: a terminal and a wrapper may both pass it on [s, wall]."""
+
+
+class Interrupted(ScaloftError):  # noqa: N818 - an event, not an error
+    """The user stopped the run; everything flown is saved."""
+
+    exit_code = 130
+
+
+class Flag:
+    """Whether the user asked to stop."""
+
+    def __init__(self) -> None:
+        self._since_s: float | None = None
+
+    def __call__(self) -> bool:
+        """Whether a signal came."""
+        return self._since_s is not None
+
+    def raise_it(self, number: int, frame: FrameType | None) -> None:
+        """Take a signal.
+
+        Raises:
+            KeyboardInterrupt: it is the second one.
+        """
+        now_s = time.monotonic()
+        if self._since_s is None:
+            self._since_s = now_s
+        elif now_s - self._since_s > ECHO_S:
+            raise KeyboardInterrupt
+
+
+@contextmanager
+def interruptible() -> Iterator[Flag]:
+    """While it lasts, the first Ctrl-C (or SIGTERM) asks to stop, the second stops at once."""
+    flag = Flag()
+    if threading.current_thread() is not threading.main_thread():  # only the main thread hears of signals
+        yield flag
+        return
+    before = {number: signal.signal(number, flag.raise_it) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield flag
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -1,0 +1,29 @@
+"""How a run flies, apart from what it flies: nothing here changes an outcome."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from scaloft_fi.campaign.fork import CAN_FORK
+
+MOST_INVALID = 0.1
+"""A run in which the harness failed over a larger share of the flights says nothing of the drone."""
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """What the command line decides about the flying.
+
+    Attributes:
+        jobs: number of worker processes.
+        share: whether mutants are flown only from where they leave their baseline.
+        part: whether others fly the rest; the gates that need all of it are theirs who merge it.
+        max_invalid: largest share 0..1 of invalid flights with which a run may be believed.
+        command: what the user typed, to resume by; empty when nobody typed anything.
+    """
+
+    jobs: int = 1
+    share: bool = CAN_FORK
+    part: bool = False
+    max_invalid: float = MOST_INVALID
+    command: str = ""
