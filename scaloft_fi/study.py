@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -167,17 +167,21 @@ class Study:
         values = [axis.value(situation[axis.id]) for axis in self.grid.axes]
         return {path: item.plain() for value in values for path, item in value.changes.items()}
 
+    def realised(self, situation: Situation) -> dict[str, Any]:
+        """By which formulas the situation's values come true: per axis its value's, else those of the others."""
+        values = [(axis, axis.value(situation[axis.id])) for axis in self.grid.axes]
+        return {axis.id: value.realised or [other.realised for other in axis.values] for axis, value in values}
+
     @cached_property
     def inputs(self) -> Mapping[str, str]:
         """Content hashes of what decides an outcome, by part; comments and the order of keys are no content."""
         sim = self.folder / "sim"
         documents = {name: load(sim / f"{name}.yaml").plain() for name in FLYING_DATA}
         others = {path.relative_to(sim).as_posix(): _bytes(path) for path in _files(sim) if path.suffix != ".yaml"}
-        realised = {f"{axis.id}{value.id}": value.realised for axis in self.grid.axes for value in axis.values}
+        judged = [(r.name, r.kind, r.text, r.trigger, r.definitions) for r in self.requirements]
         return {
             "sim": _digest([documents, others]),
-            "requirements": _digest([asdict(requirement) for requirement in self.requirements]),
-            "realised": _digest(realised),
+            "requirements": _digest(judged),
             "code": _digest({path.relative_to(PACKAGE).as_posix(): _bytes(path) for path in _sources()}),
         }
 

@@ -84,7 +84,6 @@ def test_the_time_expected_of_a_flight_grows_with_the_route_and_a_person(study: 
     [
         ("world.yaml", "light: 0.9", "light: 0.8", "sim"),
         ("requirements.yaml", "speed_mps / 0.25", "speed_mps / 0.30", "requirements"),
-        ("situations.yaml", "eventually(x_m < -1)", "eventually(x_m < -2)", "realised"),
     ],
 )
 def test_an_edit_changes_the_hash_of_its_part_alone(copy: Path, name: str, old: str, new: str, part: str) -> None:
@@ -92,6 +91,23 @@ def test_an_edit_changes_the_hash_of_its_part_alone(copy: Path, name: str, old: 
     _edit(copy / "sim" / name, old, new)
     after = Study(copy).inputs
     assert {key for key in before if before[key] != after[key]} == {part}
+
+
+def test_what_requirements_are_called_in_words_changes_no_hash(copy: Path) -> None:
+    before = Study(copy).inputs
+    path = copy / "sim" / "requirements.yaml"
+    text = path.read_text()
+    path.write_text(re.sub(r"(?m)^(    title: ).*$", r"\1other words", text))
+    assert path.read_text() != text
+    assert Study(copy).inputs == before
+
+
+def test_a_predicate_judges_the_situations_with_its_value_and_the_benign_ones_of_its_axis(copy: Path) -> None:
+    before = {s.key: Study(copy).realised(s) for s in Study(copy).grid.situations}
+    _edit(copy / "sim" / "situations.yaml", "eventually(x_m < -1)", "eventually(x_m < -2)")
+    study = Study(copy)
+    assert all(study.realised(s)["T"] != before[s.key]["T"] for s in study.grid.situations)
+    assert all(study.realised(s)[axis] == before[s.key][axis] for s in study.grid.situations for axis in "OWDH")
 
 
 def test_a_comment_changes_no_hash(copy: Path) -> None:

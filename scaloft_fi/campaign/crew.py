@@ -9,7 +9,7 @@ from pathlib import Path
 from scaloft_fi.campaign.fly import Flyer, Physics, Worker, left_of, lost
 from scaloft_fi.campaign.folder import STORE_NAME, promising, writable
 from scaloft_fi.campaign.interrupt import Interrupted, interruptible
-from scaloft_fi.campaign.key import flight_key
+from scaloft_fi.campaign.key import Keys
 from scaloft_fi.campaign.options import RunOptions
 from scaloft_fi.campaign.plan import Flight
 from scaloft_fi.campaign.pool import Pool
@@ -19,7 +19,7 @@ from scaloft_fi.results.fingerprint import differences, fingerprint
 from scaloft_fi.results.mission_log import violation_line
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.requirement import Kind
-from scaloft_fi.results.store import Planned, Store
+from scaloft_fi.results.store import Store
 from scaloft_fi.study import Study
 
 Arrange = Callable[[Sequence[Flight]], Iterable[Task]]
@@ -58,6 +58,7 @@ class Crew:
         self.study, self.folder, self.store = study, folder, store
         self.progress, self.options, self.stopped = progress, options, stopped
         self._pool, self._ready = pool, ready
+        self._keys = Keys(study)
         self.flown = 0
         self.repeats: list[Outcome] = []
 
@@ -69,10 +70,7 @@ class Crew:
 
     def plan(self, flights: Iterable[Flight], *, canary: bool = False) -> None:
         """Write down what is to be flown."""
-        self.store.plan(
-            Planned(flight_key(self.study, flight), flight.subject.id, flight.situation.key, flight.seed, canary)
-            for flight in flights
-        )
+        self.store.plan(self._keys.planned(flight, canary=canary) for flight in flights)
 
     def arrange(self, flights: Sequence[Flight]) -> list[Task]:
         """Flights as tasks, the longest first; what shares a baseline's beginning together, if that is wanted."""
@@ -101,7 +99,7 @@ class Crew:
 
     def outcomes(self, flights: Iterable[Flight]) -> tuple[Outcome, ...]:
         """What the store has of `flights`."""
-        return tuple(self.store.outcomes(flight_key(self.study, flight) for flight in flights))
+        return tuple(self.store.outcomes(map(self._keys.key, flights)))
 
     def missing(self, flights: Iterable[Flight]) -> tuple[Flight, ...]:
         """Those of `flights` of which the store has no outcome that counts."""
@@ -132,7 +130,7 @@ class Crew:
 
     def _missing(self, flights: Iterable[Flight]) -> dict[str, Flight]:
         """The same by key."""
-        keyed = {flight_key(self.study, flight): flight for flight in flights}
+        keyed = {self._keys.key(flight): flight for flight in flights}
         known = self.store.known(keyed)
         return {key: flight for key, flight in keyed.items() if key not in known}
 
@@ -184,7 +182,7 @@ def _all_flown(study: Study, flights: Iterable[Flight], path: Path) -> bool:
     if not path.is_file():
         return False
     with Store(path, create=False) as store:
-        keys = {flight_key(study, flight) for flight in flights}
+        keys = set(map(Keys(study).key, flights))
         return store.known(keys) == keys
 
 

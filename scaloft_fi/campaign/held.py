@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from scaloft_fi.campaign.folder import campaign_folder, existing
-from scaloft_fi.campaign.key import flight_key
+from scaloft_fi.campaign.key import Keys
 from scaloft_fi.campaign.plan import Flight
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.derive import realise
@@ -98,10 +98,11 @@ def _mutant(study: Study, name: str) -> Mutant | None:
 
 def _keys(study: Study, flights: Iterable[tuple[str, str, int]]) -> set[str]:
     """The keys that flights (mutant, situation, seed) have now."""
+    made = Keys(study)
     keys = set()
     for name, situation, seed in set(flights):
         try:
-            keys.add(flight_key(study, flight_named(study, name, situation, seed)))
+            keys.add(made.key(flight_named(study, name, situation, seed)))
         except InputError:  # a cell or a situation that the study no longer has
             continue
     return keys

@@ -12,14 +12,14 @@ from types import TracebackType
 from typing import NamedTuple
 
 from scaloft_fi.errors import InputError
+from scaloft_fi.results.origin import Origin
 from scaloft_fi.results.outcome import Outcome
 
-SCHEMA = 2
-"""Version of the tables below; a store of a later one is refused."""
 BUSY_S = 30.0
 """How long a writer waits for another process [s]."""
 
-_TABLES = """
+_STEPS = (
+    """
 CREATE TABLE IF NOT EXISTS meta (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS outcomes (
     key TEXT PRIMARY KEY,
@@ -31,6 +31,8 @@ CREATE TABLE IF NOT EXISTS outcomes (
     track BLOB NOT NULL
 ) WITHOUT ROWID;
 CREATE INDEX IF NOT EXISTS outcomes_by_flight ON outcomes (mutant, situation, seed);
+""",
+    """
 CREATE TABLE IF NOT EXISTS plan (
     key TEXT PRIMARY KEY,
     mutant TEXT NOT NULL,
@@ -38,17 +40,33 @@ CREATE TABLE IF NOT EXISTS plan (
     seed INTEGER NOT NULL,
     canary INTEGER NOT NULL
 ) WITHOUT ROWID;
-"""
+""",
+    """
+CREATE TABLE origins (id INTEGER PRIMARY KEY, parts TEXT NOT NULL UNIQUE);
+ALTER TABLE plan ADD COLUMN origin INTEGER REFERENCES origins (id);
+""",
+)
+"""What brings a store of schema n to n + 1, a new one from 0 on."""
+SCHEMA = len(_STEPS)
+"""Version of the tables; a store of an earlier one is brought to it, one of a later one is refused."""
 
 
 class Planned(NamedTuple):
-    """A flight that was planned.  canary: only to prove that faults reach the drone."""
+    """A flight that was planned.
+
+    Attributes:
+        key: of its outcome.
+        mutant, situation, seed: what is flown, where.
+        canary: flown only to prove that faults reach the drone.
+        origin: what entered the key; None where an earlier version planned it.
+    """
 
     key: str
     mutant: str
     situation: str
     seed: int
     canary: bool = False
+    origin: Origin | None = None
 
 
 class Store:
@@ -79,18 +97,29 @@ class Store:
 
     def _prepare(self) -> None:
         run = self._connection.execute
-        version = int(run("PRAGMA user_version").fetchone()[0])
+        current = self._schema() == SCHEMA
+        run("PRAGMA journal_mode=WAL")
+        run("PRAGMA synchronous=FULL")
+        if current:
+            return
+        with self._transaction():  # another process may have been faster
+            for step in _STEPS[self._schema() :]:
+                for statement in filter(str.strip, step.split(";")):
+                    run(statement)
+            run(f"PRAGMA user_version={SCHEMA}")
+
+    def _schema(self) -> int:
+        """Version of the tables in the file.
+
+        Raises:
+            InputError: it is a later one.
+        """
+        version = int(self._connection.execute("PRAGMA user_version").fetchone()[0])
         if version > SCHEMA:
             raise InputError(
                 f"{self.path}: store of schema {version} must be at most {SCHEMA}; a later version wrote it"
             )
-        run("PRAGMA journal_mode=WAL")
-        run("PRAGMA synchronous=FULL")
-        if version < SCHEMA:
-            with self._transaction():
-                for statement in filter(str.strip, _TABLES.split(";")):
-                    run(statement)
-                run(f"PRAGMA user_version={SCHEMA}")
+        return version
 
     def __enter__(self) -> Store:
         return self
@@ -168,18 +197,33 @@ class Store:
             InputError: the store cannot be written.
         """
         with self._transaction():
-            self._connection.executemany(
-                "INSERT INTO plan VALUES (?, ?, ?, ?, ?) ON CONFLICT (key) DO UPDATE SET"
-                " canary = min(canary, excluded.canary) WHERE canary > excluded.canary",
-                flights,
-            )
+            origins: dict[Origin, int] = {}
+            for flight in flights:
+                if flight.origin is not None and flight.origin not in origins:
+                    origins[flight.origin] = self._origin(flight.origin)
+                self._connection.execute(
+                    "INSERT INTO plan (key, mutant, situation, seed, canary, origin) VALUES (?, ?, ?, ?, ?, ?)"
+                    " ON CONFLICT (key) DO UPDATE SET canary = min(canary, excluded.canary)"
+                    " WHERE canary > excluded.canary",
+                    (*flight[:5], origins[flight.origin] if flight.origin is not None else None),
+                )
+
+    def _origin(self, origin: Origin) -> int:
+        """The number of an origin, which is kept once however many flights have it."""
+        parts = json.dumps(origin._asdict())
+        self._connection.execute("INSERT INTO origins (parts) VALUES (?) ON CONFLICT (parts) DO NOTHING", (parts,))
+        return int(self._connection.execute("SELECT id FROM origins WHERE parts = ?", (parts,)).fetchone()[0])
 
     def planned(self) -> list[Planned]:
         """All that was ever planned, ordered by key."""
         with _sentences(self.path):
-            rows = self._connection.execute("SELECT key, mutant, situation, seed, canary FROM plan ORDER BY key")
+            texts = self._connection.execute("SELECT id, parts FROM origins")
+            origins = {number: Origin(**json.loads(parts)) for number, parts in texts}
+            columns = "key, mutant, situation, seed, canary, origin"
+            rows = self._connection.execute(f"SELECT {columns} FROM plan ORDER BY key")
             return [
-                Planned(key, mutant, situation, seed, bool(canary)) for key, mutant, situation, seed, canary in rows
+                Planned(key, mutant, situation, seed, bool(canary), origins.get(origin))
+                for key, mutant, situation, seed, canary, origin in rows
             ]
 
     def set_meta(self, entries: Mapping[str, str]) -> None:

@@ -63,15 +63,19 @@ class FakeStudy:
 
     folder: Path
     inputs: Mapping[str, str] = field(
-        default_factory=lambda: {"sim": "s", "requirements": "r", "code": "c", "realised": "t"}
+        default_factory=lambda: {"sim": "s", "requirements": "r", "code": "c", "cutting": "k"}
     )
     grid: FakeGrid = GRID
     matrix: Matrix = MATRIX
     space: Space = SPACE
     roster: Roster = ROSTER
+    predicate: str = "t"
 
     def changes(self, situation: FakeSituation) -> dict[str, Any]:
         return {"key": situation.key}
+
+    def realised(self, situation: FakeSituation) -> dict[str, Any]:
+        return {"predicate": self.predicate}
 
     def expected_s(self, situation: FakeSituation) -> float:
         return situation.nominal_s

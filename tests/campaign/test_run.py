@@ -78,7 +78,7 @@ def test_another_number_of_jobs_exports_the_same_bytes(study: Any, log: Any) -> 
 def test_changed_study_data_fly_again_and_changed_comments_do_not(study: Any, log: Any) -> None:
     _run(study, log)
     flown = len(log.flown)
-    changed = replace(study, inputs={**study.inputs, "realised": "u"})
+    changed = replace(study, predicate="u")
     _run(changed, log)
     assert set(log.flown[flown:]) == {f"baseline/{s.key}/0" for s in study.grid}
 

@@ -1,11 +1,13 @@
 from __future__ import annotations
 
+import json
 import os
 import signal
 import sqlite3
 import subprocess
 import sys
 import textwrap
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,8 +16,9 @@ from builders import campaigns, outcome
 from hypothesis import HealthCheck, given, settings
 
 from scaloft_fi.errors import InputError
+from scaloft_fi.results.origin import Origin
 from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.store import SCHEMA, Store
+from scaloft_fi.results.store import _STEPS, SCHEMA, Planned, Store
 
 M = "LATE-human@3s"
 
@@ -127,6 +130,40 @@ def test_a_file_that_is_no_store_is_left_alone(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cannot be used"):
         Store(path)
     assert path.read_text().startswith("these are notes")
+
+
+def test_what_was_planned_is_there_with_what_entered_its_key(tmp_path: Path) -> None:
+    origin = Origin("s", "r", "c", "m", "t")
+    plan = [Planned(origin.key(seed), M, "T0O0W0D0H0", seed, canary=seed > 1, origin=origin) for seed in range(3)]
+    with Store(tmp_path / "s.sqlite") as store:
+        store.plan(plan)
+        store.plan(plan)
+        assert store.planned() == sorted(plan)
+        assert store._connection.execute("SELECT count(*) FROM origins").fetchone() == (1,)
+
+
+def test_a_canary_that_is_asked_for_later_is_none_any_more(tmp_path: Path) -> None:
+    with Store(tmp_path / "s.sqlite") as store:
+        for canary in (True, False, True):
+            store.plan([Planned("k", M, "T0O0W0D0H0", 0, canary)])
+        assert store.planned() == [Planned("k", M, "T0O0W0D0H0", 0)]
+
+
+@pytest.mark.parametrize("schema", range(1, SCHEMA))
+def test_a_store_of_an_earlier_version_is_brought_to_this_one(tmp_path: Path, schema: int) -> None:
+    path = tmp_path / "s.sqlite"
+    with closing(sqlite3.connect(path)) as connection:
+        connection.executescript("".join(_STEPS[:schema]))
+        connection.execute(f"PRAGMA user_version={schema}")
+        text = json.dumps(replace(outcome(M), track=b"").to_json())
+        connection.execute("INSERT INTO outcomes VALUES ('k', ?, 'T0O0W0D0H0', 0, 1, ?, x'00')", (M, text))
+        if schema > 1:
+            connection.execute("INSERT INTO plan (key, mutant, situation, seed, canary) VALUES ('k', 'm', 's', 0, 0)")
+        connection.commit()
+    for _ in range(2):
+        with Store(path, create=False) as store:
+            assert store.get("k") == replace(outcome(M), track=b"\0")
+            assert store.planned() == [Planned("k", "m", "s", 0)] * (schema > 1)
 
 
 def test_a_store_of_a_later_version_is_refused(tmp_path: Path) -> None:

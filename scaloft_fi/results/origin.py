@@ -1,0 +1,37 @@
+"""Where an outcome comes from: content hashes of everything that can change it, part by part, and its key from them."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import NamedTuple
+
+
+class Origin(NamedTuple):
+    """Content hashes; empty where the part does not enter the flight.
+
+    Attributes:
+        sim: the documents of `sim/` that enter every flight.
+        requirements: what flights are judged by.
+        code: the sources that fly and judge.
+        mutant: what is patched in; empty for the baseline.
+        situation: what the situation changes in the world.
+        realised: for a baseline, by which formulas the situation's values come true.
+        cutting: for a flight cut before its end, the sources that decide when.
+    """
+
+    sim: str
+    requirements: str
+    code: str
+    mutant: str
+    situation: str
+    realised: str = ""
+    cutting: str = ""
+
+    def key(self, seed: int, truncated: str = "") -> str:
+        """The content hash of the flight with this seed; `truncated` is why it was cut, empty for a whole flight."""
+        parts = [f"{name}={value}" for name, value in zip(self._fields, self, strict=True) if value]
+        return hashlib.sha256("\n".join([*parts, f"seed={seed}", f"truncated={truncated}"]).encode()).hexdigest()
+
+    def changed(self, now: Origin) -> tuple[str, ...]:
+        """Names of the parts that are others in `now`."""
+        return tuple(name for name in self._fields if getattr(self, name) != getattr(now, name))
