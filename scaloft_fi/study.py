@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -32,8 +33,11 @@ PACKAGE = Path(__file__).resolve().parent
 FLYING_CODE = (
     *("stack", "sim", "mutants", "campaign/fly.py", "campaign/fork.py", "campaign/share.py"),
     *("results/outcome.py", "results/requirement.py", "results/space.py", "results/stl.py", "results/monitor.py"),
+    "results/track.py",
 )
 """The sources that can change an outcome."""
+CUTTING_CODE = ("results/status.py",)
+"""What can change, besides, when a flight is cut at its first kill."""
 FLYING_DATA = ("world", "vehicle", "sensors", "stack")
 """The documents of `sim/` that enter every flight; of `situations.yaml` only the situation's own values do."""
 
@@ -182,7 +186,8 @@ class Study:
         return {
             "sim": _digest([documents, others]),
             "requirements": _digest(judged),
-            "code": _digest({path.relative_to(PACKAGE).as_posix(): _bytes(path) for path in _sources()}),
+            "code": _code(FLYING_CODE),
+            "cutting": _code(CUTTING_CODE),
         }
 
     def check(self) -> None:
@@ -205,10 +210,28 @@ def _files(folder: Path) -> Iterator[Path]:
     return (path for path in sorted(folder.rglob("*")) if path.is_file() and not path.name.startswith("."))
 
 
-def _sources() -> Iterator[Path]:
-    for name in FLYING_CODE:
-        path = PACKAGE / name
-        yield from sorted(path.rglob("*.py")) if path.is_dir() else [path]
+def _code(names: Iterable[str]) -> str:
+    """A hash of what sources of the package say to the interpreter: no comment, docstring or layout is in it."""
+    paths = [path for name in names for path in _sources(PACKAGE / name)]
+    return _digest({path.relative_to(PACKAGE).as_posix(): _meaning(path) for path in paths})
+
+
+def _sources(path: Path) -> list[Path]:
+    return sorted(path.rglob("*.py")) if path.is_dir() else [path]
+
+
+def _meaning(path: Path) -> str:
+    """The syntax tree of a source without its docstrings, hashed."""
+    tree = ast.parse(path.read_bytes(), path)
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if isinstance(body, list):  # a string that stands alone does nothing, wherever it stands
+            node.body = [entry for entry in body if not _is_text(entry)]  # type: ignore[attr-defined]
+    return hashlib.sha256(ast.dump(tree).encode()).hexdigest()
+
+
+def _is_text(statement: ast.stmt) -> bool:
+    return isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)
 
 
 def _bytes(path: Path) -> str:

@@ -8,7 +8,7 @@ import pytest
 
 import scaloft_fi
 from scaloft_fi.errors import InputError
-from scaloft_fi.study import FLYING_CODE, PACKAGE, Study
+from scaloft_fi.study import FLYING_CODE, PACKAGE, Study, _meaning
 
 ROOT = Path(__file__).parents[1]
 
@@ -121,6 +121,22 @@ def test_a_mesh_of_the_users_own_is_part_of_the_hash(copy: Path) -> None:
     before = Study(copy).inputs
     (copy / "sim" / "mine.obj").write_text("v 0 0 0\n")
     assert Study(copy).inputs["sim"] != before["sim"]
+
+
+@pytest.mark.parametrize(
+    ("edited", "same"),
+    [
+        ('"""Another text."""\ndef f(x):\n    # why\n    return x + 1\n', True),
+        ('"""Text."""\ndef f(x):\n    """More."""\n\n    return (x\n        + 1)\n', True),
+        ('"""Text."""\ndef f(x):\n    return x + 2\n', False),
+        ('"""Text."""\nTEXT = "a"\ndef f(x):\n    return x + 1\n', False),
+    ],
+)
+def test_only_what_the_interpreter_does_is_part_of_the_hash_of_code(tmp_path: Path, edited: str, *, same: bool) -> None:
+    first, second = tmp_path / "first.py", tmp_path / "second.py"
+    first.write_text('"""Text."""\ndef f(x):\n    return x + 1\n')
+    second.write_text(edited)
+    assert (_meaning(first) == _meaning(second)) is same
 
 
 def test_the_code_that_flies_exists() -> None:

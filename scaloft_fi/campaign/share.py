@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from scaloft_fi.campaign.fly import invalid, judged, reason_of, wire_of
+from scaloft_fi.campaign.fly import first_kill, invalid, judged, reason_of, wire_of
 from scaloft_fi.campaign.fork import Fork
 from scaloft_fi.campaign.task import Task
 from scaloft_fi.results.outcome import Outcome, Subject
@@ -14,10 +14,11 @@ from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
     from scaloft_fi.mutants.wire import SeamCount
+    from scaloft_fi.sim.log import FlightLog
 
 
 def fly_shared(study: Study, task: Task, home: Callable[[Outcome], None]) -> None:
-    """Fly a shared task; every outcome equals that of the flight flown whole.
+    """Fly a shared task; every outcome equals that of the flight flown from take-off by itself.
 
     Raises:
         Exception: the harness failed over the baseline; what was home before stands.
@@ -34,9 +35,13 @@ def fly_shared(study: Study, task: Task, home: Callable[[Outcome], None]) -> Non
         branch=lambda name: fork(mutants[name]),
         failed=lambda name, error: home(invalid(mutants[name], reason_of(error))),
     )
-    carrier = task.carrier
+    carrier, baseline = task.carrier, task.baseline
+
+    def enough(log: FlightLog) -> bool:
+        return fork.taken is not None and baseline is not None and first_kill(study, fork.taken, baseline)(log)
+
     try:
-        log = fly(study.sim, carrier.situation, carrier.seed, wire)
+        log = fly(study.sim, carrier.situation, carrier.seed, wire, enough if baseline else None)
         outcome = judged(study, fork.taken or carrier, log)
     except BaseException as error:
         if fork.taken is not None:

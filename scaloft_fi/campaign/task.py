@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from scaloft_fi.campaign.plan import Flight
 from scaloft_fi.mutants.mutant import PLACEBO
+from scaloft_fi.results.outcome import Outcome
 
 SHARES_PER_JOB = 2
 """Into how many tasks per process the work is cut at least, so that all processes end at about the same time."""
@@ -22,10 +23,13 @@ class Task:
     Attributes:
         flights: whose outcomes are wanted.
         shared: whether they are flown together with the baseline, each from where it leaves it; else each is whole.
+        baseline: when it is only asked whether mutants are killed, what they are judged beside: each is cut soon after
+            its first kill; None = all are flown to the end.
     """
 
     flights: tuple[Flight, ...]
     shared: bool = False
+    baseline: Outcome | None = None
 
     def __post_init__(self) -> None:
         if self.shared and any(flight.mutant == PLACEBO for flight in self.flights):
@@ -39,7 +43,7 @@ class Task:
     def without(self, names: Collection[str]) -> Task | None:
         """What is left when the flights called `names` are home; None = nothing."""
         left = tuple(flight for flight in self.flights if flight.name not in names)
-        return Task(left, self.shared) if left else None
+        return replace(self, flights=left) if left else None
 
 
 def alone(flights: Iterable[Flight]) -> list[Task]:

@@ -1,16 +1,14 @@
-"""Outcome: all that is kept of one flight, pure data with a JSON round trip.  Statuses and scores follow from it."""
+"""Outcome: all that is kept of one flight, pure data.  Statuses and scores follow from it."""
 
 from __future__ import annotations
 
-import base64
-import zlib
-from array import array
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from scaloft_fi.results.requirement import Kind, Reading, Requirement, judge_signals
 from scaloft_fi.results.stl import Signals
+from scaloft_fi.results.track import pack_track
 
 if TYPE_CHECKING:
     from scaloft_fi.mutants.mutant import Mutant
@@ -18,9 +16,8 @@ if TYPE_CHECKING:
     from scaloft_fi.sim.log import FlightLog
 
 BASELINE, PLACEBO = "baseline", "PLACEBO"
-TRACK_COLUMNS = ("elapsed_s", "x_m", "y_m", "z_m", "speed_mps")
-TRACK_EVERY = 4
-"""Every fourth sample of 20 Hz is kept of a trajectory: 5 Hz."""
+FIRST_KILL = "first kill"
+"""Why a flight was cut that was flown only to see whether it kills."""
 
 
 @dataclass(frozen=True)
@@ -69,8 +66,9 @@ class Outcome:
         duration_s: simulated time [s].
         digest, perceived_digest: of the log's ground truth and of what the stack believed.
         stack_error: what the stack raised; the fail-safe took over.
+        truncated: why the flight was cut before its end; empty for a whole flight.
         realised: for a baseline, per axis whether the situation's value came true in flight.
-        track: trajectory at 5 Hz, packed.
+        track: trajectory at 5 Hz, as `results/track.py` packs it.
     """
 
     subject: Subject
@@ -88,6 +86,7 @@ class Outcome:
     digest: str = ""
     perceived_digest: str = ""
     stack_error: str = ""
+    truncated: str = ""
     realised: tuple[tuple[str, bool], ...] = ()
     track: bytes = b""
 
@@ -110,23 +109,6 @@ class Outcome:
         """The earliest safety violation."""
         safety = [violation for violation in self.violations if violation.kind is Kind.SAFETY]
         return min(safety, key=lambda violation: violation.t_s, default=None)
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain JSON values."""
-        return asdict(self) | {"track": base64.b64encode(self.track).decode()}
-
-    @classmethod
-    def from_json(cls, values: Mapping[str, Any]) -> Outcome:
-        """The outcome that `to_json` wrote; unknown keys are ignored."""
-        known = {field.name: values[field.name] for field in fields(cls) if field.name in values}
-        known["subject"] = Subject(**values["subject"])
-        known["readings"] = tuple(Reading(**{**entry, "kind": Kind(entry["kind"])}) for entry in values["readings"])
-        known["violations"] = tuple(
-            Violation(**{**entry, "kind": Kind(entry["kind"])}) for entry in values["violations"]
-        )
-        known["realised"] = tuple((str(axis), bool(came_true)) for axis, came_true in values["realised"])
-        known["track"] = base64.b64decode(values.get("track", ""))
-        return cls(**known)
 
 
 def outcome_of(
@@ -175,6 +157,7 @@ def outcome_of(
         digest=log.digest,
         perceived_digest=log.perceived_digest,
         stack_error=log.stack_error,
+        truncated=FIRST_KILL if log.cut else "",
         realised=realisation.of(situation, signals) if realisation else (),
         track=pack_track(signals),
     )
@@ -184,21 +167,3 @@ def _violation(requirement: Requirement, signals: Signals, sample: int, struck: 
     t_s, x, y, z = (float(signals[name][sample]) for name in ("elapsed_s", "x_m", "y_m", "z_m"))
     in_contact = float(signals["clearance_m"][sample]) <= 0
     return Violation(requirement.name, requirement.kind, t_s, x, y, z, struck if in_contact else "")
-
-
-def pack_track(signals: Signals) -> bytes:
-    """The trajectory at 5 Hz as packed single floats, the last sample always among them."""
-    columns = [list(map(float, signals[name])) for name in TRACK_COLUMNS]
-    length = len(columns[0])
-    kept = sorted({*range(0, length, TRACK_EVERY), length - 1})
-    return zlib.compress(array("f", [column[i] for i in kept for column in columns]).tobytes(), 6)
-
-
-def unpack_track(track: bytes) -> list[tuple[float, ...]]:
-    """Rows of (elapsed_s, x_m, y_m, z_m, speed_mps) that `pack_track` kept; none for an empty track."""
-    if not track:
-        return []
-    values = array("f")
-    values.frombytes(zlib.decompress(track))
-    width = len(TRACK_COLUMNS)
-    return [tuple(values[i : i + width]) for i in range(0, len(values), width)]

@@ -14,6 +14,7 @@ from typing import NamedTuple
 from scaloft_fi.errors import InputError
 from scaloft_fi.results.origin import Origin
 from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.record import from_json, to_json
 
 BUSY_S = 30.0
 """How long a writer waits for another process [s]."""
@@ -152,7 +153,7 @@ class Store:
         Raises:
             InputError: the store cannot be written.
         """
-        text = json.dumps(replace(outcome, track=b"").to_json(), sort_keys=True, allow_nan=False)
+        text = json.dumps(to_json(replace(outcome, track=b"")), sort_keys=True, allow_nan=False)
         row = (key, outcome.mutant, outcome.situation, outcome.seed, not outcome.invalid, text, outcome.track)
         with self._transaction():
             cursor = self._connection.execute(
@@ -167,7 +168,7 @@ class Store:
         """The outcome under a key with its track, None when there is none."""
         with _sentences(self.path):
             row = self._connection.execute("SELECT outcome, track FROM outcomes WHERE key = ?", (key,)).fetchone()
-        return None if row is None else replace(Outcome.from_json(json.loads(row[0])), track=bytes(row[1]))
+        return None if row is None else replace(from_json(json.loads(row[0])), track=bytes(row[1]))
 
     def known(self, keys: Iterable[str]) -> set[str]:
         """Those of `keys` that have an outcome that counts."""
@@ -182,13 +183,13 @@ class Store:
             rows = self._connection.execute("SELECT key, outcome FROM outcomes ORDER BY mutant, situation, seed, key")
             for key, text in rows:
                 if wanted is None or key in wanted:
-                    yield Outcome.from_json(json.loads(text))
+                    yield from_json(json.loads(text))
 
     def rows(self) -> Iterator[tuple[str, Outcome]]:
         """Every outcome with its key and its track, ordered by key."""
         with _sentences(self.path):
             for key, text, track in self._connection.execute("SELECT key, outcome, track FROM outcomes ORDER BY key"):
-                yield key, replace(Outcome.from_json(json.loads(text)), track=bytes(track))
+                yield key, replace(from_json(json.loads(text)), track=bytes(track))
 
     def plan(self, flights: Iterable[Planned]) -> None:
         """Keep what is to be flown, in one transaction; what was planned before stays planned.

@@ -5,7 +5,7 @@ Physics, inertial sensor and flight control run at 240 Hz; the other sensors, th
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 
 import numpy as np
@@ -35,8 +35,22 @@ HARNESS = (TapError, MemoryError)
 """What is no fact about the drone, wherever it is raised."""
 
 
-def fly(config: SimConfig, situation: Situation, seed: int, wire: Wire) -> FlightLog:
+ASK_TICKS = 100
+"""How often a flight is asked whether it may be cut: every 5 s, for an answer costs some ms."""
+
+Enough = Callable[[FlightLog], bool]
+"""Whether the flight so far says all that is asked."""
+
+
+def fly(config: SimConfig, situation: Situation, seed: int, wire: Wire, enough: Enough | None = None) -> FlightLog:
     """Fly once; a pure function of its arguments, and the wire is used up.
+
+    Args:
+        config: of the study.
+        situation: where.
+        seed: of the noise.
+        wire: carries the samples between the stages.
+        enough: when it says so, the flight is cut; None flies to the end.
 
     Raises:
         InputError: the study names no known stack, or its settings do not fit.
@@ -48,6 +62,8 @@ def fly(config: SimConfig, situation: Situation, seed: int, wire: Wire) -> Fligh
         while flight.tick():
             for _ in range(STEPS_PER_TICK):
                 flight.step()
+            if enough is not None and flight.ticks % ASK_TICKS == 0 and enough(flight.log()):
+                flight.cut()
         return flight.log()
 
 
@@ -89,6 +105,10 @@ def make_stack(config: SimConfig, scenario: Scenario, wire: Wire) -> Stack:
 class Flight:
     """A flight under way.
 
+    Attributes:
+        stack, sensors, body: the system under test, what it senses with, the vehicle.
+        ticks: samples recorded after which it went on.
+
     Whatever the stack under test raises is a fact about the drone: when its companion fails, the autopilot flies on
     with its own fail-safes; when the autopilot fails, the rotors stop.
     """
@@ -106,13 +126,14 @@ class Flight:
         self._observer = Observer(client, ids, self.body.number, vehicle, scenario, config.sensors.depth.max_m)
         self._feeler = Feeler(client, self.body.number, vehicle, ids.name_of)
         self._truth, self._beliefs = Recorder(self._observer.names), Recorder(BELIEFS)
-        self._ticks = self._steps = 0
+        self.ticks = self._steps = 0
+        self._cut = False
         self._companion_alive = self._autopilot_alive = True
         self._stack_error = ""
 
     def tick(self) -> bool:
         """Record a sample; unless the flight is over, let sensors and companion work.  Returns whether it goes on."""
-        now_s = self._ticks / 20
+        now_s = self.ticks / 20
         self._truth.add(self._observer.sample(now_s, self.body.state, self.sensors.view))
         self._feeler.look(self.body.truth[:3], self._observer.room_m)
         self._beliefs.add(self.stack.beliefs(now_s))
@@ -121,8 +142,12 @@ class Flight:
         frames = self._sense(now_s)
         if frames is not None and self._autopilot_alive:
             self._think(now_s, frames)
-        self._ticks += 1
+        self.ticks += 1
         return True
+
+    def cut(self) -> None:
+        """End it at the next sample, unless it ends there by itself."""
+        self._cut = True
 
     def step(self) -> None:
         """One physics step with the thrust that flight control orders."""
@@ -151,7 +176,7 @@ class Flight:
         observer = self._observer
         return FlightLog(
             signals={**truth, **beliefs},
-            ending=self._ending(self._ticks / 20) or Ending.TIMED_OUT,
+            ending=self._ending(self.ticks / 20) or Ending.TIMED_OUT,
             struck=observer.struck,
             struck_at_s=observer.struck_at_s,
             stack_error=self._stack_error,
@@ -167,7 +192,9 @@ class Flight:
             return Ending.STRUCK
         if self._observer.landed:
             return Ending.LANDED
-        return Ending.TIMED_OUT if now_s >= self._scenario.t_max_s else None
+        if now_s >= self._scenario.t_max_s:
+            return Ending.TIMED_OUT
+        return Ending.CUT if self._cut else None
 
     def _sense(self, now_s: float) -> SensorFrames | None:
         """Measure, with the clocks and the exposure that the stack gives; without them when it is dead."""
@@ -179,7 +206,7 @@ class Flight:
                 raise
             except Exception as error:  # noqa: BLE001 - whatever the stack under test raises
                 self._autopilot_fails(now_s, error)
-        return self.sensors.frames(self._ticks, self.body.state, self.body.thrusts, self.stack.exposure, stamps)
+        return self.sensors.frames(self.ticks, self.body.state, self.body.thrusts, self.stack.exposure, stamps)
 
     def _think(self, now_s: float, frames: SensorFrames) -> None:
         try:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import cache
 from pathlib import Path
 
@@ -15,9 +15,11 @@ from scaloft_fi.campaign.fork import CAN_FORK
 from scaloft_fi.campaign.plan import Flight
 from scaloft_fi.campaign.share import as_baseline
 from scaloft_fi.campaign.task import Task, alone
+from scaloft_fi.mutants.derive import realise
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.wire import SeamCount
 from scaloft_fi.results.outcome import Outcome, Subject
+from scaloft_fi.results.status import Status, flight_of
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
 
@@ -69,3 +71,28 @@ def test_shared_flights_are_the_whole_flights_digest_for_digest_and_field_for_fi
     assert not any(outcome.invalid for outcome in whole.values())
     for name, outcome in whole.items():
         assert asdict(shared[name]) == asdict(outcome)
+
+
+@pytest.mark.flight
+@pytest.mark.skipif(not CAN_FORK, reason="this platform flies every flight whole")
+def test_a_flight_cut_at_its_first_kill_says_of_the_kill_what_the_whole_one_says() -> None:
+    situation: Situation = _study().grid.situation("T0O0W0D0H1")
+    names = ("LATE-human@3s", "LATE-human@0.5s", "REVERSE-goal")
+    flights = tuple(Flight(realise(_study().matrix, name), situation, 0) for name in names)
+    clean = Flight(None, situation, 0)
+    whole = _outcomes([Task((clean, *flights), shared=True)])
+    baseline = whole[clean.name]
+    cut = _outcomes([Task(flights, shared=True, baseline=baseline)])
+    assert cut == _outcomes([replace(task, baseline=baseline) for task in alone(flights)])
+    statuses = set()
+    for flight in flights:
+        short, long = (flight_of(found[flight.name], baseline) for found in (cut, whole))
+        statuses.add(short.status)
+        assert (short.status, short.kills[:1], short.killed_at_s) == (long.status, long.kills[:1], long.killed_at_s)
+        if short.outcome.truncated:
+            assert short.status is Status.KILLED
+            assert short.killed_at_s <= short.outcome.duration_s < long.outcome.duration_s
+        else:
+            assert short.outcome == long.outcome
+    assert statuses == {Status.KILLED, Status.SURVIVED}
+    assert any(outcome.truncated for outcome in cut.values())

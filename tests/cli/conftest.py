@@ -33,7 +33,7 @@ class Paper:
         for flight in task.flights:
             home(self(study, flight))
 
-    def __call__(self, study: Study, flight: Flight) -> Outcome:
+    def __call__(self, study: Study, flight: Flight, baseline: Outcome | None = None) -> Outcome:
         subject, key = flight.subject, flight.situation.key
         control = subject.guideword == "REVERSE"
         late = subject.guideword == "LATE" and key.endswith("H1")

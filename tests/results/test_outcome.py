@@ -1,34 +1,16 @@
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
-from builders import KINDS, flights
-from hypothesis import given
-from hypothesis import strategies as st
+from builders import KINDS
 
-from scaloft_fi.results.outcome import Outcome, Subject, outcome_of, pack_track, unpack_track
+from scaloft_fi.results.outcome import Subject, outcome_of
 from scaloft_fi.results.requirement import Kind, Requirement
 from scaloft_fi.results.space import Realisation, Space
 from scaloft_fi.results.stl import Formula
 from scaloft_fi.sim.log import Ending
-
-
-@given(flights(), st.binary(max_size=40))
-def test_an_outcome_survives_json(flown: Outcome, track: bytes) -> None:
-    kept = replace(flown, track=track)
-    again = Outcome.from_json(json.loads(json.dumps(kept.to_json(), allow_nan=False)))
-    assert again == kept
-    assert hash(again) == hash(kept)
-    assert all(isinstance(reading.kind, Kind) for reading in again.readings)
-
-
-@given(flights())
-def test_a_key_of_a_later_version_is_ignored(flown: Outcome) -> None:
-    assert Outcome.from_json(flown.to_json() | {"weather": "dry"}) == flown
-
 
 SIGNALS = {
     "elapsed_s": [0.0, 0.05, 0.1],
@@ -38,6 +20,7 @@ SIGNALS = {
     "speed_mps": [0.0, 0.5, 0.4],
     "clearance_m": [1.0, 0.3, -0.001],
     "light": [1.0, 1.0, 1.0],
+    "person_sight_m": [100.0, 3.2, 3.0],
 }
 RULES = (
     Requirement("SR1", Kind.SAFETY, "always(clearance_m > 0)"),
@@ -51,6 +34,7 @@ def log(**changed: object) -> SimpleNamespace:
         "ending": Ending.STRUCK,
         "struck": "wall",
         "stack_error": "",
+        "cut": False,
         "counts": {"depth": SimpleNamespace(carried=9, altered=4, first_altered_s=0.05)},
         "digest": "d",
         "perceived_digest": "p",
@@ -82,6 +66,12 @@ def test_a_log_becomes_its_readings_violations_and_counts() -> None:
     assert flown.first_violation == struck
 
 
+@pytest.mark.parametrize("cut", [True, False])
+def test_an_outcome_tells_whether_its_flight_was_cut(*, cut: bool) -> None:
+    flown = outcome_of(log(cut=cut), Subject("M"), "S", 3, requirements=RULES)  # type: ignore[arg-type]
+    assert bool(flown.truncated) is cut
+
+
 def test_the_counts_of_all_patched_seams_are_joined() -> None:
     counts = {
         "depth": SimpleNamespace(carried=9, altered=0, first_altered_s=None),
@@ -107,18 +97,6 @@ def test_a_value_came_true_by_its_predicate_and_a_benign_one_when_no_other_did()
     assert realisation.of("D0T0", SIGNALS) == (("D", True), ("T", False))
     assert realisation.of("D1T1", SIGNALS) == (("D", False), ("T", False))
     assert realisation.of("D0T2", SIGNALS) == (("D", True), ("T", True))
-
-
-@given(st.integers(1, 50))
-def test_a_track_keeps_every_fourth_sample_and_the_last(samples: int) -> None:
-    column = [float(i) for i in range(samples)]
-    rows = unpack_track(pack_track(dict.fromkeys(("elapsed_s", "x_m", "y_m", "z_m", "speed_mps"), column)))
-    assert [row[0] for row in rows] == [*column[::4], *([column[-1]] if (samples - 1) % 4 else [])]
-    assert all(len(set(row)) == 1 for row in rows)
-
-
-def test_no_track_has_no_rows() -> None:
-    assert unpack_track(b"") == []
 
 
 def test_the_kinds_of_the_builders_are_those_of_the_study() -> None:
