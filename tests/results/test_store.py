@@ -18,6 +18,7 @@ from hypothesis import HealthCheck, given, settings
 from scaloft_fi.errors import InputError
 from scaloft_fi.results.origin import Origin
 from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.record import to_json
 from scaloft_fi.results.store import _STEPS, SCHEMA, Planned, Store
 
 M = "LATE-human@3s"
@@ -155,7 +156,7 @@ def test_a_store_of_an_earlier_version_is_brought_to_this_one(tmp_path: Path, sc
     with closing(sqlite3.connect(path)) as connection:
         connection.executescript("".join(_STEPS[:schema]))
         connection.execute(f"PRAGMA user_version={schema}")
-        text = json.dumps(replace(outcome(M), track=b"").to_json())
+        text = json.dumps(to_json(replace(outcome(M), track=b"")))
         connection.execute("INSERT INTO outcomes VALUES ('k', ?, 'T0O0W0D0H0', 0, 1, ?, x'00')", (M, text))
         if schema > 1:
             connection.execute("INSERT INTO plan (key, mutant, situation, seed, canary) VALUES ('k', 'm', 's', 0, 0)")
