@@ -76,6 +76,10 @@ class Crew:
         """Flights as tasks, the longest first; what shares a baseline's beginning together, if that is wanted."""
         return together(flights, self.weight_s, self.options.jobs) if self.options.share else alone(flights)
 
+    def unit(self, flights: Sequence[Flight]) -> list[Task]:
+        """The same for one process."""
+        return together(flights, self.weight_s, 1) if self.options.share else alone(flights)
+
     def fly(self, flights: Iterable[Flight], arrange: Arrange | None = None) -> None:
         """Fly those of `flights` that the store lacks, and the baselines that they share."""
         missing = self._missing(flights)
@@ -93,9 +97,11 @@ class Crew:
                 self.progress.advance(self.weight_s(first))
 
     def repeat(self, flights: Sequence[Flight]) -> None:
-        """The shortest of `flights` again, when anything was flown at all: it must be the first one's twin."""
-        if self.flown and flights:
-            self.repeats += self._outcomes(alone([min(flights, key=self.weight_s)]))
+        """The shortest of `flights` that is home again, when anything was flown: it must be the first one's twin."""
+        missing = set(self.missing(flights))
+        home = [flight for flight in flights if flight not in missing]
+        if self.flown and home:
+            self.repeats += self._outcomes(alone([min(home, key=self.weight_s)]))
 
     def outcomes(self, flights: Iterable[Flight]) -> tuple[Outcome, ...]:
         """What the store has of `flights`."""

@@ -18,6 +18,7 @@ class RunOptions:
         jobs: number of worker processes.
         share: whether mutants are flown only from where they leave their baseline.
         part: whether others fly the rest; the gates that need all of it are theirs who merge it.
+        budget_s: wall time after which no more flights are begun [s]; None = until all is flown.
         max_invalid: largest share 0..1 of invalid flights with which a run may be believed.
         command: what the user typed, to resume by; empty when nobody typed anything.
     """
@@ -25,5 +26,6 @@ class RunOptions:
     jobs: int = 1
     share: bool = CAN_FORK
     part: bool = False
+    budget_s: float | None = None
     max_invalid: float = MOST_INVALID
     command: str = ""

@@ -11,6 +11,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from itertools import islice
 from multiprocessing.connection import Connection
 from multiprocessing.connection import wait as wait_for
 from multiprocessing.process import BaseProcess
@@ -96,13 +97,13 @@ class Pool(Generic[Task, Result]):
         self._stop, self._patience_s = stop, patience_s
 
     def map(self, tasks: Iterable[Task]) -> Iterator[Result]:
-        """The results of `tasks`, as they are done."""
-        waiting: deque[_Try[Task, Result]] = deque(_Try(task) for task in tasks)
+        """The results of `tasks`, as they are done; the next task is asked for when a process is free to do it."""
+        source, waiting = iter(tasks), deque[_Try[Task, Result]]()
         crew: list[_Worker[Task, Result]] = []
         try:
             while True:
                 if not self._stop():
-                    self._hand_out(waiting, crew)
+                    self._hand_out(source, waiting, crew)
                 busy = {worker.connection: worker for worker in crew if worker.trial is not None}
                 if not busy:
                     return
@@ -113,9 +114,14 @@ class Pool(Generic[Task, Result]):
             for worker in crew:
                 worker.end()
 
-    def _hand_out(self, waiting: deque[_Try[Task, Result]], crew: list[_Worker[Task, Result]]) -> None:
+    def _hand_out(
+        self, source: Iterator[Task], waiting: deque[_Try[Task, Result]], crew: list[_Worker[Task, Result]]
+    ) -> None:
         idle = [worker for worker in crew if worker.trial is None]
-        while waiting and (idle or len(crew) < self._jobs):
+        while idle or len(crew) < self._jobs:
+            waiting.extend(_Try(task) for task in islice(source, 0 if waiting else 1))
+            if not waiting:
+                return
             worker = idle.pop() if idle else self._hire(crew)
             trial = waiting.popleft()
             worker.trial, worker.heard_s = trial, time.monotonic()

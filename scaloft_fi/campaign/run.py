@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from scaloft_fi.campaign import gates
+from scaloft_fi.campaign.budget import Budget, fair_order
 from scaloft_fi.campaign.crew import Crew, hired
 from scaloft_fi.campaign.fly import Flyer
 from scaloft_fi.campaign.folder import LOG_NAME
 from scaloft_fi.campaign.held import held_in
 from scaloft_fi.campaign.options import RunOptions
-from scaloft_fi.campaign.plan import Plan, canary_flight
+from scaloft_fi.campaign.plan import Flight, Plan, canary_flight
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.errors import InputError
 from scaloft_fi.results.mission_log import mission_log, to_json
@@ -22,10 +23,17 @@ from scaloft_fi.study import Study
 
 @dataclass(frozen=True)
 class Report:
-    """What a run knows when it ends: the outcomes of the whole plan, how many of them it flew itself."""
+    """What a run knows when it ends.
+
+    Attributes:
+        outcomes: all there are of the plan.
+        flown: how many of them it flew itself.
+        left: flights of the plan that have no outcome, because the run ended before.
+    """
 
     outcomes: tuple[Outcome, ...]
     flown: int
+    left: tuple[Flight, ...] = ()
 
 
 def run(
@@ -53,29 +61,35 @@ def run(
         Interrupted: the user stopped it.
     """
     options = options or RunOptions()
+    budget = Budget(options.budget_s)
     first = (*planned.baselines, *planned.mutants)
     with hired(study, folder, options, progress=progress, flyer=flyer, first=first) as crew:
-        report = _fly(planned, crew)
+        report = _fly(planned, crew, budget)
         crew.go_on(len(report.outcomes), planned.flights)
         gates.check(
             report.outcomes,
             study.roster,
             canary=planned.canary.id if planned.canary else None,
             whole_grid={flight.situation.key for flight in planned.baselines} == study.space.point.keys(),
-            part=options.part,
+            part=options.part or bool(report.left),
             repeats=crew.repeats,
             max_invalid=options.max_invalid,
         )
     return report
 
 
-def _fly(planned: Plan, crew: Crew) -> Report:
-    """Fly until all is flown or the user stops it; returns what the plan has now."""
+def _fly(planned: Plan, crew: Crew, budget: Budget) -> Report:
+    """Fly until all is flown, time is up or the user stops it; returns what the plan has now."""
     flights = (*planned.baselines, *planned.mutants)
     crew.expect(flights, canaries=int(planned.canary is not None))
     crew.plan(flights)
-    crew.fly(flights)
-    canary = canary_flight(planned, crew.outcomes(planned.baselines))
+    if crew.options.budget_s is None:
+        crew.fly(flights)
+    else:
+        crew.fly(flights, lambda missing: budget.while_it_lasts(fair_order(crew.study, planned, crew.unit, missing)))
+    home = {outcome.name for outcome in crew.outcomes(flights)}
+    left = tuple(flight for flight in flights if flight.name not in home)
+    canary = canary_flight(planned, crew.outcomes(planned.baselines)) if not left else None
     if canary is not None:
         crew.plan([canary], canary=True)
         crew.fly([canary])
@@ -83,7 +97,7 @@ def _fly(planned: Plan, crew: Crew) -> Report:
     crew.progress.close()
     outcomes = crew.outcomes((*flights, *([canary] if canary else [])))
     write_log(crew.study, crew.folder, held_in(crew.study, crew.store, crew.folder).current)
-    return Report(outcomes, crew.flown)
+    return Report(outcomes, crew.flown, left)
 
 
 def write_log(study: Study, folder: Path, outcomes: Sequence[Outcome]) -> None:

@@ -35,6 +35,11 @@ from scaloft_fi.errors import InputError
 @click.option("--shard", metavar="K/N", help="Fly the K-th of N parts of the run; `merge` joins them.")
 @click.option("--no-share", is_flag=True, help="Fly every flight whole from take-off; the outcomes are the same.")
 @click.option(
+    "--budget",
+    metavar="TIME",
+    help="Begin no more flights after this wall time (90s, 10m, 2h); the order is random and stratified.",
+)
+@click.option(
     "--max-invalid",
     type=click.FloatRange(0.0, 1.0),
     default=0.1,
@@ -54,6 +59,7 @@ def run_command(
     jobs: int | None,
     shard: str | None,
     no_share: bool,
+    budget: str | None,
     max_invalid: float,
     style: str,
     fail_under: float | None,
@@ -67,12 +73,14 @@ def run_command(
 
     one_thread_each()
     from scaloft_fi.campaign import choose
+    from scaloft_fi.campaign.budget import budget_s
     from scaloft_fi.campaign.folder import campaign_folder
     from scaloft_fi.campaign.fork import CAN_FORK
     from scaloft_fi.campaign.options import RunOptions
     from scaloft_fi.campaign.plan import plan
     from scaloft_fi.campaign.progress import Progress, Silence
     from scaloft_fi.campaign.run import run
+    from scaloft_fi.campaign.unflown import unflown_tables
     from scaloft_fi.cli.score import report
     from scaloft_fi.study import Study
 
@@ -90,11 +98,12 @@ def run_command(
         jobs=jobs or cores(),
         share=CAN_FORK and not no_share,
         part=shard is not None,
+        budget_s=None if budget is None else budget_s(budget),
         max_invalid=max_invalid,
         command=_command(),
     )
     flown = run(study, planned, campaign_folder(study, campaign), options, progress=progress)
-    return report(study, flown.outcomes, None, style, fail_under)
+    return report(study, flown.outcomes, None, style, fail_under, unflown_tables(planned, flown.left))
 
 
 def _command() -> str:

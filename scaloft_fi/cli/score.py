@@ -12,6 +12,7 @@ from scaloft_fi.cli.options import campaign_option, fail_under_option, format_op
 
 if TYPE_CHECKING:
     from scaloft_fi.results.outcome import Outcome
+    from scaloft_fi.results.table import Table
     from scaloft_fi.study import Study
 
 GROUPINGS = ("guideword", "parameter", "situation", "requirement", "axis")
@@ -37,12 +38,17 @@ def score_command(
 
 
 def report(
-    study: Study, outcomes: Sequence[Outcome], grouping: str | None, style: str, fail_under: float | None
+    study: Study,
+    outcomes: Sequence[Outcome],
+    grouping: str | None,
+    style: str,
+    fail_under: float | None,
+    unflown: Sequence[Table] = (),
 ) -> int:
-    """Print the tables of `outcomes`; returns the exit code."""
+    """Print the tables of `outcomes` and what was not flown; returns the exit code."""
     from scaloft_fi.results.score import score
 
-    click.echo(_text(study, outcomes, grouping, style), nl=False)
+    click.echo(_text(study, outcomes, grouping, style, unflown), nl=False)
     ratio = score(outcomes, study.roster, study.space).mutation_score
     if fail_under is None or (ratio.value is not None and ratio.value >= fail_under):
         return 0
@@ -50,7 +56,7 @@ def report(
     return BELOW
 
 
-def _text(study: Study, outcomes: Sequence[Outcome], grouping: str | None, style: str) -> str:
+def _text(study: Study, outcomes: Sequence[Outcome], grouping: str | None, style: str, unflown: Sequence[Table]) -> str:
     from scaloft_fi.results.baseline import findings
     from scaloft_fi.results.coverage import coverage
     from scaloft_fi.results.grouping import By
@@ -60,9 +66,11 @@ def _text(study: Study, outcomes: Sequence[Outcome], grouping: str | None, style
 
     by = By(grouping) if grouping else None
     if style != Format.JSON:
-        return render(score_tables(outcomes, study.roster, study.space, by), Format(style))
+        return render((*score_tables(outcomes, study.roster, study.space, by), *unflown), Format(style))
     import json
 
     violated = [(finding.situation, finding.violated) for finding in findings(outcomes, study.space)]
     scored = score_json(score(outcomes, study.roster, study.space), coverage(outcomes, study.space), violated)
+    if unflown:
+        scored["not_flown"] = [row for table in unflown for row in table.records()]
     return json.dumps(scored, indent=2, allow_nan=False) + "\n"

@@ -38,6 +38,10 @@ class Table:
     rows: tuple[tuple[Cell, ...], ...]
     notes: tuple[str, ...] = ()
 
+    def records(self) -> list[dict[str, Cell]]:
+        """The rows as plain JSON values, by header."""
+        return [dict(zip(self.headers, row, strict=True)) for row in self.rows]
+
 
 def render(tables: Sequence[Table], how: Format) -> str:
     """The tables as one text, ending in a line break."""
@@ -47,8 +51,7 @@ def render(tables: Sequence[Table], how: Format) -> str:
 
 
 def _plain(table: Table) -> dict[str, object]:
-    rows = [dict(zip(table.headers, row, strict=True)) for row in table.rows]
-    return {"title": table.title, "rows": rows, "notes": list(table.notes)}
+    return {"title": table.title, "rows": table.records(), "notes": list(table.notes)}
 
 
 def _one(table: Table, how: Format) -> str:
