@@ -19,6 +19,7 @@ VERBS: dict[str, tuple[str, str]] = {
     "matrix": ("scaloft_fi.cli.matrix:matrix_command", "the deviation matrix, every cell with its reason"),
     "mutants": ("scaloft_fi.cli.mutants:mutants_command", "the catalogue: list, derive, prove current"),
     "run": ("scaloft_fi.cli.run:run_command", "fly baseline and mutants over the grid, then score and coverage"),
+    "margin": ("scaloft_fi.cli.margin:margin_command", "the smallest magnitude of a fault that kills, by bisection"),
     "merge": ("scaloft_fi.cli.merge:merge_command", "join campaigns that were flown in parts"),
     "status": ("scaloft_fi.cli.status:status_command", "what a campaign holds"),
     "score": ("scaloft_fi.cli.score:score_command", "the tables of a campaign again, without flying"),

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import click
 
-from scaloft_fi.cli.options import format_option, study_option
+from scaloft_fi.cli.options import campaign_option, format_option, study_option
 from scaloft_fi.hazop.folder import find_study
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.hazop.render import cells, grid_table, overview, sheet
+from scaloft_fi.hazop.render import blocks, cells, grid_table, overview, sheet, tally
 from scaloft_fi.hazop.worksheet import HEADER, SHORT_HEADER, record, rows, short_rows
 
 
@@ -24,6 +24,13 @@ from scaloft_fi.hazop.worksheet import HEADER, SHORT_HEADER, record, rows, short
 @click.option("--guideword", "guidewords", multiple=True, metavar="WORD", help="Only this guideword (repeatable).")
 @click.option("--parameter", "parameters", multiple=True, metavar="NAME", help="Only this parameter (repeatable).")
 @click.option("--grid", "grid_only", is_flag=True, help="Only the grid, without the list of cells.")
+@click.option(
+    "--margins",
+    "with_margins",
+    is_flag=True,
+    help="The grid with the smallest magnitude that kills in every cell, from the flights of --campaign.",
+)
+@campaign_option
 @format_option
 def matrix_command(
     study_folder: Path | None,
@@ -31,16 +38,21 @@ def matrix_command(
     guidewords: tuple[str, ...],
     parameters: tuple[str, ...],
     grid_only: bool,
+    with_margins: bool,
+    campaign: str,
     style: str,
 ) -> None:
     """Print the HAZOP deviation matrix: a grid of marks, then every cell with its deviation or its reason."""
-    if cell and (guidewords or parameters or grid_only):
-        raise click.UsageError("--cell tells one cell and goes with no --guideword, --parameter or --grid")
+    if cell and (guidewords or parameters or grid_only or with_margins):
+        raise click.UsageError("--cell tells one cell and goes with no --guideword, --parameter, --grid or --margins")
     matrix = load_matrix(find_study(study_folder) / "hazop")
     if cell:
         click.echo(_one(matrix, cell, style))
         return
     shown = matrix.only([word.upper() for word in guidewords], [name.lower() for name in parameters])
+    if with_margins:
+        click.echo(_margins(shown, study_folder, campaign, style))
+        return
     click.echo(_grid(shown, style) if grid_only else _all(shown, style))
 
 
@@ -62,6 +74,23 @@ def _grid(matrix: Matrix, style: str) -> str:
     header = ["parameter", *header[1:]]
     if style == "json":
         return json.dumps([dict(zip(header, line, strict=True)) for line in lines], indent=1)
+    return _csv(header, lines) if style == "csv" else _tabulated(header, lines, style)
+
+
+def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: str) -> str:
+    # a campaign needs numpy, the matrix alone does not
+    from scaloft_fi.campaign.held import current
+    from scaloft_fi.results.margins import LEGEND, cell_margins
+    from scaloft_fi.study import Study
+
+    study = Study.open(study_folder)
+    told = cell_margins(current(study, campaign), study.matrix)
+    if style == "json":
+        return json.dumps([{**record(cell), "margin": told[cell.name]} for cell in matrix], indent=1)
+    header = ["parameter", *(word.id for word in matrix.guidewords)]
+    lines = [[p.id, *(told[f"{word.id}-{p.id}"] for word in matrix.guidewords)] for p in matrix.parameters]
+    if style == "table":
+        return "\n".join([blocks(["", *header[1:]], lines), "", *LEGEND, "", tally(matrix)])
     return _csv(header, lines) if style == "csv" else _tabulated(header, lines, style)
 
 

@@ -34,6 +34,8 @@ class Magnitude:
         ladder: the catalogue's magnitudes, in the order of the study.
         default: the one a bare cell name stands for.
         scale: the operator's argument is scale x magnitude (5 ms: 0.001; 2 EV under-exposed: -1).
+        worse: `larger`, `smaller` or `unordered`, where the order of the ladder does not tell it; else empty.
+        neutral: the magnitude at which nothing is wrong, where the unit does not tell it; else None.
         place: file:line.
     """
 
@@ -42,6 +44,8 @@ class Magnitude:
     ladder: tuple[Rung, ...]
     default: Rung
     scale: float = 1.0
+    worse: str = ""
+    neutral: float | None = None
     place: str = field(default="", compare=False)
 
     def text(self, rung: Rung) -> str:

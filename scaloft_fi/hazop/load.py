@@ -17,6 +17,7 @@ from scaloft_fi.hazop.cell import PERIODS, Cell, CellStatus, Expected, Fault, Ma
 from scaloft_fi.hazop.guideword import Guideword
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.parameter import Parameter
+from scaloft_fi.hazop.severity import Worse, worse
 
 _UNIT = re.compile(r"[A-Za-z%][A-Za-z0-9%]*")
 _NAMED_RUNG = re.compile(r"[A-Za-z][A-Za-z0-9_.]*")
@@ -174,18 +175,25 @@ def _magnitude(item: Item) -> Magnitude:
     named = isinstance(rungs[0], str)
     unit = item.get("unit")
     factor = item.get("scale")
+    direction, neutral = item.get("worse"), item.get("neutral")
     magnitude = Magnitude(
         argument=item.need("argument").text(),
         unit=_unit(unit) if unit else "",
         ladder=rungs,
         default=chosen,
         scale=factor.number() if factor else 1.0,
+        worse=direction.choice(tuple(Worse)) if direction else "",
+        neutral=neutral.number() if neutral else None,
         place=item.place,
     )
     if named and unit is not None and magnitude.unit:
         raise unit.error("left out where the ladder holds names")
     if factor is not None and (named or magnitude.scale == 0 or not math.isfinite(magnitude.scale)):
         raise factor.error("left out where the ladder holds names" if named else "a finite number other than 0")
+    if named and direction is not None and magnitude.worse != Worse.UNORDERED:
+        raise direction.error("left out where the ladder holds names")
+    if neutral is not None and worse(magnitude) is Worse.UNORDERED:
+        raise neutral.error("left out where the ladder has no order")
     item.close()
     return magnitude
 

@@ -58,6 +58,18 @@ def grid(matrix: Matrix, columns: int = COLUMNS) -> str:
     return "\n\n".join("\n".join(aligned(block, 1)) for block in blocks)
 
 
+def blocks(header: Sequence[str], rows: Sequence[Sequence[str]], columns: int = COLUMNS) -> str:
+    """Align a table, in blocks one below the other where it is too wide; the first column names the rows of each."""
+    table = [list(header), *map(list, rows)]
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    parts: list[list[int]] = [[]]
+    for at in range(1, len(widths)):
+        if parts[-1] and widths[0] + sum(2 + widths[i] for i in (*parts[-1], at)) > columns:
+            parts.append([])
+        parts[-1].append(at)
+    return "\n\n".join("\n".join(aligned([[row[i] for i in (0, *part)] for row in table], 2)) for part in parts)
+
+
 def cells(matrix: Matrix, columns: int = COLUMNS) -> str:
     """Tell every cell, parameter by parameter: guideword, mark, requirements at risk, deviation or reason."""
     tags = [(cell.guideword, mark(cell), " ".join(cell.requirements)) for cell in matrix]

@@ -154,6 +154,24 @@ BAD_CELLS = [
         "unit='m/s' must be a unit of letters",
     ),
     (
+        "a direction that is none",
+        with_magnitude("{argument: v, unit: m, worse: lager, ladder: [1, 2], default: 1}"),
+        "human.yaml:10:",
+        "worse='lager' is not known; did you mean 'larger'?",
+    ),
+    (
+        "a direction of names",
+        with_magnitude("{argument: axis, worse: larger, ladder: [x], default: x}"),
+        "human.yaml:10:",
+        "worse='larger' must be left out where the ladder holds names",
+    ),
+    (
+        "a neutral magnitude without an order",
+        with_magnitude("{argument: v, unit: m, worse: unordered, neutral: 1, ladder: [1, 2], default: 1}"),
+        "human.yaml:10:",
+        "neutral=1 must be left out where the ladder has no order",
+    ),
+    (
         "a scale of zero",
         with_magnitude("{argument: v, unit: m, scale: 0, ladder: [1], default: 1}"),
         "human.yaml:10:",

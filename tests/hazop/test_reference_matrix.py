@@ -49,7 +49,9 @@ def test_each_cell_that_is_not_meaningful_gives_its_reason() -> None:
 def test_the_papers_three_faults_are_cells_at_the_papers_magnitudes() -> None:
     assert MATRIX.cell("LATE-human").default_magnitude == "3s"
     assert MATRIX.cell("UNINTENDED-collision").default_magnitude == "20s"
-    assert MATRIX.cell("MORE-goal").faults[0].magnitude == Magnitude("value", "m", (0.3, 0.6, 1.0, 3.0), 0.6)
+    assert MATRIX.cell("MORE-goal").faults[0].magnitude == Magnitude(
+        "value", "m", (0.3, 0.6, 1.0, 3.0), 0.6, neutral=0.15
+    )
 
 
 def test_what_is_known_not_to_infect_is_declared_with_its_reason() -> None:

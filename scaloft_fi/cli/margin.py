@@ -1,0 +1,93 @@
+"""`scaloft-fi margin`: the smallest magnitude of a fault that kills, by bisection."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from scaloft_fi.cli.options import campaign_option, format_option, study_option
+
+if TYPE_CHECKING:
+    from scaloft_fi.results.margin import Margin, Subject
+    from scaloft_fi.study import Study
+
+
+@click.command("margin")
+@click.argument("mutants", nargs=-1, required=True, metavar="CELL|ID...")
+@study_option
+@campaign_option
+@click.option(
+    "--situation",
+    "situations",
+    multiple=True,
+    metavar="KEY|GLOB",
+    help="A situation's key or alias, or a pattern (repeatable).  [default: the whole grid]",
+)
+@click.option("--seeds", default="1", show_default=True, metavar="N|A-B", help="Seeds 0..N-1, or A to B inclusive.")
+@click.option(
+    "--tolerance",
+    type=click.FloatRange(min=0.0, min_open=True),
+    metavar="NUMBER",
+    help="Bisect until the interval is no wider than this, in the magnitude's own unit.  "
+    "[default: a tenth of the killing magnitude's distance from no fault]",
+)
+@click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
+@format_option
+@click.option("--quiet", is_flag=True, help="No progress and no warnings.")
+def margin_command(
+    mutants: tuple[str, ...],
+    study_folder: Path | None,
+    campaign: str,
+    situations: tuple[str, ...],
+    seeds: str,
+    tolerance: float | None,
+    jobs: int | None,
+    style: str,
+    quiet: bool,
+) -> None:
+    """Find the smallest magnitude of each fault that kills, situation by situation.
+
+    The whole ladder is flown, then the interval between the severest magnitude that survives and the mildest that kills
+    is halved, in all situations at once.  A cell's name means its first fault; an id such as NO-depth@90% picks a
+    fault by the unit, and a phase by #.  The flights are ordinary flights of the campaign: nothing is flown twice, and
+    `scaloft-fi matrix --margins` shows what was found.
+    """
+    from scaloft_fi.campaign.options import RunOptions
+    from scaloft_fi.campaign.pool import cores, one_thread_each
+
+    one_thread_each()
+    from scaloft_fi.campaign import choose
+    from scaloft_fi.campaign.folder import campaign_folder
+    from scaloft_fi.campaign.margin import find, target
+    from scaloft_fi.campaign.progress import Progress, Silence
+    from scaloft_fi.results.table import Format
+    from scaloft_fi.study import Study
+
+    study = Study.open(study_folder)
+    study.check()
+    targets = {found.subject: found for found in (target(study.matrix, text, tolerance) for text in mutants)}
+    chosen, numbers = study.grid.select(situations), choose.seeds(seeds)
+    found = find(
+        study,
+        tuple(targets.values()),
+        chosen,
+        numbers,
+        campaign_folder(study, campaign),
+        RunOptions(jobs=jobs or cores()),
+        progress=Silence if quiet else Progress,
+    )
+    click.echo(_text(study, found, len(numbers), Format(style)), nl=False)
+
+
+def _text(study: Study, found: Mapping[Subject, Sequence[Margin]], seeds: int, style: str) -> str:
+    from scaloft_fi.results.margins import margin_json, margin_tables
+    from scaloft_fi.results.table import Format, render
+
+    if style != Format.JSON:
+        return render(margin_tables(found, study.requirements, seeds), Format(style))
+    import json
+
+    return json.dumps(margin_json(found), indent=2, allow_nan=False) + "\n"

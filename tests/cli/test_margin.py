@@ -1,0 +1,75 @@
+"""The verb `margin` and what `matrix --margins` shows of it, on the reference study without physics."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Callable
+
+import pytest
+from click.testing import Result
+
+Call = Callable[..., Result]
+HUMAN = ("--situation", "T0O0W0D0H1", "--jobs", "1", "--quiet")
+
+
+def test_a_fault_that_kills_at_every_magnitude_is_told_as_such(call: Call) -> None:
+    done = call("margin", "LATE-human", *HUMAN)
+    assert done.exit_code == 0
+    assert "<= 0.0625 s" in done.stdout
+    assert "always((trigger implies speed_mps / 0.25 <= 1)" in " ".join(done.stdout.split())
+
+
+def test_json_has_the_ends_as_numbers_and_every_magnitude_tried(call: Call) -> None:
+    (fault,) = json.loads(call("margin", "LATE-human", *HUMAN, "--format", "json").stdout)
+    (situation,) = fault["situations"]
+    assert (fault["cell"], fault["unit"], fault["phase_s"]) == ("LATE-human", "s", 0.0)
+    assert (situation["survives"], situation["kills"], situation["monotone"]) == (None, 0.0625, True)
+    assert [entry["magnitude"] for entry in situation["tried"]] == [0.0625, 0.125, 0.25, 0.5, 1.0, 3.0, 5.0]
+    assert situation["requirements"] == ["SR2"]
+
+
+@pytest.mark.parametrize("style", ["table", "markdown", "csv", "latex"])
+def test_every_format_names_the_situation_and_the_margin(call: Call, style: str) -> None:
+    text = call("margin", "LATE-human", "MORE-goal", *HUMAN, "--format", style).stdout
+    assert "T0O0W0D0H1" in text
+    assert "0.0625 s" in text
+    assert "MORE-goal" in text
+
+
+def test_the_matrix_shows_margins_in_its_cells_and_the_rest_as_untold(call: Call) -> None:
+    assert call("margin", "LATE-human", *HUMAN).exit_code == 0
+    shown = call("matrix", "--margins", "--format", "csv").stdout
+    rows = {row["parameter"]: row for row in csv.DictReader(io.StringIO(shown))}
+    assert rows["human"]["LATE"] == "<= 0.0625 s"
+    assert rows["human"]["NO"] == "?"
+    assert rows["collision"]["EARLY"] == "-"
+    assert rows["human"]["REVERSE"] == "CONTROL"
+    text = call("matrix", "--margins").stdout
+    assert "<= 0.0625 s" in text
+    assert max(map(len, text.splitlines())) <= 120
+    cells = json.loads(call("matrix", "--margins", "--parameter", "human", "--format", "json").stdout)
+    assert {cell["cell"]: cell["margin"] for cell in cells}["LATE-human"] == "<= 0.0625 s"
+
+
+def test_margins_of_a_campaign_that_does_not_exist_are_refused(call: Call) -> None:
+    assert call("matrix", "--margins").exit_code == 2
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (("LATE-humna",), "did you mean 'LATE-human'?"),
+        (("PARTOF-goal",), "magnitudes without an order"),
+        (("LATE-human", "--tolerance", "0"), "--tolerance"),
+        (("LATE-human", "--seeds", "x"), "--seeds='x'"),
+        (("LATE-human", "--situation", "T9"), "T9"),
+        ((), "CELL|ID"),
+    ],
+)
+def test_bad_input_is_refused_in_one_sentence(call: Call, words: tuple[str, ...], says: str) -> None:
+    done = call("margin", *words)
+    assert done.exit_code == 2
+    assert says in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
