@@ -1,10 +1,11 @@
-"""Part of a whole, with Wilson's interval, and the decision over repeated flights."""
+"""Part of a whole, with Wilson's interval for display and Clopper and Pearson's for a safety case."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from enum import StrEnum
+
+from scaloft_fi.results.exact import clopper_pearson
 
 Z95 = 1.959963984540054
 """97.5 % quantile of the normal distribution: two-sided 95 %."""
@@ -54,6 +55,11 @@ class Ratio:
         return wilson(self.part, self.whole) if self.whole else None
 
     @property
+    def exact(self) -> tuple[float, float] | None:
+        """Clopper and Pearson's 95 % interval, None for 0 of 0: it covers at least that often, whatever the share."""
+        return clopper_pearson(self.part, self.whole) if self.whole else None
+
+    @property
     def plain(self) -> str:
         """Without the interval: `8/15 = 53 %`, for a share of a closed list, which is no sample of anything."""
         return f"{self.part}/{self.whole} = " + ("n/a" if self.value is None else f"{100 * self.value:.0f} %")
@@ -63,30 +69,3 @@ class Ratio:
             return self.plain
         low, high = self.interval
         return f"{self.plain} [{100 * low:.0f}, {100 * high:.0f}]"
-
-
-class Decision(StrEnum):
-    """What repeated flights of one mutant in one situation say together."""
-
-    KILLED = "killed"
-    SURVIVED = "survived"
-    UNDECIDED = "undecided"
-
-
-CHANCE, REVEALED, ERROR = 0.05, 0.5, 0.05
-"""A kill by chance happens in at most 5 % of flights, a revealed fault shows in at least 50 %; both error rates 5 %."""
-
-
-def decide(kills: int, flights: int) -> Decision:
-    """Wald's sequential test between `CHANCE` and `REVEALED`.
-
-    Two kills of two decide, no kill decides after five, one flight never does.
-
-    >>> decide(1, 1), decide(2, 2), decide(0, 5)
-    (<Decision.UNDECIDED: 'undecided'>, <Decision.KILLED: 'killed'>, <Decision.SURVIVED: 'survived'>)
-    """
-    for_kill = kills * math.log(REVEALED / CHANCE) + (flights - kills) * math.log((1 - REVEALED) / (1 - CHANCE))
-    threshold = math.log((1 - ERROR) / ERROR)
-    if for_kill >= threshold:
-        return Decision.KILLED
-    return Decision.SURVIVED if for_kill <= -threshold else Decision.UNDECIDED

@@ -9,12 +9,12 @@ from typing import Any
 
 from scaloft_fi.results.condition import condition
 from scaloft_fi.results.coverage import Coverage
+from scaloft_fi.results.decision import Decided, Decision, Pool, PoolRates, decide
 from scaloft_fi.results.outcome import PLACEBO, Outcome, Subject
-from scaloft_fi.results.ratio import Decision, Ratio, decide
-from scaloft_fi.results.requirement import Kind
+from scaloft_fi.results.ratio import Ratio
 from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.space import Space
-from scaloft_fi.results.status import Flight, Status, flights_of, mutant_status
+from scaloft_fi.results.status import Flight, Status, baseline_pool, flights_of, mutant_status, whole
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,7 @@ class Result:
         flown: flights that count.
         killed: whether any flight is killed, eligible or not.
         harmless: whether every flight's fault changed no sample.
+        decided: what the flights decide together; None without an eligible one.
     """
 
     situation: str
@@ -50,16 +51,12 @@ class Result:
     flown: int
     killed: bool
     harmless: bool
+    decided: Decided | None
 
     @property
     def rate(self) -> Ratio:
         """Killed of the eligible flights."""
         return Ratio(self.kills, self.eligible)
-
-    @property
-    def decision(self) -> Decision:
-        """What the eligible flights decide together."""
-        return decide(self.kills, self.eligible)
 
 
 @dataclass(frozen=True)
@@ -108,6 +105,10 @@ class MutantScore:
         """Keys of the situations where a flight is killed."""
         return tuple(result.situation for result in self.results if result.killed)
 
+    def decisions(self, decision: Decision) -> tuple[str, ...]:
+        """Keys of the situations with this decision."""
+        return tuple(r.situation for r in self.results if r.decided and r.decided.decision is decision)
+
     @property
     def surviving(self) -> tuple[str, ...]:
         """Keys of the situations where no flight is killed though the fault was tested, or could change nothing."""
@@ -148,13 +149,22 @@ class Score:
         return Counter(mutant.status for mutant in self.mutants)
 
 
-def score(outcomes: Iterable[Outcome], roster: Roster, space: Space) -> Score:
-    """Score a campaign's outcomes, in whatever order they come."""
+def score(outcomes: Iterable[Outcome], roster: Roster, space: Space, pool: Pool | None = None) -> Score:
+    """Score a campaign's outcomes, in whatever order they come.
+
+    Args:
+        outcomes: of the campaign; one whose flight was cut at its first kill is left out.
+        roster: which mutants count.
+        space: the grid.
+        pool: baselines that the decisions compare with; those of the campaign by default.
+    """
+    listed = whole(outcomes)
+    rates = PoolRates(baseline_pool(listed) if pool is None else pool)
     flights: dict[Subject, list[Flight]] = {}
-    for flight in flights_of(outcomes):
+    for flight in flights_of(listed):
         flights.setdefault(flight.outcome.subject, []).append(flight)
     subjects = sorted(flights, key=lambda subject: roster.rank(subject.id))
-    scored = [mutant_score(subject, flights[subject], space) for subject in subjects]
+    scored = [mutant_score(subject, flights[subject], space, rates) for subject in subjects]
     mutants = tuple(m for m in scored if m.subject.id != PLACEBO and not roster.is_control(m.subject))
     counted = [mutant for mutant in mutants if roster.counts(mutant.subject) and mutant.flown]
     killed = sum(mutant.killed for mutant in counted)
@@ -173,12 +183,13 @@ def score(outcomes: Iterable[Outcome], roster: Roster, space: Space) -> Score:
     )
 
 
-def mutant_score(subject: Subject, flights: Sequence[Flight], space: Space) -> MutantScore:
-    """Score the flights of one mutant."""
+def mutant_score(subject: Subject, flights: Sequence[Flight], space: Space, rates: PoolRates) -> MutantScore:
+    """Score the flights of one mutant; `rates` are what its decisions compare with."""
+    decided = decide(flights, rates)
     by_situation: dict[str, list[Flight]] = {}
     for flight in flights:
         by_situation.setdefault(flight.outcome.situation, []).append(flight)
-    results = tuple(_result(key, by_situation[key]) for key in sorted(by_situation, key=space.rank))
+    results = tuple(_result(key, by_situation[key], decided.get(key)) for key in sorted(by_situation, key=space.rank))
     operable = {flight.outcome.situation for flight in flights if flight.operability_eligible}
     inoperable = {f.outcome.situation for f in flights if f.operability_eligible and f.operability_kills}
     rungs = Counter(flight.status for flight in flights)
@@ -202,7 +213,7 @@ def mutant_score(subject: Subject, flights: Sequence[Flight], space: Space) -> M
     )
 
 
-def _result(situation: str, flights: Sequence[Flight]) -> Result:
+def _result(situation: str, flights: Sequence[Flight], decided: Decided | None) -> Result:
     valid = [flight for flight in flights if flight.status is not Status.INVALID]
     eligible = [flight for flight in valid if flight.eligible]
     return Result(
@@ -213,6 +224,7 @@ def _result(situation: str, flights: Sequence[Flight]) -> Result:
         flown=len(valid),
         killed=any(flight.status is Status.KILLED for flight in valid),
         harmless=not any(flight.status.infected for flight in valid),
+        decided=decided,
     )
 
 
@@ -229,15 +241,10 @@ def _by_requirement(flights: Sequence[Flight]) -> tuple[tuple[str, Ratio], ...]:
     """Per requirement: situations it killed in, of those the fault infects and the baseline held it in to its end."""
     found = []
     for name in dict.fromkeys(reading.requirement for flight in flights for reading in flight.outcome.readings):
-        able = [flight for flight in flights if flight.status.infected and _baseline_holds(flight, name)]
+        able = [flight for flight in flights if name in flight.tested]
         killed = {f.outcome.situation for f in able if name in f.kills + f.operability_kills}
         found.append((name, Ratio(len(killed), len({flight.outcome.situation for flight in able}))))
     return tuple(found)
-
-
-def _baseline_holds(flight: Flight, requirement: str) -> bool:
-    clean = flight.baseline.reading(requirement) if flight.baseline else None
-    return clean is not None and clean.kind is not Kind.REPORTED and not clean.violated and not clean.open
 
 
 def score_json(scored: Score, covered: Coverage, baselines: Sequence[tuple[str, Sequence[str]]]) -> dict[str, Any]:

@@ -66,6 +66,17 @@ class Flight:
     operability_eligible: bool = False
 
     @property
+    def tested(self) -> tuple[str, ...]:
+        """Requirements that the fault was put to the test of: of a kind that kills, held by the baseline to its end."""
+        if self.baseline is None or not self.status.infected:
+            return ()
+        return tuple(
+            reading.requirement
+            for reading in self.baseline.readings
+            if reading.kind is not Kind.REPORTED and not (reading.violated or reading.open)
+        )
+
+    @property
     def killed_at_s(self) -> float | None:
         """Time of the earliest kill [s from take-off]."""
         times = [reading.violated_at_s for reading in self.outcome.readings if reading.requirement in self.kills]
@@ -140,6 +151,20 @@ def baseline_status(baseline: Outcome) -> str:
 def baselines_of(outcomes: Iterable[Outcome]) -> dict[tuple[str, int], Outcome]:
     """The baseline of each situation and seed."""
     return {(outcome.situation, outcome.seed): outcome for outcome in outcomes if outcome.mutant == BASELINE}
+
+
+def baseline_pool(outcomes: Iterable[Outcome]) -> dict[str, list[Outcome]]:
+    """The baselines of each situation, over all seeds."""
+    found: dict[str, list[Outcome]] = {}
+    for outcome in outcomes:
+        if outcome.mutant == BASELINE:
+            found.setdefault(outcome.situation, []).append(outcome)
+    return found
+
+
+def whole(outcomes: Iterable[Outcome]) -> list[Outcome]:
+    """Without flights cut at their first kill: what else they would have done nobody knows."""
+    return [outcome for outcome in outcomes if not outcome.truncated]
 
 
 def flights_of(outcomes: Iterable[Outcome]) -> list[Flight]:

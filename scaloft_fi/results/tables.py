@@ -6,9 +6,10 @@ from collections.abc import Iterable, Sequence
 
 from scaloft_fi.results.baseline import Finding, Tally, findings, tallies
 from scaloft_fi.results.coverage import Coverage, coverage
+from scaloft_fi.results.decision import Decision
 from scaloft_fi.results.grouping import By, groups
 from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.ratio import Decision, Ratio
+from scaloft_fi.results.ratio import Ratio
 from scaloft_fi.results.requirement import Verdict
 from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.score import MutantScore, Score, score
@@ -104,8 +105,7 @@ def condition_tables(mutants: Sequence[MutantScore], space: Space) -> tuple[Tabl
 
 
 def _decisions(mutant: MutantScore) -> str:
-    said = [result.decision for result in mutant.results if result.eligible]
-    killed, survived, undecided = (said.count(decision) for decision in Decision)
+    killed, survived, undecided = (len(mutant.decisions(decision)) for decision in Decision)
     return f"{killed}+{survived}" + (f" {undecided}?" if undecided else "")
 
 

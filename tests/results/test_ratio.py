@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import binomtest
 
-from scaloft_fi.results.ratio import Decision, Ratio, decide, wilson
+from scaloft_fi.results.ratio import Ratio, wilson
 
 shares = st.integers(1, 500).flatmap(lambda whole: st.tuples(st.integers(0, whole), st.just(whole)))
 
@@ -43,17 +43,6 @@ def test_a_part_larger_than_its_whole_is_refused() -> None:
         Ratio(4, 3)
 
 
-@given(shares)
-def test_one_more_kill_never_speaks_for_survival(share: tuple[int, int]) -> None:
-    order = [Decision.SURVIVED, Decision.UNDECIDED, Decision.KILLED]
-    kills, flights = share
-    assert order.index(decide(kills, flights)) <= order.index(decide(min(flights, kills + 1), flights))
-
-
-@pytest.mark.parametrize("kills", [0, 1])
-def test_one_flight_decides_nothing(kills: int) -> None:
-    assert decide(kills, 1) is Decision.UNDECIDED
-
-
-def test_no_flight_decides_nothing() -> None:
-    assert decide(0, 0) is Decision.UNDECIDED
+def test_the_exact_interval_is_wider_than_wilsons_and_missing_for_nothing() -> None:
+    low, high = Ratio(10, 10).exact or (0, 0)
+    assert (round(low, 2), high, Ratio(0, 0).exact) == (0.69, 1, None)

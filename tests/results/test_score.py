@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 from scaloft_fi.results.baseline import findings
 from scaloft_fi.results.coverage import coverage
+from scaloft_fi.results.decision import Decision
 from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
-from scaloft_fi.results.ratio import Decision, Ratio
+from scaloft_fi.results.ratio import Ratio
 from scaloft_fi.results.score import Score, score, score_json
 from scaloft_fi.results.status import Status
 
@@ -75,7 +76,16 @@ def test_seeds_of_a_situation_are_one_result() -> None:
     kills = [outcome(LATE, LIGHT, seed, violated={"SR2": 9.0} if seed else {}) for seed in range(3)]
     (late,) = scored(*seeds, *kills).mutants
     (result,) = late.results
-    assert (late.kill_rate, result.rate, result.decision) == (Ratio(1, 1), Ratio(2, 3), Decision.KILLED)
+    assert (late.kill_rate, result.rate) == (Ratio(1, 1), Ratio(2, 3))
+    assert late.decisions(Decision.UNDECIDED) == (LIGHT,)
+
+
+def test_a_larger_pool_decides_what_the_campaigns_own_baselines_leave_open() -> None:
+    seeds = [outcome(BASELINE, LIGHT, seed) for seed in range(50)]
+    kills = [outcome(LATE, LIGHT, seed, violated={"SR2": 9.0}) for seed in range(3)]
+    assert scored(*seeds[:3], *kills).mutants[0].decisions(Decision.UNDECIDED) == (LIGHT,)
+    found = score([*seeds[:3], *kills], ROSTER, GRID, {LIGHT: seeds})
+    assert found.mutants[0].decisions(Decision.KILLED) == (LIGHT,)
 
 
 def test_the_condition_names_the_killing_situations() -> None:
