@@ -6,16 +6,17 @@ import pytest
 from builders import GRID, campaigns, flights, outcome
 from hypothesis import given
 
-from scaloft_fi.results.coverage import coverage, t_way
+from scaloft_fi.results.coverage import coverage
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.ratio import Ratio
+from scaloft_fi.results.t_way import t_way
 
 KEYS = [key for key, _ in GRID.points]
 
 
 @pytest.mark.parametrize(("strength", "combinations_"), [(1, 10), (2, 40), (3, 80), (4, 80), (5, 32)])
 def test_the_whole_grid_covers_every_combination(strength: int, combinations_: int) -> None:
-    assert t_way(KEYS, GRID, strength) == Ratio(combinations_, combinations_)
+    assert t_way(KEYS, GRID, strength).total == Ratio(combinations_, combinations_)
 
 
 def test_six_situations_cover_every_pair() -> None:
@@ -24,16 +25,16 @@ def test_six_situations_cover_every_pair() -> None:
         "".join(f"{a}{v}" for a, v in zip("TOWDH", p, strict=True))
         for p in ("00000", "01000", "10011", "11101", "00111", "11110")
     ]
-    assert t_way(suite, GRID, 2) == Ratio(40, 40)
-    assert t_way(suite, GRID, 5) == Ratio(6, 32)
+    assert t_way(suite, GRID, 2).total == Ratio(40, 40)
+    assert t_way(suite, GRID, 5).total == Ratio(6, 32)
 
 
 def test_one_situation_covers_one_combination_of_each_choice_of_axes() -> None:
-    assert [t_way(KEYS[:1], GRID, t).part for t in (1, 2, 3, 4, 5)] == [5, 10, 10, 5, 1]
+    assert [t_way(KEYS[:1], GRID, t).total.part for t in (1, 2, 3, 4, 5)] == [5, 10, 10, 5, 1]
 
 
 def test_more_axes_than_there_are_cover_nothing_of_nothing() -> None:
-    assert t_way(KEYS, GRID, 6) == Ratio(0, 0)
+    assert t_way(KEYS, GRID, 6).total == Ratio(0, 0)
 
 
 def test_a_situation_flown_twice_is_one_situation_and_two_draws() -> None:
@@ -53,7 +54,9 @@ def test_an_invalid_flight_covers_nothing() -> None:
 
 def parts(found: list[Outcome]) -> list[int]:
     covered = coverage(found, GRID)
-    ratios = [covered.situations, covered.realised, *(ratio for _, ratio in covered.t_way)]
+    ratios = [covered.situations, covered.realised, covered.eligible, *(ratio for _, ratio in covered.t_way)]
+    ratios += [found.complete(share) for found in covered.combinations for share in (0.5, 1.0)]
+    ratios += [ratio for _, ratio in covered.requirements]
     return [covered.draws, *(ratio.part for ratio in ratios), *(ratio.part for _, ratio in covered.by_axis)]
 
 
