@@ -79,8 +79,8 @@ class TickCounter:
 def flown(study: Study, tasks: Sequence[Task], jobs: int) -> tuple[dict[str, Outcome], float, float]:
     """The outcomes of `tasks` by name, and the wall time and the processor time they took [s]."""
     begin_s, begin_cpu_s = time.perf_counter(), cpu_s()
-    pool = Pool(Worker(study, Physics()), jobs, left=left_of, lost=lost)
-    outcomes = {outcome.name: outcome for outcome in pool.map(tasks)}
+    with Pool(Worker(study, Physics()), jobs, left=left_of, lost=lost) as pool:
+        outcomes = {outcome.name: outcome for outcome in pool.map(tasks)}
     return outcomes, time.perf_counter() - begin_s, cpu_s() - begin_cpu_s
 
 
@@ -121,7 +121,8 @@ def peak_rss(study: Study) -> dict[str, dict[str, float]]:
     pool: Pool[Sequence[Task], tuple[int, float, float]] = Pool(
         work, 1, left=lambda _task, _home: None, lost=lambda _task, _how: [], patience_s=86400.0
     )
-    return {str(count): {"worker": own, "split_off": child} for count, own, child in pool.map([tasks])}
+    with pool:
+        return {str(count): {"worker": own, "split_off": child} for count, own, child in pool.map([tasks])}
 
 
 def peak_mib(who: int) -> float:

@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from scaloft_fi.campaign.fly import Flyer, Physics, Worker, left_of, lost
+from scaloft_fi.campaign.executor import Hands, Local
+from scaloft_fi.campaign.fly import Flyer, Physics
 from scaloft_fi.campaign.folder import STORE_NAME, promising, writable
 from scaloft_fi.campaign.interrupt import Interrupted, interruptible
 from scaloft_fi.campaign.key import Keys
 from scaloft_fi.campaign.options import RunOptions
 from scaloft_fi.campaign.plan import Flight
-from scaloft_fi.campaign.pool import Pool
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.task import Task, alone, together
 from scaloft_fi.results.fingerprint import differences, fingerprint
@@ -33,10 +33,9 @@ class Crew:
         study: what is flown.
         folder: of the campaign.
         store: what is flown already.
-        pool: who flies.
+        hands: who flies.
         progress: what a person sees.
         options: how.
-        ready: called before anything is flown.
         stopped: whether the user asked to stop.
 
     Attributes:
@@ -49,15 +48,14 @@ class Crew:
         study: Study,
         folder: Path,
         store: Store,
-        pool: Pool[Task, Outcome],
+        hands: Hands,
         progress: Progress,
         options: RunOptions,
-        ready: Callable[[], None],
         stopped: Callable[[], bool],
     ) -> None:
         self.study, self.folder, self.store = study, folder, store
         self.progress, self.options, self.stopped = progress, options, stopped
-        self._pool, self._ready = pool, ready
+        self._hands = hands
         self._keys = Keys(study)
         self.flown = 0
         self.repeats: list[Outcome] = []
@@ -74,7 +72,7 @@ class Crew:
 
     def arrange(self, flights: Sequence[Flight]) -> list[Task]:
         """Flights as tasks, the longest first; what shares a baseline's beginning together, if that is wanted."""
-        return together(flights, self.weight_s, self.options.jobs) if self.options.share else alone(flights)
+        return together(flights, self.weight_s, self._hands.jobs) if self.options.share else alone(flights)
 
     def unit(self, flights: Sequence[Flight]) -> list[Task]:
         """The same for one process."""
@@ -85,7 +83,7 @@ class Crew:
         missing = self._missing(flights)
         keys = {flight.name: key for key, flight in missing.items()}
         due = {flight.name: flight for flight in missing.values()}
-        for outcome in self._outcomes((arrange or self.arrange)(tuple(missing.values())) if missing else ()):
+        for outcome in self._hands.map((arrange or self.arrange)(tuple(missing.values())) if missing else ()):
             first = due.pop(outcome.name, None)
             if outcome.name in keys and self.store.put(keys[outcome.name], outcome):
                 for line in _warnings(outcome):
@@ -101,7 +99,7 @@ class Crew:
         missing = set(self.missing(flights))
         home = [flight for flight in flights if flight not in missing]
         if self.flown and home:
-            self.repeats += self._outcomes(alone([min(home, key=self.weight_s)]))
+            self.repeats += self._hands.map(alone([min(home, key=self.weight_s)]))
 
     def outcomes(self, flights: Iterable[Flight]) -> tuple[Outcome, ...]:
         """What the store has of `flights`."""
@@ -129,10 +127,6 @@ class Crew:
             self.progress.close()
             again = f"the same command resumes: {self.options.command}".removesuffix(": ")
             raise Interrupted(f"interrupted: {saved} of {asked} flights are saved in {self.folder}; {again}")
-
-    def _outcomes(self, tasks: Iterable[Task]) -> Iterator[Outcome]:
-        self._ready()
-        return self._pool.map(tasks)
 
     def _missing(self, flights: Iterable[Flight]) -> dict[str, Flight]:
         """The same by key."""
@@ -166,21 +160,16 @@ def hired(
         InputError: the folder or the store cannot be written, or the study cannot be flown.
     """
     promising(folder)
-    flying = flyer or Physics()
-    done: list[bool] = []
-
-    def ready() -> None:
-        if not done:
-            flying.prepare(study, progress.line)
-            done.append(True)
-
-    with interruptible() as stopped:
+    executor = options.executor or Local(options.jobs)
+    with (
+        interruptible() as stopped,
+        executor.hands(study, flyer or Physics(), stop=stopped, say=progress.line) as hands,
+    ):
         if not _all_flown(study, first, folder / STORE_NAME):
-            ready()
+            hands.ready()
         with Store(writable(folder) / STORE_NAME) as store:
             _remember_platform(store, progress)
-            pool = Pool(Worker(study, flying), options.jobs, left=left_of, lost=lost, stop=stopped)
-            yield Crew(study, folder, store, pool, progress, options, ready, stopped)
+            yield Crew(study, folder, store, hands, progress, options, stopped)
 
 
 def _all_flown(study: Study, flights: Iterable[Flight], path: Path) -> bool:

@@ -16,10 +16,11 @@ _PR_SET_PDEATHSIG = 1
 _prctl: Callable[..., int] | None = getattr(ctypes.CDLL(None), "prctl", None) if LINUX else None
 
 
-def die_with(parent: int) -> None:
+def die_with(parent: int, sentinel: int | None = None) -> None:
     """End this process when the one numbered `parent`, which has just started it, ends.
 
-    On Linux the kernel sees to it; elsewhere a thread waits, which needs a process started by `multiprocessing`.
+    On Linux the kernel sees to it; elsewhere a thread waits for `sentinel`, a descriptor that can be read when the
+    parent has ended; None = the one of `multiprocessing`.
     """
     if _prctl is not None:
         _prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
@@ -27,8 +28,10 @@ def die_with(parent: int) -> None:
             os._exit(1)
         return
     process = parent_process()
-    if process is not None:
-        threading.Thread(target=_end_after, args=(process.sentinel,), daemon=True).start()
+    if sentinel is None and process is not None:
+        sentinel = process.sentinel
+    if sentinel is not None:
+        threading.Thread(target=_end_after, args=(sentinel,), daemon=True).start()
 
 
 def _end_after(sentinel: int) -> None:

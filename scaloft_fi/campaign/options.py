@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from scaloft_fi.campaign.executor import Executor
 from scaloft_fi.campaign.fork import CAN_FORK
 
 MOST_INVALID = 0.1
@@ -15,7 +16,8 @@ class RunOptions:
     """What the command line decides about the flying.
 
     Attributes:
-        jobs: number of worker processes.
+        jobs: number of worker processes of this machine.
+        executor: who flies instead of them.
         share: whether mutants are flown only from where they leave their baseline.
         part: whether others fly the rest; the gates that need all of it are theirs who merge it.
         budget_s: wall time after which no more flights are begun [s]; None = until all is flown.
@@ -24,6 +26,7 @@ class RunOptions:
     """
 
     jobs: int = 1
+    executor: Executor | None = None
     share: bool = CAN_FORK
     part: bool = False
     budget_s: float | None = None

@@ -1,29 +1,21 @@
-"""Local processes that fly.  Results stream home in whatever order they are done; nothing may depend on that order."""
+"""Processes of this machine that fly.  Results stream home as they are done; nothing may depend on their order."""
 
 from __future__ import annotations
 
-import multiprocessing
-import os
-import signal
 import time
-import traceback
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import islice
-from multiprocessing.connection import Connection
 from multiprocessing.connection import wait as wait_for
-from multiprocessing.process import BaseProcess
-from typing import Any, Generic, TypeVar
+from types import TracebackType
+from typing import Generic, TypeVar
 
-from scaloft_fi.campaign.lifeline import die_with
+from scaloft_fi.campaign.hire import Hire, Hired, forked
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
-
-THREAD_SETTINGS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-"""A worker is one core: numeric libraries must not start threads of their own.  Set before numpy is imported."""
 
 ATTEMPTS = 3
 PATIENCE_S = 300.0
@@ -32,17 +24,6 @@ WORKER_PATIENCE_S = (ATTEMPTS + 1) * PATIENCE_S
 """A worker says nothing while a process that it split off is flown, at most so often again [s, wall]."""
 LOOK_UP_S = 0.5
 """How often the parent looks up from waiting, to see whether it shall stop [s, wall]."""
-
-
-def one_thread_each() -> None:
-    """Keep the numeric libraries of this process and its children to one thread."""
-    for name in THREAD_SETTINGS:
-        os.environ.setdefault(name, "1")
-
-
-def cores() -> int:
-    """How many processors this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @dataclass
@@ -58,21 +39,20 @@ class _Try(Generic[Task, Result]):
 class _Worker(Generic[Task, Result]):
     """A process and what it is busy with."""
 
-    process: BaseProcess
-    connection: Connection
+    hired: Hired
     trial: _Try[Task, Result] | None = None
     heard_s: float = 0.0
 
     def end(self) -> None:
         """Stop it: an idle one leaves by itself, a busy one is not waited for."""
         if self.trial is not None:
-            self.process.kill()
-        self.connection.close()
-        self.process.join()
+            self.hired.process.kill()
+        self.hired.connection.close()
+        self.hired.process.join()
 
 
 class Pool(Generic[Task, Result]):
-    """`jobs` processes that turn each task into results.
+    """`jobs` processes that turn each task into results; a context manager, at whose end they end.
 
     Args:
         work: called in a worker with one task and with what takes its results; whatever it raises ends the run.
@@ -81,6 +61,7 @@ class Pool(Generic[Task, Result]):
         lost: the results of a task that took its worker with it `ATTEMPTS` times without a result, and how.
         stop: asked between results; once true, no more tasks are handed out and the next results in the air come home.
         patience_s: a worker that says nothing for so long is hung [s, wall].
+        hire: how a process is started.
     """
 
     def __init__(
@@ -92,53 +73,76 @@ class Pool(Generic[Task, Result]):
         lost: Callable[[Task, str], Iterable[Result]],
         stop: Callable[[], bool] = lambda: False,
         patience_s: float = WORKER_PATIENCE_S,
+        hire: Hire = forked,
     ) -> None:
-        self._work, self._jobs, self._left, self._lost = work, jobs, left, lost
-        self._stop, self._patience_s = stop, patience_s
+        self.jobs = jobs
+        self._work, self._left, self._lost = work, left, lost
+        self._stop, self._patience_s, self._hire = stop, patience_s, hire
+        self._crew: list[_Worker[Task, Result]] = []
+
+    def __enter__(self) -> Pool[Task, Result]:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End all processes."""
+        self._end(self._crew)
 
     def map(self, tasks: Iterable[Task]) -> Iterator[Result]:
-        """The results of `tasks`, as they are done; the next task is asked for when a process is free to do it."""
+        """The results of `tasks`, as they are done; the next task is asked for when a process is free to do it.
+
+        Raises:
+            Exception: whatever the work raised.
+        """
         source, waiting = iter(tasks), deque[_Try[Task, Result]]()
-        crew: list[_Worker[Task, Result]] = []
         try:
             while True:
                 if not self._stop():
-                    self._hand_out(source, waiting, crew)
-                busy = {worker.connection: worker for worker in crew if worker.trial is not None}
+                    self._hand_out(source, waiting)
+                busy = {worker.hired.connection: worker for worker in self._crew if worker.trial is not None}
                 if not busy:
                     return
                 for connection in wait_for(list(busy), timeout=LOOK_UP_S):
-                    yield from self._hear(busy[connection], waiting, crew)  # type: ignore[index]
-                yield from self._end_hung(waiting, crew)
+                    yield from self._hear(busy[connection], waiting)  # type: ignore[index]
+                yield from self._end_hung(waiting)
         finally:
-            for worker in crew:
-                worker.end()
+            self._end([worker for worker in self._crew if worker.trial is not None])
 
-    def _hand_out(
-        self, source: Iterator[Task], waiting: deque[_Try[Task, Result]], crew: list[_Worker[Task, Result]]
-    ) -> None:
-        idle = [worker for worker in crew if worker.trial is None]
-        while idle or len(crew) < self._jobs:
+    def _end(self, workers: Iterable[_Worker[Task, Result]]) -> None:
+        for worker in list(workers):
+            self._crew.remove(worker)
+            worker.end()
+
+    def _hand_out(self, source: Iterator[Task], waiting: deque[_Try[Task, Result]]) -> None:
+        idle = [worker for worker in self._crew if worker.trial is None]
+        while idle or len(self._crew) < self.jobs:
             waiting.extend(_Try(task) for task in islice(source, 0 if waiting else 1))
             if not waiting:
                 return
-            worker = idle.pop() if idle else self._hire(crew)
+            worker = idle.pop() if idle else self._another()
             trial = waiting.popleft()
             worker.trial, worker.heard_s = trial, time.monotonic()
             with suppress(OSError):  # it has just died; that is heard when it is listened to
-                worker.connection.send(trial.task)
+                worker.hired.connection.send(trial.task)
 
-    def _hear(
-        self, worker: _Worker[Task, Result], waiting: deque[_Try[Task, Result]], crew: list[_Worker[Task, Result]]
-    ) -> Iterator[Result]:
+    def _another(self) -> _Worker[Task, Result]:
+        others = [worker.hired.connection for worker in self._crew]
+        self._crew.append(_Worker(self._hire(self._work, others)))
+        return self._crew[-1]
+
+    def _hear(self, worker: _Worker[Task, Result], waiting: deque[_Try[Task, Result]]) -> Iterator[Result]:
         """One message of a worker."""
         trial = worker.trial
         if trial is None:
             return
         try:
-            kind, content = worker.connection.recv()
+            kind, content = worker.hired.connection.recv()
         except (EOFError, OSError):
-            yield from self._bury(worker, "died", waiting, crew)
+            yield from self._bury(worker, "died", waiting)
             return
         worker.heard_s = time.monotonic()
         if kind == "raised":
@@ -148,26 +152,18 @@ class Pool(Generic[Task, Result]):
             return
         trial.home.append(content)
         if self._stop():
-            crew.remove(worker)
-            worker.end()
+            self._end([worker])
         yield content
 
-    def _end_hung(self, waiting: deque[_Try[Task, Result]], crew: list[_Worker[Task, Result]]) -> Iterator[Result]:
+    def _end_hung(self, waiting: deque[_Try[Task, Result]]) -> Iterator[Result]:
         due_s = time.monotonic() - self._patience_s
-        for worker in [worker for worker in crew if worker.trial is not None and worker.heard_s < due_s]:
-            yield from self._bury(worker, "hung", waiting, crew)
+        for worker in [worker for worker in self._crew if worker.trial is not None and worker.heard_s < due_s]:
+            yield from self._bury(worker, "hung", waiting)
 
-    def _bury(
-        self,
-        worker: _Worker[Task, Result],
-        how: str,
-        waiting: deque[_Try[Task, Result]],
-        crew: list[_Worker[Task, Result]],
-    ) -> Iterator[Result]:
+    def _bury(self, worker: _Worker[Task, Result], how: str, waiting: deque[_Try[Task, Result]]) -> Iterator[Result]:
         """A worker is lost: what it still owes is tried again, as long as that may lead anywhere."""
         trial = worker.trial
-        crew.remove(worker)
-        worker.end()
+        self._end([worker])
         left = self._left(trial.task, trial.home) if trial is not None else None
         if trial is None or left is None:
             return
@@ -176,39 +172,3 @@ class Pool(Generic[Task, Result]):
             waiting.appendleft(_Try(left, attempt))
         else:
             yield from self._lost(left, f"{how} every time it was flown")
-
-    def _hire(self, crew: list[_Worker[Task, Result]]) -> _Worker[Task, Result]:
-        forked = "fork" in multiprocessing.get_all_start_methods()
-        context = multiprocessing.get_context("fork") if forked else multiprocessing.get_context("spawn")
-        ours, theirs = context.Pipe()
-        inherited = [ours, *(worker.connection for worker in crew)] if forked else []
-        process = context.Process(target=_serve, args=(self._work, theirs, inherited, os.getpid()))
-        process.start()
-        theirs.close()
-        worker: _Worker[Task, Result] = _Worker(process, ours)
-        crew.append(worker)
-        return worker
-
-
-def _serve(
-    work: Callable[[Any, Callable[[Any], None]], None], connection: Connection, inherited: list[Connection], parent: int
-) -> None:
-    """The life of a worker: it leaves Ctrl-C to its parent, works on what it is sent, and never outlives it."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    die_with(parent)
-    for other in inherited:
-        other.close()
-    while True:
-        try:
-            task = connection.recv()
-        except EOFError:
-            return
-        try:
-            work(task, lambda result: connection.send(("result", result)))
-            connection.send(("done", None))
-        except BrokenPipeError:
-            return
-        except Exception as error:  # noqa: BLE001 - it is raised again where the run is
-            error.add_note(traceback.format_exc())
-            connection.send(("raised", error))

@@ -55,8 +55,8 @@ def margin_command(
     fault by the unit, and a phase by #.  The flights are ordinary flights of the campaign: nothing is flown twice, and
     `scaloft-fi matrix --margins` shows what was found.
     """
+    from scaloft_fi.campaign.hire import cores, one_thread_each
     from scaloft_fi.campaign.options import RunOptions
-    from scaloft_fi.campaign.pool import cores, one_thread_each
 
     one_thread_each()
     from scaloft_fi.campaign import choose

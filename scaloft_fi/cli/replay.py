@@ -34,7 +34,7 @@ def replay_command(name: str, study_folder: Path | None, campaign: str, output: 
     if output is not None and output.suffix.lower() not in PICTURES:
         raise InputError(f"--output={str(output)!r} must end in .svg or .png")
     check_writable(output)
-    from scaloft_fi.campaign.pool import one_thread_each
+    from scaloft_fi.campaign.hire import one_thread_each
 
     one_thread_each()
     from scaloft_fi.campaign.fly import Physics, fly_log, judged

@@ -32,6 +32,14 @@ from scaloft_fi.errors import InputError
 )
 @click.option("--seeds", default="1", show_default=True, metavar="N|A-B", help="Seeds 0..N-1, or A to B inclusive.")
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
+@click.option(
+    "--executor",
+    "executor",
+    default="local",
+    show_default=True,
+    metavar="local|dask://HOST:PORT",
+    help="Who flies: processes of this machine, or the workers of a Dask scheduler.",
+)
 @click.option("--shard", metavar="K/N", help="Fly the K-th of N parts of the run; `merge` joins them.")
 @click.option("--no-share", is_flag=True, help="Fly every flight whole from take-off; the outcomes are the same.")
 @click.option(
@@ -57,6 +65,7 @@ def run_command(
     situations: tuple[str, ...],
     seeds: str,
     jobs: int | None,
+    executor: str,
     shard: str | None,
     no_share: bool,
     budget: str | None,
@@ -69,11 +78,12 @@ def run_command(
 
     What the campaign already holds is not flown again: the same command resumes.
     """
-    from scaloft_fi.campaign.pool import cores, one_thread_each
+    from scaloft_fi.campaign.hire import one_thread_each
 
     one_thread_each()
     from scaloft_fi.campaign import choose
     from scaloft_fi.campaign.budget import budget_s
+    from scaloft_fi.campaign.executor import executor_named
     from scaloft_fi.campaign.folder import campaign_folder
     from scaloft_fi.campaign.fork import CAN_FORK
     from scaloft_fi.campaign.options import RunOptions
@@ -95,7 +105,7 @@ def run_command(
             raise InputError(f"--shard={shard!r} has no flights: there are fewer situations and seeds than shards")
     progress = Silence() if quiet else Progress()
     options = RunOptions(
-        jobs=jobs or cores(),
+        executor=executor_named(executor, jobs),
         share=CAN_FORK and not no_share,
         part=shard is not None,
         budget_s=None if budget is None else budget_s(budget),

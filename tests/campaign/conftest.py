@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -154,3 +161,61 @@ def study(tmp_path: Path) -> FakeStudy:
 @pytest.fixture
 def log(tmp_path: Path) -> Log:
     return Log(tmp_path / "flown.txt")
+
+
+class DaskProcesses:
+    """Schedulers and workers of Dask in processes of their own, on the loopback interface."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._all: list[subprocess.Popen[bytes]] = []
+
+    def scheduler(self, **environment: str) -> str:
+        """Start one; returns its HOST:PORT."""
+        path = self._folder / f"scheduler-{len(self._all)}.json"
+        words = ("--port", "0", "--host", "127.0.0.1", "--no-dashboard", "--scheduler-file", path)
+        process = self._start("scheduler", *words, environment=environment)
+        while not (path.exists() and path.read_text().endswith("}")):
+            assert process.poll() is None
+            time.sleep(0.05)
+        return str(json.loads(path.read_text())["address"]).removeprefix("tcp://")
+
+    def worker(self, address: str, *words: str, **environment: str) -> subprocess.Popen[bytes]:
+        """Start one with a thread."""
+        own = self._folder / f"worker-{len(self._all)}"
+        local = ("--host", "127.0.0.1", "--no-dashboard", "--nthreads", "1", "--local-directory", own)
+        return self._start("worker", f"tcp://{address}", *local, *words, environment=environment)
+
+    def _start(self, *words: str | Path, environment: Mapping[str, str]) -> subprocess.Popen[bytes]:
+        log = (self._folder / f"dask-{len(self._all)}.log").open("wb")
+        path = os.pathsep.join(filter(None, sys.path))
+        with log:
+            process = subprocess.Popen(
+                [sys.executable, "-m", "dask", *map(str, words)],
+                env={**os.environ, "PYTHONPATH": path, **environment},
+                cwd=self._folder,  # a module that is run has its folder on its path
+                stdout=log,
+                stderr=log,
+                start_new_session=True,
+            )
+        self._all.append(process)
+        return process
+
+    @property
+    def last(self) -> subprocess.Popen[bytes]:
+        """The one that was started last."""
+        return self._all[-1]
+
+    def end(self) -> None:
+        """End all of them and what they started."""
+        for process in reversed(self._all):
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+
+
+@pytest.fixture(scope="module")
+def dask(tmp_path_factory: pytest.TempPathFactory) -> Iterator[DaskProcesses]:
+    processes = DaskProcesses(tmp_path_factory.mktemp("dask"))
+    yield processes
+    processes.end()

@@ -1,0 +1,58 @@
+"""A study as bytes, for machines that share no disk with this one."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import lzma
+import os
+import shutil
+import tarfile
+import tempfile
+from pathlib import Path
+
+from scaloft_fi.errors import InputError
+from scaloft_fi.hazop.folder import FOLDERS
+
+
+def packed(study: Path) -> bytes:
+    """The study's three folders without hidden files; equal content, equal bytes.
+
+    Raises:
+        InputError: a file cannot be read.
+    """
+    content = io.BytesIO()
+    with tarfile.open(fileobj=content, mode="w") as archive:
+        for path in sorted(path for name in FOLDERS for path in (study / name).rglob("*")):
+            name = path.relative_to(study)
+            if path.is_file() and not any(part.startswith((".", "__")) for part in name.parts):
+                entry = tarfile.TarInfo(name.as_posix())
+                data = _bytes(path)
+                entry.size = len(data)
+                archive.addfile(entry, io.BytesIO(data))
+    return lzma.compress(content.getvalue())
+
+
+def digest_of(bundle: bytes) -> str:
+    """What a bundle is called."""
+    return hashlib.sha256(bundle).hexdigest()
+
+
+def unpacked(bundle: bytes, folder: Path) -> Path:
+    """`folder` with the study of `bundle` in it, unpacked there once, whoever else does the same meanwhile."""
+    if not folder.is_dir():
+        begun = Path(tempfile.mkdtemp(prefix=f"{folder.name}-", dir=folder.parent))
+        with tarfile.open(fileobj=io.BytesIO(lzma.decompress(bundle))) as archive:
+            archive.extractall(begun, filter="data")
+        try:
+            os.rename(begun, folder)  # noqa: PTH104 - it must fail where another was faster
+        except OSError:
+            shutil.rmtree(begun, ignore_errors=True)
+    return folder
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
