@@ -181,7 +181,10 @@ def _item(loader: Any, node: yaml.Node, path: Path, name: str, key_line: int = 0
     if isinstance(node, yaml.SequenceNode):
         items = (_item(loader, entry, path, f"{name}[{i}]", 0, inside) for i, entry in enumerate(node.value))
         return Item(path, line, name, tuple(items))
-    value = loader.construct_object(node)
+    try:
+        value = loader.construct_object(node)
+    except ValueError as error:  # looks like a date and is none
+        raise InputError(f"{path}:{node.start_mark.line + 1}: {name}={node.value!r} cannot be read: {error}") from error
     if value is not None and not isinstance(value, str | int | float | bool):
         value = str(getattr(node, "value", value))
     return Item(path, node.start_mark.line + 1, name, value)

@@ -21,6 +21,7 @@ from scaloft_fi.stack.seam import SEAMS
 
 if TYPE_CHECKING:
     from scaloft_fi.mutants.mutant import Mutant
+    from scaloft_fi.results.disposition import Disposition
     from scaloft_fi.results.requirement import Requirement
     from scaloft_fi.results.roster import Roster
     from scaloft_fi.results.space import Realisation, Space
@@ -122,6 +123,18 @@ class Study:
         controls = frozenset(cell.name for cell in self.matrix if cell.status is CellStatus.CONTROL)
         defaults = {cell.name: default_of(cell).id for cell in credible}
         return Roster(defaults, controls, tuple(mutant.id for mutant in self.catalogue))
+
+    @property
+    def dispositions_path(self) -> Path:
+        """Where the accepted survivors are; the file need not exist."""
+        return self.folder / "hazop" / "dispositions.yaml"
+
+    @cached_property
+    def dispositions(self) -> tuple[Disposition, ...]:
+        """The accepted survivors."""
+        from scaloft_fi.results.disposition import load_dispositions
+
+        return load_dispositions(self.dispositions_path, self.matrix, self.space.point)
 
     @cached_property
     def space(self) -> Space:

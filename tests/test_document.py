@@ -90,3 +90,8 @@ def test_keys_that_nobody_asked_for_are_refused_with_the_nearest_known_one(read)
 def test_not_a_number_is_no_number(read):
     with pytest.raises(InputError, match="must be a number"):
         read("a: .nan\n").need("a").number()
+
+
+def test_a_date_that_is_none_is_refused_with_its_place(read):
+    with pytest.raises(InputError, match=r"a\.yaml:2: day='2027-02-30' cannot be read"):
+        read("a: 1\nday: 2027-02-30\n")

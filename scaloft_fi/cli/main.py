@@ -23,6 +23,10 @@ VERBS: dict[str, tuple[str, str]] = {
     "merge": ("scaloft_fi.cli.merge:merge_command", "join campaigns that were flown in parts"),
     "status": ("scaloft_fi.cli.status:status_command", "what a campaign holds"),
     "score": ("scaloft_fi.cli.score:score_command", "the tables of a campaign again, without flying"),
+    "dispositions": (
+        "scaloft_fi.cli.dispositions:dispositions_command",
+        "the survivors beside those that were accepted",
+    ),
     "diff": ("scaloft_fi.cli.diff:diff_command", "the flights of which two campaigns do not say the same"),
     "export": ("scaloft_fi.cli.export:export_command", "one row per flight, JSON or CSV"),
     "replay": ("scaloft_fi.cli.replay:replay_command", "fly one flight again, bit for bit, and draw it"),

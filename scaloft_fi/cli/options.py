@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from datetime import date
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -55,3 +56,24 @@ def fail_under_option(function: F) -> F:
         metavar="RATIO",
         help="Exit with 3 when the mutation score (0..1) is below this, or has nothing to be computed from.",
     )(function)
+
+
+def today_option(function: F) -> F:
+    """`--today DATE`: the day by which dispositions expire."""
+    return click.option(
+        "--today",
+        callback=_day,
+        metavar="YYYY-MM-DD",
+        help="The day by which dispositions expire; no score depends on it.  [default: the system's date]",
+    )(function)
+
+
+def _day(_context: click.Context, _option: click.Parameter, text: str | None) -> date | None:
+    if text is None:
+        return None
+    from scaloft_fi.results.disposition import parse_date
+
+    found = parse_date(text)
+    if found is None:
+        raise click.BadParameter(f"{text!r} is no date such as 2027-01-31")
+    return found

@@ -1,0 +1,122 @@
+"""`scaloft-fi dispositions`: the survivors of a campaign beside those that were accepted."""
+
+from __future__ import annotations
+
+from datetime import date
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from scaloft_fi.cli.options import campaign_option, format_option, study_option, today_option
+from scaloft_fi.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from scaloft_fi.results.disposition import Judged
+    from scaloft_fi.results.outcome import Outcome
+    from scaloft_fi.results.table import Table
+    from scaloft_fi.study import Study
+
+UNACCEPTED = 3
+"""Exit code of a ratchet that does not pass: as of a score below --fail-under."""
+
+
+@click.command("dispositions")
+@study_option
+@campaign_option
+@click.option(
+    "--write",
+    "writing",
+    is_flag=True,
+    help="Append every survivor that is not accepted to the study's hazop/dispositions.yaml, with owner, reason and "
+    "expiry left empty: the file is refused until somebody has filled them in.",
+)
+@today_option
+@format_option
+def dispositions_command(
+    study_folder: Path | None, campaign: str, writing: bool, today: date | None, style: str
+) -> None:
+    """List the survivors of a campaign beside the study's dispositions.
+
+    `scaloft-fi score --ratchet` makes a gate of it.
+    """
+    from scaloft_fi.campaign.held import current
+    from scaloft_fi.results.disposition import judge
+    from scaloft_fi.results.score import score
+    from scaloft_fi.results.table import Format, render
+    from scaloft_fi.study import Study
+
+    study = Study.open(study_folder)
+    scored = score(current(study, campaign), study.roster, study.space)
+    judged = judge(scored, study.roster, study.dispositions, today or date.today())  # noqa: DTZ011 - the user's own day
+    click.echo(render((_table(judged),), Format(style)), nl=False)
+    if writing:
+        _append(study, judged)
+
+
+def ratchet(study: Study, outcomes: Sequence[Outcome], today: date | None) -> int:
+    """Say on standard error what does not pass and what can go; returns the exit code."""
+    from scaloft_fi.results.disposition import State, at_stake, judge, told
+    from scaloft_fi.results.score import score
+
+    scored = score(outcomes, study.roster, study.space)
+    judged = judge(scored, study.roster, study.dispositions, today or date.today())  # noqa: DTZ011 - the user's own day
+    for entry in judged:
+        if entry.state is State.STALE:
+            click.echo(f"warning: {told(entry)}", err=True)
+    failing = [entry for entry in judged if entry.state.fails]
+    for entry in failing:
+        click.echo(f"ratchet: {told(entry)}", err=True)
+    count = at_stake(scored, study.roster)
+    if not count:
+        click.echo(
+            "ratchet: no counted mutant was infected in an eligible situation; there is nothing to hold", err=True
+        )
+    return UNACCEPTED if failing or not count else 0
+
+
+def _table(judged: Sequence[Judged]) -> Table:
+    from scaloft_fi.results.table import Table
+
+    rows = tuple(
+        (
+            entry.mutant,
+            entry.state.value,
+            len(entry.surviving),
+            entry.disposition.owner if entry.disposition else "",
+            entry.disposition.reason if entry.disposition else "",
+            entry.disposition.expires.isoformat() if entry.disposition else "",
+            " ".join(entry.disposition.situations) if entry.disposition else "",
+        )
+        for entry in judged
+    )
+    headers = ("mutant", "state", "survives in", "owner", "reason", "expires", "accepted in")
+    notes = (
+        "Survivors are the default mutants infected in an eligible situation and killed in none.",
+        "open, uncovered and expired fail `score --ratchet`; stale: killed now, the disposition can go.",
+    )
+    return Table("Survivors and dispositions", headers, rows, notes)
+
+
+def _append(study: Study, judged: Sequence[Judged]) -> None:
+    from scaloft_fi.results.disposition import HEADER, draft
+
+    text = draft(judged)
+    if not text:
+        click.echo("nothing to write: no survivor without a disposition", err=True)
+        return
+    path = study.dispositions_path
+    if study.packaged:
+        raise InputError(f"{path}: the packaged study cannot be written; copy it and name the copy by --study")
+    try:
+        before = path.read_text(encoding="utf-8") if path.exists() else HEADER
+        path.write_text(before.rstrip("\n") + "\n" + text, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror}") from error
+    click.echo(f"{path}: {_counted(text.count('status:'))} to decide on; fill in owner, reason and expires", err=True)
+
+
+def _counted(survivors: int) -> str:
+    return f"{survivors} survivor{'s' * (survivors != 1)}"

@@ -1,0 +1,88 @@
+"""Survivors and what was accepted, on the command line."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import Result
+
+Call = Callable[..., Result]
+FLOWN = ("--situation", "T0O0W0D0H*", "--jobs", "1", "--quiet")
+
+
+@pytest.fixture
+def flown(call: Call, copy: Path, paper: Any, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A campaign in which LATE-human is killed, MORE-goal survives in two situations and NO-goal changes nothing."""
+    fly = type(paper).__call__
+
+    def flying(self: Any, study: Any, flight: Any, baseline: Any = None) -> Any:
+        outcome = fly(self, study, flight, baseline)
+        mild = flight.subject.guideword == "MORE"
+        return replace(outcome, altered=3, infected_at_s=1.0, digest=flight.name) if mild else outcome
+
+    monkeypatch.setattr(type(paper), "__call__", flying)
+    words = ("--mutant", "LATE-human", "--mutant", "MORE-goal", "--mutant", "NO-goal")
+    assert call("run", *words, *FLOWN, study=copy).exit_code == 0
+    return copy
+
+
+def accept(study: Path, mutant: str, expires: str = "2099-01-01", more: str = "") -> None:
+    path = study / "hazop" / "dispositions.yaml"
+    entry = f"{mutant}: {{status: accepted, owner: me, reason: why, expires: {expires}{more}}}\n"
+    path.write_text((path.read_text() if path.exists() else "") + entry)
+
+
+def states(call: Call, study: Path, *words: str) -> dict[str, str]:
+    (table,) = json.loads(call("dispositions", "--format", "json", *words, study=study).stdout)
+    return {row["mutant"]: row["state"] for row in table["rows"]}
+
+
+def test_survivors_stand_beside_what_was_accepted(call: Call, flown: Path) -> None:
+    assert states(call, flown) == {"MORE-goal@0.6m": "open"}
+    accept(flown, "MORE-goal")
+    accept(flown, "LATE-human")
+    assert states(call, flown) == {"MORE-goal@0.6m": "accepted", "LATE-human@3s": "stale"}
+    assert states(call, flown, "--today", "2099-01-02") == {"MORE-goal@0.6m": "expired", "LATE-human@3s": "stale"}
+
+
+def test_what_is_written_is_refused_until_somebody_has_decided(call: Call, flown: Path) -> None:
+    path = flown / "hazop" / "dispositions.yaml"
+    done = call("dispositions", "--write", study=flown)
+    assert done.exit_code == 0
+    assert "1 survivor to decide on" in done.stderr
+    refused = call("dispositions", study=flown)
+    assert refused.exit_code == 2
+    assert "owner='' must be a text" in refused.stderr
+    text = path.read_text().replace('owner: ""', "owner: me").replace('reason: ""', "reason: why")
+    path.write_text(text.replace('expires: ""', "expires: 2099-01-01"))
+    assert states(call, flown) == {"MORE-goal@0.6m": "accepted"}
+    before = path.read_text()
+    assert call("dispositions", "--write", study=flown).exit_code == 0
+    assert path.read_text() == before
+
+
+def test_writing_keeps_what_stands_there_with_its_comments(call: Call, flown: Path) -> None:
+    accept(flown, "LATE-human")
+    path = flown / "hazop" / "dispositions.yaml"
+    path.write_text("# mine\n" + path.read_text())
+    before = path.read_text()
+    assert call("dispositions", "--write", study=flown).exit_code == 0
+    assert path.read_text().startswith(before)
+    assert "\nMORE-goal@0.6m:\n" in path.read_text()
+
+
+def test_a_date_that_is_none_is_refused(call: Call, flown: Path) -> None:
+    done = call("dispositions", "--today", "2099-02-30", study=flown)
+    assert done.exit_code == 2
+    assert "'2099-02-30' is no date" in done.stderr
+
+
+def test_the_rest_of_the_study_works_beside_a_file_that_is_not_filled_in(call: Call, flown: Path) -> None:
+    assert call("dispositions", "--write", study=flown).exit_code == 0
+    assert call("run", "--mutant", "LATE-human", *FLOWN, study=flown).exit_code == 0
+    assert call("score", study=flown).exit_code == 0
