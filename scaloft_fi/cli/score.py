@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from scaloft_fi.cli.options import campaign_option, fail_under_option, format_option, study_option
+from scaloft_fi.cli.options import campaign_option, fail_under_option, format_option, study_option, today_option
 
 if TYPE_CHECKING:
     from scaloft_fi.results.outcome import Outcome
@@ -26,15 +27,35 @@ BELOW = 3
 @click.option("--by", "grouping", type=click.Choice(GROUPINGS), help="The score part by part as well.")
 @format_option
 @fail_under_option
+@click.option(
+    "--ratchet",
+    "ratcheting",
+    is_flag=True,
+    help="Exit with 3 when a counted mutant survives that the study's hazop/dispositions.yaml does not accept, or a "
+    "disposition has expired.",
+)
+@today_option
 def score_command(
-    study_folder: Path | None, campaign: str, grouping: str | None, style: str, fail_under: float | None
+    study_folder: Path | None,
+    campaign: str,
+    grouping: str | None,
+    style: str,
+    fail_under: float | None,
+    ratcheting: bool,
+    today: date | None,
 ) -> int:
     """Print the score, the mutants, the baseline's findings and the coverage of a campaign."""
     from scaloft_fi.campaign.held import current
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
-    return report(study, current(study, campaign), grouping, style, fail_under)
+    outcomes = current(study, campaign)
+    code = report(study, outcomes, grouping, style, fail_under)
+    if not ratcheting:
+        return code
+    from scaloft_fi.cli.dispositions import ratchet
+
+    return ratchet(study, outcomes, today) or code
 
 
 def report(

@@ -86,3 +86,55 @@ def test_the_rest_of_the_study_works_beside_a_file_that_is_not_filled_in(call: C
     assert call("dispositions", "--write", study=flown).exit_code == 0
     assert call("run", "--mutant", "LATE-human", *FLOWN, study=flown).exit_code == 0
     assert call("score", study=flown).exit_code == 0
+
+
+def test_the_ratchet_fails_on_a_survivor_that_nobody_accepted(call: Call, flown: Path) -> None:
+    done = call("score", "--ratchet", study=flown)
+    assert done.exit_code == 3
+    assert "ratchet: MORE-goal@0.6m survives (T0O0W0D0H0, T0O0W0D0H1) and is not accepted" in done.stderr
+    assert "Mutation score" in done.stdout
+
+
+def test_the_ratchet_passes_what_is_accepted_until_its_day(call: Call, flown: Path) -> None:
+    accept(flown, "MORE-goal")
+    assert call("score", "--ratchet", study=flown).exit_code == 0
+    assert call("score", "--ratchet", "--today", "2099-01-01", study=flown).exit_code == 0
+    done = call("score", "--ratchet", "--today", "2099-01-02", study=flown)
+    assert done.exit_code == 3
+    assert "its disposition expired on 2099-01-01" in done.stderr
+
+
+def test_the_ratchet_fails_on_a_survival_in_a_new_situation(call: Call, flown: Path) -> None:
+    accept(flown, "MORE-goal", more=", situations: [T0O0W0D0H0]")
+    done = call("score", "--ratchet", study=flown)
+    assert done.exit_code == 3
+    assert "survives in T0O0W0D0H1, which its disposition does not name" in done.stderr
+
+
+def test_the_ratchet_says_which_dispositions_can_go_and_passes(call: Call, flown: Path) -> None:
+    accept(flown, "MORE-goal")
+    accept(flown, "LATE-human")
+    done = call("score", "--ratchet", study=flown)
+    assert done.exit_code == 0
+    assert "warning: LATE-human@3s is killed now; its disposition can go" in done.stderr
+
+
+def test_the_ratchet_and_the_threshold_fail_each_for_itself(call: Call, flown: Path) -> None:
+    accept(flown, "MORE-goal")
+    done = call("score", "--ratchet", "--fail-under", "1", study=flown)
+    assert done.exit_code == 3
+    assert "is below --fail-under 1" in done.stderr
+    assert "ratchet" not in done.stderr
+
+
+def test_a_campaign_in_which_nothing_could_be_killed_passes_no_ratchet(call: Call, flown: Path) -> None:
+    words = ("--campaign", f"{flown}/other", "--study", str(flown))
+    assert call("run", "--mutant", "NO-goal", *FLOWN, *words, campaign=False).exit_code == 0
+    done = call("score", "--ratchet", *words, campaign=False)
+    assert done.exit_code == 3
+    assert "nothing to hold" in done.stderr
+
+
+def test_a_file_that_is_not_filled_in_fails_the_ratchet_as_bad_input(call: Call, flown: Path) -> None:
+    assert call("dispositions", "--write", study=flown).exit_code == 0
+    assert call("score", "--ratchet", study=flown).exit_code == 2
