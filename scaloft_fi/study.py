@@ -203,8 +203,11 @@ class Study:
             "cutting": _code(CUTTING_CODE),
         }
 
-    def check(self) -> None:
+    def check(self, situations: Iterable[Situation] | None = None) -> None:
         """Read every part and hold it against the others.
+
+        Args:
+            situations: those whose worlds are made as well; all when None.
 
         Raises:
             InputError: naming the place of the first thing that does not fit.
@@ -216,7 +219,11 @@ class Study:
                     hint = did_you_mean(name, known)
                     raise InputError(f"{cell.requirements_place}: {name!r} of {cell.name} is no requirement{hint}")
         # each of these reads a part, and refuses what is wrong with it
-        _ = self.catalogue, self.realisation, [self.scenario(situation) for situation in self.grid.situations]
+        _ = (
+            self.catalogue,
+            self.realisation,
+            [self.scenario(situation) for situation in situations or self.grid.situations],
+        )
 
 
 def _files(folder: Path) -> Iterator[Path]:

@@ -67,6 +67,7 @@ def merge(study: Study, folder: Path, sources: Sequence[Path]) -> Merged:
                     if key not in rows or rows[key].invalid:
                         rows[key] = outcome
                 plans += source.planned()
+                target.set_notes(source.notes())
         dropped = _spare_canaries(study, rows, plans)
         target.set_meta(ours or fingerprint())
         target.plan(flight for flight in plans if flight.key not in dropped)

@@ -72,7 +72,11 @@ def plan(
     situations: Sequence[Situation], seeds: Sequence[int], mutants: Iterable[Mutant], canary: Mutant | None
 ) -> Plan:
     """The flights of `mutants` in `situations` with `seeds`, and what has to be flown to believe them."""
-    draws = [(situation, seed) for situation in situations for seed in seeds]
+    return plan_draws([(situation, seed) for situation in situations for seed in seeds], mutants, canary)
+
+
+def plan_draws(draws: Sequence[tuple[Situation, int]], mutants: Iterable[Mutant], canary: Mutant | None) -> Plan:
+    """The same where each situation comes with its own seeds."""
     flown = [PLACEBO, *(mutant for mutant in mutants if mutant != PLACEBO)]
     return Plan(
         baselines=tuple(Flight(None, *draw) for draw in draws),

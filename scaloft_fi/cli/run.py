@@ -30,6 +30,23 @@ from scaloft_fi.errors import InputError
     metavar="KEY|GLOB",
     help="A situation's key or alias, or a pattern (repeatable).  [default: the whole grid]",
 )
+@click.option(
+    "--choose",
+    "how",
+    default="all",
+    show_default=True,
+    metavar="HOW",
+    help="Which of these situations: all, random:N (distinct), draws:N (with replacement; a repetition takes the next "
+    "seed), draws:P% (until that share was drawn), first:N (in the grid's order), or a covering array such as 2-way.",
+)
+@click.option(
+    "--choose-seed",
+    type=click.IntRange(min=0),
+    default=0,
+    show_default=True,
+    metavar="S",
+    help="Another choice of the same kind.",
+)
 @click.option("--seeds", default="1", show_default=True, metavar="N|A-B", help="Seeds 0..N-1, or A to B inclusive.")
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
 @click.option(
@@ -63,6 +80,8 @@ def run_command(
     campaign: str,
     mutants: tuple[str, ...],
     situations: tuple[str, ...],
+    how: str,
+    choose_seed: int,
     seeds: str,
     jobs: int | None,
     executor: str,
@@ -81,13 +100,13 @@ def run_command(
     from scaloft_fi.campaign.hire import one_thread_each
 
     one_thread_each()
-    from scaloft_fi.campaign import choose
+    from scaloft_fi.campaign import choose, strategy
     from scaloft_fi.campaign.budget import budget_s
     from scaloft_fi.campaign.executor import executor_named
     from scaloft_fi.campaign.folder import campaign_folder
     from scaloft_fi.campaign.fork import CAN_FORK
     from scaloft_fi.campaign.options import RunOptions
-    from scaloft_fi.campaign.plan import plan
+    from scaloft_fi.campaign.plan import plan_draws
     from scaloft_fi.campaign.progress import Progress, Silence
     from scaloft_fi.campaign.run import run
     from scaloft_fi.campaign.unflown import unflown_tables
@@ -95,10 +114,9 @@ def run_command(
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
-    study.check()
-    planned = plan(
-        study.grid.select(situations), choose.seeds(seeds), choose.mutants(study, mutants), choose.canary(study)
-    )
+    chosen = strategy.choose(how, study.grid.select(situations), choose.seeds(seeds), choose_seed, study.space)
+    study.check(chosen.situations)
+    planned = plan_draws(chosen.draws, choose.mutants(study, mutants), choose.canary(study))
     if shard is not None:
         planned = planned.shard(*choose.shard(shard))
         if not planned.baselines:
@@ -112,7 +130,9 @@ def run_command(
         max_invalid=max_invalid,
         command=_command(),
     )
-    flown = run(study, planned, campaign_folder(study, campaign), options, progress=progress)
+    folder = campaign_folder(study, campaign)
+    strategy.remember(folder, chosen)
+    flown = run(study, planned, folder, options, progress=progress)
     return report(study, flown.outcomes, None, style, fail_under, unflown_tables(planned, flown.left))
 
 

@@ -16,6 +16,7 @@ from scaloft_fi.results.origin import Origin
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.record import from_json, to_json
 
+_NOTE = "note: "
 BUSY_S = 30.0
 """How long a writer waits for another process [s]."""
 
@@ -240,8 +241,23 @@ class Store:
 
     def meta(self) -> dict[str, str]:
         """The facts kept by `set_meta`."""
+        return {name: value for name, value in self._facts() if not name.startswith(_NOTE)}
+
+    def set_notes(self, notes: Mapping[str, str]) -> None:
+        """Keep what was said of the campaign; of one name the first note stays.
+
+        Raises:
+            InputError: the store cannot be written.
+        """
+        self.set_meta({_NOTE + name: text for name, text in notes.items()})
+
+    def notes(self) -> dict[str, str]:
+        """The notes kept by `set_notes`."""
+        return {name.removeprefix(_NOTE): text for name, text in self._facts() if name.startswith(_NOTE)}
+
+    def _facts(self) -> list[tuple[str, str]]:
         with _sentences(self.path):
-            return dict(self._connection.execute("SELECT name, value FROM meta ORDER BY name"))
+            return list(self._connection.execute("SELECT name, value FROM meta ORDER BY name"))
 
 
 @contextmanager

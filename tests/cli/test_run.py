@@ -12,6 +12,9 @@ from typing import TYPE_CHECKING
 import pytest
 from click.testing import Result
 
+from scaloft_fi.campaign.strategy import remembered
+from scaloft_fi.results.store import Store
+
 if TYPE_CHECKING:
     from conftest import Paper
 
@@ -209,3 +212,27 @@ def test_an_axis_value_that_a_situation_does_not_have_does_not_fly_it_again(call
     call(*words, study=copy)
     _edit(copy / "sim" / "situations.yaml", "set: {light: 0.003}", "set: {light: 0.004}")
     assert "flown" not in call(*words, study=copy).stderr
+
+
+def test_chosen_situations_are_flown_and_the_choice_is_kept(call, tmp_path: Path) -> None:
+    done = call(
+        "run", "--mutant", "LATE-human", "--choose", "2-way", "--choose-seed", "1", "--quiet", "--format", "json"
+    )
+    assert done.exit_code == 0
+    covered = json.loads(done.stdout)["coverage"]
+    assert (covered["situations"]["part"], covered["draws"], covered["t_way"]["2"]["part"]) == (6, 6, 40)
+    with Store(tmp_path / "campaign" / "outcomes.sqlite", create=False) as store:
+        assert [(one.text, one.seed) for one in remembered(store)] == [("2-way", 1)]
+
+
+def test_draws_are_counted_beside_distinct_situations(call) -> None:
+    done = call("run", "--mutant", "LATE-human", "--choose", "draws:40", "--quiet", "--format", "json")
+    covered = json.loads(done.stdout)["coverage"]
+    assert covered["draws"] == 40
+    assert covered["situations"]["part"] < 32
+
+
+def test_a_choice_that_cannot_be_writes_nothing(call, tmp_path: Path) -> None:
+    refused = call("run", "--choose", "random:99", "--quiet")
+    assert "must ask for at most 32" in _sentence(refused)
+    assert not (tmp_path / "campaign").exists()
