@@ -7,12 +7,15 @@ overview", Integration 17, 1994: unate covering; its bound is a set of rows that
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-MOST_NODES = 100_000
-"""Branches looked at in one search; beyond, the answer is greedy, an upper bound."""
+MOST_ENTRIES = 10_000_000
+"""Entries of the matrix looked at in one search, over all branches (some ten seconds); beyond, the answer is greedy."""
+MOST_COLUMNS = 2_000
+"""Beyond this many columns only equal ones are dropped, not those within others."""
 MOST_COUNTED = 1_000_000
 """Minimum sets counted; beyond, their number is not told."""
 
@@ -44,14 +47,14 @@ class Suite:
 
 
 def minimal_suite(
-    kills: Mapping[str, Collection[str]], situations: Sequence[str], *, most_nodes: int = MOST_NODES
+    kills: Mapping[str, Collection[str]], situations: Sequence[str], *, most_entries: int = MOST_ENTRIES
 ) -> Suite:
     """The smallest set of situations that hits every kill set.
 
     Args:
         kills: per mutant the situations that kill it; empty sets are left alone.
         situations: every situation, in the order by which ties are broken.
-        most_nodes: branches looked at before it turns greedy.
+        most_entries: entries looked at before it turns greedy.
 
     Raises:
         ValueError: a kill set names a situation that is not in `situations`.
@@ -62,7 +65,7 @@ def minimal_suite(
         raise ValueError(f"kills in unknown situations: {sorted(unknown)}")
     rows = _minimal_rows(frozenset(place[key] for key in keys) for keys in kills.values() if keys)
     needed = tuple(situations[min(row)] for row in sorted(rows, key=sorted) if len(row) == 1)
-    search = _Search(most_nodes)
+    search = _Search(most_entries)
     try:
         best = search.least(rows, len(situations))
         assert best is not None
@@ -73,7 +76,7 @@ def minimal_suite(
     return Suite(
         situations=tuple(situations[column] for column in sorted(chosen)),
         exact=exact,
-        alternatives=_count(rows, len(chosen), most_nodes) if exact else None,
+        alternatives=_count(rows, len(chosen), most_entries) if exact else None,
         needed=needed,
     )
 
@@ -83,7 +86,7 @@ Rows = frozenset[frozenset[int]]
 
 
 class _TooMany(Exception):  # noqa: N818 - a limit, no error
-    """The search looked at more branches than allowed."""
+    """The search looked at more than allowed."""
 
 
 @dataclass
@@ -100,7 +103,7 @@ class _Search:
         Raises:
             _TooMany: beyond the limit.
         """
-        self.looked_at += 1
+        self.looked_at += 1 + sum(map(len, rows))
         if self.looked_at > self.most:
             raise _TooMany
         chosen, rows = _reduce(rows)
@@ -151,19 +154,26 @@ def _reduce(rows: Rows) -> tuple[frozenset[int], Rows]:
 
 def _undominated(rows: Rows) -> frozenset[int]:
     """The columns that hit what no other column hits as well; of equal ones the first."""
-    numbered = list(rows)
-    hits: dict[int, int] = {}
-    for number, row in enumerate(numbered):
-        for column in row:
-            hits[column] = hits.get(column, 0) | 1 << number
+    hits = _hits(rows)
     first: dict[int, int] = {}
     for column in sorted(hits):
         first.setdefault(hits[column], column)
+    if len(first) > MOST_COLUMNS:
+        return frozenset(first.values())
     kept: list[int] = []
     for mask in sorted(first, key=lambda mask: (-mask.bit_count(), first[mask])):
         if not any(mask & ~larger == 0 for larger in kept):
             kept.append(mask)
     return frozenset(first[mask] for mask in kept)
+
+
+def _hits(rows: Rows) -> dict[int, int]:
+    """Per column the rows it hits, as bits."""
+    hits: dict[int, int] = {}
+    for number, row in enumerate(rows):
+        for column in row:
+            hits[column] = hits.get(column, 0) | 1 << number
+    return hits
 
 
 def _bound(rows: Rows) -> int:
@@ -195,21 +205,21 @@ def _first_in_order(search: _Search, rows: Rows, size: int) -> frozenset[int]:
     return frozenset(chosen)
 
 
-def _count(rows: Rows, size: int, most_nodes: int) -> int | None:
+def _count(rows: Rows, size: int, most_entries: int) -> int | None:
     """How many sets of `size` columns hit all rows; None beyond the limits.
 
     Columns that hit the same rows stand for one another, and a smallest set never has two of them.
     """
-    classes: dict[frozenset[frozenset[int]], list[int]] = {}
-    for column in sorted(frozenset().union(*rows)):
-        classes.setdefault(frozenset(row for row in rows if column in row), []).append(column)
+    classes: dict[int, list[int]] = {}
+    for column, mask in sorted(_hits(rows).items()):
+        classes.setdefault(mask, []).append(column)
     weight = {columns[0]: len(columns) for columns in classes.values()}
     looked_at = 0
 
     def count(left: Rows, budget: int) -> int:
         nonlocal looked_at
-        looked_at += 1
-        if looked_at > most_nodes:
+        looked_at += 1 + sum(map(len, left))
+        if looked_at > most_entries:
             raise _TooMany
         if not left:
             return 1 if budget == 0 else 0
@@ -237,8 +247,8 @@ def _greedy(rows: Rows) -> frozenset[int]:
     chosen: list[int] = []
     left = rows
     while left:
-        columns = sorted(frozenset().union(*left))
-        chosen.append(max(columns, key=lambda column: (sum(column in row for row in left), -column)))
+        hits = Counter(column for row in left for column in row)
+        chosen.append(max(hits, key=lambda column: (hits[column], -column)))
         left = frozenset(row for row in left if chosen[-1] not in row)
     for column in list(chosen):
         if all(row & (set(chosen) - {column}) for row in rows):

@@ -41,7 +41,7 @@ def test_the_suite_is_the_first_of_all_smallest_ones(kills: dict[str, frozenset[
 @settings(deadline=None, max_examples=100)
 @given(matrices)
 def test_beyond_its_limit_it_is_greedy_still_covers_and_says_so(kills: dict[str, frozenset[str]]) -> None:
-    found = minimal_suite(kills, COLUMNS, most_nodes=0)
+    found = minimal_suite(kills, COLUMNS, most_entries=0)
     assert not found.exact
     assert found.alternatives is None
     assert all(keys & set(found.situations) for keys in kills.values() if keys)
