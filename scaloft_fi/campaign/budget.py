@@ -10,7 +10,7 @@ from itertools import pairwise
 from typing import TypeVar
 
 from scaloft_fi.campaign.plan import Flight, Plan
-from scaloft_fi.campaign.task import LEAST_SHARING, Task
+from scaloft_fi.campaign.task import Task
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.sim.streams import key_words
@@ -19,6 +19,8 @@ from scaloft_fi.study import Study
 Item = TypeVar("Item")
 
 UNITS_S = (3600, 60, 1)
+GROUP = 16
+"""About so many mutants fly with a baseline at a time: it is flown again for each group."""
 
 
 def budget_s(text: str) -> float:
@@ -124,7 +126,7 @@ def interleaved(
 
 
 def _groups(order: Sequence[Mutant]) -> list[list[Mutant]]:
-    """Stretches of about the size at which sharing pays; one empty group when there is no mutant."""
-    count = max(1, round(len(order) / LEAST_SHARING))
+    """Stretches of about `GROUP` mutants; one empty group when there is no mutant."""
+    count = max(1, round(len(order) / GROUP))
     bounds = [len(order) * group // count for group in range(count + 1)]
     return [list(order[low:high]) for low, high in pairwise(bounds)]

@@ -11,8 +11,8 @@ from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.results.outcome import Outcome
 
 SHARES_PER_JOB = 2
-"""Into how many tasks per process the work is cut at least, so that all processes end at about the same time."""
-LEAST_SHARING = 16
+"""A task is at most this part of what one process has still to do, so that all processes end at about the same time."""
+LEAST_SHARING = 8
 """A baseline is flown once more for another process only when at least so many mutants share it."""
 
 
@@ -54,6 +54,9 @@ def alone(flights: Iterable[Flight]) -> list[Task]:
 def together(flights: Sequence[Flight], weight_s: Callable[[Flight], float], jobs: int) -> list[Task]:
     """Mutants with the baseline of their situation and seed, which is flown again when it is not among `flights`.
 
+    Tasks get smaller towards the end (Polychronopoulos and Kuck, Guided self-scheduling, IEEE Trans. Computers 36(12),
+    1987): how long a mutant flies is known only when it has flown, and small tasks last even that out.
+
     Args:
         flights: to be flown.
         weight_s: how long one is expected to take [s].
@@ -62,17 +65,24 @@ def together(flights: Sequence[Flight], weight_s: Callable[[Flight], float], job
     Returns:
         The tasks, the longest first.
     """
-    most_s = sum(map(weight_s, flights)) / (SHARES_PER_JOB * jobs)
     tasks = alone(flight for flight in flights if flight.mutant == PLACEBO)
+    sharing: list[tuple[float, Flight, list[Flight]]] = []
     for baseline, mutants in _by_baseline(flights).items():
         if len(mutants) == 1 and baseline not in flights:  # the baseline would cost more than it saves
             tasks += alone(mutants)
-            continue
-        own_s = weight_s(baseline) * (1 + len(mutants))
-        pieces = min(math.ceil(own_s / most_s), len(mutants) // LEAST_SHARING) if jobs > 1 and most_s else 1
-        pieces = max(1, pieces)
+        else:
+            sharing.append((weight_s(baseline) * (1 + len(mutants)), baseline, mutants))
+
+    def whole_s(task: Task) -> float:
+        return sum(map(weight_s, task.flights))
+
+    left_s = sum(map(whole_s, tasks)) + sum(own_s for own_s, _, _ in sharing)
+    for own_s, baseline, mutants in sorted(sharing, key=lambda entry: entry[0], reverse=True):
+        most = len(mutants) // LEAST_SHARING if jobs > 1 else 1
+        pieces = max(1, min(most, math.ceil(own_s * SHARES_PER_JOB * jobs / left_s) if left_s else 1))
         tasks += [Task((baseline, *mutants[piece::pieces]), shared=True) for piece in range(pieces)]
-    return sorted(tasks, key=lambda task: sum(map(weight_s, task.flights)), reverse=True)
+        left_s -= own_s
+    return sorted(tasks, key=whole_s, reverse=True)
 
 
 def _by_baseline(flights: Iterable[Flight]) -> dict[Flight, list[Flight]]:

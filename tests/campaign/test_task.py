@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import heapq
+import random
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -59,8 +62,29 @@ def test_a_lone_situation_keeps_every_process_busy(study: Any) -> None:
     assert all(len(task.flights) > LEAST_SHARING for task in tasks)
 
 
+def test_tasks_get_smaller_towards_the_end(study: Any) -> None:
+    flights = [flight for situation in study.grid for flight in _flights(situation, 8 * LEAST_SHARING)]
+    pieces = [task.carrier.situation.key for task in together(flights, _nominal_s, 2)]
+    assert [pieces.count(situation.key) for situation in sorted(study.grid, key=lambda s: -s.nominal_s)] == [2, 2, 3, 4]
+
+
+@pytest.mark.parametrize("jobs", [2, 4, 8, 16])
+def test_processes_end_at_about_the_same_time_though_nobody_knows_how_long_a_mutant_flies(
+    study: Any, jobs: int
+) -> None:
+    draw = random.Random(0)
+    situations = [replace(study.grid[0], key=f"S{number}", nominal_s=40.0 + 5.0 * number) for number in range(16)]
+    flights = [flight for situation in situations for flight in _flights(situation, 100)]
+    spent_s = {flight.name: draw.expovariate(1.0) * flight.situation.nominal_s for flight in flights if flight.mutant}
+    ends_s = [0.0] * jobs
+    for task in together(flights, _nominal_s, jobs):
+        took_s = task.carrier.situation.nominal_s + sum(spent_s[f.name] for f in task.flights if f.mutant)
+        heapq.heapreplace(ends_s, ends_s[0] + took_s)
+    assert max(ends_s) < 1.05 * sum(ends_s) / jobs
+
+
 def test_a_baseline_with_few_mutants_is_not_flown_twice(study: Any) -> None:
-    assert len(together(_flights(study.grid[0], LEAST_SHARING), _nominal_s, 64)) == 1
+    assert len(together(_flights(study.grid[0], 2 * LEAST_SHARING - 1), _nominal_s, 64)) == 1
 
 
 @pytest.mark.parametrize("jobs", [1, 2, 7, 64])
