@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 from scaloft_fi.campaign.executor import Hands, Local
@@ -11,14 +12,13 @@ from scaloft_fi.campaign.fly import Flyer, Physics
 from scaloft_fi.campaign.folder import STORE_NAME, promising, writable
 from scaloft_fi.campaign.interrupt import Interrupted, interruptible
 from scaloft_fi.campaign.key import Keys
+from scaloft_fi.campaign.lookout import Lookout
 from scaloft_fi.campaign.options import RunOptions
 from scaloft_fi.campaign.plan import Flight
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.task import Task, alone, together
 from scaloft_fi.results.fingerprint import differences, fingerprint
-from scaloft_fi.results.mission_log import violation_line
 from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.requirement import Kind
 from scaloft_fi.results.store import Store
 from scaloft_fi.study import Study
 
@@ -41,6 +41,7 @@ class Crew:
     Attributes:
         flown: how many flights are home that the store lacked.
         repeats: outcomes of flights that it had.
+        lookout: tells a person.
     """
 
     def __init__(
@@ -54,17 +55,11 @@ class Crew:
         stopped: Callable[[], bool],
     ) -> None:
         self.study, self.folder, self.store = study, folder, store
-        self.progress, self.options, self.stopped = progress, options, stopped
+        self.lookout, self.options, self.stopped = Lookout(study, progress, options), options, stopped
         self._hands = hands
         self._keys = Keys(study)
         self.flown = 0
         self.repeats: list[Outcome] = []
-
-    def expect(self, flights: Sequence[Flight], canaries: int = 0) -> None:
-        """Tell the progress what is to come; a canary is only counted when anything else is to be flown."""
-        missing = self.missing(flights)
-        expected_s = sum(map(self.weight_s, missing))
-        self.progress.expect(len(missing) + canaries * bool(missing), expected_s)
 
     def plan(self, flights: Iterable[Flight], *, canary: bool = False) -> None:
         """Write down what is to be flown."""
@@ -78,32 +73,44 @@ class Crew:
         """The same for one process."""
         return together(flights, self.weight_s, 1) if self.options.share else alone(flights)
 
-    def fly(self, flights: Iterable[Flight], arrange: Arrange | None = None) -> None:
-        """Fly those of `flights` that the store lacks, and the baselines that they share."""
-        missing = self._missing(flights)
+    def fly(self, flights: Iterable[Flight], arrange: Arrange | None = None, truncated: str = "") -> None:
+        """Fly those of `flights` that the store lacks, and the baselines that they share.
+
+        Args:
+            flights: asked for.
+            arrange: puts them together into tasks; `self.arrange` when None.
+            truncated: why the tasks may cut flights.  All of them are kept apart from whole ones, those too that
+                came to their end: they were flown because nothing had killed their mutant yet, and to count only
+                these would bend every rate.
+        """
+        missing = self._missing(flights, truncated)
+        if not missing:
+            return
+        self.lookout.expect(missing.values())
+        draws = {Flight(None, flight.situation, flight.seed): None for flight in missing.values()}
+        self.lookout.known(self.outcomes(draws))
         keys = {flight.name: key for key, flight in missing.items()}
-        due = {flight.name: flight for flight in missing.values()}
-        for outcome in self._hands.map((arrange or self.arrange)(tuple(missing.values())) if missing else ()):
-            first = due.pop(outcome.name, None)
-            if outcome.name in keys and self.store.put(keys[outcome.name], outcome):
-                for line in _warnings(outcome):
-                    self.progress.line(line)
-            elif first is None:
-                self.repeats.append(outcome)
-            if first is not None:
+        asked = {flight.name: flight for flight in (*draws, *missing.values())}
+        due = set(keys)
+        for outcome in self._outcomes((arrange or self.arrange)(tuple(missing.values()))):
+            news = outcome.name in keys and self.store.put(keys[outcome.name], replace(outcome, truncated=truncated))
+            if outcome.name in due:
+                due.remove(outcome.name)
                 self.flown += 1
-                self.progress.advance(self.weight_s(first))
+            elif not news:
+                self.repeats.append(outcome)
+            self.lookout.home(asked[outcome.name], outcome, news=news)
 
     def repeat(self, flights: Sequence[Flight]) -> None:
         """The shortest of `flights` that is home again, when anything was flown: it must be the first one's twin."""
         missing = set(self.missing(flights))
         home = [flight for flight in flights if flight not in missing]
         if self.flown and home:
-            self.repeats += self._hands.map(alone([min(home, key=self.weight_s)]))
+            self.repeats += self._outcomes(alone([min(home, key=self.weight_s)]))
 
-    def outcomes(self, flights: Iterable[Flight]) -> tuple[Outcome, ...]:
-        """What the store has of `flights`."""
-        return tuple(self.store.outcomes(map(self._keys.key, flights)))
+    def outcomes(self, flights: Iterable[Flight], truncated: str = "") -> tuple[Outcome, ...]:
+        """What the store has of `flights`: of whole ones, or of those that might be cut."""
+        return tuple(self.store.outcomes(self._keys.key(flight, truncated) for flight in flights))
 
     def missing(self, flights: Iterable[Flight]) -> tuple[Flight, ...]:
         """Those of `flights` of which the store has no outcome that counts."""
@@ -113,24 +120,27 @@ class Crew:
         """How long a flight is expected to last [s, simulated]."""
         return self.study.expected_s(flight.situation)
 
-    def go_on(self, saved: int, asked: int) -> None:
+    def go_on(self, said: str) -> None:
         """Go on unless the user asked to stop.
 
         Args:
-            saved: how many flights are home.
-            asked: of how many.
+            said: what is saved.
 
         Raises:
             Interrupted: naming the command that resumes.
         """
         if self.stopped():
-            self.progress.close()
             again = f"the same command resumes: {self.options.command}".removesuffix(": ")
-            raise Interrupted(f"interrupted: {saved} of {asked} flights are saved in {self.folder}; {again}")
+            raise Interrupted(f"interrupted: {said} saved in {self.folder}; {again}")
 
-    def _missing(self, flights: Iterable[Flight]) -> dict[str, Flight]:
+    def _outcomes(self, tasks: Iterable[Task]) -> Iterator[Outcome]:
+        self._hands.ready()
+        self.lookout.progress.start()
+        return self._hands.map(tasks)
+
+    def _missing(self, flights: Iterable[Flight], truncated: str = "") -> dict[str, Flight]:
         """The same by key."""
-        keyed = {self._keys.key(flight): flight for flight in flights}
+        keyed = {self._keys.key(flight, truncated): flight for flight in flights}
         known = self.store.known(keyed)
         return {key: flight for key, flight in keyed.items() if key not in known}
 
@@ -179,14 +189,6 @@ def _all_flown(study: Study, flights: Iterable[Flight], path: Path) -> bool:
     with Store(path, create=False) as store:
         keys = set(map(Keys(study).key, flights))
         return store.known(keys) == keys
-
-
-def _warnings(outcome: Outcome) -> Iterator[str]:
-    if outcome.invalid:
-        yield f"warning: invalid, not counted: {outcome.name}: {outcome.invalid}"
-    for violation in outcome.violations:
-        if violation.kind is not Kind.REPORTED:
-            yield f"warning: {violation_line(outcome, violation)}"
 
 
 def _remember_platform(store: Store, progress: Progress) -> None:

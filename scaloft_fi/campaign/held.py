@@ -47,7 +47,7 @@ def held(study: Study, campaign: str) -> Held:
 
 def held_in(study: Study, store: Store, folder: Path) -> Held:
     """The same of an open store."""
-    everything = tuple(store.outcomes())
+    everything = tuple(outcome for outcome in store.outcomes() if not outcome.truncated)
     now = tuple(store.outcomes(_keys(study, ((o.mutant, o.situation, o.seed) for o in everything))))
     planned = store.planned()
     due = {flight.key for flight in planned} & _keys(study, ((p.mutant, p.situation, p.seed) for p in planned))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import shutil
 import sys
 import time
 from collections.abc import Callable
@@ -13,11 +15,19 @@ BAR_WIDTH = 24
 
 
 class Progress:
-    """Flights done, their rate, and the time left, weighted by how long each flight is expected to be.
+    """Flights done, their rate, the time left, kills.
 
     Args:
         stream: where to write; a live line when it is a terminal, else one line every ten seconds.
         clock: monotonic wall clock [s].
+
+    Attributes:
+        flights: how many are to be flown.
+        done: how many are.
+        done_s, left_s: what that is in simulated time, and what the rest is expected to be [s].
+        most_s: wall time after which no more is begun [s], seen from now; infinite without a budget.
+        stage: what the flights are part of, such as `look 2 of 3`.
+        kills: kills so far, in words.
     """
 
     def __init__(self, *, stream: TextIO | None = None, clock: Callable[[], float] = time.monotonic) -> None:
@@ -25,18 +35,19 @@ class Progress:
         self._live = self._stream.isatty()
         self._clock = clock
         self._start_s = self._shown_s = clock()
-        self.flights, self.expected_s = 0, 0.0
-        self.done, self.done_s = 0, 0.0
+        self.flights, self.done = 0, 0
+        self.done_s, self.left_s = 0.0, 0.0
+        self.most_s: Callable[[], float] = lambda: math.inf
+        self.stage, self.kills = "", ""
 
-    def expect(self, flights: int, expected_s: float) -> None:
-        """`flights` are to be flown, `expected_s` [s] long together; the clock starts now."""
-        self.flights, self.expected_s = flights, expected_s
-        self._start_s = self._shown_s = self._clock()
+    def start(self) -> None:
+        """The first flight is handed out: the clock starts, once."""
+        if not self.done:
+            self._start_s = self._shown_s = self._clock()
 
-    def advance(self, expected_s: float) -> None:
-        """One more flight, of `expected_s` [s], is done."""
+    def advance(self) -> None:
+        """One more flight is done; show it when it is time to."""
         self.done += 1
-        self.done_s += expected_s
         now_s = self._clock()
         if now_s - self._shown_s >= (LIVE_EVERY_S if self._live else LINE_EVERY_S):
             self._shown_s = now_s
@@ -45,7 +56,7 @@ class Progress:
     def line(self, text: str) -> None:
         """A lasting line, above the live one."""
         self._stream.write(f"\r\x1b[K{text}\n" if self._live else f"{text}\n")
-        if self._live:
+        if self._live and self.done:
             self._show()
         self._stream.flush()
 
@@ -63,23 +74,31 @@ class Progress:
         elapsed_s = self._clock() - self._start_s
         if not self.done_s:
             return None
-        return elapsed_s * max(0.0, self.expected_s - self.done_s) / self.done_s
+        return min(self.most_s(), elapsed_s * self.left_s / self.done_s)
 
     def summary(self) -> str:
         """How many flights were flown in how long."""
         elapsed_s = self._clock() - self._start_s
         rate = f", {self.done / elapsed_s:.1f} a second" if elapsed_s >= 1.0 else ""
-        return f"{self.done} of {self.flights} flights flown in {duration(elapsed_s)}{rate}"
+        kills = f"; kills: {self.kills}" if self.kills else ""
+        return f"{self.done} of {self.flights} flights flown in {duration(elapsed_s)}{rate}{kills}"
 
     def _show(self) -> None:
         left_s = self.time_left_s
         left = f"{duration(left_s)} left" if left_s is not None else "time left not known yet"
         elapsed_s = max(self._clock() - self._start_s, 1e-9)
-        text = f"{self.done}/{self.flights} flights  {self.done / elapsed_s:.1f}/s  {left}"
+        parts = [f"{self.done}/{self.flights} flights", f"{self.done / elapsed_s:.1f}/s", left]
+        if self.stage:
+            parts.append(self.stage)
+        if self.kills:
+            parts.append(f"kills: {self.kills}")
+        text = "  ".join(parts)
         if self._live:
-            share = self.done_s / self.expected_s if self.expected_s else 1.0
-            full = min(BAR_WIDTH, round(BAR_WIDTH * share))
-            self._stream.write(f"\r\x1b[K[{'#' * full}{'.' * (BAR_WIDTH - full)}] {text}")
+            whole_s = self.done_s + self.left_s
+            full = min(BAR_WIDTH, round(BAR_WIDTH * self.done_s / whole_s)) if whole_s else BAR_WIDTH
+            bar = f"[{'#' * full}{'.' * (BAR_WIDTH - full)}] {text}"
+            # a line that wraps could not be written over
+            self._stream.write(f"\r\x1b[K{bar[: shutil.get_terminal_size().columns - 1]}")
         else:
             self._stream.write(f"{text}\n")
         self._stream.flush()

@@ -65,7 +65,7 @@ def run(
     first = (*planned.baselines, *planned.mutants)
     with hired(study, folder, options, progress=progress, flyer=flyer, first=first) as crew:
         report = _fly(planned, crew, budget)
-        crew.go_on(len(report.outcomes), planned.flights)
+        crew.go_on(f"{len(report.outcomes)} of {planned.flights} flights are")
         gates.check(
             report.outcomes,
             study.roster,
@@ -81,8 +81,8 @@ def run(
 def _fly(planned: Plan, crew: Crew, budget: Budget) -> Report:
     """Fly until all is flown, time is up or the user stops it; returns what the plan has now."""
     flights = (*planned.baselines, *planned.mutants)
-    crew.expect(flights, canaries=int(planned.canary is not None))
     crew.plan(flights)
+    crew.lookout.progress.most_s = lambda: budget.left_s
     if crew.options.budget_s is None:
         crew.fly(flights)
     else:
@@ -94,7 +94,7 @@ def _fly(planned: Plan, crew: Crew, budget: Budget) -> Report:
         crew.plan([canary], canary=True)
         crew.fly([canary])
     crew.repeat(planned.baselines)
-    crew.progress.close()
+    crew.lookout.close()
     outcomes = crew.outcomes((*flights, *([canary] if canary else [])))
     write_log(crew.study, crew.folder, held_in(crew.study, crew.store, crew.folder).current)
     return Report(outcomes, crew.flown, left)

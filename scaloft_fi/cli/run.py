@@ -59,6 +59,7 @@ from scaloft_fi.errors import InputError
 )
 @click.option("--shard", metavar="K/N", help="Fly the K-th of N parts of the run; `merge` joins them.")
 @click.option("--no-share", is_flag=True, help="Fly every flight whole from take-off; the outcomes are the same.")
+@click.option("--first-kill", is_flag=True, help="Only say which mutants are killed, with the least flying.")
 @click.option(
     "--budget",
     metavar="TIME",
@@ -87,6 +88,7 @@ def run_command(
     executor: str,
     shard: str | None,
     no_share: bool,
+    first_kill: bool,
     budget: str | None,
     max_invalid: float,
     style: str,
@@ -128,6 +130,7 @@ def run_command(
         part=shard is not None,
         budget_s=None if budget is None else budget_s(budget),
         max_invalid=max_invalid,
+        every_violation=bool(mutants),
         command=_command(),
     )
     folder = campaign_folder(study, campaign)

@@ -24,14 +24,38 @@ class Clock:
 def _progress(stream: io.StringIO, make: Callable[..., Progress] = Progress) -> tuple[Progress, Clock]:
     clock = Clock()
     progress = make(stream=stream, clock=clock)
-    progress.expect(10, 400.0)
+    progress.flights, progress.left_s = 10, 400.0
     return progress, clock
+
+
+def _advance(progress: Progress, flown_s: float) -> None:
+    progress.done_s += flown_s
+    progress.left_s -= flown_s
+    progress.advance()
 
 
 def test_time_left_is_weighted_by_expected_flight_time() -> None:
     progress, clock = _progress(io.StringIO())
     clock.now_s += 6.0
-    progress.advance(100.0)
+    _advance(progress, 100.0)
+    assert progress.time_left_s == pytest.approx(18.0)
+
+
+def test_a_budget_bounds_the_time_left() -> None:
+    progress, clock = _progress(io.StringIO())
+    progress.most_s = lambda: 5.0
+    clock.now_s += 6.0
+    _advance(progress, 100.0)
+    assert progress.time_left_s == 5.0
+
+
+def test_the_clock_starts_with_the_first_flight_and_only_then() -> None:
+    progress, clock = _progress(io.StringIO())
+    clock.now_s += 60.0
+    progress.start()
+    clock.now_s += 6.0
+    _advance(progress, 100.0)
+    progress.start()
     assert progress.time_left_s == pytest.approx(18.0)
 
 
@@ -43,28 +67,42 @@ def test_time_left_is_unknown_before_the_first_flight() -> None:
 def test_without_a_terminal_there_is_one_line_every_ten_seconds() -> None:
     stream = io.StringIO()
     progress, clock = _progress(stream)
-    for _ in range(8):
+    for number in range(8):
         clock.now_s += LINE_EVERY_S / 4
-        progress.advance(40.0)
-    assert stream.getvalue().splitlines() == ["4/10 flights  0.4/s  15 s left", "8/10 flights  0.4/s  5 s left"]
+        progress.kills = "LATE 3, NO 5" if number > 4 else ""
+        _advance(progress, 40.0)
+    assert stream.getvalue().splitlines() == [
+        "4/10 flights  0.4/s  15 s left",
+        "8/10 flights  0.4/s  5 s left  kills: LATE 3, NO 5",
+    ]
 
 
 def test_on_a_terminal_the_line_is_live_and_a_warning_stands_above_it() -> None:
     stream = Terminal()
     progress, clock = _progress(stream)
     clock.now_s += 1.0
-    progress.advance(200.0)
+    _advance(progress, 200.0)
     progress.line("warning: SR1 violated")
     before, after = stream.getvalue().split("warning: SR1 violated\n")
     assert "\n" not in before
     assert after.startswith("\r\x1b[K[############............] 1/10 flights")
 
 
+def test_a_live_line_never_wraps(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "60")
+    stream = Terminal()
+    progress, clock = _progress(stream)
+    progress.kills = ", ".join(f"GUIDEWORD{number} 99" for number in range(12))
+    clock.now_s += 1.0
+    _advance(progress, 200.0)
+    assert len(stream.getvalue().removeprefix("\r\x1b[K")) == 59
+
+
 def test_the_end_leaves_a_summary() -> None:
     stream = io.StringIO()
     progress, clock = _progress(stream)
     clock.now_s += 4.0
-    progress.advance(40.0)
+    _advance(progress, 40.0)
     progress.close()
     assert stream.getvalue() == "1 of 10 flights flown in 4 s, 0.2 a second\n"
 
@@ -79,7 +117,7 @@ def test_quiet_shows_nothing_at_all() -> None:
     stream = Terminal()
     progress, clock = _progress(stream, Silence)
     clock.now_s += 60.0
-    progress.advance(40.0)
+    _advance(progress, 40.0)
     progress.line("warning: SR1 violated")
     progress.close()
     assert stream.getvalue() == ""

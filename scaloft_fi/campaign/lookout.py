@@ -1,0 +1,70 @@
+"""Tells a person what a crew does: how much is left, what was violated, what was killed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from scaloft_fi.campaign.alarm import Alarm
+from scaloft_fi.campaign.forecast import Forecast
+from scaloft_fi.campaign.options import RunOptions
+from scaloft_fi.campaign.plan import Flight
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.tally import Tally
+from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.study import Study
+
+
+class Lookout:
+    """Keeps the progress up to date.
+
+    Args:
+        study: what is flown.
+        progress: what a person sees.
+        options: how it is flown.
+    """
+
+    def __init__(self, study: Study, progress: Progress, options: RunOptions) -> None:
+        self.progress = progress
+        self._study = study
+        self._forecast = Forecast(share=options.share)
+        self._tally = Tally(study.roster)
+        self._alarm = Alarm(every=options.every_violation)
+
+    def expect(self, flights: Iterable[Flight]) -> None:
+        """Flights are to come; what was announced before is not counted twice."""
+        for flight in flights:
+            if self._forecast.expect(flight, self._nominal_s(flight)):
+                self.progress.flights += 1
+        self.progress.left_s = self._forecast.left_s
+
+    def drop(self, flights: Iterable[Flight]) -> None:
+        """Flights that were announced are not needed any more."""
+        for flight in flights:
+            self.progress.flights -= self._forecast.drop(flight)
+        self.progress.left_s = self._forecast.left_s
+
+    def known(self, baselines: Iterable[Outcome]) -> None:
+        """Baselines that the store has: what is flown is seen beside them."""
+        for outcome in baselines:
+            self._tally.add(outcome)
+
+    def home(self, flight: Flight, outcome: Outcome, *, news: bool) -> None:
+        """An outcome came home; `news` when the store lacked it."""
+        if news:
+            for line in self._alarm.lines(outcome):
+                self.progress.line(line)
+        self._tally.add(outcome)
+        expected = self._forecast.home(flight, outcome, self._nominal_s(flight))
+        self.progress.done_s, self.progress.left_s = self._forecast.done_s, self._forecast.left_s
+        self.progress.kills = str(self._tally)
+        if expected:
+            self.progress.advance()
+
+    def close(self) -> None:
+        """Leave the last count, and say what was not told."""
+        for line in self._alarm.last():
+            self.progress.line(line)
+        self.progress.close()
+
+    def _nominal_s(self, flight: Flight) -> float:
+        return self._study.expected_s(flight.situation)

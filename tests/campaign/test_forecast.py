@@ -1,0 +1,139 @@
+"""How well the rest of a campaign is foretold, and what the tally and the alarm say meanwhile."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from random import Random
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from scaloft_fi.campaign.alarm import Alarm
+from scaloft_fi.campaign.forecast import PRIOR_SHARE, Forecast
+from scaloft_fi.campaign.plan import Flight, plan
+from scaloft_fi.campaign.tally import Tally
+from scaloft_fi.mutants.derive import defaults, realise
+from scaloft_fi.results.outcome import Outcome
+
+LATE, CONTROL = "LATE-human@3s", "REVERSE-velcmd"
+
+
+def _flights(study: Any, mutants: int = 10) -> list[Flight]:
+    planned = plan(study.grid, (0,), defaults(study.matrix)[:mutants], None)
+    return [*planned.baselines, *planned.mutants]
+
+
+def _flown(log: Any, flight: Flight, share: float) -> Outcome:
+    """A flight that leaves its baseline so late that `share` of it is flown."""
+    outcome: Outcome = log(None, flight)
+    if flight.subject.id in ("baseline", "PLACEBO"):
+        return outcome
+    return replace(outcome, infected_at_s=outcome.duration_s * (1 - share) if share else None)
+
+
+def test_before_anything_is_home_a_mutant_costs_the_prior_share_of_its_mission(study: Any) -> None:
+    forecast = Forecast(share=True)
+    for flight in _flights(study):
+        forecast.expect(flight, flight.situation.nominal_s)
+    missions_s = sum(situation.nominal_s for situation in study.grid)
+    assert forecast.left_s == pytest.approx(missions_s * (2 + 10 * PRIOR_SHARE))
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.randoms(use_true_random=False))
+def test_when_all_is_home_nothing_is_left_and_the_cost_is_what_was_flown(random: Random) -> None:
+    from conftest import GRID, MATRIX, FakeStudy, fly  # type: ignore[attr-defined]
+
+    planned = plan(GRID, (0, 1), defaults(MATRIX)[:5], None)
+    flights = [*planned.baselines, *planned.mutants]
+    forecast, cost_s = Forecast(share=True), 0.0
+    for flight in flights:
+        assert forecast.expect(flight, flight.situation.nominal_s)
+    random.shuffle(flights)
+    for flight in flights:
+        outcome = _flown(lambda _study, flight: fly(FakeStudy(None), flight), flight, random.choice((0.0, 0.3, 1.0)))
+        whole = flight.subject.id in ("baseline", "PLACEBO")
+        infected_s = outcome.infected_at_s
+        cost_s += outcome.duration_s if whole else 0.0 if infected_s is None else outcome.duration_s - infected_s
+        assert forecast.home(flight, outcome, flight.situation.nominal_s)
+        assert forecast.left_s >= 0.0
+    assert forecast.left_s == pytest.approx(0.0, abs=1e-6)
+    assert forecast.done_s == pytest.approx(cost_s)
+
+
+def _home(forecast: Forecast, log: Any, flights: Sequence[Flight], share: float) -> None:
+    for flight in flights:
+        forecast.home(flight, _flown(log, flight, share), flight.situation.nominal_s)
+
+
+def test_mutants_that_never_differ_cost_nothing_once_a_draw_has_shown_it(study: Any, log: Any) -> None:
+    flights = _flights(study)
+    forecast = Forecast(share=True)
+    for flight in flights:
+        forecast.expect(flight, flight.situation.nominal_s)
+    one = [flight for flight in flights if flight.situation.key == "D0H0"]
+    before_s = forecast.left_s
+    _home(forecast, log, one[1:], 0.0)
+    assert forecast.left_s > before_s / 2
+    _home(forecast, log, one[:1], 0.0)
+    missions_s = sum(situation.nominal_s for situation in study.grid if situation.key != "D0H0")
+    assert forecast.left_s < missions_s * (2 + 10 * PRIOR_SHARE * 0.6)
+
+
+def test_a_carrier_flown_again_is_flown_but_was_not_expected(study: Any, log: Any) -> None:
+    baseline = _flights(study)[0]
+    forecast = Forecast(share=True)
+    assert not forecast.home(baseline, log(study, baseline), 30.0)
+    assert forecast.done_s == 30.0
+
+
+def test_what_is_dropped_is_left_no_longer(study: Any) -> None:
+    forecast = Forecast(share=True)
+    for flight in _flights(study):
+        forecast.expect(flight, 30.0)
+    assert [forecast.drop(flight) for flight in _flights(study)] == [True] * 48
+    assert not forecast.drop(_flights(study)[0])
+    assert forecast.left_s == 0.0
+
+
+def test_kills_are_counted_by_guideword_once_their_baseline_is_home_and_controls_are_not(study: Any, log: Any) -> None:
+    mutants = [realise(study.matrix, name) for name in (LATE, CONTROL)]
+    planned = plan(study.grid, (0,), mutants, None)
+    tally = Tally(study.roster)
+    for flight in planned.mutants:
+        tally.add(log(study, flight))
+    assert str(tally) == ""
+    for flight in planned.baselines:
+        tally.add(log(study, flight))
+    assert str(tally) == "LATE 1"
+    other = Tally(study.roster)
+    for flight in (*planned.baselines, *planned.mutants):
+        other.add(log(study, flight))
+    assert other.kills == tally.kills
+
+
+def test_a_named_mutant_is_told_in_full_a_whole_campaign_once_a_mutant_and_requirement(study: Any, log: Any) -> None:
+    planned = plan(study.grid, (0,), [realise(study.matrix, CONTROL)], None)
+    outcomes = [log(study, flight) for flight in (*planned.baselines, *planned.mutants)]
+    every, some = Alarm(every=True), Alarm(every=False)
+    in_full = [line for outcome in outcomes for line in every.lines(outcome)]
+    told = [line for outcome in outcomes for line in some.lines(outcome)]
+    violations = sum(len(outcome.violations) for outcome in outcomes)
+    assert len(in_full) == violations
+    assert sum("baseline/" in line for line in told) == sum("baseline/" in line for line in in_full) == 1
+    assert sum(f"{CONTROL}/" in line and "SR1" in line for line in told) == 1
+    assert len(told) + some.untold == violations
+    assert list(some.last()) == [
+        f"warning: {some.untold} more violations by mutants named above are in the mission log"
+    ]
+    assert list(every.last()) == []
+
+
+def test_an_invalid_flight_is_always_told(study: Any, log: Any) -> None:
+    broken = replace(log(study, _flights(study)[0]), invalid="no memory", violations=())
+    alarm = Alarm(every=False)
+    for _ in range(2):
+        assert list(alarm.lines(broken)) == ["warning: invalid, not counted: baseline/D0H0/0: no memory"]
