@@ -135,9 +135,10 @@ class _Hunt:
         return [*self._baselines.values(), *self._proof, *mutants]
 
     def found(self) -> FirstKills:
-        """What is known now."""
+        """What is known now, in the canonical order."""
+        rank = self._crew.study.roster.rank
         return FirstKills(
-            answers=tuple(self._answer(mutant) for mutant in self._mutants),
+            answers=tuple(self._answer(mutant) for mutant in sorted(self._mutants, key=lambda m: rank(m.id))),
             draws=tuple(map(_place, self.draws)),
             idle=tuple(place for place in map(_place, self.draws) if not self._can_kill(place)),
         )

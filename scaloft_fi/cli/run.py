@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from scaloft_fi.cli.options import campaign_option, fail_under_option, format_option, study_option
 from scaloft_fi.errors import InputError
+
+if TYPE_CHECKING:
+    from scaloft_fi.results.first_kills import FirstKills
 
 
 @click.command("run")
@@ -105,6 +110,7 @@ def run_command(
     from scaloft_fi.campaign import choose, strategy
     from scaloft_fi.campaign.budget import budget_s
     from scaloft_fi.campaign.executor import executor_named
+    from scaloft_fi.campaign.first_kill import first_kills
     from scaloft_fi.campaign.folder import campaign_folder
     from scaloft_fi.campaign.fork import CAN_FORK
     from scaloft_fi.campaign.options import RunOptions
@@ -115,6 +121,8 @@ def run_command(
     from scaloft_fi.cli.score import report
     from scaloft_fi.study import Study
 
+    if first_kill:
+        _alone("--first-kill", budget=budget, fail_under=fail_under)
     study = Study.open(study_folder)
     chosen = strategy.choose(how, study.grid.select(situations), choose.seeds(seeds), choose_seed, study.space)
     study.check(chosen.situations)
@@ -135,8 +143,27 @@ def run_command(
     )
     folder = campaign_folder(study, campaign)
     strategy.remember(folder, chosen)
+    if first_kill:
+        _print_first_kills(first_kills(study, planned, folder, options, progress=progress), style)
+        return 0
     flown = run(study, planned, folder, options, progress=progress)
     return report(study, flown.outcomes, None, style, fail_under, unflown_tables(planned, flown.left))
+
+
+def _alone(option: str, **others: object) -> None:
+    """Refuse options that make no sense beside another."""
+    for name, value in others.items():
+        if value is not None:
+            raise InputError(f"{option} and --{name.replace('_', '-')}={value} do not go together; leave one out")
+
+
+def _print_first_kills(found: FirstKills, style: str) -> None:
+    from scaloft_fi.results.table import Format, render
+
+    if style == Format.JSON:
+        click.echo(json.dumps(found.to_json(), indent=2, allow_nan=False))
+    else:
+        click.echo(render((found.table(),), Format(style)), nl=False)
 
 
 def _command() -> str:

@@ -113,7 +113,7 @@ def test_an_interrupted_hunt_resumes_to_the_same_table_and_flies_nothing_twice(s
     undisturbed = _hunt(study, log, folder="undisturbed")
 
     def interrupt(flight: Flight, outcome: Outcome) -> Outcome:
-        if flight.name == "MORE-goal@1m/D0H0/0":
+        if flight.name == "MORE-goal@1m/D1H0/0":
             os.kill(os.getppid(), signal.SIGINT)
         return outcome
 

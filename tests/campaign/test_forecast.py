@@ -8,7 +8,7 @@ from random import Random
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from scaloft_fi.campaign.alarm import Alarm
@@ -42,19 +42,17 @@ def test_before_anything_is_home_a_mutant_costs_the_prior_share_of_its_mission(s
     assert forecast.left_s == pytest.approx(missions_s * (2 + 10 * PRIOR_SHARE))
 
 
-@settings(max_examples=30, deadline=None)
-@given(st.randoms(use_true_random=False))
-def test_when_all_is_home_nothing_is_left_and_the_cost_is_what_was_flown(random: Random) -> None:
-    from conftest import GRID, MATRIX, FakeStudy, fly  # type: ignore[attr-defined]
-
-    planned = plan(GRID, (0, 1), defaults(MATRIX)[:5], None)
+@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(random=st.randoms(use_true_random=False))
+def test_when_all_is_home_nothing_is_left_and_the_cost_is_what_was_flown(study: Any, log: Any, random: Random) -> None:
+    planned = plan(study.grid, (0, 1), defaults(study.matrix)[:5], None)
     flights = [*planned.baselines, *planned.mutants]
     forecast, cost_s = Forecast(share=True), 0.0
     for flight in flights:
         assert forecast.expect(flight, flight.situation.nominal_s)
     random.shuffle(flights)
     for flight in flights:
-        outcome = _flown(lambda _study, flight: fly(FakeStudy(None), flight), flight, random.choice((0.0, 0.3, 1.0)))
+        outcome = _flown(log, flight, random.choice((0.0, 0.3, 1.0)))
         whole = flight.subject.id in ("baseline", "PLACEBO")
         infected_s = outcome.infected_at_s
         cost_s += outcome.duration_s if whole else 0.0 if infected_s is None else outcome.duration_s - infected_s

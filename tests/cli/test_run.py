@@ -236,3 +236,43 @@ def test_a_choice_that_cannot_be_writes_nothing(call, tmp_path: Path) -> None:
     refused = call("run", "--choose", "random:99", "--quiet")
     assert "must ask for at most 32" in _sentence(refused)
     assert not (tmp_path / "campaign").exists()
+
+
+def test_first_kill_prints_killed_or_not_and_no_score(call: Call) -> None:
+    words = ("--mutant", "LATE-human", "--mutant", "MORE-goal", "--quiet", "--first-kill")
+    result = call("run", *words)
+    assert result.exit_code == 0, result.output
+    assert "First kills" in result.stdout
+    assert "Mutation score" not in result.stdout
+    found = json.loads(call("run", *words, "--format", "json").stdout)
+    late, more = sorted(found["mutants"], key=lambda entry: entry["id"])
+    assert (late["killed"], late["by"], late["t_s"]) == (True, "SR2", 8.0)
+    assert (more["killed"], more["by"]) == (False, None)
+    assert late["flown"] < late["possible"] == more["flown"] == 32
+    assert {row["mutant"] for row in json.loads(call("export").stdout)} == {"baseline", "PLACEBO", "REVERSE-velcmd"}
+
+
+@pytest.mark.parametrize("other", [("--budget", "10m"), ("--fail-under", "0.5")])
+def test_first_kill_goes_alone(call: Call, other: tuple[str, str]) -> None:
+    assert "do not go together" in _sentence(call("run", "--mutant", "LATE-human", "--first-kill", *other))
+
+
+def test_a_budget_that_is_no_time_is_refused(call: Call) -> None:
+    assert "--budget='10'" in _sentence(call("run", "--mutant", "LATE-human", "--budget", "10"))
+
+
+def test_a_run_whose_time_is_up_names_what_it_left(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("scaloft_fi.campaign.budget.Budget.left_s", 0.0)
+    words = ("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--budget", "1h", "--quiet")
+    result = call(*words, "--format", "json")
+    assert result.exit_code == 0, result.output
+    left = json.loads(result.stdout)["not_flown"]
+    assert {"parameter": "human", "planned": 2, "flown": 0, "not flown": 2} in left
+    assert "6 of 6 planned flights were not flown" in call(*words).stdout
+    assert "planned, not flown" in call("status").stdout
+
+
+def test_the_declared_share_of_invalid_flights_is_an_option(call: Call, paper: Paper) -> None:
+    words = ("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
+    assert call(*words, "--max-invalid", "0").exit_code == 0
+    assert call(*words, "--max-invalid", "2").exit_code == 2
