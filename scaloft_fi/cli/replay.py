@@ -18,21 +18,27 @@ if TYPE_CHECKING:
     from scaloft_fi.study import Study
 
 PICTURES = (".svg", ".png")
+RECORDING = ".mcap"
 
 
 @click.command("replay")
 @click.argument("name", metavar="MUTANT/SITUATION/SEED")
 @study_option
 @campaign_option
-@click.option("--output", type=click.Path(path_type=Path), metavar="FILE", help="Draw the map there: .svg or .png.")
+@click.option(
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Draw the map there (.svg, .png), or record the flight for Foxglove (.mcap).",
+)
 @click.option("--gui", is_flag=True, help="Watch it in PyBullet's window, in real time.")
 def replay_command(name: str, study_folder: Path | None, campaign: str, output: Path | None, gui: bool) -> None:
     """Fly one flight again and hold its digest against the campaign's.
 
     MUTANT is `baseline`, `PLACEBO` or a mutant's id.  The map has the baseline beside the mutant.
     """
-    if output is not None and output.suffix.lower() not in PICTURES:
-        raise InputError(f"--output={str(output)!r} must end in .svg or .png")
+    if output is not None and output.suffix.lower() not in (*PICTURES, RECORDING):
+        raise InputError(f"--output={str(output)!r} must end in .svg, .png or .mcap")
     check_writable(output)
     from scaloft_fi.campaign.hire import one_thread_each
 
@@ -51,7 +57,12 @@ def replay_command(name: str, study_folder: Path | None, campaign: str, output: 
         log = fly_log(study, flight)
     outcome = judged(study, flight, log)
     click.echo(_facts(study, flight, outcome, log))
-    if output is not None:
+    if output is not None and output.suffix.lower() == RECORDING:
+        from scaloft_fi.results.exchange.mcap import mcap
+
+        write(output, mcap(log, outcome.name))
+        click.echo(f"recording: {output}")
+    elif output is not None:
         _draw(study, flight, outcome, log, output)
     click.echo(_compared(study, campaign, flight, outcome))
 

@@ -1,0 +1,34 @@
+"""All flights of a campaign as Parquet, typed, lists as lists: the rows of `export`, for data frames."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from typing import Any
+
+from scaloft_fi.errors import InputError
+
+INTEGERS = frozenset({"seed", "carried", "altered"})
+LISTS = frozenset({"violated", "held", "killed_by", "triggered", "realised"})
+TEXTS = frozenset({"mutant", "situation", "status", "ending", "struck", "digest"})
+"""Columns by type; every other one is a number."""
+
+
+def parquet(rows: Sequence[dict[str, Any]], columns: Sequence[str]) -> bytes:
+    """A Parquet file with one row a flight.
+
+    Raises:
+        InputError: pyarrow is not installed.
+    """
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError as error:
+        raise InputError("--format='parquet' needs pyarrow: pip install 'scaloft-fi[parquet]'") from error
+    types = {name: pyarrow.int64() for name in INTEGERS} | {name: pyarrow.string() for name in TEXTS}
+    types |= {name: pyarrow.list_(pyarrow.string()) for name in LISTS}
+    schema = pyarrow.schema([(name, types.get(name, pyarrow.float64())) for name in columns])
+    table = pyarrow.Table.from_pylist(list(rows), schema=schema)
+    file = io.BytesIO()
+    pyarrow.parquet.write_table(table, file, compression="zstd")
+    return file.getvalue()
