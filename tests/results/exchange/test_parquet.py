@@ -4,14 +4,13 @@ import io
 
 import pyarrow.parquet
 from builders import GRID, KINDS, ROSTER, campaigns
-from hypothesis import given, settings
+from hypothesis import given
 
 from scaloft_fi.results.exchange.parquet import parquet
 from scaloft_fi.results.export import columns, export_rows
 from scaloft_fi.results.outcome import Outcome
 
 
-@settings(deadline=None)  # the first call imports pyarrow
 @given(campaigns())
 def test_a_data_frame_gets_back_every_row_of_the_export(outcomes: list[Outcome]) -> None:
     names = list(KINDS)
