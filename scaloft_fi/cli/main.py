@@ -29,6 +29,7 @@ VERBS: dict[str, tuple[str, str]] = {
     ),
     "diff": ("scaloft_fi.cli.diff:diff_command", "the flights of which two campaigns do not say the same"),
     "export": ("scaloft_fi.cli.export:export_command", "one row per flight, JSON or CSV"),
+    "report": ("scaloft_fi.cli.report:report_command", "one HTML file that tells a whole campaign, offline"),
     "replay": ("scaloft_fi.cli.replay:replay_command", "fly one flight again, bit for bit, and draw it"),
 }
 

@@ -1,0 +1,37 @@
+"""`scaloft-fi report`: one HTML file that tells a whole campaign."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from scaloft_fi.cli.files import check_writable, write
+from scaloft_fi.cli.options import campaign_option, study_option
+
+NAME = "report.html"
+
+
+@click.command("report")
+@study_option
+@campaign_option
+@click.option(
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Write the page there.  [default: report.html in the campaign's folder]",
+)
+def report_command(study_folder: Path | None, campaign: str, output: Path | None) -> None:
+    """Write one HTML file that opens from disk, without a network: both matrices, every flight, what follows."""
+    check_writable(output)
+    from scaloft_fi.campaign.folder import campaign_folder
+    from scaloft_fi.report.evidence import gather
+    from scaloft_fi.report.page import page
+    from scaloft_fi.study import Study
+
+    study = Study.open(study_folder)
+    evidence = gather(study, campaign)
+    path = output or campaign_folder(study, campaign) / NAME
+    content = page(evidence).encode()
+    write(path, content)
+    click.echo(f"report: {path} ({len(content) / 1e6:.1f} MB)")

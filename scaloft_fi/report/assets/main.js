@@ -1,0 +1,94 @@
+/* Puts the page together, follows its fragment, switches its theme. */
+const SHEETS = /^#(flight|cell)=/;
+let returned = null;
+
+function go(hash, inPlace = false) {
+  if (inPlace) history.replaceState(null, "", hash);
+  else location.hash = hash;
+  if (inPlace) follow();
+}
+
+/** Open what the fragment names, or close what is open. */
+async function follow() {
+  const sheet = document.getElementById("sheet");
+  const hash = location.hash;
+  if (!SHEETS.test(hash)) {
+    if (sheet.open) sheet.close();
+    return;
+  }
+  const value = hash.slice(hash.indexOf("=") + 1);
+  let told;
+  try {
+    const names = value.split("/").map(decodeURIComponent);
+    told = hash.startsWith("#cell=") ? cellSheet(names[0]) : await flightSheet(names[0], names[1] ?? "", Number(names[2] ?? 0));
+  } catch (error) {
+    told = { title: "This cannot be shown", lead: value, body: [h("p", { class: "notice" }, String(error))] };
+  }
+  if (location.hash !== hash) return;
+  const close = h("button", { type: "button", "aria-label": "Close", onclick: () => sheet.close() }, "Close");
+  sheet.replaceChildren(
+    h("div", { class: "sheet-head" }, h("div", {}, h("h2", { id: "sheet-title" }, told.title), told.lead && h("p", {}, told.lead)), close),
+    h("div", { class: "sheet-body" }, told.body.filter(Boolean)));
+  tip.hide();
+  if (!sheet.open) {
+    returned = document.activeElement;
+    sheet.showModal();
+  }
+  document.body.classList.add("sheet-open");
+  sheet.scrollTop = 0;
+  close.focus({ preventScroll: true });
+}
+
+function closed() {
+  document.body.classList.remove("sheet-open");
+  if (SHEETS.test(location.hash)) history.pushState(null, "", "#");
+  if (returned?.isConnected) returned.focus({ preventScroll: true });
+}
+
+function bar(sections) {
+  const links = sections.map((section) => h("li", {}, h("a", { href: `#${section.id}` }, section.dataset.short ?? section.querySelector("h2").textContent)));
+  const system = matchMedia("(prefers-color-scheme: dark)");
+  let chosen = null;
+  const button = h("button", { type: "button", onclick: () => { chosen = dark() ? "light" : "dark"; paint(); } });
+  const dark = () => (chosen ? chosen === "dark" : system.matches);
+  function paint() {
+    document.documentElement.dataset.theme = dark() ? "dark" : "light";
+    button.textContent = dark() ? "Light" : "Dark";
+    button.setAttribute("aria-label", dark() ? "Switch to light colours" : "Switch to dark colours");
+  }
+  system.addEventListener("change", paint);
+  paint();
+  return h("div", {}, h("nav", { "aria-label": "Sections" }, h("ul", {}, links)), button);
+}
+
+/** Mark in the bar which section is being read. */
+function watch(sections) {
+  const links = new Map([...document.querySelectorAll("#bar a")].map((link) => [link.getAttribute("href").slice(1), link]));
+  const observer = new IntersectionObserver((entries) => {
+    for (const { target, isIntersecting } of entries) {
+      if (!isIntersecting) continue;
+      links.forEach((link) => link.removeAttribute("aria-current"));
+      links.get(target.id)?.setAttribute("aria-current", "true");
+    }
+  }, { rootMargin: "-20% 0px -70% 0px" });
+  sections.forEach((section) => observer.observe(section));
+}
+
+function start() {
+  document.title = `${DATA.study} \u00b7 ${DATA.campaign} \u00b7 scaloft-fi report`;
+  const makers = [[summary, "Figures"], [hazop, "HAZOP"], [killMatrix, "Kill matrix"], [whatKillsWhat, "What kills what"], [ladders, "Magnitudes"], [survivors, "Survivors"], [baselineFindings, "Clean drone"], [claims, "Not claimed"], [reading, "How to read"]];
+  const sections = makers.map(([make, short]) => {
+    const section = make();
+    section.dataset.short = short;
+    return section;
+  });
+  document.getElementById("main").replaceChildren(masthead(), ...sections);
+  document.getElementById("bar").replaceChildren(bar(sections));
+  watch(sections);
+  document.getElementById("sheet").addEventListener("close", closed);
+  addEventListener("hashchange", follow);
+  addEventListener("popstate", follow);
+  follow();
+}
+
+start();

@@ -1,0 +1,79 @@
+/* The flight from above: what stands in the situation, the clean drone's path and the mutant's. */
+const PIXELS_PER_METRE = 52;
+const HULL_M = 0.235;
+const X = () => DATA.columns.findIndex((column) => column.name === "x_m");
+const Y = () => DATA.columns.findIndex((column) => column.name === "y_m");
+
+function mapOf(situation, flight, clean) {
+  const scene = DATA.scenes.situations[situation];
+  if (!scene) return null;
+  const mine = DATA.scenes.mines[scene.mine];
+  const paths = [clean, flight].filter((one) => one?.rows).map((one) => one.rows.map((row) => [row[X()], row[Y()]]));
+  const points = [...mine.floor.flat(), ...mine.walls.flat(), scene.home, ...scene.waypoints, ...scene.bodies.flatMap(([, outline]) => outline), ...paths.flat()];
+  const box = [0, 1].map((axis) => {
+    const values = points.map((point) => point[axis]).filter(Number.isFinite);
+    return [Math.floor(2 * Math.min(...values) - 0.4) / 2, Math.ceil(2 * Math.max(...values) + 0.4) / 2];
+  });
+  const [width, height] = box.map(([from, to]) => (to - from) * PIXELS_PER_METRE);
+  const sx = scale(box[0][0], box[0][1], 0, width);
+  const sy = scale(box[1][0], box[1][1], height, 0);
+  const at = (point) => [sx(point[0]), sy(point[1])];
+  const closed = (outline) => `${pathOf(outline.map(at))}Z`;
+  const metres = (axis) => ticks(box[axis][0], box[axis][1], box[axis][1] - box[axis][0]).filter(Number.isInteger);
+  const cursors = [clean, flight].filter((one) => one?.rows?.length).map((one) => ({ one, node: s("circle", { class: one === clean && flight !== clean ? "hull of-clean" : "hull", r: HULL_M * PIXELS_PER_METRE, visibility: "hidden" }) }));
+  const root = s("svg", { class: "map", viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": "Map of the flight from above, one metre a square; home, waypoints and bodies are marked" },
+    mine.floor.length > 0 && s("path", { class: "floor", d: mine.floor.map(closed).join("") }),
+    mine.walls.map((wall) => s("path", { class: "wall", d: pathOf(wall.map(at)) })),
+    metres(0).map((value) => s("line", { class: "metre", x1: sx(value), x2: sx(value), y1: 0, y2: height })),
+    metres(1).map((value) => s("line", { class: "metre", x1: 0, x2: width, y1: sy(value), y2: sy(value) })),
+    scene.bodies.map(([kind, outline]) => s("path", { class: ["obstacle", "person", "structure"].includes(kind) ? kind : "obstacle", d: closed(outline) }, s("title", {}, kind))),
+    scene.waypoints.map((point) => s("circle", { class: "waypoint", cx: at(point)[0], cy: at(point)[1], r: 9 })),
+    s("rect", { class: "waypoint", x: at(scene.home)[0] - 10, y: at(scene.home)[1] - 10, width: 20, height: 20, rx: 4 }),
+    s("text", { class: "strong", x: at(scene.home)[0] + 15, y: at(scene.home)[1] + 5 }, "home"),
+    clean?.rows && clean !== flight && s("path", { class: "clean", d: pathOf(clean.rows.map((row) => at([row[X()], row[Y()]]))) }),
+    flight.rows && s("path", { class: "flown", d: pathOf(flight.rows.map((row) => at([row[X()], row[Y()]]))) }),
+    cursors.map((cursor) => cursor.node),
+    marks(flight).map((mark) => sign(mark, ...at(mark.at))));
+  const move = (time) => cursors.forEach(({ one, node }) => {
+    const row = rowAt(one.rows, time);
+    node.setAttribute("visibility", row ? "visible" : "hidden");
+    if (row) [["cx", sx(row[X()])], ["cy", sy(row[Y()])]].forEach(([name, value]) => node.setAttribute(name, value));
+  });
+  return { root, move };
+}
+
+/** The last row not later than a time; none before the first or after the last. */
+function rowAt(rows, time) {
+  if (!rows?.length || time > rows.at(-1)[0] + 0.1) return null;
+  let low = 0;
+  let high = rows.length - 1;
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (rows[middle][0] <= time + 1e-6) low = middle;
+    else high = middle - 1;
+  }
+  return rows[low];
+}
+
+/** What is marked on map and charts: when the fault first changed a sample, the violations, the end. */
+function marks(flight) {
+  const found = [];
+  const where = (time) => { const row = rowAt(flight.rows, time); return row && [row[X()], row[Y()]]; };
+  if (flight.infected_at_s !== null && where(flight.infected_at_s)) found.push({ kind: "infection", t: flight.infected_at_s, at: where(flight.infected_at_s), text: "first changed sample" });
+  for (const [requirement, t, x, y, , struck] of flight.violations) {
+    if (DATA.requirements.find((one) => one.name === requirement)?.kind === "reported") continue;
+    found.push({ kind: "violation", t, at: [x, y], text: `${requirement} violated${struck ? `, strikes ${struck}` : ""}` });
+  }
+  const last = flight.rows?.at(-1);
+  if (last) found.push({ kind: "end", t: last[0], at: [last[X()], last[Y()]], text: DATA.endings[flight.ending] ?? flight.ending });
+  return found;
+}
+
+function sign({ kind, text, t }, x, y) {
+  const shapes = {
+    infection: () => s("path", { class: "infection", d: `M${x},${y - 7}L${x + 7},${y}L${x},${y + 7}L${x - 7},${y}Z` }),
+    violation: () => s("path", { class: "violation", d: `M${x - 7},${y - 7}L${x + 7},${y + 7}M${x + 7},${y - 7}L${x - 7},${y + 7}` }),
+    end: () => s("rect", { class: "end", x: x - 4.5, y: y - 4.5, width: 9, height: 9 }),
+  };
+  return s("g", {}, s("title", {}, `${seconds(t)}: ${text}`), shapes[kind]());
+}

@@ -1,0 +1,93 @@
+/* The sections below the matrices. */
+function baselineFindings() {
+  const red = DATA.baseline.filter((finding) => finding.violated.length);
+  const rows = red.map((finding) => [
+    h("a", { href: flightHash("baseline", finding.situation, finding.first?.seed ?? DATA.seeds[0] ?? 0) }, wordsOf(finding.situation), " ", h("span", { class: "faint small" }, finding.situation)),
+    `${finding.red}/${finding.flown}`, listed(finding.violated), listed(finding.open), listed(finding.vacuous), finding.first ? firstText(finding.first) : "–"]);
+  const green = DATA.gates.green_situations;
+  return part("baseline", "Findings about the drone itself", `Without any fault: ${green.part} of ${plural(green.whole, "situation")} hold every safety requirement in all flights.  The others are defects of the clean drone, or of what is asked of it, and no mutant can be shown there by the requirement that is red.`,
+    rows.length ? table(["situation", { text: "red flights", number: true }, "violated", "left open", "never triggered", "first safety violation"], rows) : h("p", {}, "No clean flight violates a requirement."),
+    h("h3", { class: "sub" }, "Requirements over the clean flights"),
+    table(["requirement", "kind", ...verdicts().map((text) => ({ text, number: true })), { text: "triggered", number: true }, { text: "least robustness", number: true }],
+      DATA.tallies.map((tally) => [tally.requirement, tally.kind, ...verdicts().map((verdict) => String(tally.verdicts[verdict] ?? 0)), String(tally.triggered), signed(tally.least_rho)]), { stack: false }),
+    h("p", { class: "small faint" }, "Flights by verdict.  A requirement that was never triggered in a flight is vacuous there, not passed."));
+}
+
+const verdicts = () => Object.keys(DATA.tallies[0]?.verdicts ?? {});
+const firstText = (first) => `${first.requirement} at ${seconds(first.t_s)}${first.struck ? `, strikes ${first.struck}` : ""}, seed ${first.seed}`;
+
+/** Kill share against magnitude, cell by cell, where more than one magnitude was flown. */
+function ladders() {
+  const found = DATA.ladders ?? [];
+  return part("ladders", "How much fault does it take", "Share of eligible situations killed against the magnitude of the fault, with Wilson's 95 % interval.",
+    found.length ? h("div", { class: "multiples" }, found.map(ladder)) : h("p", { class: "note" }, "No cell was flown with more than one magnitude.  ", h("code", {}, "scaloft-fi run --mutant 'LATE-human*'"), " flies a ladder."));
+}
+
+function ladder(entry) {
+  const rungs = entry.rungs;
+  const frame = plot({ width: 300, height: 170, x: [-0.5, rungs.length - 0.5], y: [0, 1], left: 40, top: 14, bottom: 30, xTicks: rungs.map((_, number) => number), xText: (number) => rungs[number].magnitude, yTicks: [0, 0.5, 1], yText: percent, label: `${entry.cell}: kill share against magnitude` });
+  const { root, sx, sy } = frame;
+  rungs.forEach((rung, number) => {
+    const value = share(rung.kill_rate);
+    if (rung.kill_rate.interval) root.append(s("line", { class: "whisk", x1: sx(number), x2: sx(number), y1: sy(rung.kill_rate.interval[0]), y2: sy(rung.kill_rate.interval[1]) }));
+    if (value !== null) root.append(s("circle", { class: "dot", cx: sx(number), cy: sy(value), r: rung.default ? 5 : 4 }, s("title", {}, `${rung.id}: ${ratioText(rung.kill_rate)} ${intervalText(rung.kill_rate)}`)));
+    else root.append(s("text", { x: sx(number), y: sy(0.5), "text-anchor": "middle" }, "n/a"));
+  });
+  return h("figure", { class: "small-multiple" }, h("figcaption", {}, h("a", { href: cellHash(entry.cell) }, entry.cell), entry.margin && ` margin ${entry.margin}`), root);
+}
+
+function survivors() {
+  const found = DATA.mutants.filter((mutant) => !mutant.control && mutant.status !== "killed");
+  const order = ["survived", "baseline_red", "masked", "not_infected", "not_reached", "invalid"];
+  const next = new Map((DATA.survivors ?? []).map((entry) => [entry.mutant, entry.next]));
+  return part("survivors", "What was not shown, and what to do next", "Mutants that no eligible flight kills, by the rung where the fault stopped.",
+    order.map((state) => {
+      const members = found.filter((mutant) => mutant.status === state);
+      if (!members.length) return null;
+      return h("details", { open: state === "survived" }, h("summary", {}, h("h3", { class: "inline" }, `${STATES[state][0]} (${members.length})`), ` ${STATES[state][1]}`),
+        table(["mutant", { text: "killed/eligible", number: true }, "deviation", "next step"], members.map((mutant) => [
+          h("a", { class: "id", href: cellHash(mutant.cell) }, mutant.id), `${mutant.kill_rate.part}/${mutant.kill_rate.whole}`, CELLS.get(mutant.cell)?.deviation ?? "",
+          next.get(mutant.id) ?? STEPS[state]])));
+    }));
+}
+
+const STEPS = {
+  survived: "A requirement that sees it, a larger magnitude, or a situation where it matters.",
+  baseline_red: "Repair the clean drone first, or fly a situation where it holds.",
+  masked: "The drone tolerates it here: a larger magnitude or a harder situation would tell how far.",
+  not_infected: "A situation in which the value differs at all.",
+  not_reached: "A situation in which the place of the fault carries samples.",
+  invalid: "Repair the test bench and run again.",
+};
+
+function claims() {
+  return part("claims", "What these figures do not claim", null,
+    h("ol", { class: "claims" },
+      h("li", {}, "That no other fault is in the drone: only the faults of this HAZOP matrix, at these magnitudes, were tried."),
+      h("li", {}, "That the simulator is the mine: mine, vehicle, sensors and light are a model, and many of its numbers are assumptions; the study names the source of each."),
+      h("li", {}, "That the HAZOP study is complete: a deviation that nobody thought of is in no cell.")),
+    h("p", {}, "What they do claim: had one of the killed faults, of that magnitude or more where the ladder says so, been in the drone, flying these situations would have shown a violated requirement as often as the kill rate and its interval say."),
+    h("h3", { class: "sub" }, "Limits of the simulation"),
+    h("ul", {},
+      ["The situations are static: nobody walks, the light does not change during a flight, missions are shorter than the battery lasts.",
+        "The requirements judge ground truth of the simulation, not what the drone believed.",
+        "Bits are promised on one platform only: the one named below."].map((text) => h("li", {}, text))));
+}
+
+function reading() {
+  return part("reading", "How to read this", null,
+    h("div", { class: "columns" },
+      h("div", {}, h("h3", {}, "Requirements"), DATA.requirements.map((requirement) => h("details", {}, h("summary", {}, h("b", {}, requirement.name), ` (${requirement.kind}) ${requirement.title}`),
+        h("dl", { class: "pairs" }, [["formula", h("code", {}, requirement.text)], requirement.trigger && ["counts when", h("code", {}, requirement.trigger)], ...requirement.definitions.map(([name, text]) => [name, h("code", {}, text)]), ["robustness in", requirement.unit], ["source", requirement.source]]
+          .filter((pair) => pair && pair[1]).map(([what, text]) => [h("dt", {}, what), h("dd", {}, text)]))))),
+      h("div", {}, h("h3", {}, "Words"),
+        h("dl", { class: "pairs" }, [
+          ["mutant", "a fault made from one cell of the HAZOP matrix, with a magnitude, patched into one place of the drone's software"],
+          ["situation", "one combination of values of the axes; the grid is all of them"],
+          ["eligible", "the fault changed a sample, and the clean drone, same situation and seed, held a safety requirement to its end"],
+          ["killed", STATES.killed[1]], ["baseline red", STATES.baseline_red[1]], ["clean drone", "the drone without any fault: the baseline of the same situation and seed"],
+          ["robustness", "how far a flight was from violating a requirement; below 0 it is violated"]].map(([what, text]) => [h("dt", {}, what), h("dd", {}, text)])))),
+    h("details", {}, h("summary", {}, "Platform, and how this page was made"),
+      h("dl", { class: "pairs" }, Object.entries(DATA.fingerprint).map(([what, text]) => [h("dt", {}, what), h("dd", {}, text)])),
+      h("p", { class: "small faint" }, DATA.detail, "  Made by ", h("code", {}, `scaloft-fi report --campaign ${literal(DATA.campaign)}`), DATA.stale ? `; ${plural(DATA.stale, "flight")} flown with other data or code left out.` : ".")));
+}

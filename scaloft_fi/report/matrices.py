@@ -1,0 +1,138 @@
+"""The two matrices of the page: the HAZOP study's cells, and mutants x situations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.results.decision import Decision
+from scaloft_fi.results.gray import gray_order
+from scaloft_fi.results.kill_matrix import Entry, KillMatrix, kill_matrix
+from scaloft_fi.results.roster import Roster, cell_of
+from scaloft_fi.results.score import MutantScore, Score, ratio_json
+from scaloft_fi.results.space import Space
+from scaloft_fi.results.status import Status
+
+if TYPE_CHECKING:
+    from scaloft_fi.sim.grid import Grid
+
+STATUSES = [status.value for status in Status]
+DECISIONS = [decision.value for decision in Decision]
+
+
+def situations(space: Space, grid: Grid) -> list[dict[str, Any]]:
+    """Every situation in Gray-code order: each differs from the one before in one axis by one step."""
+    return [
+        {
+            "key": key,
+            "levels": [space.values[axis].index(value) for axis, value in enumerate(space.point[key])],
+            "words": [space.word(axis, value) for axis, value in enumerate(space.point[key])],
+            "aliases": list(grid.aliases_of(grid.situation(key))),
+        }
+        for key in gray_order(space)
+    ]
+
+
+def axes(grid: Grid) -> list[dict[str, Any]]:
+    """The axes with the words for their values, the benign one first."""
+    return [
+        {"id": axis.id, "title": axis.title, "category": axis.category, "words": [value.title for value in axis.values]}
+        for axis in grid.axes
+    ]
+
+
+def cells(matrix: Matrix, flown: Iterable[str]) -> list[dict[str, Any]]:
+    """Every entry of the deviation matrix with its mutants that were flown, the default first named."""
+    by_cell: dict[str, list[str]] = {}
+    for mutant in flown:
+        by_cell.setdefault(cell_of(mutant), []).append(mutant)
+    return [
+        {
+            "name": cell.name,
+            "guideword": cell.guideword,
+            "parameter": cell.parameter,
+            "status": cell.status.value,
+            "deviation": cell.deviation,
+            "causes": list(cell.causes),
+            "effect": cell.effect,
+            "requirements": list(cell.requirements),
+            "reason": cell.reason,
+            "predicted": cell.predicted,
+            "expected": [fault.expected.reason for fault in cell.faults if fault.expected],
+            "default": f"{cell.name}@{cell.default_magnitude}".removesuffix("@") if cell.faults else "",
+            "mutants": by_cell.get(cell.name, []),
+        }
+        for cell in matrix
+    ]
+
+
+def matrix_of(scored: Score, roster: Roster, space: Space) -> KillMatrix:
+    """The kill matrix with the decisions over repeated flights."""
+    everyone = (*scored.mutants, *scored.controls)
+    decisions = {
+        (one.subject.id, result.situation): result.decided.decision.value
+        for one in everyone
+        for result in one.results
+        if result.decided
+    }
+    return kill_matrix(scored, roster, space, decisions)
+
+
+def mutants(scored: Score, matrix: KillMatrix, roster: Roster, keys: Sequence[str]) -> list[dict[str, Any]]:
+    """Every mutant and control flown; `results` has one entry for each of `keys`, null where it was not flown."""
+    everyone = {one.subject.id: one for one in (*scored.mutants, *scored.controls)}
+    found = []
+    for id_ in sorted(everyone, key=roster.rank):
+        entries = {entry.situation: entry for entry in matrix.row[id_].entries}
+        results = {"results": [_result(entries[key]) for key in keys]}
+        found.append(_mutant(everyone[id_], roster, matrix.space) | results)
+    return found
+
+
+def _mutant(scored: MutantScore, roster: Roster, space: Space) -> dict[str, Any]:
+    subject = scored.subject
+    first = scored.earliest
+    return {
+        "id": subject.id,
+        "cell": cell_of(subject.id),
+        "guideword": subject.guideword,
+        "parameter": subject.parameter,
+        "magnitude": subject.magnitude,
+        "control": roster.is_control(subject),
+        "counts": roster.counts(subject),
+        "status": scored.status.value,
+        "kill_rate": ratio_json(scored.kill_rate),
+        "kill_rate_flown": ratio_json(scored.kill_rate_flown),
+        "operability": ratio_json(scored.operability),
+        "requirements": {name: ratio_json(ratio) for name, ratio in scored.requirements},
+        "condition": scored.condition(space),
+        "earliest": {"requirement": first.requirement, "t_s": first.t_s, "flight": f"{first.situation}/{first.seed}"}
+        if first
+        else None,
+        "rungs": {status.value: count for status, count in scored.rungs},
+    }
+
+
+def _result(entry: Entry) -> list[int] | None:
+    """Status, kills, eligible, flown, decision; the words by their place in a list."""
+    if entry.state not in STATUSES:
+        return None
+    decision = DECISIONS.index(entry.decision) if entry.decision else -1
+    return [STATUSES.index(entry.state), entry.kills, entry.eligible, entry.flown, decision]
+
+
+def by_situation(scored: Score, roster: Roster, keys: Sequence[str]) -> list[dict[str, int]]:
+    """Per situation the default mutants killed, of those eligible there, and of those flown."""
+    counted = [mutant for mutant in scored.mutants if roster.counts(mutant.subject)]
+    found = []
+    for key in keys:
+        results = [result for mutant in counted for result in mutant.results if result.situation == key]
+        found.append(
+            {
+                "killed": sum(result.kills > 0 for result in results),
+                "eligible": sum(result.eligible > 0 for result in results),
+                "flown": sum(result.flown > 0 for result in results),
+            }
+        )
+    return found

@@ -1,0 +1,54 @@
+"""`report`: the page of a campaign, where it is asked for."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+from click.testing import Result
+
+Call = Callable[..., Result]
+
+
+def _figures(path: Path) -> dict[str, object]:
+    found = re.search(r'id="figures">(.*?)</script>', path.read_text(encoding="utf-8"), re.DOTALL)
+    assert found
+    told: dict[str, object] = json.loads(found[1])
+    return told
+
+
+def test_the_page_of_a_campaign_is_written_into_its_folder_and_says_what_score_says(call: Call, tmp_path: Path) -> None:
+    call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
+    result = call("report")
+    assert result.exit_code == 0, result.output
+    path = tmp_path / "campaign" / "report.html"
+    assert result.stdout == f"report: {path} ({len(path.read_bytes()) / 1e6:.1f} MB)\n"
+    told = _figures(path)
+    scored = json.loads(call("score", "--format", "json").stdout)
+    ratios = {ratio["name"]: ratio for ratio in told["ratios"]}  # type: ignore[attr-defined]
+    for name, ratio in scored["ratios"].items():
+        assert (ratios[name]["part"], ratios[name]["whole"]) == (ratio["part"], ratio["whole"])
+        assert ratios[name]["interval"] == ratio["interval"]
+    assert told["coverage"]["t_way"] == scored["coverage"]["t_way"]  # type: ignore[index]
+    rows = json.loads(call("export").stdout)
+    assert told["flights"] == len(rows)
+
+
+def test_the_page_can_go_elsewhere_and_the_same_campaign_makes_the_same_bytes(call: Call, tmp_path: Path) -> None:
+    call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--quiet")
+    pages = [tmp_path / "a.html", tmp_path / "b.html"]
+    for path in pages:
+        assert call("report", "--output", str(path)).exit_code == 0
+    assert pages[0].read_bytes() == pages[1].read_bytes()
+
+
+def test_without_a_campaign_or_a_place_to_write_it_is_one_sentence(call: Call, tmp_path: Path) -> None:
+    for words in (("--campaign", f"{tmp_path}/none/c"), ("--output", f"{tmp_path}/no/report.html")):
+        result = call("report", *words, campaign=words[0] != "--campaign")
+        assert result.exit_code == 2
+        assert result.stdout == ""
+        (line,) = result.stderr.strip().splitlines()
+        assert line.startswith("error: ")
+    assert not list(tmp_path.rglob("*.html"))

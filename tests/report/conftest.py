@@ -1,0 +1,88 @@
+"""A campaign on paper, one with hostile names; makes the helpers beside these tests importable."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from papers import HOSTILE, STUDY, campaign, evidence_of
+
+from scaloft_fi.document import load
+from scaloft_fi.report.evidence import Evidence
+from scaloft_fi.report.page import page
+from scaloft_fi.study import Study
+
+
+@pytest.fixture(scope="session")
+def study() -> Study:
+    return Study.open(STUDY)
+
+
+@pytest.fixture(scope="session")
+def evidence(study: Study) -> Evidence:
+    """Two seeds, one flight that failed, one killed with one seed only."""
+    outcomes = list(campaign(study))
+    broken = next(i for i, o in enumerate(outcomes) if o.mutant == "LESS-goal@0.05m")
+    outcomes[broken] = replace(
+        outcomes[broken], invalid="the worker died", readings=(), violations=(), track=b"", digest="", ending=""
+    )
+    return evidence_of(study, outcomes)
+
+
+@pytest.fixture(scope="session")
+def hostile(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
+    """A study whose titles, reasons and names try to be markup, in a folder with such a name."""
+    import yaml
+
+    folder = tmp_path_factory.mktemp("hostile") / "st\"u'dy <b onclick=alert(1)>&amp;"
+    for name in ("hazop", "mutants", "sim"):
+        shutil.copytree(STUDY / name, folder / name)
+
+    def change(path: Path, edit: Callable[[dict[str, Any]], None]) -> None:
+        document = load(path).plain()
+        edit(document)
+        path.write_text(yaml.safe_dump(document, allow_unicode=True, sort_keys=False), encoding="utf-8")
+
+    def titles(document: dict[str, Any]) -> None:
+        for number, entry in enumerate(document.values()):
+            entry["title"] = HOSTILE[number % len(HOSTILE)]
+            entry["intent" if "intent" in entry else "meaning"] = HOSTILE[(number + 1) % len(HOSTILE)]
+
+    def axes(document: dict[str, Any]) -> None:
+        for number, axis in enumerate(document["axes"].values()):
+            axis["title"] = HOSTILE[number]
+            for place, value in enumerate(axis["values"]):
+                value["title"] = HOSTILE[(number + place + 1) % len(HOSTILE)]
+
+    def requirements(document: dict[str, Any]) -> None:
+        for number, requirement in enumerate(document["requirements"].values()):
+            requirement["title"] = requirement["unit"] = HOSTILE[number]
+
+    change(folder / "hazop" / "parameters.yaml", titles)
+    change(folder / "hazop" / "guidewords.yaml", titles)
+    change(folder / "sim" / "situations.yaml", axes)
+    change(folder / "sim" / "requirements.yaml", requirements)
+    study = Study.open(folder)
+    outcomes = list(campaign(study, ("LATE-human@3s", "REVERSE-velcmd"), range(1)))
+    outcomes = [replace(o, stack_error=HOSTILE[0]) if o.mutant.startswith("LATE") else o for o in outcomes]
+    return Evidence(study, HOSTILE[0], tuple(outcomes), fingerprint={HOSTILE[1]: HOSTILE[2]})
+
+
+@pytest.fixture(scope="session")
+def text(evidence: Evidence) -> str:
+    """The page of the campaign on paper."""
+    return page(evidence)
+
+
+@pytest.fixture(scope="session")
+def hostile_text(hostile: Evidence) -> str:
+    """The page of the hostile study."""
+    return page(hostile)

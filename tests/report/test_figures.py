@@ -1,0 +1,168 @@
+"""Every figure of the page equals what a script of one's own makes of `export`."""
+
+from __future__ import annotations
+
+import json
+from collections import defaultdict
+from itertools import combinations, pairwise
+from typing import Any
+
+import pytest
+from reading import embedded, unpacked
+
+from scaloft_fi.report.evidence import Evidence
+from scaloft_fi.report.page import page
+from scaloft_fi.results.export import export_rows, to_json
+
+SAFETY = ("SR1", "SR2")
+DEFAULTS = {"LATE-human@3s", "MORE-goal@0.6m", "NO-depth@3s", "LESS-goal@0.05m"}
+CONTROLS = {"REVERSE-velcmd"}
+
+
+@pytest.fixture(scope="module")
+def told(text: str) -> dict[str, Any]:
+    found: dict[str, Any] = embedded(text, "figures")
+    return found
+
+
+@pytest.fixture(scope="module")
+def rows(evidence: Evidence) -> list[dict[str, Any]]:
+    study = evidence.study
+    found: list[dict[str, Any]] = json.loads(to_json(export_rows(evidence.outcomes, study.roster, study.space)))
+    return found
+
+
+def _eligible(row: dict[str, Any], rows: list[dict[str, Any]]) -> bool:
+    """Infected, and the baseline held a safety requirement to its end."""
+    clean = next(
+        r for r in rows if (r["mutant"], r["situation"], r["seed"]) == ("baseline", row["situation"], row["seed"])
+    )
+    held = [name for name in SAFETY if name not in clean["violated"]]
+    return (
+        row["status"] != "invalid" and row["infected_at_s"] is not None and clean["ending"] != "struck" and bool(held)
+    )
+
+
+def _tested(rows: list[dict[str, Any]]) -> dict[str, dict[str, list[int]]]:
+    """By mutant and situation: killed, eligible and flown flights."""
+    found: dict[str, dict[str, list[int]]] = defaultdict(lambda: defaultdict(lambda: [0, 0, 0]))
+    for row in rows:
+        if row["mutant"] in ("baseline", "PLACEBO"):
+            continue
+        counts = found[row["mutant"]][row["situation"]]
+        counts[0] += row["status"] == "killed" and _eligible(row, rows)
+        counts[1] += _eligible(row, rows)
+        counts[2] += row["status"] != "invalid"
+    return found
+
+
+def test_results_and_kill_rates_are_those_of_the_export(told: dict[str, Any], rows: list[dict[str, Any]]) -> None:
+    tested = _tested(rows)
+    keys = [situation["key"] for situation in told["situations"]]
+    assert {mutant["id"] for mutant in told["mutants"]} == set(tested)
+    for mutant in told["mutants"]:
+        counts = tested[mutant["id"]]
+        assert [result[1:4] for result in mutant["results"]] == [counts[key] for key in keys]
+        assert mutant["kill_rate"]["part"] == sum(k > 0 for k, _, _ in counts.values())
+        assert mutant["kill_rate"]["whole"] == sum(e > 0 for _, e, _ in counts.values())
+        assert mutant["kill_rate_flown"]["whole"] == sum(f > 0 for _, _, f in counts.values())
+        assert (mutant["counts"], mutant["control"]) == (mutant["id"] in DEFAULTS, mutant["id"] in CONTROLS)
+
+
+def test_the_ratios_are_those_of_the_export(told: dict[str, Any], rows: list[dict[str, Any]]) -> None:
+    tested = {mutant: counts for mutant, counts in _tested(rows).items() if mutant in DEFAULTS}
+    infected = {row["mutant"] for row in rows if row["infected_at_s"] is not None}
+    killed = sum(any(k for k, _, _ in counts.values()) for counts in tested.values())
+    eligible = sum(any(e for _, e, _ in counts.values()) for counts in tested.values())
+    ratios = {ratio["name"]: (ratio["part"], ratio["whole"]) for ratio in told["ratios"]}
+    credible = sum(cell["status"] == "credible" for cell in told["cells"])
+    assert ratios["exercised"] == (len(tested), credible)
+    assert ratios["infected"] == (len(infected & DEFAULTS), len(tested))
+    assert ratios["mutation_score"] == (killed, eligible)
+    assert ratios["strict_score"] == (killed, len(tested))
+    assert all(ratio["population"] and len(ratio["interval"]) == 2 for ratio in told["ratios"])
+
+
+def test_the_line_below_the_matrix_counts_default_mutants(told: dict[str, Any], rows: list[dict[str, Any]]) -> None:
+    tested = _tested(rows)
+    for situation, counts in zip(told["situations"], told["by_situation"], strict=True):
+        here = [tested[mutant][situation["key"]] for mutant in DEFAULTS]
+        assert (counts["killed"], counts["eligible"]) == (
+            sum(k > 0 for k, _, _ in here),
+            sum(e > 0 for _, e, _ in here),
+        )
+
+
+def test_baseline_findings_and_coverage_are_those_of_the_export(
+    told: dict[str, Any], rows: list[dict[str, Any]]
+) -> None:
+    red = defaultdict(int)
+    for row in rows:
+        red[row["situation"]] += row["mutant"] == "baseline" and row["status"] == "violated"
+    assert {finding["situation"]: finding["red"] for finding in told["baseline"]} == red
+    assert told["gates"]["green_situations"] == {"part": sum(count == 0 for count in red.values()), "whole": 32}
+    assert told["gates"]["invalid_flights"] == sum(row["status"] == "invalid" for row in rows)
+    assert told["coverage"]["situations"] == {"part": 32, "whole": 32}
+    assert told["coverage"]["t_way"]["2"] == {"part": 40, "whole": 40}
+    assert (told["flights"], told["seeds"]) == (len(rows), [0, 1])
+
+
+def test_every_flight_tells_what_its_row_of_the_export_tells(
+    text: str, told: dict[str, Any], rows: list[dict[str, Any]]
+) -> None:
+    quanta = [entry["quantum"] for entry in told["columns"]]
+    flights = {
+        (flight["mutant"], key, flight["seed"]): flight
+        for key, pack in embedded(text, "flights").items()
+        for flight in unpacked(pack, quanta)
+    }
+    names = [requirement["name"] for requirement in told["requirements"]]
+    for row in rows:
+        if row["mutant"] == "PLACEBO":
+            continue
+        flight = flights.pop((row["mutant"], row["situation"], row["seed"]))
+        assert {key: flight[key] for key in ("status", "ending", "struck", "infected_at_s", "duration_s")} == {
+            key: row[key] for key in ("status", "ending", "struck", "infected_at_s", "duration_s")
+        }
+        readings = dict(zip(names, flight["readings"], strict=True))
+        assert [name for name, reading in readings.items() if reading and reading[2] == "violated"] == row["violated"]
+        assert {f"rho_{name}": reading and reading[0] for name, reading in readings.items()}.items() <= row.items()
+    assert not flights
+
+
+def test_neighbouring_columns_differ_in_one_axis(told: dict[str, Any]) -> None:
+    levels = [situation["levels"] for situation in told["situations"]]
+    for one, next_ in pairwise(levels):
+        assert sum(a != b for a, b in zip(one, next_, strict=True)) == 1
+
+
+def test_the_smallest_suite_and_the_minimal_mutants_are_those_of_brute_force(
+    told: dict[str, Any], rows: list[dict[str, Any]]
+) -> None:
+    kills = {
+        mutant: {key for key, (killed, _, _) in counts.items() if killed}
+        for mutant, counts in _tested(rows).items()
+        if mutant in DEFAULTS
+    }
+    kills = {mutant: keys for mutant, keys in kills.items() if keys}
+    keys = [situation["key"] for situation in told["situations"]]
+    least = next(
+        size for size in range(4) for chosen in combinations(keys, size) if all(set(chosen) & k for k in kills.values())
+    )
+    assert len(told["suite"]["situations"]) == least
+    minimal = {m for m, k in kills.items() if not any(other < k for other in kills.values())}
+    assert {m for node in told["subsumption"]["nodes"] if node["minimal"] for m in node["mutants"]} == minimal
+
+
+def test_a_ladder_has_a_rung_for_each_magnitude_flown(told: dict[str, Any]) -> None:
+    (ladder,) = told["ladders"]
+    assert ladder["cell"] == "LATE-human"
+    assert [(rung["magnitude"], rung["default"]) for rung in ladder["rungs"]] == [("1s", False), ("3s", True)]
+
+
+def test_gates_that_fail_are_told(evidence: Evidence) -> None:
+    from dataclasses import replace
+
+    outcomes = tuple(replace(o, digest="other") if o.mutant == "PLACEBO" else o for o in evidence.outcomes)
+    told = embedded(page(replace(evidence, outcomes=outcomes)), "figures")
+    assert "PLACEBO differs" in told["gates"]["failed"]
