@@ -23,6 +23,7 @@ VERBS: dict[str, tuple[str, str]] = {
     "merge": ("scaloft_fi.cli.merge:merge_command", "join campaigns that were flown in parts"),
     "status": ("scaloft_fi.cli.status:status_command", "what a campaign holds"),
     "score": ("scaloft_fi.cli.score:score_command", "the tables of a campaign again, without flying"),
+    "worksheet": ("scaloft_fi.cli.worksheet:worksheet_command", "the HAZOP worksheet filled back with the findings"),
     "dispositions": (
         "scaloft_fi.cli.dispositions:dispositions_command",
         "the survivors beside those that were accepted",

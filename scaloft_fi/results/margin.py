@@ -28,9 +28,11 @@ class Answer(StrEnum):
     KILLED = "killed"
     """A flight of some seed is killed: kills are counted as they are observed."""
     SURVIVED = "survived"
-    """None is, and the fault was put to the test, or changed no sample."""
+    """None is, and the fault was put to the test."""
+    HARMLESS = "harmless"
+    """Samples came, and none was changed: a survival, where another magnitude changes some."""
     UNTESTED = "untested"
-    """None is, but no baseline held to its end a safety requirement that the cell puts at risk: nothing could show."""
+    """None is, but no sample came, or no baseline held to its end a safety requirement that the cell puts at risk."""
 
 
 @dataclass(frozen=True)
@@ -106,6 +108,7 @@ class Margin:
         again: magnitudes that survive although a milder one kills: the response is not monotone.
         tried: every magnitude flown, mild to severe.
         situations: keys of those it speaks of.
+        shown: whether any magnitude killed or was put to the test; else nothing is told of the threshold.
     """
 
     scale: Scale
@@ -114,11 +117,12 @@ class Margin:
     again: tuple[float, ...] = ()
     tried: tuple[Tried, ...] = ()
     situations: tuple[str, ...] = ()
+    shown: bool = True
 
     @property
     def told(self) -> bool:
         """Whether the flights say anything of the threshold."""
-        return self.survives is not None or self.kills is not None
+        return self.shown and (self.survives is not None or self.kills is not None)
 
     def __str__(self) -> str:
         """The threshold in a cell of a table; `!` where the response is not monotone.
@@ -129,9 +133,11 @@ class Margin:
         >>> str(Margin(Scale("m", -1), 0.1, None)), str(Margin(s, 1.0, 3.0, (5.0,)))
         ('< 0.1 m', '1-3 s !')
         """
+        if not self.told:
+            return "?"
         beyond, within = (">", "<=") if self.scale.sign > 0 else ("<", ">=")
         if self.kills is None:
-            text = "?" if self.survives is None else f"{beyond} {self.scale.said(self.survives)}"
+            text = f"{beyond} {self.scale.said(self.survives or 0.0)}"
         elif self.survives is None:
             text = f"{within} {self.scale.said(self.kills)}"
         elif self.scale.close(self.survives, self.kills):
@@ -162,11 +168,13 @@ def margin_of(scale: Scale, tried: Iterable[Tried], situation: str = "") -> Marg
     """What the flights of one situation say of the threshold there."""
     told = sorted(tried, key=lambda entry: scale.severity(entry.magnitude))
     killed = [entry.magnitude for entry in told if entry.answer is Answer.KILLED]
-    survived = [entry.magnitude for entry in told if entry.answer is Answer.SURVIVED]
+    survived = [entry.magnitude for entry in told if entry.answer in (Answer.SURVIVED, Answer.HARMLESS)]
+    shown = any(entry.answer in (Answer.KILLED, Answer.SURVIVED) for entry in told)
     kills = killed[0] if killed else None
     milder = [m for m in survived if kills is None or scale.severity(m) < scale.severity(kills)]
     again = () if kills is None else tuple(m for m in survived if scale.severity(m) > scale.severity(kills))
-    return Margin(scale, milder[-1] if milder else None, kills, again, tuple(told), (situation,) if situation else ())
+    survives = milder[-1] if milder else None
+    return Margin(scale, survives, kills, again, tuple(told), (situation,) if situation else (), shown)
 
 
 def lowest(margins: Iterable[Margin]) -> Margin | None:
@@ -214,15 +222,22 @@ def tried_in(outcomes: Iterable[Outcome], matrix: Matrix) -> Mapping[tuple[Subje
 
 def _tried(magnitude: float, flights: Sequence[Flight], at_risk: Collection[str]) -> Tried:
     killed = [flight for flight in flights if flight.status is Status.KILLED]
-    harmless = not any(flight.status.infected for flight in flights)
-    tested = harmless or any(_held(flight.baseline, at_risk) for flight in flights if flight.baseline)
+    infecting = [flight for flight in flights if flight.status.infected]
+    if killed:
+        answer = Answer.KILLED
+    elif not infecting:
+        reached = any(flight.status is Status.NOT_INFECTED for flight in flights)
+        answer = Answer.HARMLESS if reached else Answer.UNTESTED
+    else:
+        tested = any(_held(flight.baseline, at_risk) for flight in infecting if flight.baseline)
+        answer = Answer.SURVIVED if tested else Answer.UNTESTED
     rho: dict[str, float] = {}
     for flight in flights:
         for reading in flight.outcome.readings:
             rho[reading.requirement] = min(reading.rho, rho.get(reading.requirement, math.inf))
     return Tried(
         magnitude,
-        Answer.KILLED if killed else Answer.SURVIVED if tested else Answer.UNTESTED,
+        answer,
         len(killed),
         len(flights),
         tuple(dict.fromkeys(name for flight in killed for name in flight.kills)),

@@ -48,7 +48,7 @@ def _table(subject: Subject, listed: Sequence[Margin], requirements: Sequence[Re
         notes.append("Not monotone (!): magnitudes under `again` survive although a milder one kills.")
     if any(not margin.told for margin in listed):
         notes.append(
-            "?: the baseline holds no safety requirement that the cell puts at risk; nothing could be shown there."
+            "?: the baseline holds no safety requirement that the cell puts at risk, or the fault changes nothing."
         )
     notes += [f"{r.name}: {r.title}  {_limit(r)}" for r in requirements if r.name in killers]
     if seeds == 1:
@@ -91,7 +91,7 @@ def _at(margin: Margin, magnitude: float | None) -> Tried:
 
 
 def _said(margin: Margin, magnitude: float | None) -> str:
-    return "" if magnitude is None else margin.scale.said(magnitude)
+    return "" if magnitude is None or not margin.told else margin.scale.said(magnitude)
 
 
 def _number(value: float) -> str:

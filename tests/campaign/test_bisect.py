@@ -130,6 +130,17 @@ def test_where_nothing_can_be_shown_only_the_ladder_is_flown() -> None:
     assert str(found) == "?"
 
 
+def test_what_changes_no_sample_on_the_ladder_may_do_so_beyond_and_else_tells_nothing() -> None:
+    def late(magnitude: float) -> Answer:
+        return Answer.KILLED if magnitude >= 9 else Answer.HARMLESS
+
+    assert searched(LATE, late)[0].kills == pytest.approx(9.0, rel=0.1)
+    found, flown = searched(LATE, lambda _m: Answer.HARMLESS)
+    assert len(flown) == len(LADDER) + WIDENINGS
+    assert str(found) == "?"
+    assert not found.told
+
+
 @given(st.floats(0.01, 40.0), st.integers(0, 12))
 def test_a_search_that_is_stopped_goes_on_as_if_it_had_not_been(threshold: float, stop: int) -> None:
     response = kills_from(threshold)

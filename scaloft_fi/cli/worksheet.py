@@ -1,0 +1,69 @@
+"""`scaloft-fi worksheet`: the HAZOP worksheet filled back with what the flights say."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from scaloft_fi.cli.files import check_writable, write
+from scaloft_fi.cli.options import FORMATS, campaign_option, study_option
+
+if TYPE_CHECKING:
+    from scaloft_fi.results.worksheet import Row
+
+
+@click.command("worksheet")
+@study_option
+@campaign_option
+@click.option(
+    "--format",
+    "style",
+    type=click.Choice((*FORMATS, "xlsx")),
+    default="table",
+    show_default=True,
+    help="How the sheet is written; csv, xlsx and json have every column.  A text that a spreadsheet would take for a "
+    "formula begins with ' in csv, and is a plain text in xlsx.",
+)
+@click.option("--output", type=click.Path(path_type=Path), metavar="FILE", help="Write the sheet to FILE.")
+def worksheet_command(study_folder: Path | None, campaign: str, style: str, output: Path | None) -> None:
+    """Print the HAZOP worksheet: every deviation beside what its default mutant did in the campaign.
+
+    Deviations that are not credible stand in a log with their reason.  What only a team can judge (severity,
+    likelihood, recommendation, ...) is left empty.
+    """
+    if style == "xlsx" and output is None:
+        raise click.UsageError("--format xlsx goes into a file: name it with --output")
+    check_writable(output)
+    from scaloft_fi.campaign.held import current
+    from scaloft_fi.results.score import score
+    from scaloft_fi.results.worksheet import worksheet
+    from scaloft_fi.study import Study
+
+    study = Study.open(study_folder)
+    outcomes = current(study, campaign)
+    scored = score(outcomes, study.roster, study.space)
+    rows = worksheet(study.matrix, outcomes, scored, study.space, study.dispositions)
+    content = _content(rows, style)
+    if output is None:
+        click.echo(content.decode(), nl=False)
+    else:
+        write(output, content)
+
+
+def _content(rows: Sequence[Row], style: str) -> bytes:
+    if style == "xlsx":
+        from scaloft_fi.results.spreadsheet import to_xlsx
+
+        return to_xlsx(rows)
+    if style == "json":
+        import json
+
+        from scaloft_fi.results.worksheet import to_records
+
+        return (json.dumps(to_records(rows), indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()
+    from scaloft_fi.results.worksheet_text import to_csv, to_latex, to_markdown, to_text
+
+    return {"table": to_text, "markdown": to_markdown, "csv": to_csv, "latex": to_latex}[style](rows).encode()
