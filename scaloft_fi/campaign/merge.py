@@ -46,10 +46,10 @@ def merge(study: Study, folder: Path, sources: Sequence[Path]) -> Merged:
     """
     stores = [existing(source) for source in sources]  # all are there before anything is made
     with Store(writable(folder) / STORE_NAME) as target:
-        rows, plans, warnings = dict(target.rows()), list(target.planned()), list[str]()
+        rows, plans, warnings = dict(target.keyed()), list(target.planned()), list[str]()
         before = {key for key, outcome in rows.items() if not outcome.invalid}
         ours = target.meta()
-        known = 0
+        known, taken = 0, dict[str, Path]()
         for path in stores:
             with Store(path, create=False) as source:
                 theirs = source.meta()
@@ -57,7 +57,7 @@ def merge(study: Study, folder: Path, sources: Sequence[Path]) -> Merged:
                 changed = differences(ours, theirs) if theirs else []
                 if changed:
                     warnings.append(f"{path.parent} was flown on another platform: {', '.join(changed)}")
-                for key, outcome in source.rows():
+                for key, outcome in source.keyed():
                     clash = _clash(rows.get(key), outcome)
                     if clash and not changed:
                         raise GateError(f"{outcome.name} in {path.parent} is not the flight in {folder}: {clash}")
@@ -65,15 +65,16 @@ def merge(study: Study, folder: Path, sources: Sequence[Path]) -> Merged:
                         warnings.append(f"{outcome.name} violates other requirements in {path.parent}; it is left out")
                     known += key in rows
                     if key not in rows or rows[key].invalid:
-                        rows[key] = outcome
+                        rows[key], taken[key] = outcome, path
                 plans += source.planned()
                 target.set_notes(source.notes())
         dropped = _spare_canaries(study, rows, plans)
         target.set_meta(ours or fingerprint())
         target.plan(flight for flight in plans if flight.key not in dropped)
-        for key, outcome in rows.items():
-            if key not in dropped:
-                target.put(key, outcome)
+        for path in stores:
+            with Store(path, create=False) as source:
+                keys = [key for key, where in taken.items() if where == path and key not in dropped]
+                target.put_all(source.rows(keys))
         write_log(study, folder, held_in(study, target, folder).current)
     added = {key for key, outcome in rows.items() if not outcome.invalid} - before - dropped
     return Merged(len(added), known, tuple(warnings))

@@ -1,23 +1,143 @@
-"""An outcome as plain JSON values and back."""
+"""An outcome as a row of the store's table and back: what queries ask for as columns, the rest as lines of JSON."""
 
 from __future__ import annotations
 
 import base64
-from collections.abc import Mapping
-from dataclasses import asdict, fields
-from typing import Any
+import json
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import fields
+from sys import intern
+from typing import Any, TypeVar
 
 from scaloft_fi.results.outcome import Outcome, Subject, Violation
 from scaloft_fi.results.requirement import Kind, Reading
 
+Row = tuple[Any, ...]
+"""Values of `COLUMNS`."""
 
-def to_json(outcome: Outcome) -> dict[str, Any]:
-    """Plain JSON values."""
-    return asdict(outcome) | {"track": base64.b64encode(outcome.track).decode()}
+_SUBJECT = {"mutant": "TEXT", "guideword": "TEXT", "parameter": "TEXT", "magnitude": "TEXT"}
+_FACTS = {
+    "situation": "TEXT",
+    "seed": "INTEGER",
+    "ending": "TEXT",
+    "invalid": "TEXT",
+    "truncated": "TEXT",
+    "carried": "INTEGER",
+    "altered": "INTEGER",
+    "infected_at_s": "REAL",
+    "struck": "TEXT",
+    "duration_s": "REAL",
+    "digest": "TEXT",
+    "perceived_digest": "TEXT",
+    "stack_error": "TEXT",
+}
+_LINES = {"readings": "TEXT", "violations": "TEXT", "realised": "TEXT"}
+COLUMNS: Mapping[str, str] = {**_SUBJECT, **_FACTS, **_LINES}
+"""The columns and their types, all of an outcome but its track.
+
+The last three hold one entry a line, each a JSON list of its fields in their order: most lines are the same in many
+flights, and a line is read once.
+"""
+
+
+def to_row(outcome: Outcome) -> Row:
+    """The values of `COLUMNS`.
+
+    Raises:
+        ValueError: a number in it is not finite.
+    """
+    subject = outcome.subject
+    return (
+        *(subject.id, subject.guideword, subject.parameter, subject.magnitude),
+        *(getattr(outcome, name) for name in _FACTS),
+        _lines([getattr(reading, name) for name in _READING] for reading in outcome.readings),
+        _lines([getattr(violation, name) for name in _VIOLATION] for violation in outcome.violations),
+        _lines(outcome.realised),
+    )
+
+
+_READING = [field.name for field in fields(Reading)]
+_VIOLATION = [field.name for field in fields(Violation)]
+
+
+def _lines(entries: Iterable[Sequence[Any]]) -> str:
+    return "\n".join(json.dumps(entry, allow_nan=False) for entry in entries)
+
+
+class Reader:
+    """Makes outcomes of rows; what is equal in them is one object."""
+
+    def __init__(self) -> None:
+        self._subjects: dict[Row, Subject] = {}
+        self._readings: dict[str, Reading] = {}
+        self._violations: dict[str, Violation] = {}
+        self._realised: dict[str, tuple[str, bool]] = {}
+
+    def __call__(self, row: Row, track: bytes = b"") -> Outcome:
+        """The outcome whose `to_row` this is."""
+        subject = self._subjects.get(row[:4])
+        if subject is None:
+            subject = self._subjects[row[:4]] = Subject(*map(intern, row[:4]))
+        situation, seed, ending, invalid, truncated, carried, altered, infected_at_s, struck, duration_s = row[4:14]
+        digest, perceived_digest, stack_error, readings, violations, realised = row[14:]
+        return Outcome(
+            subject,
+            intern(situation),
+            seed,
+            intern(ending),
+            invalid,
+            _entries(readings, self._readings, _reading),
+            _entries(violations, self._violations, _violation),
+            carried,
+            altered,
+            infected_at_s,
+            intern(struck),
+            duration_s,
+            digest,
+            perceived_digest,
+            stack_error,
+            truncated,
+            _entries(realised, self._realised, _came_true),
+            track,
+        )
+
+
+T = TypeVar("T")
+
+
+def _entries(text: str, known: dict[str, T], read: Callable[[str], T]) -> tuple[T, ...]:
+    """The entries of a column; `known` are those read before, by their lines."""
+    if not text:
+        return ()
+    found = []
+    for line in text.split("\n"):
+        entry = known.get(line)
+        if entry is None:
+            entry = known[line] = read(line)
+        found.append(entry)
+    return tuple(found)
+
+
+def _reading(line: str) -> Reading:
+    name, kind, *rest = json.loads(line)
+    return Reading(intern(name), _KINDS[kind], *rest)
+
+
+def _violation(line: str) -> Violation:
+    name, kind, t_s, x, y, z, struck = json.loads(line)
+    return Violation(intern(name), _KINDS[kind], t_s, x, y, z, intern(struck))
+
+
+def _came_true(line: str) -> tuple[str, bool]:
+    axis, came_true = json.loads(line)
+    return intern(axis), came_true
+
+
+_KINDS = {kind.value: kind for kind in Kind}
 
 
 def from_json(values: Mapping[str, Any]) -> Outcome:
-    """The outcome that `to_json` wrote; unknown keys are ignored."""
+    """The outcome in an object by names, as stores before schema 4 have it; unknown names are ignored."""
     known = {field.name: values[field.name] for field in fields(Outcome) if field.name in values}
     known["subject"] = Subject(**values["subject"])
     known["readings"] = tuple(Reading(**{**entry, "kind": Kind(entry["kind"])}) for entry in values["readings"])

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import sqlite3
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import NamedTuple
@@ -14,43 +14,33 @@ from typing import NamedTuple
 from scaloft_fi.errors import InputError
 from scaloft_fi.results.origin import Origin
 from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.record import from_json, to_json
+from scaloft_fi.results.record import COLUMNS, Reader
+from scaloft_fi.results.schema import SCHEMA, insert, migrate
 
 _NOTE = "note: "
 BUSY_S = 30.0
 """How long a writer waits for another process [s]."""
 
-_STEPS = (
+
+class Flown(NamedTuple):
+    """What an outcome is of.
+
+    Attributes:
+        key: its content hash.
+        mutant, situation, seed: what was flown, where.
+        truncated: why it was cut; empty for a whole flight.
+        origin: number of what entered the key, by which `origins` has it; None where it was never planned.
     """
-CREATE TABLE IF NOT EXISTS meta (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
-CREATE TABLE IF NOT EXISTS outcomes (
-    key TEXT PRIMARY KEY,
-    mutant TEXT NOT NULL,
-    situation TEXT NOT NULL,
-    seed INTEGER NOT NULL,
-    valid INTEGER NOT NULL,
-    outcome TEXT NOT NULL,
-    track BLOB NOT NULL
-) WITHOUT ROWID;
-CREATE INDEX IF NOT EXISTS outcomes_by_flight ON outcomes (mutant, situation, seed);
-""",
-    """
-CREATE TABLE IF NOT EXISTS plan (
-    key TEXT PRIMARY KEY,
-    mutant TEXT NOT NULL,
-    situation TEXT NOT NULL,
-    seed INTEGER NOT NULL,
-    canary INTEGER NOT NULL
-) WITHOUT ROWID;
-""",
-    """
-CREATE TABLE origins (id INTEGER PRIMARY KEY, parts TEXT NOT NULL UNIQUE);
-ALTER TABLE plan ADD COLUMN origin INTEGER REFERENCES origins (id);
-""",
-)
-"""What brings a store of schema n to n + 1, a new one from 0 on."""
-SCHEMA = len(_STEPS)
-"""Version of the tables; a store of an earlier one is brought to it, one of a later one is refused."""
+
+    key: str
+    mutant: str
+    situation: str
+    seed: int
+    truncated: str
+    origin: int | None
+
+
+_FLOWN = len(Flown._fields)
 
 
 class Planned(NamedTuple):
@@ -104,11 +94,8 @@ class Store:
         run("PRAGMA synchronous=FULL")
         if current:
             return
-        with self._transaction():  # another process may have been faster
-            for step in _STEPS[self._schema() :]:
-                for statement in filter(str.strip, step.split(";")):
-                    run(statement)
-            run(f"PRAGMA user_version={SCHEMA}")
+        with self._transaction():
+            migrate(self._connection, self._schema())  # asked again, as another process may have been faster
 
     def _schema(self) -> int:
         """Version of the tables in the file.
@@ -141,10 +128,11 @@ class Store:
             self._connection.execute("BEGIN IMMEDIATE")
             try:
                 yield
+                self._connection.execute("COMMIT")
             except BaseException:
-                self._connection.execute("ROLLBACK")
+                if self._connection.in_transaction:  # SQLite itself takes it back when the disk is full
+                    self._connection.execute("ROLLBACK")
                 raise
-            self._connection.execute("COMMIT")
 
     def put(self, key: str, outcome: Outcome) -> bool:
         """Keep an outcome; one that counts is never replaced, an invalid one gives way to any later.
@@ -154,43 +142,73 @@ class Store:
         Raises:
             InputError: the store cannot be written.
         """
-        text = json.dumps(to_json(replace(outcome, track=b"")), sort_keys=True, allow_nan=False)
-        row = (key, outcome.mutant, outcome.situation, outcome.seed, not outcome.invalid, text, outcome.track)
         with self._transaction():
-            cursor = self._connection.execute(
-                "INSERT INTO outcomes VALUES (?, ?, ?, ?, ?, ?, ?) ON CONFLICT (key) DO UPDATE SET"
-                " valid = excluded.valid, outcome = excluded.outcome, track = excluded.track"
-                " WHERE outcomes.valid = 0 AND outcomes.outcome != excluded.outcome",
-                row,
-            )
-            return cursor.rowcount > 0
+            return insert(self._connection, key, outcome)
+
+    def put_all(self, rows: Iterable[tuple[str, Outcome]]) -> None:
+        """Keep outcomes with their keys as `put` does, all of them or, when it fails, none.
+
+        Raises:
+            InputError: the store cannot be written.
+        """
+        with self._transaction():
+            for key, outcome in rows:
+                insert(self._connection, key, outcome)
 
     def get(self, key: str) -> Outcome | None:
         """The outcome under a key with its track, None when there is none."""
-        with _sentences(self.path):
-            row = self._connection.execute("SELECT outcome, track FROM outcomes WHERE key = ?", (key,)).fetchone()
-        return None if row is None else replace(from_json(json.loads(row[0])), track=bytes(row[1]))
+        return next((outcome for _, outcome in self.rows([key])), None)
+
+    def rows(self, keys: Iterable[str] | None = None) -> Iterator[tuple[str, Outcome]]:
+        """Every outcome, or those under `keys`, one by one, each with its key and its track, ordered by key."""
+        read = Reader()
+        track = "(SELECT tracks.track FROM tracks WHERE tracks.id = outcomes.track)"
+        query = f"SELECT {track}, {', '.join(COLUMNS)} FROM outcomes WHERE key = ?"
+        for key in sorted(keys if keys is not None else (flight.key for flight in self.flights())):
+            with _sentences(self.path):
+                row = self._connection.execute(query, (key,)).fetchone()
+            if row is not None:
+                yield key, read(row[1:], row[0] or b"")
 
     def known(self, keys: Iterable[str]) -> set[str]:
         """Those of `keys` that have an outcome that counts."""
         with _sentences(self.path):
-            valid = {row[0] for row in self._connection.execute("SELECT key FROM outcomes WHERE valid = 1")}
-        return valid & set(keys)
+            found = {key for (key,) in self._connection.execute("SELECT key FROM outcomes")}
+            invalid = self._connection.execute("SELECT key FROM outcomes WHERE invalid != ''")
+            return found.intersection(keys).difference(key for (key,) in invalid)
+
+    def flights(self) -> list[Flown]:
+        """What there are outcomes of, ordered by mutant, situation, seed; read from an index, so soon done."""
+        with _sentences(self.path):
+            columns = ", ".join(Flown._fields)
+            order = "mutant, situation, seed, truncated, key"
+            return [Flown(*row) for row in self._connection.execute(f"SELECT {columns} FROM outcomes ORDER BY {order}")]
 
     def outcomes(self, keys: Iterable[str] | None = None) -> Iterator[Outcome]:
         """All outcomes, or those under `keys`, without their tracks, ordered by mutant, situation, seed."""
-        wanted = None if keys is None else set(keys)
-        with _sentences(self.path):
-            rows = self._connection.execute("SELECT key, outcome FROM outcomes ORDER BY mutant, situation, seed, key")
-            for key, text in rows:
-                if wanted is None or key in wanted:
-                    yield from_json(json.loads(text))
+        return (outcome for _, outcome in self.keyed(keys))
 
-    def rows(self) -> Iterator[tuple[str, Outcome]]:
-        """Every outcome with its key and its track, ordered by key."""
-        with _sentences(self.path):
-            for key, text, track in self._connection.execute("SELECT key, outcome, track FROM outcomes ORDER BY key"):
-                yield key, replace(from_json(json.loads(text)), track=bytes(track))
+    def keyed(self, keys: Iterable[str] | None = None) -> list[tuple[str, Outcome]]:
+        """The same, each with its key."""
+        if keys is None:
+            return self.chosen(lambda _: True)
+        wanted = set(keys)
+        return self.chosen(lambda flight: flight.key in wanted)
+
+    def chosen(self, keep: Callable[[Flown], bool]) -> list[tuple[str, Outcome]]:
+        """The same of those that `keep` says."""
+        read = Reader()
+        found = []
+        names = ", ".join((*Flown._fields, *COLUMNS))
+        with _sentences(self.path), _uncollected():
+            # to sort here is faster than to have the rows looked up in the order of an index
+            for row in self._connection.execute(f"SELECT {names} FROM outcomes"):
+                flight = Flown._make(row[:_FLOWN])
+                if keep(flight):
+                    outcome = read(row[_FLOWN:])
+                    found.append((outcome.subject.id, outcome.situation, outcome.seed, flight.key, outcome))
+            found.sort()  # keys are distinct
+            return [(key, outcome) for *_, key, outcome in found]
 
     def plan(self, flights: Iterable[Planned]) -> None:
         """Keep what is to be flown, in one transaction; what was planned before stays planned.
@@ -216,11 +234,15 @@ class Store:
         self._connection.execute("INSERT INTO origins (parts) VALUES (?) ON CONFLICT (parts) DO NOTHING", (parts,))
         return int(self._connection.execute("SELECT id FROM origins WHERE parts = ?", (parts,)).fetchone()[0])
 
+    def origins(self) -> dict[int, Origin]:
+        """What entered the keys of flights that were ever planned, by number."""
+        with _sentences(self.path):
+            return {n: Origin(**json.loads(parts)) for n, parts in self._connection.execute("SELECT * FROM origins")}
+
     def planned(self) -> list[Planned]:
         """All that was ever planned, ordered by key."""
         with _sentences(self.path):
-            texts = self._connection.execute("SELECT id, parts FROM origins")
-            origins = {number: Origin(**json.loads(parts)) for number, parts in texts}
+            origins = self.origins()
             columns = "key, mutant, situation, seed, canary, origin"
             rows = self._connection.execute(f"SELECT {columns} FROM plan ORDER BY key")
             return [
@@ -269,3 +291,15 @@ def _sentences(path: Path) -> Iterator[None]:
         raise InputError(f"{path}: the campaign's store cannot be used: {error}") from error
     except OSError as error:
         raise InputError(f"{path}: the results folder cannot be written: {error.strerror}") from error
+
+
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """While it lasts, no cycles are looked for: a million small objects are made, and none is part of one."""
+    was = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was:
+            gc.enable()

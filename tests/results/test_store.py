@@ -8,7 +8,7 @@ import subprocess
 import sys
 import textwrap
 from contextlib import closing
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import pytest
@@ -18,8 +18,8 @@ from hypothesis import HealthCheck, given, settings
 from scaloft_fi.errors import InputError
 from scaloft_fi.results.origin import Origin
 from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.record import to_json
-from scaloft_fi.results.store import _STEPS, SCHEMA, Planned, Store
+from scaloft_fi.results.schema import _STEPS, SCHEMA
+from scaloft_fi.results.store import Planned, Store
 
 M = "LATE-human@3s"
 
@@ -154,9 +154,10 @@ def test_a_canary_that_is_asked_for_later_is_none_any_more(tmp_path: Path) -> No
 def test_a_store_of_an_earlier_version_is_brought_to_this_one(tmp_path: Path, schema: int) -> None:
     path = tmp_path / "s.sqlite"
     with closing(sqlite3.connect(path)) as connection:
-        connection.executescript("".join(_STEPS[:schema]))
+        for step in _STEPS[:schema]:
+            step(connection)
         connection.execute(f"PRAGMA user_version={schema}")
-        text = json.dumps(to_json(replace(outcome(M), track=b"")))
+        text = json.dumps(asdict(outcome(M)) | {"track": ""})
         connection.execute("INSERT INTO outcomes VALUES ('k', ?, 'T0O0W0D0H0', 0, 1, ?, x'00')", (M, text))
         if schema > 1:
             connection.execute("INSERT INTO plan (key, mutant, situation, seed, canary) VALUES ('k', 'm', 's', 0, 0)")

@@ -1,0 +1,191 @@
+"""What it takes to score, count and export a campaign of 200,000 flights.
+
+    python benchmarks/store.py [--json] [--flights N] [--campaign DIR]
+
+The flights are made up: every mutant of the catalogue in every situation with as many seeds as it takes, under the keys
+that the study gives them, with the length and the variety of flown ones.  SAME of them are their baseline's twin, as
+what is not infected or masked is; the rest has numbers and digests of its own.
+
+cpu_s: processor time of the whole command, which is what a busy machine leaves comparable; wall_s: as it happened;
+peak_rss_mib: largest resident memory.  store_mib: the file.  put_s: to write it.
+"""
+
+from __future__ import annotations
+
+import checkout  # first: it sets the path and the threads
+
+# isort: split
+
+import argparse
+import hashlib
+import itertools
+import json
+import os
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from scaloft_fi.campaign.folder import STORE_NAME
+from scaloft_fi.campaign.key import Keys
+from scaloft_fi.campaign.plan import Flight
+from scaloft_fi.mutants.mutant import PLACEBO, Mutant
+from scaloft_fi.results.fingerprint import fingerprint
+from scaloft_fi.results.outcome import Outcome, Violation
+from scaloft_fi.results.requirement import Reading
+from scaloft_fi.results.store import Store
+from scaloft_fi.study import Study
+
+SAME = 0.26
+"""Share of a mutant's flights that are their baseline's twin, as in the first flown campaign of 4,064 flights."""
+OWN = (0.5, 0.2, 0.25, 0.05)
+"""Chance that a flight has a number of its own for a requirement, in the study's order, from the same campaign."""
+BROKEN = 0.15
+"""Chance that a flight violates a requirement."""
+TRACK_BYTES = 5200
+"""Mean length of a flown trajectory, packed."""
+VERBS = {
+    "score": ("score",),
+    "score_json": ("score", "--format", "json"),
+    "status": ("status",),
+    "export": ("export", "--format", "csv", "--output", os.devnull),
+}
+
+
+class Maker:
+    """Makes up outcomes.
+
+    Args:
+        study: whose flights they are.
+        draw: decides what comes out.
+    """
+
+    def __init__(self, study: Study, draw: random.Random) -> None:
+        self._study, self._draw = study, draw
+
+    def baseline(self, flight: Flight) -> Outcome:
+        """An outcome of the baseline."""
+        realised = tuple((axis.id, self._draw.random() < 0.9) for axis in self._study.grid.axes)
+        return replace(self._own(flight), realised=realised)
+
+    def beside(self, flight: Flight, baseline: Outcome) -> Outcome:
+        """An outcome of a mutant beside its baseline."""
+        carried = self._draw.randrange(100, 5000)
+        if flight.mutant == PLACEBO:
+            return replace(baseline, subject=flight.subject, realised=(), carried=carried)
+        if self._draw.random() < SAME:
+            altered, at_s = self._draw.choice([(0, None), (self._draw.randrange(1, 100), self._time_s())])
+            return replace(
+                baseline, subject=flight.subject, realised=(), carried=carried, altered=altered, infected_at_s=at_s
+            )
+        altered = self._draw.randrange(1, carried)
+        return replace(self._own(flight), carried=carried, altered=altered, infected_at_s=self._time_s())
+
+    def _own(self, flight: Flight) -> Outcome:
+        readings, violations = [], []
+        for requirement, own in zip(self._study.requirements, OWN, strict=True):
+            at_s = self._time_s() if self._draw.random() < BROKEN else None
+            rho = self._draw.random() if self._draw.random() < own else 1.0
+            rho = -rho if at_s is not None else rho
+            triggered = self._draw.randrange(3)
+            readings.append(Reading(requirement.name, requirement.kind, rho, at_s, triggered, open=False))
+            if at_s is not None:
+                x, y, z = (self._draw.uniform(-4, 8) for _ in range(3))
+                struck = self._draw.choice(["", "wall", "bar"])
+                violations.append(Violation(requirement.name, requirement.kind, at_s, x, y, z, struck))
+        digest = hashlib.sha256(self._draw.randbytes(16)).hexdigest()
+        return Outcome(
+            flight.subject,
+            flight.situation.key,
+            flight.seed,
+            ending="landed",
+            readings=tuple(readings),
+            violations=tuple(violations),
+            duration_s=self._time_s(),
+            digest=digest,
+            perceived_digest=digest[::-1],
+            track=self._draw.randbytes(self._draw.randrange(TRACK_BYTES * 2)),
+        )
+
+    def _time_s(self) -> float:
+        return round(self._draw.uniform(0.0, 120.0) * 20) / 20
+
+
+def flights(study: Study) -> Iterator[Flight]:
+    """Without end, flights by situation and seed, the baseline first."""
+    subjects: tuple[Mutant | None, ...] = (None, PLACEBO, *study.catalogue)
+    for seed in itertools.count():
+        for situation in study.grid.situations:
+            yield from (Flight(subject, situation, seed) for subject in subjects)
+
+
+def fill(study: Study, path: Path, number: int) -> None:
+    """Write a store of so many flights."""
+    keys, maker = Keys(study), Maker(study, random.Random(0))
+    listed = list(itertools.islice(flights(study), number))
+
+    def rows() -> Iterator[tuple[str, Outcome]]:
+        baseline = maker.baseline(listed[0])
+        for flight in listed:
+            if flight.mutant is None:
+                baseline = maker.baseline(flight)
+            yield keys.key(flight), maker.beside(flight, baseline) if flight.mutant else baseline
+
+    with Store(path) as store:
+        store.set_meta(fingerprint())
+        store.plan(map(keys.planned, listed))
+        store.put_all(rows())
+
+
+def measure(folder: Path, words: tuple[str, ...]) -> dict[str, float]:
+    """What a command takes, all of it: starting the interpreter too."""
+    call = [sys.executable, "-m", "scaloft_fi", *words, "--campaign", str(folder), "--study", str(checkout.ROOT)]
+    begin_s = time.perf_counter()
+    with subprocess.Popen(call, cwd=checkout.ROOT, stdout=subprocess.DEVNULL) as process:
+        _, status, used = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode:
+        raise SystemExit(f"{' '.join(call)}: exit code {process.returncode}")
+    return {
+        "cpu_s": round(used.ru_utime + used.ru_stime, 2),
+        "wall_s": round(time.perf_counter() - begin_s, 2),
+        "peak_rss_mib": round(used.ru_maxrss / (1024**2 if sys.platform == "darwin" else 1024), 1),
+    }
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument("--flights", type=int, default=200_000, help="how many (default: 200,000)")
+    parser.add_argument("--campaign", type=Path, help="folder to make it in, and to keep it (with a / in it)")
+    options = parser.parse_args()
+    folder = options.campaign or Path(tempfile.mkdtemp(prefix="store"))
+    path = folder / STORE_NAME
+    figures: dict[str, Any] = {"flights": options.flights}
+    try:
+        if not path.exists():
+            begin_s = time.perf_counter()
+            fill(Study.open(checkout.ROOT), path, options.flights)
+            figures["put_s"] = round(time.perf_counter() - begin_s, 1)
+        figures["store_mib"] = round(path.stat().st_size / 1024**2, 1)
+        figures |= {name: measure(folder, words) for name, words in VERBS.items()}
+    finally:
+        if options.campaign is None:
+            shutil.rmtree(folder)
+    if options.json:
+        json.dump(figures, sys.stdout, indent=2)
+        print()
+        return
+    for name, figure in figures.items():
+        print(f"{name:12} {figure}")
+
+
+if __name__ == "__main__":
+    main()
