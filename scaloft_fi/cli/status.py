@@ -9,13 +9,15 @@ import click
 
 from scaloft_fi.cli.options import campaign_option, format_option, study_option
 
+AGAIN = "The same `run` flies them again; no flight log is kept from which they could be judged anew."
+
 
 @click.command("status")
 @study_option
 @campaign_option
 @format_option
 def status_command(study_folder: Path | None, campaign: str, style: str) -> None:
-    """Print how many flights a campaign holds, by status."""
+    """Print how many flights a campaign holds, by status, and why those are stale that do not count any more."""
     from scaloft_fi.campaign.held import held
     from scaloft_fi.results.export import export_rows
     from scaloft_fi.results.outcome import BASELINE
@@ -35,8 +37,10 @@ def status_command(study_folder: Path | None, campaign: str, style: str) -> None
             *mutants.items(),
             ("all", len(rows)),
             ("planned, not flown", found.owed),
+            *((("cut before their end, not counted", found.truncated),) if found.truncated else ()),
             ("stale, not counted", found.stale),
         ),
         (f"{len({row['mutant'] for row in rows})} subjects in {len({row['situation'] for row in rows})} situations.",),
     )
-    click.echo(render((table,), Format(style)), nl=False)
+    stale = Table("Stale flights", ("why", "number"), tuple(found.why.items()), (AGAIN,))
+    click.echo(render((table, stale) if found.stale else (table,), Format(style)), nl=False)

@@ -19,6 +19,7 @@ import pytest
 from scaloft_fi.campaign.fly import invalid, reason_of
 from scaloft_fi.campaign.plan import Flight
 from scaloft_fi.campaign.task import Task
+from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.mutants.derive import realise
@@ -43,7 +44,10 @@ class FakeGrid(tuple[FakeSituation, ...]):
     __slots__ = ()
 
     def situation(self, key: str) -> FakeSituation:
-        return next(situation for situation in self if situation.key == key)
+        for situation in self:
+            if situation.key == key:
+                return situation
+        raise InputError(f"no situation {key!r}")
 
 
 GRID = FakeGrid(FakeSituation(f"D{d}H{h}", 30.0 + 10 * d + 20 * h) for d in (0, 1) for h in (0, 1))
