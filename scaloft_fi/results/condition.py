@@ -36,7 +36,7 @@ def condition(space: Space, killing: Collection[str], surviving: Collection[str]
     terms = cover(space, killing, surviving)
     if not terms:
         return ""
-    texts = [_text(space, term) for term in terms]
+    texts = [term_text(space, term) for term in terms]
     if texts == [""]:
         return "everywhere" if len(set(killing)) == len(space.points) else "wherever tested"
     return " or ".join(f"({text})" if len(texts) > 1 and " & " in text else text for text in texts)
@@ -136,7 +136,7 @@ def _fewest(space: Space, primes: Sequence[Term], on: Sequence[Point]) -> list[T
     return chosen
 
 
-def _text(space: Space, term: Term) -> str:
+def term_text(space: Space, term: Term) -> str:
     """`human & light`: the axes in reverse order of the grid read best, the person before the light."""
     words = []
     for axis in reversed(range(len(space.axes))):

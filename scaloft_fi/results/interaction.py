@@ -22,8 +22,8 @@ NIST = {
     "browser": (29, 76, 95),
     "server": (42, 70, 89),
     "NASA GSFC": (68, 93, 98),
-    "network security": (20, 65, None),
-    "TCAS (seeded)": (None, 53, None),
+    "network sec.": (20, 65, None),
+    "TCAS": (None, 53, None),
 }
 """Share of failures [%] that one, at most two, at most three variables trigger; no failure needed more than six.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -30,7 +30,7 @@ class Entry:
         eligible: flights that are infected beside a baseline that held a safety requirement to its end.
         flown: flights that count.
         harmless: whether flights count and the fault changed no sample in any.
-        decision: what the flights decide together, where that was asked for.
+        decision: what the eligible flights decide together; empty without one.
     """
 
     situation: str
@@ -115,6 +115,10 @@ class KillMatrix:
         """Without controls and PLACEBO: what the analyses are about."""
         return tuple(row for row in self.rows if row.kind == "mutant")
 
+    def only(self, ids: Collection[str]) -> KillMatrix:
+        """The rows of these ids."""
+        return KillMatrix(self.space, tuple(row for row in self.rows if row.id in ids))
+
     @cached_property
     def kills(self) -> Mapping[str, frozenset[str]]:
         """Per killed mutant the situations that kill it, as the scores count; controls and PLACEBO are not in it."""
@@ -141,25 +145,15 @@ class KillMatrix:
         }
 
 
-def kill_matrix(
-    scored: Score, roster: Roster, space: Space, decisions: Mapping[tuple[str, str], str] | None = None
-) -> KillMatrix:
-    """The kill matrix of a score.
-
-    Args:
-        scored: the campaign's score.
-        roster: which mutants the ratios count.
-        space: the grid.
-        decisions: by (mutant, situation), what the flights decide together; left out where there is none.
-    """
-    decided = decisions or {}
+def kill_matrix(scored: Score, roster: Roster, space: Space) -> KillMatrix:
+    """The kill matrix of a campaign's score; the roster says which mutants the ratios count."""
     placebo = [scored.placebo] if scored.placebo else []
     groups = (("mutant", scored.mutants), ("control", scored.controls), ("placebo", placebo))
-    rows = [_row(mutant, kind, roster, space, decided) for kind, members in groups for mutant in members]
+    rows = [_row(mutant, kind, roster, space) for kind, members in groups for mutant in members]
     return KillMatrix(space, tuple(rows))
 
 
-def _row(mutant: MutantScore, kind: str, roster: Roster, space: Space, decisions: Mapping[tuple[str, str], str]) -> Row:
+def _row(mutant: MutantScore, kind: str, roster: Roster, space: Space) -> Row:
     results = {result.situation: result for result in mutant.results}
     return Row(
         subject=mutant.subject,
@@ -167,13 +161,11 @@ def _row(mutant: MutantScore, kind: str, roster: Roster, space: Space, decisions
         counted=kind == "mutant" and roster.counts(mutant.subject),
         status=mutant.status,
         kill_rate=mutant.kill_rate,
-        entries=tuple(
-            _entry(key, results.get(key), decisions.get((mutant.subject.id, key), "")) for key, _ in space.points
-        ),
+        entries=tuple(_entry(key, results.get(key)) for key, _ in space.points),
     )
 
 
-def _entry(key: str, result: Result | None, decision: str) -> Entry:
+def _entry(key: str, result: Result | None) -> Entry:
     if result is None:
         return Entry(key)
     return Entry(
@@ -183,7 +175,7 @@ def _entry(key: str, result: Result | None, decision: str) -> Entry:
         eligible=result.eligible,
         flown=result.flown,
         harmless=result.flown > 0 and result.harmless,
-        decision=str(decision),
+        decision=result.decided.decision.value if result.decided else "",
     )
 
 

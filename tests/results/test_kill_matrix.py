@@ -49,8 +49,7 @@ def test_a_kill_beside_a_baseline_that_holds_nothing_to_its_end_is_shown_and_not
 
 
 def test_decisions_stand_beside_the_flights() -> None:
-    found = kill_matrix(score(CAMPAIGN, ROSTER, GRID), ROSTER, GRID, {(LATE, HUMAN): "undecided"})
-    assert [entry.decision for entry in found.row[LATE].entries if entry.decision] == ["undecided"]
+    assert [entry.decision for entry in matrix_of(CAMPAIGN).row[LATE].entries if entry.decision] == ["undecided"]
 
 
 @settings(deadline=None, max_examples=40)

@@ -1,0 +1,214 @@
+"""`scaloft-fi kills`: what kills what, and what to do about the rest."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from scaloft_fi.cli.files import check_writable, write
+from scaloft_fi.cli.options import campaign_option, format_option, study_option
+from scaloft_fi.errors import InputError
+
+if TYPE_CHECKING:
+    from scaloft_fi.results.kill_matrix import KillMatrix
+    from scaloft_fi.results.outcome import Outcome
+    from scaloft_fi.results.subsumption import Subsumption
+    from scaloft_fi.results.survivors import Survivor
+    from scaloft_fi.results.table import Table
+    from scaloft_fi.study import Study
+
+PARTS = ("conditions", "situations", "suite", "subsumption", "survivors")
+PICTURES = (".svg", ".png", ".dot")
+
+
+@click.command("kills")
+@click.argument("mutants", nargs=-1, metavar="[MUTANT...]")
+@study_option
+@campaign_option
+@click.option(
+    "--show",
+    "parts",
+    multiple=True,
+    type=click.Choice(PARTS),
+    help="Only this part, at length (repeatable).  [default: every part, shortened]",
+)
+@click.option(
+    "--by-requirement", is_flag=True, help="Subsumption tells kills by different requirements of a situation apart."
+)
+@format_option
+@click.option(
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Draw there: the Karnaugh map of one MUTANT (.svg, .png), else the subsumption graph (.dot too).",
+)
+def kills_command(
+    mutants: tuple[str, ...],
+    study_folder: Path | None,
+    campaign: str,
+    parts: tuple[str, ...],
+    by_requirement: bool,
+    style: str,
+    output: Path | None,
+) -> None:
+    """Print where each mutant is killed, what each situation kills, and what to do about the survivors.
+
+    MUTANT is an id, a cell's name or a pattern; without any it is every mutant flown but the controls.
+    """
+    if output is not None and output.suffix.lower() not in PICTURES:
+        raise InputError(f"--output={str(output)!r} must end in .svg, .png or .dot")
+    check_writable(output)
+    from scaloft_fi.campaign.held import current
+    from scaloft_fi.results.kill_matrix import kill_matrix
+    from scaloft_fi.results.score import score
+    from scaloft_fi.results.table import Format
+    from scaloft_fi.study import Study
+
+    study = Study.open(study_folder)
+    outcomes = current(study, campaign)
+    whole = kill_matrix(score(outcomes, study.roster, study.space), study.roster, study.space)
+    matrix = _chosen(study, whole, mutants)
+    if output is not None:
+        _draw(matrix, mutants, _graph(matrix, outcomes, by_requirement), output)
+        return
+    wanted = parts or PARTS
+    found = _survivors(study, campaign, outcomes, whole, matrix) if "survivors" in wanted else ()
+    if style == Format.JSON:
+        import json
+
+        plain = _json(matrix, _graph(matrix, outcomes, by_requirement), found, wanted)
+        click.echo(json.dumps(plain, indent=2, allow_nan=False))
+        return
+    from scaloft_fi.results.table import render
+
+    graph = _graph(matrix, outcomes, by_requirement)
+    click.echo(render(_tables(matrix, graph, found, wanted, short=not parts), Format(style)), nl=False)
+
+
+def _chosen(study: Study, matrix: KillMatrix, patterns: Sequence[str]) -> KillMatrix:
+    """The rows that `patterns` mean.
+
+    Raises:
+        InputError: a pattern means nothing, or nothing that the campaign holds.
+    """
+    if not patterns:
+        return matrix
+    from scaloft_fi.mutants.select import select
+
+    asked = [mutant.id for mutant in select(patterns, study.matrix, study.catalogue)]
+    flown = [id_ for id_ in asked if id_ in matrix.row]
+    if not flown:
+        raise InputError(f"the campaign holds no flight of {', '.join(asked[:3])}{', ...' if len(asked) > 3 else ''}")
+    return matrix.only(flown)
+
+
+def _graph(matrix: KillMatrix, outcomes: Sequence[Outcome], by_requirement: bool) -> Subsumption:
+    from scaloft_fi.results.subsumption import kills_by_requirement, subsumption
+
+    if not by_requirement:
+        return subsumption(matrix.kills)
+    return subsumption(kills_by_requirement(outcomes, [row.id for row in matrix.mutants]))
+
+
+def _survivors(
+    study: Study, campaign: str, outcomes: Sequence[Outcome], whole: KillMatrix, matrix: KillMatrix
+) -> tuple[Survivor, ...]:
+    """The survivors among `matrix`, judged beside all that the campaign holds."""
+    from scaloft_fi.campaign.tracks import with_tracks
+    from scaloft_fi.results.background import backgrounds
+    from scaloft_fi.results.outcome import BASELINE
+    from scaloft_fi.results.survivors import survivors
+
+    ids = [row.id for row in matrix.mutants if not row.kills]
+    tracked = with_tracks(study, campaign, outcomes, [BASELINE, *ids]) if ids else outcomes
+    known = backgrounds(study.matrix, [row.id for row in whole.mutants])
+    units = {requirement.name: requirement.unit.split(" (")[0].split(";")[0] for requirement in study.requirements}
+    return survivors(tracked, matrix, known, units)
+
+
+def _tables(
+    matrix: KillMatrix, graph: Subsumption, found: Sequence[Survivor], wanted: Sequence[str], *, short: bool
+) -> list[Table]:
+    from scaloft_fi.results import kill_tables as tables
+    from scaloft_fi.results.interaction import interactions, orders
+    from scaloft_fi.results.minimal_suite import minimal_suite
+    from scaloft_fi.results.situation_kills import situation_kills
+    from scaloft_fi.results.subsumption import redundancies
+
+    space, situations = matrix.space, situation_kills(matrix)
+    shown: list[Table] = []
+    if "conditions" in wanted:
+        listed = interactions(matrix)
+        shown += [tables.interaction_table(listed), tables.order_table(orders(listed, space))]
+    if "situations" in wanted:
+        shown.append(tables.situation_table(situations, space, short=short))
+    if "suite" in wanted:
+        shown.append(tables.suite_table(minimal_suite(matrix.kills, matrix.flown), situations, space))
+    if "subsumption" in wanted:
+        shown.append(tables.subsumption_table(graph, short=short))
+        repeated = redundancies(graph)
+        shown += [tables.redundancy_table(repeated)] if repeated else []
+    if "survivors" in wanted:
+        shown.append(tables.survivor_summary(found) if short else tables.survivor_table(found))
+    return shown
+
+
+def _json(matrix: KillMatrix, graph: Subsumption, found: Sequence[Survivor], wanted: Sequence[str]) -> dict[str, Any]:
+    from scaloft_fi.results.interaction import interactions, orders
+    from scaloft_fi.results.minimal_suite import minimal_suite
+    from scaloft_fi.results.situation_kills import situation_kills
+
+    plain: dict[str, Any] = {"matrix": matrix.to_json()}
+    if "conditions" in wanted:
+        listed = interactions(matrix)
+        plain["conditions"] = [entry.to_json() for entry in listed]
+        plain["orders"] = orders(listed, matrix.space).to_json()
+    if "situations" in wanted:
+        plain["situations"] = [entry.to_json() for entry in situation_kills(matrix)]
+    if "suite" in wanted:
+        plain["suite"] = minimal_suite(matrix.kills, matrix.flown).to_json()
+    if "subsumption" in wanted:
+        plain["subsumption"] = graph.to_json()
+    if "survivors" in wanted:
+        plain["survivors"] = [entry.to_json() for entry in found]
+    return plain
+
+
+def _draw(matrix: KillMatrix, asked: Sequence[str], graph: Subsumption, output: Path) -> None:
+    """The Karnaugh map when one mutant was asked for, else the subsumption graph.
+
+    Raises:
+        InputError: the grid is too large for a map, or a map was asked for as .dot.
+    """
+    from scaloft_fi.results.picture import png
+    from scaloft_fi.results.subsumption_picture import dot, draw_subsumption
+
+    suffix = output.suffix.lower()
+    if asked and len(matrix.rows) == 1:
+        if suffix == ".dot":
+            raise InputError(f"--output={str(output)!r}: a Karnaugh map is no graph; it must end in .svg or .png")
+        svg, what = _karnaugh(matrix), f"Karnaugh map of {matrix.rows[0].id}"
+    elif suffix == ".dot":
+        write(output, dot(graph).encode())
+        click.echo(f"subsumption graph: {output}")
+        return
+    else:
+        svg, what = draw_subsumption(graph), "subsumption graph"
+    write(output, png(svg) if suffix == ".png" else svg.encode())
+    click.echo(f"{what}: {output}")
+
+
+def _karnaugh(matrix: KillMatrix) -> str:
+    from scaloft_fi.results.condition import condition
+    from scaloft_fi.results.karnaugh import karnaugh_map
+    from scaloft_fi.results.karnaugh_picture import draw_karnaugh
+
+    (row,) = matrix.rows
+    try:
+        found = karnaugh_map(matrix.space, row, condition(matrix.space, row.killing, row.surviving))
+    except ValueError as error:
+        raise InputError(str(error)) from error
+    return draw_karnaugh(matrix.space, found, row)

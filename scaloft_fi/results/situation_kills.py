@@ -1,0 +1,56 @@
+"""What each situation kills, and what it alone kills."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import Any
+
+from scaloft_fi.results.kill_matrix import KillMatrix
+from scaloft_fi.results.ratio import Ratio
+from scaloft_fi.results.subsumption import subsumption
+
+
+@dataclass(frozen=True)
+class SituationKills:
+    """A situation as a test.
+
+    Attributes:
+        situation: key.
+        killed: ids of the mutants it kills, as the scores count.
+        eligible: mutants that could have been killed there: with a flight whose baseline held a safety requirement.
+        alone: those of the killed that no other situation kills.
+        minimal: minimal mutants it kills, of all: what it would score without redundant mutants.
+    """
+
+    situation: str
+    killed: tuple[str, ...]
+    eligible: int
+    alone: tuple[str, ...]
+    minimal: Ratio
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return {
+            "situation": self.situation,
+            "killed": list(self.killed),
+            "eligible": self.eligible,
+            "alone": list(self.alone),
+            "minimal": {"part": self.minimal.part, "whole": self.minimal.whole},
+        }
+
+
+def situation_kills(matrix: KillMatrix) -> tuple[SituationKills, ...]:
+    """Every situation flown, in the grid's order, those that kill nothing too."""
+    graph = subsumption(matrix.kills)
+    eligible = Counter(entry.situation for row in matrix.mutants for entry in row.entries if entry.eligible)
+    return tuple(
+        SituationKills(
+            situation=key,
+            killed=tuple(id_ for id_, keys in matrix.kills.items() if key in keys),
+            eligible=eligible[key],
+            alone=tuple(id_ for id_, keys in matrix.kills.items() if keys == {key}),
+            minimal=graph.dominator_score([key]),
+        )
+        for key in matrix.flown
+    )

@@ -1,0 +1,94 @@
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from click.testing import Result
+
+Call = Callable[..., Result]
+LATE = "LATE-human@3s"
+
+
+def _sentence(result: Result) -> str:
+    """The one sentence of a refusal: exit code 2, nothing else printed."""
+    assert result.exit_code == 2, result.output
+    assert result.stdout == ""
+    (line,) = result.stderr.strip().splitlines()
+    assert line.startswith("error: ")
+    return line
+
+
+@pytest.fixture
+def flown(call: Call) -> Call:
+    """A campaign of LATE-human, which the paper flyer kills where a person is, and of a survivor."""
+    assert (
+        call(
+            "run", "--mutant", "LATE-human", "--mutant", "EARLY-human", "--situation", "T0O?W0D0H?", "--quiet"
+        ).exit_code
+        == 0
+    )
+    return call
+
+
+def test_it_tells_where_a_mutant_is_killed_and_what_situations_keep_every_kill(flown: Call) -> None:
+    result = flown("kills")
+    assert result.exit_code == 0
+    text = " ".join(result.stdout.split())
+    assert f"{LATE} 2 1-4 human" in text
+    assert "Fewest situations that keep every kill: 1, proved; sets of that size: 2." in text
+    assert "EARLY-human@3s" in text.partition("Survivors")[2]
+
+
+def test_a_part_is_shown_at_length(flown: Call) -> None:
+    result = flown("kills", "--show", "survivors", "--format", "csv")
+    assert result.stdout.startswith("# Survivors\nmutant,stopped at,next,why\nEARLY-human@3s,infect,situation,")
+    assert "Killed where" not in result.stdout
+
+
+def test_json_has_the_matrix_and_every_part(flown: Call) -> None:
+    plain = json.loads(flown("kills", "--format", "json").stdout)
+    assert set(plain) == {"matrix", "conditions", "orders", "situations", "suite", "subsumption", "survivors"}
+    assert plain["conditions"][0]["condition"] == "human"
+    assert plain["suite"]["alternatives"] == 2
+    some = json.loads(flown("kills", "LATE-human", "--show", "suite", "--format", "json").stdout)
+    assert set(some) == {"matrix", "suite"}
+    assert [row["id"] for row in some["matrix"]["mutants"]] == [LATE]
+
+
+def test_kills_by_requirement_are_told_apart(flown: Call) -> None:
+    plain = json.loads(flown("kills", "--by-requirement", "--show", "subsumption", "--format", "json").stdout)
+    assert all(key.endswith(" SR2") for key in plain["subsumption"]["nodes"][0]["kills"])
+
+
+@pytest.mark.parametrize("suffix", [".svg", ".png"])
+def test_one_mutant_is_drawn_as_a_karnaugh_map(flown: Call, tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"map{suffix}"
+    assert flown("kills", LATE, "--output", str(path)).stdout == f"Karnaugh map of {LATE}: {path}\n"
+    assert b"Karnaugh" in path.read_bytes() or path.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("suffix", [".svg", ".png", ".dot"])
+def test_all_are_drawn_as_the_subsumption_graph(flown: Call, tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"graph{suffix}"
+    assert flown("kills", "--output", str(path)).exit_code == 0
+    assert path.stat().st_size > 100
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--output", "map.pdf"), "must end in .svg, .png or .dot"),
+        ((LATE, "--output", "map.dot"), "a Karnaugh map is no graph"),
+        (("LATE-humn",), "did you mean"),
+        (("NO-goal",), "holds no flight of NO-goal"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_a_sentence(flown: Call, words: tuple[str, ...], said: str) -> None:
+    assert said in _sentence(flown("kills", *words))
+    assert not Path("map.dot").exists()
+
+
+def test_without_a_campaign_it_says_so(call: Call) -> None:
+    assert "no campaign was flown here" in _sentence(call("kills"))
