@@ -17,6 +17,7 @@ from scaloft_fi.report.scenes import scenes
 from scaloft_fi.report.tracks import FAR
 from scaloft_fi.results.baseline import Finding, Tally, findings, tallies
 from scaloft_fi.results.coverage import coverage
+from scaloft_fi.results.kill_matrix import kill_matrix
 from scaloft_fi.results.score import MutantScore, Score, ratio_json, score, score_json
 from scaloft_fi.results.status import Status
 from scaloft_fi.results.tables import ratio_table
@@ -41,7 +42,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
     seeds = sorted({outcome.seed for outcome in outcomes if not outcome.invalid})
     order = matrices.situations(space, study.grid)
     keys = [situation["key"] for situation in order]
-    kills = matrices.matrix_of(scored, roster, space)
+    kills = kill_matrix(scored, roster, space)
     mutants = matrices.mutants(scored, kills, roster, keys)
     covered = coverage(outcomes, space)
     told = score_json(scored, covered, [])

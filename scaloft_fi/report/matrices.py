@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.results.decision import Decision
 from scaloft_fi.results.gray import gray_order
-from scaloft_fi.results.kill_matrix import Entry, KillMatrix, kill_matrix
+from scaloft_fi.results.kill_matrix import Entry, KillMatrix
 from scaloft_fi.results.roster import Roster, cell_of
 from scaloft_fi.results.score import MutantScore, Score, ratio_json
 from scaloft_fi.results.space import Space
@@ -65,18 +65,6 @@ def cells(matrix: Matrix, flown: Iterable[str]) -> list[dict[str, Any]]:
         }
         for cell in matrix
     ]
-
-
-def matrix_of(scored: Score, roster: Roster, space: Space) -> KillMatrix:
-    """The kill matrix with the decisions over repeated flights."""
-    everyone = (*scored.mutants, *scored.controls)
-    decisions = {
-        (one.subject.id, result.situation): result.decided.decision.value
-        for one in everyone
-        for result in one.results
-        if result.decided
-    }
-    return kill_matrix(scored, roster, space, decisions)
 
 
 def mutants(scored: Score, matrix: KillMatrix, roster: Roster, keys: Sequence[str]) -> list[dict[str, Any]]:
