@@ -223,3 +223,17 @@ def test_a_mutant_that_does_nothing_is_rarely_killed() -> None:
         said = decisions([*paired, *(flight(M, key, s) for key in keys for s in range(10))], pool)
         false += any(d.decision is K for d in said.values())
     assert false <= 20
+
+
+def test_what_is_not_flown_up_to_the_first_look_counts_in_full() -> None:
+    short = [outcome(M, key, 0, altered=0) for key in KEYS[1:20]]
+    whole = [outcome(M, key, seed, altered=0) for key in KEYS[1:20] for seed in range(3)]
+    assert judged([*flown(KEYS[0], 2, 3), *short])[M, KEYS[0]].decision is U
+    assert judged([*flown(KEYS[0], 2, 3), *whole])[M, KEYS[0]].decision is K
+
+
+def test_each_look_spends_its_own_part_of_the_error_of_a_survival() -> None:
+    """One kill of nine eligible flights has p = 10/512 = .020, more than a third of 5 %."""
+    key, red = KEYS[0], {"SR1": 30.0, "SR2": 30.0}
+    paired = [*clean(key, 9), outcome(BASELINE, key, 9, violated=red)]
+    assert decisions([*flown(key, 1, 10), *paired], {key: clean(key, 50)})[M, key].decision is U
