@@ -13,6 +13,7 @@ from scaloft_fi.cli.options import campaign_option, fail_under_option, format_op
 
 if TYPE_CHECKING:
     from scaloft_fi.results.outcome import Outcome
+    from scaloft_fi.results.score import Score
     from scaloft_fi.results.table import Table
     from scaloft_fi.study import Study
 
@@ -68,30 +69,40 @@ def report(
 ) -> int:
     """Print the tables of `outcomes` and what was not flown; returns the exit code."""
     from scaloft_fi.results.score import score
+    from scaloft_fi.results.status import whole
 
-    click.echo(_text(study, outcomes, grouping, style, unflown), nl=False)
-    ratio = score(outcomes, study.roster, study.space).mutation_score
+    outcomes = whole(outcomes)
+    scored = score(outcomes, study.roster, study.space)
+    click.echo(_text(study, outcomes, scored, grouping, style, unflown), nl=False)
+    ratio = scored.mutation_score
     if fail_under is None or (ratio.value is not None and ratio.value >= fail_under):
         return 0
     click.echo(f"mutation score {ratio} is below --fail-under {fail_under:g}", err=True)
     return BELOW
 
 
-def _text(study: Study, outcomes: Sequence[Outcome], grouping: str | None, style: str, unflown: Sequence[Table]) -> str:
+def _text(
+    study: Study,
+    outcomes: Sequence[Outcome],
+    scored: Score,
+    grouping: str | None,
+    style: str,
+    unflown: Sequence[Table],
+) -> str:
     from scaloft_fi.results.baseline import findings
     from scaloft_fi.results.coverage import coverage
     from scaloft_fi.results.grouping import By
-    from scaloft_fi.results.score import score, score_json
+    from scaloft_fi.results.score_record import score_json
     from scaloft_fi.results.table import Format, render
-    from scaloft_fi.results.tables import score_tables
+    from scaloft_fi.results.tables import tables_of
 
     by = By(grouping) if grouping else None
     if style != Format.JSON:
-        return render((*score_tables(outcomes, study.roster, study.space, by), *unflown), Format(style))
+        return render((*tables_of(scored, outcomes, study.roster, study.space, by), *unflown), Format(style))
     import json
 
     violated = [(finding.situation, finding.violated) for finding in findings(outcomes, study.space)]
-    scored = score_json(score(outcomes, study.roster, study.space), coverage(outcomes, study.space), violated)
+    values = score_json(scored, coverage(outcomes, study.space), violated)
     if unflown:
-        scored["not_flown"] = [row for table in unflown for row in table.records()]
-    return json.dumps(scored, indent=2, allow_nan=False) + "\n"
+        values["not_flown"] = [row for table in unflown for row in table.records()]
+    return json.dumps(values, indent=2, allow_nan=False) + "\n"

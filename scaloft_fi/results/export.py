@@ -1,4 +1,14 @@
-"""One row per flight, as JSON or CSV: facts of the simulation only, no clock, host or worker."""
+"""One row per flight, as JSON or CSV: facts of the simulation only, no clock, host or worker.
+
+Every figure of the score can be recomputed from it.  Beyond the flight's status and first safety violation a row has
+
+- `held`: requirements neither violated nor left open by a flight cut short;
+- `killed_by`: safety, then operability requirements by which the flight is told from its baseline, each earliest first;
+- `violation_times_s`, `violation_bodies`: per requirement in `violated`, when, and what was struck at that moment;
+- `triggered`: requirements whose condition came true;
+- `realised`: for a baseline, axes whose value came true;
+- `carried`, `altered`: samples that crossed the patched seams, and how many were changed there.
+"""
 
 from __future__ import annotations
 
@@ -11,12 +21,16 @@ from typing import Any
 from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.space import Space
-from scaloft_fi.results.status import baseline_status, baselines_of, flight_of
+from scaloft_fi.results.status import baseline_status, baselines_of, flight_of, whole
 
 Row = dict[str, Any]
 
 HEAD = ("mutant", "situation", "seed", "status", "ending", "violated")
 TAIL = ("infected_at_s", "violated_at_s", "x", "y", "z", "struck", "duration_s", "digest")
+BASIS = (
+    *("held", "killed_by", "violation_times_s", "violation_bodies", "triggered", "realised", "carried", "altered"),
+)
+"""What else every figure of the score follows from."""
 
 
 def export_rows(
@@ -30,7 +44,7 @@ def export_rows(
         space: gives the order of the situations.
         requirements: names that have a `rho_` column even when no flight was judged by them.
     """
-    listed = sorted(outcomes, key=lambda o: (roster.rank(o.mutant), space.rank(o.situation), o.seed))
+    listed = sorted(whole(outcomes), key=lambda o: (roster.rank(o.mutant), space.rank(o.situation), o.seed))
     baselines = baselines_of(listed)
     names = list(dict.fromkeys([*requirements, *(r.requirement for outcome in listed for r in outcome.readings)]))
     return [_row(outcome, baselines, names) for outcome in listed]
@@ -38,14 +52,18 @@ def export_rows(
 
 def columns(rows: Sequence[Row], requirements: Sequence[str] = ()) -> list[str]:
     """The columns of `rows`; of a campaign without flights those it would have."""
-    return list(rows[0]) if rows else [*HEAD, *(f"rho_{name}" for name in requirements), *TAIL]
+    return list(rows[0]) if rows else [*HEAD, *(f"rho_{name}" for name in requirements), *TAIL, *BASIS]
 
 
 def _row(outcome: Outcome, baselines: Mapping[tuple[str, int], Outcome], requirements: Sequence[str]) -> Row:
+    killed_by: tuple[str, ...] = ()
     if outcome.mutant == BASELINE:
         status = baseline_status(outcome)
     else:
-        status = flight_of(outcome, baselines.get((outcome.situation, outcome.seed))).status.value
+        flight = flight_of(outcome, baselines.get((outcome.situation, outcome.seed)))
+        status, killed_by = flight.status.value, flight.kills + flight.operability_kills
+    violated = [reading for reading in outcome.readings if reading.violated]
+    struck = {violation.requirement: violation.struck for violation in outcome.violations}
     rho = {reading.requirement: reading.rho for reading in outcome.readings}
     first = outcome.first_violation
     return {
@@ -54,7 +72,7 @@ def _row(outcome: Outcome, baselines: Mapping[tuple[str, int], Outcome], require
         "seed": outcome.seed,
         "status": status,
         "ending": outcome.ending,
-        "violated": [reading.requirement for reading in outcome.readings if reading.violated],
+        "violated": [reading.requirement for reading in violated],
         **{f"rho_{name}": rho.get(name) for name in requirements},
         "infected_at_s": outcome.infected_at_s,
         "violated_at_s": first.t_s if first else None,
@@ -64,6 +82,14 @@ def _row(outcome: Outcome, baselines: Mapping[tuple[str, int], Outcome], require
         "struck": first.struck if first else "",
         "duration_s": outcome.duration_s,
         "digest": outcome.digest,
+        "held": [reading.requirement for reading in outcome.readings if not (reading.violated or reading.open)],
+        "killed_by": list(killed_by),
+        "violation_times_s": [reading.violated_at_s for reading in violated],
+        "violation_bodies": [struck.get(reading.requirement, "") for reading in violated],
+        "triggered": [reading.requirement for reading in outcome.readings if reading.triggered],
+        "realised": [axis for axis, came_true in outcome.realised if came_true],
+        "carried": outcome.carried,
+        "altered": outcome.altered,
     }
 
 
@@ -78,6 +104,11 @@ def to_csv(rows: Sequence[Row], requirements: Sequence[str] = ()) -> str:
     writer = csv.DictWriter(text, columns(rows, requirements), lineterminator="\n")
     writer.writeheader()
     writer.writerows(
-        {key: ";".join(value) if isinstance(value, list) else value for key, value in row.items()} for row in rows
+        {key: ";".join(map(str, value)) if isinstance(value, list) else value for key, value in row.items()}
+        for row in rows
     )
     return text.getvalue()
+
+
+def _cell(value: Any) -> Any:
+    return ";".join(map(str, value)) if isinstance(value, list) else value

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from scaloft_fi.results.condition import condition
-from scaloft_fi.results.coverage import Coverage
 from scaloft_fi.results.decision import Decided, Decision, Pool, PoolRates, decide
 from scaloft_fi.results.outcome import PLACEBO, Outcome, Subject
 from scaloft_fi.results.ratio import Ratio
+from scaloft_fi.results.redraw import Redraw, redraw
 from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.status import Flight, Status, baseline_pool, flights_of, mutant_status, whole
@@ -132,6 +131,8 @@ class Score:
         mutants: every mutant flown, ladders too, in the canonical order.
         controls: every control flown.
         placebo: PLACEBO, when flown.
+        redraw: how often the kill rule kills what does nothing.
+        eligible: per situation, the eligible flights of the counted mutants.
     """
 
     exercised: Ratio
@@ -142,6 +143,13 @@ class Score:
     mutants: tuple[MutantScore, ...]
     controls: tuple[MutantScore, ...]
     placebo: MutantScore | None
+    redraw: Redraw
+    eligible: Mapping[str, int]
+
+    @property
+    def false_kills(self) -> tuple[float, int] | None:
+        """False kills expected of the counted mutants' eligible flights, and of how many of these it says so."""
+        return self.redraw.expected(self.eligible)
 
     @property
     def fates(self) -> Counter[Status]:
@@ -156,10 +164,11 @@ def score(outcomes: Iterable[Outcome], roster: Roster, space: Space, pool: Pool 
         outcomes: of the campaign; one whose flight was cut at its first kill is left out.
         roster: which mutants count.
         space: the grid.
-        pool: baselines that the decisions compare with; those of the campaign by default.
+        pool: baselines that the decisions compare with, and REDRAW with each other; the campaign's by default.
     """
     listed = whole(outcomes)
-    rates = PoolRates(baseline_pool(listed) if pool is None else pool)
+    baselines = baseline_pool(listed) if pool is None else pool
+    rates = PoolRates(baselines)
     flights: dict[Subject, list[Flight]] = {}
     for flight in flights_of(listed):
         flights.setdefault(flight.outcome.subject, []).append(flight)
@@ -168,6 +177,9 @@ def score(outcomes: Iterable[Outcome], roster: Roster, space: Space, pool: Pool 
     mutants = tuple(m for m in scored if m.subject.id != PLACEBO and not roster.is_control(m.subject))
     counted = [mutant for mutant in mutants if roster.counts(mutant.subject) and mutant.flown]
     killed = sum(mutant.killed for mutant in counted)
+    eligible = Counter[str]()
+    for mutant in counted:
+        eligible.update({result.situation: result.eligible for result in mutant.results})
     return Score(
         exercised=Ratio(len(counted), len(roster.defaults)),
         infected=Ratio(sum(mutant.infected for mutant in counted), len(counted)),
@@ -180,6 +192,8 @@ def score(outcomes: Iterable[Outcome], roster: Roster, space: Space, pool: Pool 
         mutants=mutants,
         controls=tuple(mutant for mutant in scored if roster.is_control(mutant.subject)),
         placebo=next((mutant for mutant in scored if mutant.subject.id == PLACEBO), None),
+        redraw=redraw(baselines),
+        eligible=eligible,
     )
 
 
@@ -245,40 +259,3 @@ def _by_requirement(flights: Sequence[Flight]) -> tuple[tuple[str, Ratio], ...]:
         killed = {f.outcome.situation for f in able if name in f.kills + f.operability_kills}
         found.append((name, Ratio(len(killed), len({flight.outcome.situation for flight in able}))))
     return tuple(found)
-
-
-def score_json(scored: Score, covered: Coverage, baselines: Sequence[tuple[str, Sequence[str]]]) -> dict[str, Any]:
-    """The score as plain JSON values; `baselines` names what each situation's baseline violates."""
-    ratios = ("exercised", "infected", "mutation_score", "strict_score")
-    return {
-        "ratios": {name: ratio_json(getattr(scored, name)) for name in ratios},
-        "mutants": [
-            {
-                "id": mutant.subject.id,
-                "guideword": mutant.subject.guideword,
-                "parameter": mutant.subject.parameter,
-                "magnitude": mutant.subject.magnitude,
-                "status": mutant.status.value,
-                "kill_rate": _share(mutant.kill_rate),
-                "kill_rate_flown": _share(mutant.kill_rate_flown),
-                "requirements": {name: _share(ratio) for name, ratio in mutant.requirements},
-            }
-            for mutant in scored.mutants
-        ],
-        "coverage": {
-            "situations": _share(covered.situations),
-            "draws": covered.draws,
-            "t_way": {str(strength): _share(ratio) for strength, ratio in covered.t_way},
-            "realised": _share(covered.realised),
-        },
-        "baseline": [{"situation": key, "violated": list(violated)} for key, violated in baselines],
-    }
-
-
-def _share(ratio: Ratio) -> dict[str, int]:
-    return {"part": ratio.part, "whole": ratio.whole}
-
-
-def ratio_json(ratio: Ratio) -> dict[str, Any]:
-    """A ratio with its interval, null for 0 of 0."""
-    return {**_share(ratio), "interval": list(ratio.interval) if ratio.interval else None}

@@ -14,7 +14,7 @@ from scaloft_fi.results.requirement import Verdict
 from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.score import MutantScore, Score, score
 from scaloft_fi.results.space import Space
-from scaloft_fi.results.status import Status
+from scaloft_fi.results.status import Status, whole
 from scaloft_fi.results.table import Table
 
 ONE_SEED = "One seed: one flight per mutant and situation decides nothing statistically; fly more with --seeds."
@@ -26,7 +26,14 @@ INTERVALS = "In brackets Wilson's 95 % interval [%] over the row's population; 0
 def score_tables(outcomes: Iterable[Outcome], roster: Roster, space: Space, by: By | None = None) -> tuple[Table, ...]:
     """All tables that `run` and `score` print; `by` adds the score part by part."""
     listed = list(outcomes)
-    scored = score(listed, roster, space)
+    return tables_of(score(listed, roster, space), listed, roster, space, by)
+
+
+def tables_of(
+    scored: Score, outcomes: Iterable[Outcome], roster: Roster, space: Space, by: By | None = None
+) -> tuple[Table, ...]:
+    """The same of outcomes that were scored already."""
+    listed = whole(outcomes)
     seeds = len({outcome.seed for outcome in listed if not outcome.invalid})
     tables = [ratio_table(scored, seeds), mutant_table(scored.mutants, space, seeds)]
     if scored.controls:

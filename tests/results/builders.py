@@ -68,7 +68,7 @@ def outcome(
         subject=subject_of(mutant),
         situation=situation,
         seed=seed,
-        ending="struck" if struck else "landed",
+        ending="" if invalid else "struck" if struck else "landed",
         invalid=invalid,
         readings=tuple(
             Reading(

@@ -12,7 +12,8 @@ from scaloft_fi.results.coverage import coverage
 from scaloft_fi.results.decision import Decision
 from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.results.ratio import Ratio
-from scaloft_fi.results.score import Score, score, score_json
+from scaloft_fi.results.score import Score, score
+from scaloft_fi.results.score_record import score_json
 from scaloft_fi.results.status import Status
 
 LATE, NO, GOAL, CONTROL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m", "REVERSE-human"

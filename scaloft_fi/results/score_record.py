@@ -1,0 +1,77 @@
+"""The score as plain JSON values: what `score --format json` prints."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from scaloft_fi.results.coverage import Coverage, coverage_json
+from scaloft_fi.results.decision import Decision
+from scaloft_fi.results.ratio import Ratio
+from scaloft_fi.results.redraw import ONE_SEED
+from scaloft_fi.results.score import MutantScore, Result, Score
+
+
+def score_json(scored: Score, covered: Coverage, baselines: Sequence[tuple[str, Sequence[str]]]) -> dict[str, Any]:
+    """The score as plain JSON values; `baselines` names what each situation's baseline violates."""
+    ratios = ("exercised", "infected", "mutation_score", "strict_score")
+    return {
+        "ratios": {name: ratio_json(getattr(scored, name)) for name in ratios},
+        "mutants": [_mutant(mutant) for mutant in scored.mutants],
+        "coverage": coverage_json(covered),
+        "baseline": [{"situation": key, "violated": list(violated)} for key, violated in baselines],
+        "operability": ratio_json(scored.operability),
+        "redraw": _redraw(scored),
+    }
+
+
+def _mutant(mutant: MutantScore) -> dict[str, Any]:
+    return {
+        "id": mutant.subject.id,
+        "guideword": mutant.subject.guideword,
+        "parameter": mutant.subject.parameter,
+        "magnitude": mutant.subject.magnitude,
+        "status": mutant.status.value,
+        "kill_rate": _share(mutant.kill_rate),
+        "kill_rate_flown": _share(mutant.kill_rate_flown),
+        "requirements": {name: _share(ratio) for name, ratio in mutant.requirements},
+        "decisions": {
+            **{decision.value: len(mutant.decisions(decision)) for decision in Decision},
+            "situations": [_decided(r) for r in mutant.results if r.decided and r.decided.look],
+        },
+    }
+
+
+def _decided(result: Result) -> dict[str, Any]:
+    decided = result.decided
+    assert decided is not None
+    return {
+        "situation": result.situation,
+        "decision": decided.decision.value,
+        "requirement": decided.requirement,
+        "p": decided.p,
+        "flights": {"part": decided.k, "whole": decided.n},
+        "baseline": {"part": decided.b, "whole": decided.n0},
+        "look": decided.look,
+    }
+
+
+def _redraw(scored: Score) -> dict[str, Any]:
+    measured, expected = scored.redraw, scored.false_kills
+    return {
+        "population": "ordered pairs of baseline seeds of one situation, the first of which held a safety requirement",
+        "rate": _share(measured.rate),
+        "expected_false_kills": expected[0] if expected else None,
+        "eligible_flights": expected[1] if expected else 0,
+        "decided": {"seeds": measured.left_out, **_share(measured.decided)},
+        "reason": "" if measured.pairs else ONE_SEED,
+    }
+
+
+def _share(ratio: Ratio) -> dict[str, int]:
+    return {"part": ratio.part, "whole": ratio.whole}
+
+
+def ratio_json(ratio: Ratio) -> dict[str, Any]:
+    """A ratio with its interval, null for 0 of 0."""
+    return {**_share(ratio), "interval": list(ratio.interval) if ratio.interval else None}
