@@ -99,7 +99,7 @@ def test_tables_come_in_other_formats(call: Call, style: str) -> None:
 def test_the_score_as_json_has_the_keys_of_the_contract(call: Call) -> None:
     call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
     score = json.loads(call("score", "--format", "json").stdout)
-    assert set(score) == {"ratios", "mutants", "coverage", "baseline"}
+    assert {"ratios", "mutants", "coverage", "baseline"} <= score.keys()
     assert score["ratios"]["mutation_score"]["part"] == 1
     assert score["mutants"][0]["kill_rate_flown"] == {"part": 1, "whole": 2}
     assert set(score["coverage"]["t_way"]) == {"1", "2", "3", "4", "5"}

@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import random
+from dataclasses import replace
 
 from builders import GRID, KINDS, ROSTER, campaigns, outcome
 from hypothesis import given
@@ -17,6 +18,7 @@ RHO = [f"rho_{name}" for name in KINDS]
 COLUMNS = [
     *("mutant", "situation", "seed", "status", "ending", "violated", *RHO),
     *("infected_at_s", "violated_at_s", "x", "y", "z", "struck", "duration_s", "digest"),
+    *("held", "killed_by", "violation_times_s", "violation_bodies", "triggered", "realised", "carried", "altered"),
 ]
 
 
@@ -58,6 +60,21 @@ def test_csv_joins_lists_and_leaves_what_there_is_not_empty() -> None:
     held, killed = csv.DictReader(io.StringIO(text))
     assert (held["violated"], held["violated_at_s"], held["infected_at_s"], held["status"]) == ("", "", "", "held")
     assert (killed["violated"], killed["violated_at_s"]) == ("SR1;SR2", "9.0")
+
+
+def test_a_row_says_what_the_figures_of_the_score_follow_from() -> None:
+    struck = outcome(M, violated={"SR1": 20.0, "SR2": 9.0, "OP1": 5.0})
+    base, row = export_rows([outcome(), struck], ROSTER, GRID)
+    assert (base["held"], base["realised"], base["killed_by"]) == (list(KINDS), ["T", "O", "W", "D", "H"], [])
+    assert (row["held"], row["killed_by"]) == (["SR2-literal"], ["SR2", "SR1", "OP1"])
+    assert (row["violated"], row["violation_times_s"]) == (["SR1", "SR2", "OP1"], [20.0, 9.0, 5.0])
+    cut = outcome(M, violated={"SR1": 20.0}, struck="wall")
+    (_, row) = export_rows([outcome(), cut], ROSTER, GRID)
+    assert (row["held"], row["violation_bodies"], row["carried"], row["altered"]) == ([], ["wall"], 100, 5)
+
+
+def test_a_flight_cut_at_its_first_kill_is_not_exported() -> None:
+    assert export_rows([replace(outcome(M), truncated="first kill")], ROSTER, GRID) == []
 
 
 def test_an_export_of_nothing_is_an_empty_list_and_a_header() -> None:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import random
+from dataclasses import replace
 
 from builders import GRID, ROSTER, campaigns, flights, outcome
 from hypothesis import given
@@ -159,7 +160,7 @@ def test_the_json_has_the_keys_of_the_contract() -> None:
     outcomes = campaign()
     baselines = [(finding.situation, finding.violated) for finding in findings(outcomes, GRID)]
     plain = json.loads(json.dumps(score_json(scored(*outcomes), coverage(outcomes, GRID), baselines)))
-    assert list(plain) == ["ratios", "mutants", "coverage", "baseline"]
+    assert list(plain) == ["ratios", "mutants", "coverage", "baseline", "operability", "redraw"]
     assert list(plain["ratios"]) == ["exercised", "infected", "mutation_score", "strict_score"]
     assert plain["ratios"]["mutation_score"] == {
         "part": 1,
@@ -175,8 +176,9 @@ def test_the_json_has_the_keys_of_the_contract() -> None:
         "kill_rate": {"part": 1, "whole": 1},
         "kill_rate_flown": {"part": 2, "whole": 3},
         "requirements": {"SR2": {"part": 1, "whole": 1}},
+        "decisions": {"killed": 0, "survived": 0, "undecided": 1, "situations": []},
     }
-    assert list(plain["coverage"]) == ["situations", "draws", "t_way", "realised"]
+    assert {"situations", "draws", "t_way", "realised"} <= plain["coverage"].keys()
     assert plain["coverage"]["situations"] == {"part": 3, "whole": 32}
     assert list(plain["coverage"]["t_way"]) == ["1", "2", "3", "4", "5"]
     assert plain["baseline"] == [
@@ -184,6 +186,30 @@ def test_the_json_has_the_keys_of_the_contract() -> None:
         {"situation": LIGHT_HUMAN, "violated": []},
         {"situation": DARK_CORNER, "violated": ["SR1"]},
     ]
+
+
+def test_the_json_names_what_decided_a_situation() -> None:
+    kills = [outcome(LATE, LIGHT, seed, violated={"SR2": 9.0}) for seed in range(10)]
+    outcomes = [*kills, *(outcome(BASELINE, LIGHT, seed) for seed in range(10))]
+    decisions = score_json(scored(*outcomes), coverage(outcomes, GRID), [])["mutants"][0]["decisions"]
+    assert (decisions["killed"], decisions["survived"], decisions["undecided"]) == (1, 0, 0)
+    assert decisions["situations"] == [
+        {
+            "situation": LIGHT,
+            "decision": "killed",
+            "requirement": "SR2",
+            "p": 1 / 286 * 2 * 3,
+            "flights": {"part": 3, "whole": 3},
+            "baseline": {"part": 0, "whole": 10},
+            "look": 3,
+        }
+    ]
+
+
+def test_a_flight_cut_at_its_first_kill_enters_no_figure() -> None:
+    cut = replace(outcome(LATE, LIGHT, violated={"SR2": 3.0}), truncated="first kill")
+    assert scored(*campaign(), cut) == scored(*campaign())
+    assert scored(cut).mutants == ()
 
 
 def test_a_campaign_without_flights_scores_nothing_of_nothing() -> None:
