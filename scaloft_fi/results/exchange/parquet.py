@@ -9,7 +9,7 @@ from typing import Any
 from scaloft_fi.errors import InputError
 
 INTEGERS = frozenset({"seed", "carried", "altered"})
-LISTS = frozenset({"violated", "held", "killed_by", "triggered", "realised"})
+LISTS = frozenset({"violated", "held", "killed_by", "violation_bodies", "triggered", "realised"})
 TEXTS = frozenset({"mutant", "situation", "status", "ending", "struck", "digest"})
 """Columns by type; every other one is a number."""
 
@@ -27,6 +27,7 @@ def parquet(rows: Sequence[dict[str, Any]], columns: Sequence[str]) -> bytes:
         raise InputError("--format='parquet' needs pyarrow: pip install 'scaloft-fi[parquet]'") from error
     types = {name: pyarrow.int64() for name in INTEGERS} | {name: pyarrow.string() for name in TEXTS}
     types |= {name: pyarrow.list_(pyarrow.string()) for name in LISTS}
+    types |= {"violation_times_s": pyarrow.list_(pyarrow.float64())}
     schema = pyarrow.schema([(name, types.get(name, pyarrow.float64())) for name in columns])
     table = pyarrow.Table.from_pylist(list(rows), schema=schema)
     file = io.BytesIO()
