@@ -8,8 +8,9 @@ from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.results.interaction import interactions, orders
 from scaloft_fi.results.kill_matrix import KillMatrix
 from scaloft_fi.results.minimal_suite import minimal_suite
+from scaloft_fi.results.ratio import ratio_json
 from scaloft_fi.results.roster import Roster, cell_of
-from scaloft_fi.results.score import MutantScore, Score, ratio_json
+from scaloft_fi.results.score import MutantScore, Score
 from scaloft_fi.results.subsumption import subsumption
 
 

@@ -18,7 +18,9 @@ from scaloft_fi.report.tracks import FAR
 from scaloft_fi.results.baseline import Finding, Tally, findings, tallies
 from scaloft_fi.results.coverage import coverage
 from scaloft_fi.results.kill_matrix import kill_matrix
-from scaloft_fi.results.score import MutantScore, Score, ratio_json, score, score_json
+from scaloft_fi.results.ratio import ratio_json
+from scaloft_fi.results.score import MutantScore, Score, score
+from scaloft_fi.results.score_record import score_json
 from scaloft_fi.results.status import Status
 from scaloft_fi.results.tables import ratio_table
 from scaloft_fi.results.track import TRACK_COLUMNS

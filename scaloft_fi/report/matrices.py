@@ -9,8 +9,9 @@ from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.results.decision import Decision
 from scaloft_fi.results.gray import gray_order
 from scaloft_fi.results.kill_matrix import Entry, KillMatrix
+from scaloft_fi.results.ratio import ratio_json
 from scaloft_fi.results.roster import Roster, cell_of
-from scaloft_fi.results.score import MutantScore, Score, ratio_json
+from scaloft_fi.results.score import MutantScore, Score
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.status import Status
 

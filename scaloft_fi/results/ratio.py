@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 from scaloft_fi.results.exact import clopper_pearson
 
@@ -69,3 +70,13 @@ class Ratio:
             return self.plain
         low, high = self.interval
         return f"{self.plain} [{100 * low:.0f}, {100 * high:.0f}]"
+
+
+def share_json(ratio: Ratio) -> dict[str, int]:
+    """Part and whole."""
+    return {"part": ratio.part, "whole": ratio.whole}
+
+
+def ratio_json(ratio: Ratio) -> dict[str, Any]:
+    """A ratio with Wilson's interval, null for 0 of 0."""
+    return {**share_json(ratio), "interval": list(ratio.interval) if ratio.interval else None}

@@ -7,7 +7,7 @@ from typing import Any
 
 from scaloft_fi.results.coverage import Coverage, coverage_json
 from scaloft_fi.results.decision import Decision
-from scaloft_fi.results.ratio import Ratio
+from scaloft_fi.results.ratio import ratio_json, share_json
 from scaloft_fi.results.redraw import ONE_SEED
 from scaloft_fi.results.score import MutantScore, Result, Score
 
@@ -32,9 +32,9 @@ def _mutant(mutant: MutantScore) -> dict[str, Any]:
         "parameter": mutant.subject.parameter,
         "magnitude": mutant.subject.magnitude,
         "status": mutant.status.value,
-        "kill_rate": _share(mutant.kill_rate),
-        "kill_rate_flown": _share(mutant.kill_rate_flown),
-        "requirements": {name: _share(ratio) for name, ratio in mutant.requirements},
+        "kill_rate": share_json(mutant.kill_rate),
+        "kill_rate_flown": share_json(mutant.kill_rate_flown),
+        "requirements": {name: share_json(ratio) for name, ratio in mutant.requirements},
         "decisions": {
             **{decision.value: len(mutant.decisions(decision)) for decision in Decision},
             "situations": [_decided(r) for r in mutant.results if r.decided and r.decided.look],
@@ -60,18 +60,9 @@ def _redraw(scored: Score) -> dict[str, Any]:
     measured, expected = scored.redraw, scored.false_kills
     return {
         "population": "ordered pairs of baseline seeds of one situation, the first of which held a safety requirement",
-        "rate": _share(measured.rate),
+        "rate": share_json(measured.rate),
         "expected_false_kills": expected[0] if expected else None,
         "eligible_flights": expected[1] if expected else 0,
-        "decided": {"seeds": measured.left_out, **_share(measured.decided)},
+        "decided": {"seeds": measured.left_out, **share_json(measured.decided)},
         "reason": "" if measured.pairs else ONE_SEED,
     }
-
-
-def _share(ratio: Ratio) -> dict[str, int]:
-    return {"part": ratio.part, "whole": ratio.whole}
-
-
-def ratio_json(ratio: Ratio) -> dict[str, Any]:
-    """A ratio with its interval, null for 0 of 0."""
-    return {**_share(ratio), "interval": list(ratio.interval) if ratio.interval else None}

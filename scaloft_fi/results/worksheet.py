@@ -21,8 +21,8 @@ from scaloft_fi.results.decision import Decision
 from scaloft_fi.results.disposition import Disposition
 from scaloft_fi.results.margins import NOT_TOLD, cell_margins
 from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.ratio import Ratio
-from scaloft_fi.results.score import MutantScore, Score, ratio_json
+from scaloft_fi.results.ratio import Ratio, ratio_json
+from scaloft_fi.results.score import MutantScore, Score
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.status import Status
 
