@@ -18,11 +18,19 @@ def score_json(scored: Score, covered: Coverage, baselines: Sequence[tuple[str, 
     return {
         "ratios": {name: ratio_json(getattr(scored, name)) for name in ratios},
         "mutants": [_mutant(mutant) for mutant in scored.mutants],
-        "coverage": coverage_json(covered),
+        "coverage": _coverage(covered),
         "baseline": [{"situation": key, "violated": list(violated)} for key, violated in baselines],
         "operability": ratio_json(scored.operability),
         "redraw": _redraw(scored),
     }
+
+
+def _coverage(covered: Coverage) -> dict[str, Any]:
+    """`t_way` with parts and wholes alone, `complete` with its (p, t)-completeness."""
+    told = coverage_json(covered)
+    complete = {strength: found["complete"] for strength, found in told["t_way"].items()}
+    t_way = {str(strength): share_json(ratio) for strength, ratio in covered.t_way}
+    return told | {"t_way": t_way, "complete": complete}
 
 
 def _mutant(mutant: MutantScore) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from scipy.stats import binom, hypergeom
 
 Row = dict[str, Any]
 LADDER = ["invalid", "not_reached", "not_infected", "masked", "baseline_red", "survived", "killed"]
+SHARES = ("0.5", "0.75", "1")
 SPEND = {3: 0.0, 5: 0.05 * 2 / 3, 10: 0.05 / 3}
 TINY = 1e-12
 """Floats that are equal but for rounding."""
@@ -207,14 +208,14 @@ def covered(rows: list[Row], axes: dict[str, dict[str, str]], kinds: dict[str, s
     base = [row for row in valid if row["mutant"] == "baseline"]
     keys, judged_keys = {row["situation"] for row in valid}, {row["situation"] for row in base}
     names = list(next(iter(axes.values())))
-    ways = {}
+    ways, complete = {}, {}
     for strength in range(1, 6):
         per = []
         for chosen in combinations(names, strength):
             seen, every = ({tuple(axes[k][a] for a in chosen) for k in some} for some in (keys, axes.keys()))
             per.append((len(seen), len(every)))
-        complete = {p: share(sum(s >= float(p) * e for s, e in per), len(per)) for p in ("0.5", "0.75", "1")}
-        ways[str(strength)] = share(sum(s for s, _ in per), sum(e for _, e in per)) | {"complete": complete}
+        ways[str(strength)] = share(sum(s for s, _ in per), sum(e for _, e in per))
+        complete[str(strength)] = {p: share(sum(s >= float(p) * e for s, e in per), len(per)) for p in SHARES}
 
     def situations(rows: list[Row]) -> int:
         return len({row["situation"] for row in rows})
@@ -223,6 +224,7 @@ def covered(rows: list[Row], axes: dict[str, dict[str, str]], kinds: dict[str, s
         "situations": share(len(keys), len(axes)),
         "draws": len({(row["situation"], row["seed"]) for row in valid}),
         "t_way": ways,
+        "complete": complete,
         "realised": share(situations([row for row in base if row["realised"] == names]), len(axes)),
         "realised_by_axis": {
             axis: share(situations([row for row in base if axis in row["realised"]]), len(judged_keys))
