@@ -76,8 +76,9 @@ def fair_order(
     Situations with their seeds are drawn at random, each of them in turn with one random group of mutants in which
     every parameter has its share, until every situation has had every group.  So at any time every planned flight of a
     mutant had the same chance, every situation was drawn equally often, give or take one, and so was every group.  The
-    baseline and PLACEBO of a situation are flown when it is first drawn.  The order is the study's own: the same in
-    every run, so that another budget goes on where the last one ended.
+    baseline and PLACEBO of a situation are flown when it is first drawn, the
+    pool comes last.  The order is the study's own: the same in every run, so that another budget goes on where the
+    last one ended.
     """
     seed = study.inputs["sim"], study.inputs["requirements"]
     wanted = set(missing)
@@ -95,6 +96,8 @@ def fair_order(
             members = (*([None, PLACEBO] if turn == 0 else []), *groups[(place + turn) % len(groups)])
             unit = [Flight(member, draw.situation, draw.seed) for member in members]
             yield from arrange([flight for flight in unit if flight in wanted])
+    for flight in interleaved(planned.pool, lambda f: f.situation.key, lambda f: f.name, (*seed, "pool")):
+        yield from arrange([flight] if flight in wanted else [])
 
 
 def interleaved(

@@ -17,7 +17,7 @@ STEADY_SEAMS = ("velcmd", "pose", "imu", "goal")
 """Seams that carry samples in every situation: a control there can be asked to show itself anywhere."""
 
 
-def seeds(text: str) -> tuple[int, ...]:
+def seeds(text: str, option: str = "--seeds") -> tuple[int, ...]:
     """`N` means 0..N-1, `A-B` means A to B, both included.
 
     >>> seeds("3"), seeds("4-5")
@@ -31,7 +31,7 @@ def seeds(text: str) -> tuple[int, ...]:
         first, last = (0, int(found[1]) - 1) if found[2] is None else (int(found[1]), int(found[2]))
         if 0 <= last - first < MOST_SEEDS:
             return tuple(range(first, last + 1))
-    raise InputError(f"--seeds={text!r} must be N for seeds 0..N-1 (N >= 1), or A-B with A <= B")
+    raise InputError(f"{option}={text!r} must be N for seeds 0..N-1 (N >= 1), or A-B with A <= B")
 
 
 def shard(text: str) -> tuple[int, int]:

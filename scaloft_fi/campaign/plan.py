@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
@@ -47,16 +47,29 @@ class Plan:
         mutants: PLACEBO in the same, then every mutant in the same.
         canary: the control that is flown once, in a situation chosen when the baselines are known; None when the
             controls are among the mutants.
+        pool: baselines with more seeds, to decide by; nothing else is flown there.
     """
 
     baselines: tuple[Flight, ...]
     mutants: tuple[Flight, ...]
     canary: Mutant | None
+    pool: tuple[Flight, ...] = ()
+
+    @property
+    def known(self) -> tuple[Flight, ...]:
+        """All flights but the canary's, each once."""
+        return *self.baselines, *self.pool, *self.mutants
 
     @property
     def flights(self) -> int:
         """How many flights there are, each counted once."""
-        return len(self.baselines) + len(self.mutants) + (self.canary is not None)
+        return len(self.known) + (self.canary is not None)
+
+    def with_pool(self, seeds: Iterable[int]) -> Plan:
+        """The same with baselines of more seeds in every situation."""
+        situations = dict.fromkeys(flight.situation for flight in self.baselines)
+        more = dict.fromkeys(Flight(None, situation, seed) for situation in situations for seed in seeds)
+        return replace(self, pool=tuple(flight for flight in more if flight not in set(self.baselines)))
 
     def shard(self, number: int, shards: int) -> Plan:
         """Every `shards`-th situation and seed, from the `number`-th (counted from 1) on."""
@@ -65,7 +78,8 @@ class Plan:
         def ours(flights: tuple[Flight, ...]) -> tuple[Flight, ...]:
             return tuple(flight for flight in flights if (flight.situation.key, flight.seed) in own)
 
-        return Plan(ours(self.baselines), ours(self.mutants), self.canary if own else None)
+        pool = self.pool[number - 1 :: shards]
+        return Plan(ours(self.baselines), ours(self.mutants), self.canary if own else None, pool)
 
 
 def plan(

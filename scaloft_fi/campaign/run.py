@@ -62,8 +62,7 @@ def run(
     """
     options = options or RunOptions()
     budget = Budget(options.budget_s)
-    first = (*planned.baselines, *planned.mutants)
-    with hired(study, folder, options, progress=progress, flyer=flyer, first=first) as crew:
+    with hired(study, folder, options, progress=progress, flyer=flyer, first=planned.known) as crew:
         report = _fly(planned, crew, budget)
         crew.go_on(f"{len(report.outcomes)} of {planned.flights} flights are")
         gates.check(
@@ -80,7 +79,7 @@ def run(
 
 def _fly(planned: Plan, crew: Crew, budget: Budget) -> Report:
     """Fly until all is flown, time is up or the user stops it; returns what the plan has now."""
-    flights = (*planned.baselines, *planned.mutants)
+    flights = planned.known
     crew.plan(flights)
     crew.lookout.progress.most_s = lambda: budget.left_s
     if crew.options.budget_s is None:

@@ -36,6 +36,16 @@ def campaign_option(function: F) -> F:
     )(function)
 
 
+def baseline_from_option(function: F) -> F:
+    """`--baseline-from CAMPAIGN`: more baselines to decide by."""
+    return click.option(
+        "--baseline-from",
+        "baseline_from",
+        metavar="NAME",
+        help="Decide by the baselines of this campaign too, which must be of the same platform, data and code.",
+    )(function)
+
+
 def format_option(function: F) -> F:
     """`--format`: how tables are printed."""
     return click.option(

@@ -10,7 +10,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from scaloft_fi.cli.options import campaign_option, fail_under_option, format_option, study_option
+from scaloft_fi.cli.options import (
+    baseline_from_option,
+    campaign_option,
+    fail_under_option,
+    format_option,
+    study_option,
+)
 from scaloft_fi.errors import InputError
 
 if TYPE_CHECKING:
@@ -52,7 +58,18 @@ if TYPE_CHECKING:
     metavar="S",
     help="Another choice of the same kind.",
 )
-@click.option("--seeds", default="1", show_default=True, metavar="N|A-B", help="Seeds 0..N-1, or A to B inclusive.")
+@click.option("--seeds", metavar="N|A-B", help="Seeds 0..N-1, or A to B inclusive.  [default: 1]")
+@click.option(
+    "--baseline-seeds",
+    metavar="N|A-B",
+    help="Fly the baseline with these seeds too: a larger pool to decide by.",
+)
+@baseline_from_option
+@click.option(
+    "--sequential",
+    is_flag=True,
+    help="Fly 3, 5 and 10 seeds in whole rounds; what a round leaves undecided flies on.  Baselines fly all 10.",
+)
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
 @click.option(
     "--executor",
@@ -88,7 +105,10 @@ def run_command(
     situations: tuple[str, ...],
     how: str,
     choose_seed: int,
-    seeds: str,
+    seeds: str | None,
+    baseline_seeds: str | None,
+    baseline_from: str | None,
+    sequential: bool,
     jobs: int | None,
     executor: str,
     shard: str | None,
@@ -108,11 +128,13 @@ def run_command(
 
     one_thread_each()
     from scaloft_fi.campaign import choose, strategy
+    from scaloft_fi.campaign.baseline_pool import borrowed
     from scaloft_fi.campaign.budget import budget_s
     from scaloft_fi.campaign.executor import executor_named
     from scaloft_fi.campaign.first_kill import first_kills
     from scaloft_fi.campaign.folder import campaign_folder
     from scaloft_fi.campaign.fork import CAN_FORK
+    from scaloft_fi.campaign.looks import look_table, run_looks
     from scaloft_fi.campaign.options import RunOptions
     from scaloft_fi.campaign.plan import plan_draws
     from scaloft_fi.campaign.progress import Progress, Silence
@@ -122,11 +144,16 @@ def run_command(
     from scaloft_fi.study import Study
 
     if first_kill:
-        _alone("--first-kill", budget=budget, fail_under=fail_under)
+        decided = {"sequential": sequential or None, "baseline_seeds": baseline_seeds, "baseline_from": baseline_from}
+        _alone("--first-kill", budget=budget, fail_under=fail_under, **decided)
+    if sequential:
+        _alone("--sequential", seeds=seeds, budget=budget, shard=shard)
     study = Study.open(study_folder)
-    chosen = strategy.choose(how, study.grid.select(situations), choose.seeds(seeds), choose_seed, study.space)
+    pool_seeds = choose.seeds(baseline_seeds, "--baseline-seeds") if baseline_seeds else ()
+    flown_seeds = choose.seeds(seeds or "1")
+    chosen = strategy.choose(how, study.grid.select(situations), flown_seeds, choose_seed, study.space)
     study.check(chosen.situations)
-    planned = plan_draws(chosen.draws, choose.mutants(study, mutants), choose.canary(study))
+    planned = plan_draws(chosen.draws, choose.mutants(study, mutants), choose.canary(study)).with_pool(pool_seeds)
     if shard is not None:
         planned = planned.shard(*choose.shard(shard))
         if not planned.baselines:
@@ -141,20 +168,26 @@ def run_command(
         every_violation=bool(mutants),
         command=_command(),
     )
+    keys = [situation.key for situation in chosen.situations]
+    others = borrowed(study, baseline_from, keys) if baseline_from else ()
     folder = campaign_folder(study, campaign)
     strategy.remember(folder, chosen)
     if first_kill:
         _print_first_kills(first_kills(study, planned, folder, options, progress=progress), style)
         return 0
+    if sequential:
+        flown, looks = run_looks(study, planned, folder, options, others=others, progress=progress)
+        return report(study, flown.outcomes, None, style, fail_under, (look_table(looks),), others)
     flown = run(study, planned, folder, options, progress=progress)
-    return report(study, flown.outcomes, None, style, fail_under, unflown_tables(planned, flown.left))
+    return report(study, flown.outcomes, None, style, fail_under, unflown_tables(planned, flown.left), others)
 
 
 def _alone(option: str, **others: object) -> None:
     """Refuse options that make no sense beside another."""
     for name, value in others.items():
         if value is not None:
-            raise InputError(f"{option} and --{name.replace('_', '-')}={value} do not go together; leave one out")
+            other = f"--{name.replace('_', '-')}" + ("" if value is True else f"={value}")
+            raise InputError(f"{option} and {other} do not go together; leave one out")
 
 
 def _print_first_kills(found: FirstKills, style: str) -> None:

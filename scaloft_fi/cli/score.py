@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from scaloft_fi.cli.options import campaign_option, fail_under_option, format_option, study_option, today_option
+from scaloft_fi.cli.options import (
+    baseline_from_option,
+    campaign_option,
+    fail_under_option,
+    format_option,
+    study_option,
+    today_option,
+)
 
 if TYPE_CHECKING:
     from scaloft_fi.results.outcome import Outcome
@@ -26,6 +33,7 @@ BELOW = 3
 @study_option
 @campaign_option
 @click.option("--by", "grouping", type=click.Choice(GROUPINGS), help="The score part by part as well.")
+@baseline_from_option
 @format_option
 @fail_under_option
 @click.option(
@@ -40,18 +48,22 @@ def score_command(
     study_folder: Path | None,
     campaign: str,
     grouping: str | None,
+    baseline_from: str | None,
     style: str,
     fail_under: float | None,
     ratcheting: bool,
     today: date | None,
 ) -> int:
     """Print the score, the mutants, the baseline's findings and the coverage of a campaign."""
+    from scaloft_fi.campaign.baseline_pool import borrowed
     from scaloft_fi.campaign.held import current
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
     outcomes = current(study, campaign)
-    code = report(study, outcomes, grouping, style, fail_under)
+    situations = [key for key, _ in study.space.points if key in {outcome.situation for outcome in outcomes}]
+    others = borrowed(study, baseline_from, situations) if baseline_from else ()
+    code = report(study, outcomes, grouping, style, fail_under, others=others)
     if not ratcheting:
         return code
     from scaloft_fi.cli.dispositions import ratchet
@@ -65,15 +77,27 @@ def report(
     grouping: str | None,
     style: str,
     fail_under: float | None,
-    unflown: Sequence[Table] = (),
+    extra: Sequence[Table] = (),
+    others: Sequence[Outcome] = (),
 ) -> int:
-    """Print the tables of `outcomes` and what was not flown; returns the exit code."""
+    """Print the tables of `outcomes`; returns the exit code.
+
+    Args:
+        study: what was flown.
+        outcomes: of the campaign.
+        grouping: `--by`.
+        style: `--format`.
+        fail_under: `--fail-under`.
+        extra: tables that stand behind the others.
+        others: baselines of another campaign, to decide by.
+    """
+    from scaloft_fi.campaign.baseline_pool import joined
     from scaloft_fi.results.score import score
     from scaloft_fi.results.status import whole
 
     outcomes = whole(outcomes)
-    scored = score(outcomes, study.roster, study.space)
-    click.echo(_text(study, outcomes, scored, grouping, style, unflown), nl=False)
+    scored = score(outcomes, study.roster, study.space, joined(outcomes, others))
+    click.echo(_text(study, outcomes, scored, grouping, style, extra), nl=False)
     ratio = scored.mutation_score
     if fail_under is None or (ratio.value is not None and ratio.value >= fail_under):
         return 0
@@ -87,7 +111,7 @@ def _text(
     scored: Score,
     grouping: str | None,
     style: str,
-    unflown: Sequence[Table],
+    extra: Sequence[Table],
 ) -> str:
     from scaloft_fi.results.baseline import findings
     from scaloft_fi.results.coverage import coverage
@@ -98,11 +122,11 @@ def _text(
 
     by = By(grouping) if grouping else None
     if style != Format.JSON:
-        return render((*tables_of(scored, outcomes, study.roster, study.space, by), *unflown), Format(style))
+        return render((*tables_of(scored, outcomes, study.roster, study.space, by), *extra), Format(style))
     import json
 
     violated = [(finding.situation, finding.violated) for finding in findings(outcomes, study.space)]
     values = score_json(scored, coverage(outcomes, study.space), violated)
-    if unflown:
-        values["not_flown"] = [row for table in unflown for row in table.records()]
+    for table in extra:
+        values[table.title.lower().replace(",", "").replace(" ", "_")] = table.records()
     return json.dumps(values, indent=2, allow_nan=False) + "\n"

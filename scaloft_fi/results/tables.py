@@ -8,7 +8,7 @@ from scaloft_fi.results.baseline import Finding, Tally, findings, tallies
 from scaloft_fi.results.coverage import Coverage, coverage
 from scaloft_fi.results.decision import Decision
 from scaloft_fi.results.grouping import By, groups
-from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.ratio import Ratio
 from scaloft_fi.results.requirement import Verdict
 from scaloft_fi.results.roster import Roster
@@ -34,7 +34,7 @@ def tables_of(
 ) -> tuple[Table, ...]:
     """The same of outcomes that were scored already."""
     listed = whole(outcomes)
-    seeds = len({outcome.seed for outcome in listed if not outcome.invalid})
+    seeds = len({outcome.seed for outcome in listed if not outcome.invalid and outcome.mutant != BASELINE})
     tables = [ratio_table(scored, seeds), mutant_table(scored.mutants, space, seeds)]
     if scored.controls:
         tables.append(mutant_table(scored.controls, space, seeds, "Controls (in no ratio)"))
@@ -181,6 +181,7 @@ def coverage_table(covered: Coverage) -> Table:
     rows = [
         ("distinct situations", covered.situations.plain, "situations of the grid"),
         ("draws", str(covered.draws), "situations flown with a seed"),
+        *([("pool", str(covered.pool), "situations and seeds of the baseline alone")] if covered.pool else []),
         *((f"{t}-way", ratio.plain, "value combinations of that many axes") for t, ratio in covered.t_way),
         ("realised", covered.realised.plain, "situations whose every value came true in a baseline flight"),
         *(

@@ -50,3 +50,11 @@ def test_other_seeds_are_refused(text: str) -> None:
 def test_a_range_of_seeds_has_both_ends(first: int, more: int) -> None:
     meant = choose.seeds(f"{first}-{first + more}")
     assert (meant[0], meant[-1], len(meant)) == (first, first + more, more + 1)
+
+
+def test_a_pool_is_baselines_of_more_seeds_each_once_and_is_shared_out_over_the_shards(study: Any) -> None:
+    planned = plan(study.grid, (0, 1), [_mutant("MORE-goal")], None).with_pool(range(5))
+    assert all(flight.mutant is None and flight.seed >= 2 for flight in planned.pool)
+    assert planned.flights == len({flight.name for flight in planned.known}) == 4 * (5 + 2 * 2)
+    parts = [planned.shard(number, 3) for number in (1, 2, 3)]
+    assert sorted(f.name for part in parts for f in part.known) == sorted(f.name for f in planned.known)

@@ -257,3 +257,18 @@ def test_an_interrupted_run_says_the_command_that_resumes_it(study: Any, log: An
     typed = RunOptions(command="scaloft-fi run --mutant 'LATE-human*'")
     with pytest.raises(Interrupted, match=r"the same command resumes: scaloft-fi run --mutant 'LATE-human\*'$"):
         run(study, _plan(study), study.folder / "c", typed, progress=Progress(stream=io.StringIO()), flyer=log)
+
+
+def test_a_pool_is_flown_and_a_green_baseline_in_it_reveals_nothing(study: Any, log: Any) -> None:
+    report = _run(study, log, planned=_plan(study).with_pool(range(3)))
+    assert sum(o.mutant == "baseline" for o in report.outcomes) == 3 * 4
+    assert {o.seed for o in report.outcomes if o.mutant != "baseline"} == {0}
+
+    def red(flight: Flight, outcome: Outcome) -> Outcome:
+        if flight.seed:
+            return outcome
+        return replace(outcome, readings=tuple(replace(r, violated_at_s=2.0) for r in outcome.readings))
+
+    log.change = red
+    with pytest.raises(GateError, match="no situation flown has a baseline that holds a safety requirement"):
+        _run(study, log, planned=_plan(study).with_pool(range(3)), folder="red")
