@@ -27,7 +27,7 @@ class Coverage:
     Attributes:
         situations: distinct situations flown, of the grid.
         draws: test cases flown, a situation with a seed each.
-        pool: situations with a seed where the baseline alone was flown, to decide by.
+        pool: those of them in which the baseline alone was flown, to decide by.
         combinations: per strength t, the combinations of values of t axes that were flown, of all that situations have.
         realised: situations whose every value came true together in a baseline flight, of the grid.
         eligible: situations where a baseline held a safety requirement to its end, so that a fault could show, of the
@@ -60,7 +60,6 @@ def coverage(outcomes: Iterable[Outcome], space: Space) -> Coverage:
     flown = {outcome.situation for outcome in valid}
     baselines = [outcome for outcome in valid if outcome.mutant == BASELINE]
     beside = {(outcome.situation, outcome.seed) for outcome in valid if outcome.mutant != BASELINE}
-    cases = beside or {(outcome.situation, outcome.seed) for outcome in baselines}
     judged = {outcome.situation for outcome in baselines}
     came_true = {(outcome.situation, axis) for outcome in baselines for axis, true in outcome.realised if true}
     whole = {
@@ -69,8 +68,8 @@ def coverage(outcomes: Iterable[Outcome], space: Space) -> Coverage:
     eligible = {outcome.situation for outcome in baselines if held_to_end(outcome, Kind.SAFETY)}
     return Coverage(
         situations=Ratio(len(flown), len(space.points)),
-        draws=len(cases),
-        pool=len({(outcome.situation, outcome.seed) for outcome in baselines} - cases),
+        draws=len({(outcome.situation, outcome.seed) for outcome in valid}),
+        pool=len({(outcome.situation, outcome.seed) for outcome in baselines} - beside),
         combinations=tuple(t_way(flown, space, strength) for strength in STRENGTHS),
         realised=Ratio(len(whole), len(space.points)),
         eligible=Ratio(len(eligible), len(space.points)),

@@ -181,7 +181,7 @@ def coverage_table(covered: Coverage) -> Table:
     rows = [
         ("distinct situations", covered.situations.plain, "situations of the grid"),
         ("draws", str(covered.draws), "situations flown with a seed"),
-        *([("pool", str(covered.pool), "situations and seeds of the baseline alone")] if covered.pool else []),
+        *([("pool", str(covered.pool), "of these draws, the baseline's alone, to decide by")] if covered.pool else []),
         *((f"{t}-way", ratio.plain, "value combinations of that many axes") for t, ratio in covered.t_way),
         ("realised", covered.realised.plain, "situations whose every value came true in a baseline flight"),
         *(

@@ -42,6 +42,11 @@ def test_a_situation_flown_twice_is_one_situation_and_two_draws() -> None:
     assert (found.situations, found.draws) == (Ratio(1, 32), 2)
 
 
+def test_draws_of_the_baseline_alone_are_draws_and_said_to_be_the_baselines_alone() -> None:
+    found = coverage([outcome(seed=0), outcome("LATE-human@3s", seed=0), outcome(seed=1), outcome(seed=2)], GRID)
+    assert (found.draws, found.pool) == (3, 2)
+
+
 def test_a_situation_is_realised_when_all_its_values_came_true_in_one_baseline_flight() -> None:
     found = coverage([outcome(realised=False), outcome(situation=KEYS[1]), outcome("LATE-human@3s", KEYS[2])], GRID)
     assert found.realised == Ratio(1, 32)
