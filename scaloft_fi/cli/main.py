@@ -29,6 +29,10 @@ VERBS: dict[str, tuple[str, str]] = {
         "the survivors beside those that were accepted",
     ),
     "kills": ("scaloft_fi.cli.kills:kills_command", "where mutants die, what situations kill, what to do next"),
+    "coverage": (
+        "scaloft_fi.cli.coverage:coverage_command",
+        "what the situations cover, and whether it predicts kills",
+    ),
     "diff": ("scaloft_fi.cli.diff:diff_command", "the flights of which two campaigns do not say the same"),
     "export": ("scaloft_fi.cli.export:export_command", "one row per flight, JSON or CSV"),
     "report": ("scaloft_fi.cli.report:report_command", "one HTML file that tells a whole campaign, offline"),

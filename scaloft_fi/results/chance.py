@@ -40,8 +40,8 @@ def with_replacement(situations: int) -> Chances:
 def in_orders(found: Found, positions: Positions) -> Chances:
     """The share of the orders in which each thing is met within k + 1 situations."""
     orders, situations = positions.shape
-    met = np.stack([np.bincount(row, minlength=situations + 1)[:situations] for row in firsts(found, positions).T])
-    return np.asarray(np.cumsum(met, axis=1) / orders)
+    met = [np.bincount(row, minlength=situations + 1)[:situations] for row in firsts(found, positions).T]
+    return np.asarray(np.cumsum(np.reshape(met, (len(found), situations)), axis=1) / orders)
 
 
 def firsts(found: Found, positions: Positions) -> Positions:
@@ -58,7 +58,7 @@ def in_subsets(found: Found, suites: NDArray[np.int64]) -> Chances:
     """Met by k + 1 situations drawn from a suite without replacement, on average over the suites (suites, size)."""
     size = suites.shape[1]
     by_count = without_replacement(size)
-    return np.stack([by_count[row[suites].sum(axis=1)].mean(axis=0) for row in found])
+    return np.reshape([by_count[row[suites].sum(axis=1)].mean(axis=0) for row in found], (len(found), size))
 
 
 def apfd(chances: Chances) -> float | None:

@@ -54,7 +54,7 @@ class Coverage:
 
 def coverage(outcomes: Iterable[Outcome], space: Space) -> Coverage:
     """Coverage by the flights that count; a flight outside the grid or an invalid one covers nothing."""
-    from scaloft_fi.results.t_way import t_way
+    from scaloft_fi.results.t_way import t_ways
 
     valid = [outcome for outcome in outcomes if not outcome.invalid and outcome.situation in space.point]
     flown = {outcome.situation for outcome in valid}
@@ -70,7 +70,7 @@ def coverage(outcomes: Iterable[Outcome], space: Space) -> Coverage:
         situations=Ratio(len(flown), len(space.points)),
         draws=len({(outcome.situation, outcome.seed) for outcome in valid}),
         pool=len({(outcome.situation, outcome.seed) for outcome in baselines} - beside),
-        combinations=tuple(t_way(flown, space, strength) for strength in STRENGTHS),
+        combinations=t_ways(flown, space, STRENGTHS),
         realised=Ratio(len(whole), len(space.points)),
         eligible=Ratio(len(eligible), len(space.points)),
         by_axis=tuple(

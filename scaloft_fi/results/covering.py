@@ -19,11 +19,14 @@ from numpy.typing import NDArray
 from scaloft_fi.errors import InputError
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.t_way import Ids, Levels, levels_of, table
+from scaloft_fi.sim.streams import generator
 
 SALTS = 64
 """Arrays that are tried; the smallest is kept."""
 WORK = 400_000
 """Combinations to be covered, in all arrays that are tried: a large grid gets fewer salts."""
+MOST_TERMS = 40
+"""With more forbidden combinations the library is slow: the array is then built from the situations, greedily."""
 Forbidden = tuple[tuple[int, ...], tuple[int, ...]]
 """Axes, and the places of the values there that no situation has together."""
 
@@ -52,49 +55,58 @@ def covering_array(space: Space, keys: Sequence[str], strength: int, seed: int) 
     codes, size = table(levels, space, strength)
     wanted = np.zeros(size, bool)
     wanted[codes] = True
-    row_of = {tuple(row): number for number, row in enumerate(levels.tolist())}
-    tries = max(1, min(SALTS, WORK // (int(wanted.sum()) * axes)))
-    arrays = _arrays(levels, strength, seed, tries)
-    found = [_whole([row_of[row] for row in rows if row in row_of], codes, wanted) for rows in arrays]
-    return tuple(keys[row] for row in min(found, key=len))
+    terms = forbidden(levels)
+    work = int(wanted.sum()) * axes * (1 if terms is None else 1 + len(terms))
+    tries = max(1, min(SALTS, WORK // work))
+    if terms is None:
+        rng = generator("covering array", strength, seed)
+        begun = [[int(rng.integers(len(levels)))] for _ in range(tries)]
+    else:
+        row_of = {tuple(row): number for number, row in enumerate(levels.tolist())}
+        arrays = _arrays(levels, terms, strength, seed, tries)
+        begun = [[row_of[row] for row in rows if row in row_of] for rows in arrays]
+    return tuple(keys[row] for row in min((_whole(rows, codes, wanted) for rows in begun), key=len))
 
 
-def _arrays(levels: Levels, strength: int, seed: int, tries: int) -> Iterator[list[tuple[int, ...]]]:
+def _arrays(
+    levels: Levels, terms: Sequence[Forbidden], strength: int, seed: int, tries: int
+) -> Iterator[list[tuple[int, ...]]]:
     """What the library finds with one salt after the other, each row the places of its values."""
     try:
         make = import_module("covertable").make
     except ImportError as error:
         reason = "covering arrays need covertable: pip install 'scaloft-fi[covering]'"
         raise InputError(reason) from error
-    # the library's cost is in the constraints: an axis with a single value left needs none
-    values = [sorted(set(column)) for column in levels.T.tolist()]
-    factors = {f"a{axis}": found for axis, found in enumerate(values)}
-    constraints = [_constraint(*one) for one in forbidden(levels, values)]
+    factors = {f"a{axis}": sorted(set(column)) for axis, column in enumerate(levels.T.tolist())}
+    constraints = [_constraint(*term) for term in terms]
     for salt in range(tries):
         rows = make(factors, strength=strength, salt=f"{seed}-{salt}", tolerance=0, constraints=constraints)
         yield [tuple(row[name] for name in factors) for row in rows]
 
 
-def forbidden(levels: Levels, values: Sequence[Sequence[int]]) -> list[Forbidden]:
-    """The smallest combinations of `values` that no point has; together they leave exactly the points.
+def forbidden(levels: Levels) -> list[Forbidden] | None:
+    """The smallest combinations of the points' values that no point has; together they leave exactly the points.
 
     Args:
         levels: (points, axes), no point twice.
-        values: per axis the places of the values to combine.
+
+    Returns:
+        None when there are more than `MOST_TERMS`: the points are scattered, not a grid with something taken out.
     """
+    values = [sorted(set(column)) for column in levels.T.tolist()]
     if len(levels) == prod(map(len, values)):
         return []
     left = np.array(list(product(*values)), np.int64)
     found: list[Forbidden] = []
     for size in range(2, len(values) + 1):
         for axes in combinations(range(len(values)), size):
-            if len(left) == len(levels):
-                return found
+            if len(left) == len(levels) or len(found) > MOST_TERMS:
+                return found if len(found) <= MOST_TERMS else None
             radix = np.array([prod(max(values[axis]) + 1 for axis in axes[i + 1 :]) for i in range(size)])
             missing = ~np.isin(left[:, axes] @ radix, levels[:, axes] @ radix)
             found += [(axes, tuple(row)) for row in np.unique(left[missing][:, axes], axis=0).tolist()]
             left = left[~missing]
-    return found
+    return found if len(found) <= MOST_TERMS else None
 
 
 def _constraint(axes: tuple[int, ...], places: tuple[int, ...]) -> dict[str, Any]:

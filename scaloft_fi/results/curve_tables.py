@@ -17,12 +17,14 @@ def curves_json(found: Curves, prediction: Prediction) -> dict[str, Any]:
     """All points of all curves.  Lists over k begin with k = 1; a strategy's lists may be shorter than `situations`.
 
     `strategies[].kills`, `.difference` and `spread` are {mean, low, high}; `difference` (to random order, at equal k,
-    paired) is null for random order itself; `t_way` has a list of shares for each strength.
+    paired) is null for random order itself; `distinct` is the same where mutants with equal kill sets count once;
+    `t_way` has a list of shares for each strength.
     """
     trial = found.trial
     return {
         "mutants": len(trial.mutants),
         "killed": int(trial.kills.any(axis=1).sum()),
+        "kill_sets": len(trial.kill_sets),
         "left_out": list(trial.left_out),
         "situations": len(trial.situations),
         "grid": len(trial.space.points),
@@ -46,6 +48,7 @@ def _curve(curve: Curve) -> dict[str, Any]:
         "oracle": curve.oracle,
         "kills": _band(curve.kills),
         "difference": _band(curve.difference) if curve.difference else None,
+        "distinct": _band(curve.distinct) if curve.distinct else None,
         "t_way": {str(strength): list(shares) for strength, shares in curve.t_way},
         "apfd": curve.apfd,
         "area": curve.area,

@@ -29,13 +29,11 @@ from scaloft_fi.results.covering import covering_array
 from scaloft_fi.results.trial import Trial
 from scaloft_fi.sim.streams import generator
 
-STRENGTHS = (1, 2, 3, 4)
-"""Strengths whose coverage is followed, as far as there are axes."""
 ARRAYS = (2, 3, 4)
 ORDERS = 1_000
 """Random orders, for the spread between orders."""
-TIES = 10
-"""Ways to break ties of the greedy strategy that begin with each situation."""
+GREEDY = 320
+"""Orders of the greedy strategy, as many of them as can be shared out evenly over the situations to begin with."""
 RESAMPLES = 2_000
 QUANTILES = (0.025, 0.975)
 Floats = tuple[float, ...]
@@ -60,6 +58,7 @@ class Curve:
         t_way: per strength, the share of the combinations covered, expected.
         difference: mutants killed more than by random situations at equal k, with a paired 95 % interval; None for
             random order itself.
+        distinct: the same where mutants with equal kill sets count once, with a 95 % interval over those sets.
         apfd: of the mutants that all situations kill; None for a strategy that does not order them all.
         area: mean of the share of mutants killed, over the k of this strategy.
         random_area: the same of random situations over the same k.
@@ -74,6 +73,7 @@ class Curve:
     kills: Band
     t_way: tuple[tuple[int, Floats], ...]
     difference: Band | None
+    distinct: Band | None
     apfd: float | None
     area: float
     random_area: float
@@ -106,6 +106,7 @@ def curves(trial: Trial) -> Curves:
     """Follow every strategy over the trial."""
     compare = _Compare(trial)
     size = len(trial.situations)
+    ties = max(1, GREEDY // size)
     random, draws = without_replacement(size), with_replacement(size)
     found = [
         compare.curve("random", "random order", "uniform without replacement: exact", lambda a: random[a.sum(axis=1)]),
@@ -116,8 +117,8 @@ def curves(trial: Trial) -> Curves:
         compare.ordered(
             "greedy",
             "greedy t-way",
-            f"most new combinations of 1 axis, then 2, ...: mean of {TIES * size} ways to break ties",
-            orders.greedy_t_way(trial.space, trial.situations, TIES),
+            f"most new combinations of 1 axis, then of 2, ...: mean of {ties * size} orders",
+            orders.greedy_t_way(trial.space, trial.situations, ties),
         ),
     ]
     missing = []
@@ -130,11 +131,16 @@ def curves(trial: Trial) -> Curves:
             continue
         suite = covering_array(trial.space, trial.situations, strength, 0)
         suites = orders.relabelled(trial.space, trial.situations, suite, strength)
+        if len(suites) < 2:
+            missing.append((name, "no renaming of its axes and values stays among the situations flown"))
+            continue
         about = f"covering array of {len(suite)}: mean of {len(suites)} relabellings, in random order"
         found.append(compare.curve(f"{strength}-way", name, about, partial(in_subsets, suites=suites), whole=False))
     oracle = orders.greedy_by_kills(trial.kills)
     found.append(
-        compare.ordered("oracle", "oracle", "most new kills, known beforehand: an upper bound", oracle, oracle=True)
+        compare.ordered(
+            "oracle", "oracle", "most new kills first, as if they were known beforehand", oracle, oracle=True
+        )
     )
     spread = _spread(trial.kills)
     return Curves(trial, tuple(found), spread, tuple(missing))
@@ -148,8 +154,10 @@ class _Compare:
         self._kills = trial.kills
         self._random = without_replacement(size)[trial.kills.sum(axis=1)]
         self._weights = resamples(trial.parameters)
-        strengths = [strength for strength in STRENGTHS if strength <= len(trial.space.axes)]
-        self._combinations = [(strength, *trial.combinations(strength)) for strength in strengths]
+        self._sets = trial.kill_sets
+        self._sets_random = without_replacement(size)[self._sets.sum(axis=1)]
+        self._set_weights = resamples(["" for _ in self._sets])
+        self._combinations = trial.followed
 
     def ordered(self, id_: str, name: str, about: str, positions: NDArray[np.int64], *, oracle: bool = False) -> Curve:
         """A strategy that orders all situations."""
@@ -175,12 +183,15 @@ class _Compare:
             id=id_,
             name=name,
             about=about,
-            kills=self._band(killed),
+            kills=self._band(killed, self._weights),
             t_way=tuple(
                 (strength, _floats(chances(found).sum(axis=0) / possible))
                 for strength, found, possible in self._combinations
             ),
-            difference=None if id_ == "random" else self._band(killed - random),
+            difference=None if id_ == "random" else self._band(killed - random, self._weights),
+            distinct=None
+            if id_ == "random"
+            else self._band(chances(self._sets) - self._sets_random[:, :length], self._set_weights),
             apfd=apfd(killed) if whole else None,
             area=float(killed.mean()),
             random_area=float(random.mean()),
@@ -188,8 +199,9 @@ class _Compare:
             oracle=oracle,
         )
 
-    def _band(self, values: Chances) -> Band:
-        low, high = np.quantile(self._weights @ values, QUANTILES, axis=0)
+    @staticmethod
+    def _band(values: Chances, weights: NDArray[np.float64]) -> Band:
+        low, high = np.quantile(weights @ values, QUANTILES, axis=0)
         return Band(_floats(values.sum(axis=0)), _floats(low), _floats(high))
 
 

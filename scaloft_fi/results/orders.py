@@ -54,6 +54,8 @@ def _rising(tables: Sequence[tuple[NDArray[np.int64], int]], shuffled: NDArray[n
     order: list[int] = []
     left = list(shuffled)
     for codes, size in tables:
+        if not left:
+            break
         open_ = np.zeros(size, bool)
         open_[codes] = True
         open_[codes[order]] = False

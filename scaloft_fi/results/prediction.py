@@ -9,7 +9,7 @@ import numpy as np
 
 from scaloft_fi.results import orders
 from scaloft_fi.results.chance import firsts
-from scaloft_fi.results.curves import ARRAYS, ORDERS, STRENGTHS, Band, Curve, Curves
+from scaloft_fi.results.curves import ARRAYS, ORDERS, Band, Curve, Curves
 from scaloft_fi.results.trial import Trial, sub_cube
 
 
@@ -67,11 +67,10 @@ def correlate(trial: Trial) -> tuple[Correlation, ...]:
     positions = orders.random(situations, ORDERS, "correlation")
     killed = _at_sizes(firsts(trial.kills, positions), situations)
     found = []
-    for strength in STRENGTHS:
-        if strength <= len(trial.space.axes):
-            covered = _at_sizes(firsts(trial.combinations(strength)[0], positions), situations)
-            within = tuple(_tau(covered[:, k], killed[:, k]) for k in range(situations))
-            found.append(Correlation(strength, within, _tau(covered.ravel(), killed.ravel())))
+    for strength, combinations, _ in trial.followed:
+        covered = _at_sizes(firsts(combinations, positions), situations)
+        within = tuple(_tau(covered[:, k], killed[:, k]) for k in range(situations))
+        found.append(Correlation(strength, within, _tau(covered.ravel(), killed.ravel())))
     return tuple(found)
 
 
@@ -109,6 +108,7 @@ def _answer(
     assert random is not None
     arrays = [(strength, curve) for strength in ARRAYS if (curve := found.curve(f"{strength}-way"))]
     said += [_array(strength, curve, random) for strength, curve in arrays]
+    said += [_distinct(len(trial.kill_sets), arrays)] if arrays else []
     said += [_whole(curve) for name in ("greedy", "lexicographic") if (curve := found.curve(name))]
     said += [_correlation(one) for one in correlations if one.strength == 2]
     if cubes:
@@ -130,6 +130,14 @@ def _array(strength: int, curve: Curve, random: Curve) -> str:
         f"A {strength}-way covering array of {k} situations has {100 * covered:.0f} % of the {strength}-way "
         f"combinations, {k} random situations {100 * by_chance:.0f} %; it kills {curve.kills.mean[-1]:.1f} mutants "
         f"against {random.kills.mean[k - 1]:.1f}{worth}: {_interval(curve.difference, k - 1)}."
+    )
+
+
+def _distinct(sets: int, arrays: list[tuple[int, Curve]]) -> str:
+    parts = [f"{t}-way {_interval(one.distinct, len(one.kills.mean) - 1)}" for t, one in arrays if one.distinct]
+    return (
+        f"Mutants that die in the same situations say the same: with each of the {sets} different kill sets counted "
+        f"once, the arrays' differences are {', '.join(parts)}."
     )
 
 
@@ -165,9 +173,10 @@ def _verdict(arrays: list[Curve]) -> str:
     if not more and not fewer:
         return said + "Not here: every covering array kills what as many random situations kill, within the interval."
     if more and not fewer:
+        gain = max(curve.matched - len(curve.kills.mean) for curve in arrays if curve.matched is not None)
         return (
-            said
-            + f"Here yes, for {more} of {len(ends)} covering arrays; the differences above say by how little or much."
+            f"{said}Here yes, for {more} of {len(ends)} covering arrays: at best an array is worth "
+            f"{gain:.1f} random situations more than it has."
         )
     if fewer and not more:
         return said + f"No: {fewer} of {len(ends)} covering arrays kill fewer than as many random situations."

@@ -45,13 +45,25 @@ class TWay:
 
 def t_way(flown: Iterable[str], space: Space, strength: int) -> TWay:
     """Coverage by the situations with these keys; a combination that no situation of the grid has does not count."""
-    chosen = levels_of(flown, space)
-    whole = grid_levels(space)
-    found = []
-    for axes, size in choices(space, strength):
-        possible = size if whole is None else len(np.unique(ids(whole, space, axes)))
-        found.append(Ratio(len(np.unique(ids(chosen, space, axes))), possible))
-    return TWay(strength, tuple(found))
+    return t_ways(flown, space, [strength])[0]
+
+
+def t_ways(flown: Iterable[str], space: Space, strengths: Iterable[int]) -> tuple[TWay, ...]:
+    """The same for several strengths."""
+    chosen, whole = levels_of(flown, space), grid_levels(space)
+
+    def of(axes: tuple[int, ...], size: int) -> Ratio:
+        possible = size if whole is None else _distinct(ids(whole, space, axes), size)
+        return Ratio(_distinct(ids(chosen, space, axes), size), possible)
+
+    return tuple(TWay(t, tuple(of(axes, size) for axes, size in choices(space, t))) for t in strengths)
+
+
+def _distinct(numbers: Ids, size: int) -> int:
+    """How many different numbers there are, all of them from 0 to `size` - 1."""
+    seen = np.zeros(size, bool)
+    seen[numbers] = True
+    return int(seen.sum())
 
 
 def choices(space: Space, strength: int) -> Iterator[tuple[tuple[int, ...], int]]:

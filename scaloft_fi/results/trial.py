@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -13,6 +14,10 @@ from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.score import Score
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.t_way import choices, ids, levels_of, t_way
+
+STRENGTHS = (1, 2, 3, 4)
+"""Strengths whose coverage is followed, as far as there are axes."""
+MOST_COMBINATIONS = 4_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +39,23 @@ class Trial:
     parameters: tuple[str, ...]
     kills: Found
     left_out: tuple[str, ...]
+
+    @property
+    def kill_sets(self) -> Found:
+        """(sets, situations): each different set of situations in which some mutant is killed, once."""
+        return np.unique(self.kills[self.kills.any(axis=1)], axis=0)
+
+    @cached_property
+    def followed(self) -> tuple[tuple[int, Found, int], ...]:
+        """The combinations of each strength whose coverage is followed, as `combinations` gives them.
+
+        Of a large grid the higher strengths are left out: they have too many.
+        """
+        strengths = [strength for strength in STRENGTHS if strength <= len(self.space.axes)]
+        every = ((strength, *self.combinations(strength)) for strength in strengths)
+        return tuple(
+            (strength, found, possible) for strength, found, possible in every if possible <= MOST_COMBINATIONS
+        )
 
     def combinations(self, strength: int) -> tuple[Found, int]:
         """(combinations, situations) of `strength` axes that the situations have, and how many the grid has."""

@@ -63,7 +63,8 @@ def test_what_is_forbidden_leaves_exactly_the_situations(space: Space) -> None:
     levels = levels_of(keys_of(space), space)
     values = [sorted(set(column)) for column in levels.T.tolist()]
     every = np.array(np.meshgrid(*values, indexing="ij")).reshape(len(values), -1).T
-    terms = forbidden(levels, values)
+    terms = forbidden(levels)
+    assert terms is not None
     left = [
         row for row in every.tolist() if not any(all(row[a] == v for a, v in zip(*term, strict=True)) for term in terms)
     ]
@@ -89,3 +90,12 @@ def test_without_the_library_a_sentence_says_what_to_install(monkeypatch: pytest
     monkeypatch.setitem(__import__("sys").modules, "covertable", None)
     with pytest.raises(InputError, match=r"need covertable: pip install 'scaloft-fi\[covering\]'"):
         covering_array(FIVE, keys_of(FIVE), 2, 0)
+
+
+def test_scattered_situations_are_covered_without_the_library(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "covertable", None)
+    space = space_of([3] * 8)
+    some = keys_of(space)[::97]
+    suite = covering_array(space, some, 2, 0)
+    assert set(suite) < set(some)
+    assert t_way(suite, space, 2).axes == t_way(some, space, 2).axes

@@ -1,0 +1,111 @@
+"""`scaloft-fi coverage`: how much of the situations a campaign covers, and whether that predicts its kills."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from scaloft_fi.cli.files import check_writable, write
+from scaloft_fi.cli.options import campaign_option, format_option, study_option
+from scaloft_fi.errors import InputError
+
+if TYPE_CHECKING:
+    from scaloft_fi.campaign.strategy import Remembered
+    from scaloft_fi.results.curves import Curves
+    from scaloft_fi.results.outcome import Outcome
+    from scaloft_fi.results.prediction import Prediction
+    from scaloft_fi.study import Study
+
+PICTURES = (".svg", ".png")
+
+
+@click.command("coverage")
+@study_option
+@campaign_option
+@click.option(
+    "--against-kills",
+    "against",
+    is_flag=True,
+    help="Compare the ways to choose situations: what k of them cover and kill, beside random situations.",
+)
+@click.option(
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Draw coverage against kills there: .svg or .png.",
+)
+@format_option
+def coverage_command(study_folder: Path | None, campaign: str, against: bool, output: Path | None, style: str) -> None:
+    """Print the coverage of a campaign's situations, number by number."""
+    from scaloft_fi.results.coverage import coverage, coverage_json
+    from scaloft_fi.results.coverage_tables import coverage_tables
+    from scaloft_fi.results.curve_tables import curve_tables, curves_json
+    from scaloft_fi.results.table import Format, render
+    from scaloft_fi.study import Study
+
+    if output is not None and output.suffix.lower() not in PICTURES:
+        raise InputError(f"--output={str(output)!r} must end in .svg or .png")
+    check_writable(output)
+    study = Study.open(study_folder)
+    outcomes, choices = _held(study, campaign)
+    covered = coverage(outcomes, study.space)
+    followed = _followed(study, outcomes) if against or output is not None else None
+    if output is not None and followed is not None:
+        _draw(followed[0], output)
+    if style == Format.JSON:
+        content = {"coverage": coverage_json(covered), "choices": [_choice(one) for one in choices]}
+        if against and followed is not None:
+            content["against_kills"] = curves_json(*followed)
+        click.echo(json.dumps(content, indent=2, allow_nan=False))
+        return
+    made = [(one.text, one.seed, len(one.draws), len({key for key, _ in one.draws})) for one in choices]
+    tables = coverage_tables(covered, study.space, made)
+    if against and followed is not None:
+        tables += curve_tables(*followed)
+    click.echo(render(tables, Format(style)), nl=False)
+
+
+def _held(study: Study, campaign: str) -> tuple[Sequence[Outcome], Sequence[Remembered]]:
+    from scaloft_fi.campaign.folder import campaign_folder, existing
+    from scaloft_fi.campaign.held import current
+    from scaloft_fi.campaign.strategy import remembered
+    from scaloft_fi.results.store import Store
+
+    outcomes = current(study, campaign)
+    with Store(existing(campaign_folder(study, campaign)), create=False) as store:
+        return outcomes, remembered(store)
+
+
+def _followed(study: Study, outcomes: Sequence[Outcome]) -> tuple[Curves, Prediction]:
+    """The curves of a campaign.
+
+    Raises:
+        InputError: no default mutant was flown.
+    """
+    from scaloft_fi.results.curves import curves
+    from scaloft_fi.results.prediction import predict
+    from scaloft_fi.results.score import score
+    from scaloft_fi.results.trial import trial
+
+    flown = trial(score(outcomes, study.roster, study.space), study.roster, study.space)
+    if flown is None:
+        raise InputError("coverage against kills needs default mutants of credible cells: none was flown")
+    found = curves(flown)
+    return found, predict(found)
+
+
+def _draw(found: Curves, output: Path) -> None:
+    from scaloft_fi.results.curve_picture import curve_picture
+    from scaloft_fi.results.picture import png
+
+    svg = curve_picture(found)
+    write(output, png(svg) if output.suffix.lower() == ".png" else svg.encode())
+    click.echo(f"picture: {output}", err=True)
+
+
+def _choice(one: Remembered) -> dict[str, object]:
+    return {"choose": one.text, "seed": one.seed, "pool": one.pool, "draws": [list(draw) for draw in one.draws]}
