@@ -59,7 +59,8 @@ class Pool(Generic[Task, Result]):
         jobs: number of processes.
         left: what remains of a task of which some results are home when its worker dies; None = nothing.
         lost: the results of a task that took its worker with it `ATTEMPTS` times without a result, and how.
-        stop: asked between results; once true, no more tasks are handed out and the next results in the air come home.
+        stop: asked now and then; once true, no more tasks are handed out and the next results in the air come home.
+        patient: whether they are waited for; else all ends within `LOOK_UP_S`.
         patience_s: a worker that says nothing for so long is hung [s, wall].
         hire: how a process is started.
     """
@@ -72,12 +73,13 @@ class Pool(Generic[Task, Result]):
         left: Callable[[Task, Sequence[Result]], Task | None],
         lost: Callable[[Task, str], Iterable[Result]],
         stop: Callable[[], bool] = lambda: False,
+        patient: bool = True,
         patience_s: float = WORKER_PATIENCE_S,
         hire: Hire = forked,
     ) -> None:
         self.jobs = jobs
         self._work, self._left, self._lost = work, left, lost
-        self._stop, self._patience_s, self._hire = stop, patience_s, hire
+        self._stop, self._patient, self._patience_s, self._hire = stop, patient, patience_s, hire
         self._crew: list[_Worker[Task, Result]] = []
 
     def __enter__(self) -> Pool[Task, Result]:
@@ -103,6 +105,8 @@ class Pool(Generic[Task, Result]):
             while True:
                 if not self._stop():
                     self._hand_out(source, waiting)
+                elif not self._patient:
+                    return
                 busy = {worker.hired.connection: worker for worker in self._crew if worker.trial is not None}
                 if not busy:
                     return

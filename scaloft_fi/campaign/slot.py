@@ -105,7 +105,9 @@ class _Slot:
     expiry: threading.Timer | None = None
 
     def __post_init__(self) -> None:
-        self.pool = Pool(self.hand, 1, left=left_of, lost=lost, stop=lambda: self.stop(), hire=started_clean)
+        self.pool = Pool(
+            self.hand, 1, left=left_of, lost=lost, stop=lambda: self.stop(), patient=False, hire=started_clean
+        )
 
 
 @contextmanager

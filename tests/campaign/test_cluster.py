@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import signal
+import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -36,11 +37,15 @@ from scaloft_fi.results.outcome import Outcome
 class Flyer:
     deadly: str = ""  # over this flight the Dask worker dies
     slow_s: float = 0.0
+    mark: str = ""  # a file for the number of the process that flies
 
     def prepare(self, study, say):
         pass
 
-    def __call__(self, study, flight):
+    def __call__(self, study, flight, baseline=None):
+        if self.mark:
+            with open(self.mark, "w") as file:
+                file.write(f"{os.getpid()}\\n")
         time.sleep(self.slow_s)
         if flight.name == self.deadly:
             os.kill(os.getppid(), signal.SIGKILL)
@@ -111,6 +116,7 @@ def test_every_outcome_comes_home_once_and_was_flown_from_the_study_that_was_sen
     flights = _flights(reference, LATE, MORE)
     home, said = _flown(address, reference, flyer(), flights)
     assert _names(home) == _names(flights)
+    assert {outcome.invalid for outcome in home} == {""}
     assert said == []
     (folder,) = {outcome.digest for outcome in home}
     assert Path(folder) != ROOT
@@ -131,6 +137,28 @@ def test_once_stopped_what_is_queued_is_cancelled(address: str, reference: Study
     assert 2 <= len(home) < len(flights)
     again, _ = _flown(address, reference, flyer(), flights)
     assert _names(again) == _names(flights)
+
+
+def test_what_flies_for_a_run_that_is_killed_ends_with_it(
+    address: str, reference: Study, flyer: Any, tmp_path: Path
+) -> None:
+    program = (
+        "import cluster_flyer\n"
+        "from scaloft_fi.campaign.cluster import Cluster\n"
+        "from scaloft_fi.campaign.plan import Flight\n"
+        "from scaloft_fi.campaign.task import Task\n"
+        "from scaloft_fi.study import Study\n"
+        f"study, flyer = Study.open({str(ROOT)!r}), cluster_flyer.Flyer(slow_s=300.0, mark={str(tmp_path / 'pid')!r})\n"
+        f"with Cluster({address!r}).hands(study, flyer, stop=lambda: False, say=print) as hands:\n"
+        "    list(hands.map([Task((Flight(None, study.grid.situations[0], 0),))]))\n"
+    )
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    run = subprocess.Popen([sys.executable, "-c", program], env=environment)
+    flying = _written(tmp_path / "pid")
+    os.kill(flying, 0)
+    run.kill()
+    run.wait()
+    _wait_for(lambda: not Path(f"/proc/{flying}").exists())
 
 
 def test_another_platform_is_said(address: str, reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -161,8 +189,9 @@ def test_a_worker_with_other_code_flies_nothing_while_others_do(
 
 
 def test_a_flight_over_which_every_worker_dies_is_invalid_with_the_reason(
-    dask: Any, reference: Study, flyer: Any
+    dask: Any, reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr("scaloft_fi.campaign.cluster.ATTEMPTS", 1)  # a worker takes seconds to come back
     address = dask.scheduler(DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES="0")
     dask.worker(address, "--nanny")
     flights = _flights(reference, LATE, MORE)
@@ -230,6 +259,18 @@ def test_an_executor_is_local_or_the_address_of_a_scheduler() -> None:
             executor_named(name, None)
     with pytest.raises(InputError, match="--jobs=2 is for --executor=local"):
         executor_named("dask://host:1", 2)
+
+
+def _wait_for(fact: Callable[[], bool]) -> None:
+    deadline_s = time.monotonic() + 60.0
+    while not fact():
+        assert time.monotonic() < deadline_s
+        time.sleep(0.05)
+
+
+def _written(path: Path) -> int:
+    _wait_for(lambda: path.exists() and path.read_text().endswith("\n"))
+    return int(path.read_text())
 
 
 def _wait_for_workers(address: str, count: int) -> None:

@@ -116,6 +116,12 @@ def test_once_stopped_a_long_task_is_left_after_its_next_result() -> None:
     assert 2 <= len(_stopped_after(2, _letters, ["abcdefgh" * 1000])) <= 3
 
 
+def test_an_impatient_pool_does_not_wait_for_what_is_in_the_air() -> None:
+    begin_s = time.monotonic()
+    assert _map(_sleep_on_three, [3], stop=lambda: time.monotonic() > begin_s + 0.2, patient=False) == []
+    assert time.monotonic() - begin_s < 10.0
+
+
 def test_no_worker_outlives_the_pool() -> None:
     _map(_square, range(4), 2)
     assert multiprocessing.active_children() == []
