@@ -6,8 +6,9 @@ terms are the largest boxes without a surviving situation, and the fewest of the
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from itertools import combinations, product
+from math import prod
 
 from scaloft_fi.results.space import Point, Space
 
@@ -62,39 +63,55 @@ def admits(term: Term, point: Point) -> bool:
     return all(value in allowed for value, allowed in zip(point, term, strict=True))
 
 
-def _choices(space: Space) -> list[list[frozenset[str]]]:
-    """Per axis the sets of values a box may have."""
-    every = [
-        [frozenset(chosen) for size in range(1, len(values) + 1) for chosen in combinations(values, size)]
-        for values in space.values
-    ]
-    boxes = 1
-    for sets in every:
-        boxes *= len(sets)
-    if boxes <= MOST_BOXES:
-        return every
-    return [[*(frozenset([value]) for value in values), frozenset(values)] for values in space.values]
-
-
 def _primes(space: Space, on: Sequence[Point], off: Sequence[Point]) -> list[Term]:
     """The boxes with a killing point and no surviving one that no other such box contains, largest first."""
     if not on:
         return []
     if not off:
         return [tuple(frozenset(values) for values in space.values)]
+    choices = [
+        [frozenset(chosen) for size in range(1, len(values) + 1) for chosen in combinations(values, size)]
+        for values in space.values
+    ]
+    if prod(map(len, choices)) > MOST_BOXES:
+        return _primes_around(space, on, off)
     found: list[Term] = []
-    for term in sorted(_boxes(space, on), key=lambda term: _order(space, term)):
-        if any(admits(term, point) for point in off):
-            continue
-        if not any(_within(term, larger) for larger in found):
+    boxes = (term for term in product(*choices) if any(admits(term, point) for point in on))
+    for term in sorted(boxes, key=lambda term: _order(space, term)):
+        if not any(admits(term, point) for point in off) and not any(_within(term, larger) for larger in found):
             found.append(term)
     return found
 
 
-def _boxes(space: Space, on: Sequence[Point]) -> Iterator[Term]:
-    for term in product(*_choices(space)):
-        if any(admits(term, point) for point in on):
-            yield term
+def _primes_around(space: Space, on: Sequence[Point], off: Sequence[Point]) -> list[Term]:
+    """The same among boxes with one or all values on each axis.
+
+    Such a box around a killing point fixes some axes to its values, and leaves a surviving point out when they differ
+    on one of them: so the largest boxes are the smallest sets of axes that meet every set of differing axes.
+    """
+    every = [frozenset(values) for values in space.values]
+    found: set[Term] = set()
+    for point in on:
+        differing = {
+            frozenset(axis for axis, (a, b) in enumerate(zip(point, other, strict=True)) if a != b) for other in off
+        }
+        for axes in _smallest_meeting(differing):
+            found.add(tuple(frozenset([v]) if i in axes else every[i] for i, v in enumerate(point)))
+    return sorted(found, key=lambda term: _order(space, term))
+
+
+def _smallest_meeting(sets: Iterable[frozenset[int]]) -> set[frozenset[int]]:
+    """The smallest sets that meet each of `sets` (its minimal transversals), set by set after Berge (1989).
+
+    >>> sorted(map(sorted, _smallest_meeting([frozenset({0, 1}), frozenset({1, 2})])))
+    [[0, 2], [1]]
+    """
+    found: set[frozenset[int]] = {frozenset()}
+    for met in sorted(sets, key=lambda members: (len(members), sorted(members))):
+        enough = {chosen for chosen in found if chosen & met}
+        grown = {chosen | {axis} for chosen in found - enough for axis in met}
+        found = enough | {chosen for chosen in grown if not any(smaller <= chosen for smaller in enough)}
+    return found
 
 
 def _within(term: Term, larger: Term) -> bool:

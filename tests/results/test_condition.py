@@ -96,6 +96,26 @@ def test_no_term_of_the_condition_could_be_left_out_or_widened(fates: list[str])
             assert wider == term or any(admits(wider, point) for point in surviving)
 
 
+@settings(deadline=None, max_examples=60)
+@given(split)
+def test_the_way_for_large_grids_finds_what_the_way_for_small_ones_finds(fates: list[str]) -> None:
+    killing = [key for key, fate in zip(KEYS, fates, strict=True) if fate == "kill"]
+    surviving = [key for key, fate in zip(KEYS, fates, strict=True) if fate == "survive"]
+    with pytest.MonkeyPatch.context() as patch:
+        found = cover(GRID, killing, surviving)
+        patch.setattr("scaloft_fi.results.condition.MOST_BOXES", 0)
+        assert cover(GRID, killing, surviving) == found
+
+
+def test_ten_axes_of_three_values_are_answered_at_once() -> None:
+    values = tuple("abc")
+    points = tuple(("".join(p), p) for p in product(values, repeat=10))
+    wide = Space(tuple("qrstuvwxyz"), (values,) * 10, (values,) * 10, points)
+    flown = [key for key, _ in points[::97]]
+    killing = [key for key in flown if key[3] == "b" and key[7] == "c"]
+    assert condition(wide, killing, [key for key in flown if key not in killing]) == "c & b"
+
+
 def test_many_axes_of_many_values_are_still_answered() -> None:
     values = tuple("abcd")
     points = tuple(("".join(p), p) for p in product(values, repeat=5))
