@@ -36,6 +36,13 @@ PICTURES = (".svg", ".png", ".dot")
     help="Only this part, at length (repeatable).  [default: every part, shortened]",
 )
 @click.option(
+    "--situation",
+    "situations",
+    multiple=True,
+    metavar="KEY|GLOB",
+    help="Say also what these situations kill together (repeatable).",
+)
+@click.option(
     "--by-requirement", is_flag=True, help="Subsumption tells kills by different requirements of a situation apart."
 )
 @format_option
@@ -50,6 +57,7 @@ def kills_command(
     study_folder: Path | None,
     campaign: str,
     parts: tuple[str, ...],
+    situations: tuple[str, ...],
     by_requirement: bool,
     style: str,
     output: Path | None,
@@ -74,18 +82,19 @@ def kills_command(
     if output is not None:
         _draw(matrix, mutants, _graph(matrix, outcomes, by_requirement), output)
         return
+    chosen = [situation.key for situation in study.grid.select(situations)] if situations else []
     wanted = parts or PARTS
     found = _survivors(study, campaign, outcomes, whole, matrix) if "survivors" in wanted else ()
     if style == Format.JSON:
         import json
 
-        plain = _json(matrix, _graph(matrix, outcomes, by_requirement), found, wanted)
+        plain = _json(matrix, _graph(matrix, outcomes, by_requirement), found, wanted, chosen)
         click.echo(json.dumps(plain, indent=2, allow_nan=False))
         return
     from scaloft_fi.results.table import render
 
     graph = _graph(matrix, outcomes, by_requirement)
-    click.echo(render(_tables(matrix, graph, found, wanted, short=not parts), Format(style)), nl=False)
+    click.echo(render(_tables(matrix, graph, found, wanted, chosen, short=not parts), Format(style)), nl=False)
 
 
 def _chosen(study: Study, matrix: KillMatrix, patterns: Sequence[str]) -> KillMatrix:
@@ -130,23 +139,29 @@ def _survivors(
 
 
 def _tables(
-    matrix: KillMatrix, graph: Subsumption, found: Sequence[Survivor], wanted: Sequence[str], *, short: bool
+    matrix: KillMatrix,
+    graph: Subsumption,
+    found: Sequence[Survivor],
+    wanted: Sequence[str],
+    chosen: Sequence[str],
+    *,
+    short: bool,
 ) -> list[Table]:
     from scaloft_fi.results import kill_tables as tables
     from scaloft_fi.results.interaction import interactions, orders
     from scaloft_fi.results.minimal_suite import minimal_suite
-    from scaloft_fi.results.situation_kills import situation_kills
+    from scaloft_fi.results.situation_kills import chosen_kills, situation_kills
     from scaloft_fi.results.subsumption import redundancies
 
     space, situations = matrix.space, situation_kills(matrix)
-    shown: list[Table] = []
+    shown = [tables.chosen_table(chosen_kills(matrix, chosen))] if chosen else []
     if "conditions" in wanted:
         listed = interactions(matrix)
         shown += [tables.interaction_table(listed), tables.order_table(orders(listed, space))]
     if "situations" in wanted:
         shown.append(tables.situation_table(situations, space, short=short))
     if "suite" in wanted:
-        shown.append(tables.suite_table(minimal_suite(matrix.kills, matrix.flown), situations, space))
+        shown.append(tables.suite_table(minimal_suite(matrix.kills, matrix.flown), matrix))
     if "subsumption" in wanted:
         shown.append(tables.subsumption_table(graph, short=short))
         repeated = redundancies(graph)
@@ -156,12 +171,20 @@ def _tables(
     return shown
 
 
-def _json(matrix: KillMatrix, graph: Subsumption, found: Sequence[Survivor], wanted: Sequence[str]) -> dict[str, Any]:
+def _json(
+    matrix: KillMatrix,
+    graph: Subsumption,
+    found: Sequence[Survivor],
+    wanted: Sequence[str],
+    chosen: Sequence[str],
+) -> dict[str, Any]:
     from scaloft_fi.results.interaction import interactions, orders
     from scaloft_fi.results.minimal_suite import minimal_suite
-    from scaloft_fi.results.situation_kills import situation_kills
+    from scaloft_fi.results.situation_kills import chosen_kills, situation_kills
 
     plain: dict[str, Any] = {"matrix": matrix.to_json()}
+    if chosen:
+        plain["chosen"] = chosen_kills(matrix, chosen).to_json()
     if "conditions" in wanted:
         listed = interactions(matrix)
         plain["conditions"] = [entry.to_json() for entry in listed]

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from scaloft_fi.results.interaction import NIST, NIST_SOURCE, Interaction, Orders
+from scaloft_fi.results.kill_matrix import KillMatrix
 from scaloft_fi.results.minimal_suite import Suite
 from scaloft_fi.results.ratio import Ratio
-from scaloft_fi.results.situation_kills import SituationKills
+from scaloft_fi.results.situation_kills import ChosenKills, SituationKills, chosen_kills
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.subsumption import Redundancy, Subsumption
 from scaloft_fi.results.survivors import Next, Rung, Survivor
@@ -78,23 +79,33 @@ def _words(space: Space, key: str) -> str:
     return ", ".join(space.word(axis, value) for axis, value in enumerate(space.point[key]))
 
 
-def suite_table(suite: Suite, found: Sequence[SituationKills], space: Space) -> Table:
-    """The smallest set of situations that keeps every kill, and what each adds."""
-    kills = {entry.situation: entry.killed for entry in found}
-    seen: set[str] = set()
+def suite_table(suite: Suite, matrix: KillMatrix) -> Table:
+    """The smallest set of situations that keeps every kill, and how far its first ones come."""
     rows = []
-    for key in suite.situations:
-        new = [mutant for mutant in kills[key] if mutant not in seen]
-        seen.update(new)
-        rows.append((key, _words(space, key), "yes" if key in suite.needed else "", len(kills[key]), len(seen)))
+    for number, key in enumerate(suite.situations, start=1):
+        so_far, own = chosen_kills(matrix, suite.situations[:number]), chosen_kills(matrix, [key])
+        needed = "yes" if key in suite.needed else ""
+        words = _words(matrix.space, key)
+        rows.append((key, words, needed, own.killed.part, so_far.killed.plain, so_far.dominator.plain))
     size = len(suite.situations)
     if suite.exact:
         others = "an unknown number" if suite.alternatives is None else str(suite.alternatives)
         notes = [f"Fewest situations that keep every kill: {size}, proved; sets of that size: {others}."]
     else:
         notes = [f"Fewest situations that keep every kill: at most {size}; chosen greedily, too many to prove it."]
-    headers = ("situation", "values", "needed", "kills", "killed so far")
+    headers = ("situation", "values", "needed", "kills", "killed so far", "minimal so far")
     return Table("Smallest set of situations", headers, tuple(rows), (*notes, COUNTED))
+
+
+def chosen_table(chosen: ChosenKills) -> Table:
+    """What some situations kill together."""
+    rows = (
+        ("killed", chosen.killed.plain, "of the mutants that any situation flown kills"),
+        ("dominator score", chosen.dominator.plain, "minimal mutants killed, of all: redundant mutants do not count"),
+        ("lost", str(len(chosen.lost)), ", ".join(chosen.lost)),
+    )
+    note = "Dominator score: Kurtz et al., FSE 2016; of every situation flown together it is 1 by construction."
+    return Table(f"These {len(chosen.situations)} situations", ("", "mutants", ""), rows, (note, COUNTED))
 
 
 def subsumption_table(graph: Subsumption, *, short: bool = False) -> Table:

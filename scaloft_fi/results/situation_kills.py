@@ -1,8 +1,9 @@
-"""What each situation kills, and what it alone kills."""
+"""What each situation kills, what it alone kills, and what some situations kill together."""
 
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -54,3 +55,37 @@ def situation_kills(matrix: KillMatrix) -> tuple[SituationKills, ...]:
         )
         for key in matrix.flown
     )
+
+
+@dataclass(frozen=True)
+class ChosenKills:
+    """What some situations kill together.
+
+    Attributes:
+        situations: keys.
+        killed: mutants they kill, of those that any situation flown kills.
+        dominator: the same among the minimal mutants: the dominator score (`Subsumption.dominator_score`).
+        lost: ids of the mutants that only other situations kill.
+    """
+
+    situations: tuple[str, ...]
+    killed: Ratio
+    dominator: Ratio
+    lost: tuple[str, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return {
+            "situations": list(self.situations),
+            "killed": {"part": self.killed.part, "whole": self.killed.whole},
+            "dominator_score": {"part": self.dominator.part, "whole": self.dominator.whole},
+            "lost": list(self.lost),
+        }
+
+
+def chosen_kills(matrix: KillMatrix, situations: Iterable[str]) -> ChosenKills:
+    """What these situations kill together."""
+    keys = tuple(dict.fromkeys(situations))
+    lost = tuple(id_ for id_, kills in matrix.kills.items() if not kills & set(keys))
+    whole = len(matrix.kills)
+    return ChosenKills(keys, Ratio(whole - len(lost), whole), subsumption(matrix.kills).dominator_score(keys), lost)

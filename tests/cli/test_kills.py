@@ -57,6 +57,13 @@ def test_json_has_the_matrix_and_every_part(flown: Call) -> None:
     assert [row["id"] for row in some["matrix"]["mutants"]] == [LATE]
 
 
+def test_what_some_situations_kill_is_told(flown: Call) -> None:
+    lone = json.loads(flown("kills", "--situation", "T0O0W0D0H0", "--show", "suite", "--format", "json").stdout)
+    assert lone["chosen"]["lost"] == [LATE]
+    assert "dominator score 1/1 = 100 %" in " ".join(flown("kills", "--situation", "T0O?W0D0H1").stdout.split())
+    assert "situation" in _sentence(flown("kills", "--situation", "T0O0W0D0H7"))
+
+
 def test_kills_by_requirement_are_told_apart(flown: Call) -> None:
     plain = json.loads(flown("kills", "--by-requirement", "--show", "subsumption", "--format", "json").stdout)
     assert all(key.endswith(" SR2") for key in plain["subsumption"]["nodes"][0]["kills"])

@@ -10,7 +10,7 @@ from scaloft_fi.results.kill_matrix import KillMatrix, kill_matrix
 from scaloft_fi.results.minimal_suite import minimal_suite
 from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.score import score
-from scaloft_fi.results.situation_kills import situation_kills
+from scaloft_fi.results.situation_kills import chosen_kills, situation_kills
 from scaloft_fi.results.subsumption import redundancies, subsumption
 from scaloft_fi.results.table import WIDTH, Format, Table, render
 
@@ -30,9 +30,10 @@ def all_tables(outcomes: list[Outcome]) -> list[Table]:
         tables.interaction_table(found),
         tables.order_table(orders(found, GRID)),
         *(tables.situation_table(situations, GRID, short=short) for short in (True, False)),
-        tables.suite_table(suite, situations, GRID),
+        tables.suite_table(suite, matrix),
         *(tables.subsumption_table(graph, short=short) for short in (True, False)),
         tables.redundancy_table(redundancies(graph)),
+        tables.chosen_table(chosen_kills(matrix, [HUMAN, DARK])),
     ]
 
 
@@ -59,6 +60,14 @@ def test_a_situation_tells_what_it_alone_kills() -> None:
     assert [str(rows[key].minimal.plain) for key in (HUMAN, DARK)] == ["1/2 = 50 %", "0/2 = 0 %"]
 
 
+def test_some_situations_are_scored_with_and_without_redundant_mutants() -> None:
+    found = chosen_kills(matrix_of(CAMPAIGN), [HUMAN, DARK])
+    assert (str(found.killed.plain), str(found.dominator.plain)) == ("2/3 = 67 %", "1/2 = 50 %")
+    assert found.lost == (GOAL,)
+    whole = chosen_kills(matrix_of(CAMPAIGN), GRID.point)
+    assert (whole.killed.value, whole.dominator.value, whole.lost) == (1.0, 1.0, ())
+
+
 def test_the_tables_say_it_in_words() -> None:
     text = " ".join(render(all_tables(CAMPAIGN), Format.TABLE).split())
     assert "Fewest situations that keep every kill: 2, proved; sets of that size: 1." in text
@@ -70,7 +79,7 @@ def test_the_tables_say_it_in_words() -> None:
 def test_a_greedy_suite_says_at_most() -> None:
     matrix = matrix_of(CAMPAIGN)
     suite = minimal_suite(matrix.kills, matrix.flown, most_entries=0)
-    assert "at most 2;" in render([tables.suite_table(suite, situation_kills(matrix), GRID)], Format.TABLE)
+    assert "at most 2;" in render([tables.suite_table(suite, matrix)], Format.TABLE)
 
 
 @settings(deadline=None, max_examples=12)
