@@ -93,10 +93,10 @@ def test_axes_of_three_values_constraints_and_hostile_words_are_drawn() -> None:
     ET.fromstring(svg)
 
 
-def edges(killing: set[str]) -> tuple[int, int]:
+def edges(killing: set[str], space: Space = GRID) -> tuple[int, int]:
     """Horizontal and vertical pieces of the outlines, without their halos."""
-    row = row_of(flown(GRID, killing))
-    svg = draw_karnaugh(GRID, map_of(row), row)
+    row = row_of(flown(space, killing), space)
+    svg = draw_karnaugh(space, map_of(row, space), row)
     return len(re.findall(r",[\d.]+H", svg)) // 2, len(re.findall(r",[\d.]+V", svg)) // 2
 
 
@@ -107,6 +107,11 @@ def test_an_outline_is_open_where_its_block_goes_on_at_the_opposite_edge() -> No
     assert edges({key for key in GRID.point if "D1" in key}) == (2 * 4, 2 * 4)
     assert edges(set(GRID.point)) == (2 * 8, 2 * 4)
     assert edges(HUMAN_IN_LIGHT) == (2 * 2, 4 * 4)
+
+
+def test_where_opposite_edges_are_no_neighbours_every_outline_is_shut() -> None:
+    # columns 0, 1 and 4, 5 of 6: the last differs from the first on two axes
+    assert edges({key for key in THREE.point if "F1" not in key}, THREE) == (2 * 4, 4 * 3)
 
 
 def test_a_grid_too_large_to_read_is_refused_in_a_sentence() -> None:

@@ -38,6 +38,19 @@ def test_the_suite_is_the_first_of_all_smallest_ones(kills: dict[str, frozenset[
     assert set(found.needed) <= set.intersection(*map(set, smallest))
 
 
+pairs = st.sets(st.sets(st.sampled_from("abcdefghijk"), min_size=2, max_size=2).map(frozenset), min_size=8, max_size=30)
+
+
+@settings(deadline=None, max_examples=300)
+@given(pairs)
+def test_where_no_situation_is_forced_it_is_still_the_first_smallest(rows: set[frozenset[str]]) -> None:
+    # pairs make it a vertex cover, of which reductions leave most to the search
+    kills = {f"m{number}": keys for number, keys in enumerate(sorted(rows, key=sorted))}
+    smallest = every_smallest(kills, "abcdefghijk")
+    found = minimal_suite(kills, "abcdefghijk")
+    assert (found.situations, found.alternatives) == (smallest[0], len(smallest))
+
+
 @settings(deadline=None, max_examples=100)
 @given(matrices)
 def test_beyond_its_limit_it_is_greedy_still_covers_and_says_so(kills: dict[str, frozenset[str]]) -> None:

@@ -34,9 +34,13 @@ def vacuous(flight: Outcome, requirement: str) -> Outcome:
 
 
 def along(flight: Outcome, x_m: float) -> Outcome:
-    """The flight on a straight way north, `x_m` east of the corridor's middle."""
+    """The flight on a straight way north, from half of it on `x_m` east of the corridor's middle."""
     signals = {name: [0.0] * 400 for name in TRACK_COLUMNS}
-    signals |= {"elapsed_s": [i / 20 for i in range(400)], "x_m": [x_m] * 400, "y_m": [i / 40 for i in range(400)]}
+    signals |= {
+        "elapsed_s": [i / 20 for i in range(400)],
+        "x_m": [0.0] * 200 + [x_m] * 200,
+        "y_m": [i / 40 for i in range(400)],
+    }
     return replace(flight, track=pack_track(signals))
 
 
