@@ -88,9 +88,9 @@ class Crew:
             return
         self.lookout.expect(missing.values())
         draws = {Flight(None, flight.situation, flight.seed): None for flight in missing.values()}
-        self.lookout.known(self.outcomes(draws))
         keys = {flight.name: key for key, flight in missing.items()}
         asked = {flight.name: flight for flight in (*draws, *missing.values())}
+        self.lookout.known((asked[outcome.name], outcome) for outcome in self.outcomes(draws) if not outcome.invalid)
         due = set(keys)
         for outcome in self._outcomes((arrange or self.arrange)(tuple(missing.values()))):
             news = outcome.name in keys and self.store.put(keys[outcome.name], replace(outcome, truncated=truncated))

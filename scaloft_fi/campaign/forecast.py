@@ -3,25 +3,52 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from dataclasses import dataclass, field
 
 from scaloft_fi.campaign.plan import Flight
 from scaloft_fi.mutants.mutant import PLACEBO
-from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.outcome import BASELINE, Outcome
 
-Draw = tuple[str, int]
-
-PRIOR_SHARE = 0.8
+PRIOR_SHARE = 0.78
 """What is flown of a mutant's flight when it begins where it leaves its baseline, measured over the reference campaign
-as a share of the baseline's duration; it weighs as much as one flight of the mutant."""
+as a share of the flight's duration."""
+PRIOR_S = 60.0
+"""What the prior weighs: about one flight of the mutant [s]."""
+
+
+@dataclass
+class _Draw:
+    """A situation and seed.
+
+    Attributes:
+        nominal_s: nominal mission time [s].
+        due: subjects that are expected.
+        home: outcomes that came home whole, and how long they are together [s].
+        reached_s: the latest time at which a mutant left the baseline [s from take-off].
+        costs: what mutants cost that are not yet learnt from, by subject [s].
+    """
+
+    nominal_s: float
+    due: set[str] = field(default_factory=set)
+    home: int = 0
+    home_s: float = 0.0
+    reached_s: float = 0.0
+    costs: list[tuple[str, float]] = field(default_factory=list)
+
+    @property
+    def length_s(self) -> float:
+        """How long a whole flight lasts here [s]."""
+        return self.home_s / self.home
 
 
 class Forecast:
     """Flown and left [s, simulated].
 
-    A flight is expected to cost its mutant's usual share of its draw's length.  The length is the baseline's duration
-    once that is home, until then the nominal mission time times what baselines have taken of theirs.  The share is
-    learnt draw by draw: within a draw those come home first that leave the baseline early, and those that never do come
-    last and cost nothing, so that half a draw would mislead.
+    A flight is expected to cost its mutant's usual share of what whole flights of its draw last.  That is the mean of
+    those that are home; where none is, the nominal mission time times what begun draws have taken of theirs.  Within a
+    draw those come home first that leave the baseline early, and those that never do come last and cost nothing.  So
+    shares are learnt when a draw's baseline is home, and of a draw under way only what comes after the latest leaving
+    is still expected of each.
 
     Args:
         share: whether flights begin where they leave their baseline; else they are whole.
@@ -29,91 +56,102 @@ class Forecast:
 
     def __init__(self, *, share: bool) -> None:
         self._sharing = share
-        self._due: dict[Draw, dict[str, float]] = defaultdict(dict)
-        self._known_s: dict[Draw, float] = {}
-        self._left_nominal_s: dict[str, float] = defaultdict(float)
-        self._left_known_s: dict[str, float] = defaultdict(float)
-        self._held: dict[Draw, list[tuple[str, float]]] = defaultdict(list)
-        self._cost_s: dict[str, float] = defaultdict(float)
-        self._length_s: dict[str, float] = defaultdict(float)
-        self._baselines_s = self._nominal_s = 0.0
+        self._draws: dict[tuple[str, int], _Draw] = {}
+        self._begun: dict[tuple[str, int], _Draw] = {}
+        self._fresh_s: dict[str, float] = defaultdict(float)
+        self._costs_s: dict[str, float] = defaultdict(float)
+        self._lengths_s: dict[str, float] = defaultdict(float)
         self.done_s = 0.0
 
     def expect(self, flight: Flight, nominal_s: float) -> bool:
         """A flight is to come, whose mission takes nominally so long [s]; returns whether that is new."""
-        draw, subject = _draw(flight), flight.subject.id
-        if subject in self._due[draw]:
+        draw, subject = self._draw(flight, nominal_s), flight.subject.id
+        if subject in draw.due:
             return False
-        self._due[draw][subject] = nominal_s
-        if draw in self._known_s:
-            self._left_known_s[subject] += self._known_s[draw]
-        else:
-            self._left_nominal_s[subject] += nominal_s
+        draw.due.add(subject)
+        if not draw.home:
+            self._fresh_s[subject] += nominal_s
         return True
 
     def drop(self, flight: Flight) -> bool:
         """A flight is not to come any more; returns whether it was."""
-        draw, subject = _draw(flight), flight.subject.id
-        nominal_s = self._due[draw].pop(subject, None)
-        if nominal_s is None:
+        draw, subject = self._draws.get(_place(flight)), flight.subject.id
+        if draw is None or subject not in draw.due:
             return False
-        if draw in self._known_s:
-            self._left_known_s[subject] -= self._known_s[draw]
-        else:
-            self._left_nominal_s[subject] -= nominal_s
+        draw.due.remove(subject)
+        if not draw.home:
+            self._fresh_s[subject] -= draw.nominal_s
         return True
+
+    def known(self, flight: Flight, outcome: Outcome, nominal_s: float) -> None:
+        """A whole flight was home before: it tells how long flights last there."""
+        self._measure(flight, self._draw(flight, nominal_s), outcome)
 
     def home(self, flight: Flight, outcome: Outcome, nominal_s: float) -> bool:
         """A flight came home; returns whether it was expected."""
         expected = self.drop(flight)
-        cost_s = self._flown_s(flight, outcome)
+        draw, cost_s = self._draw(flight, nominal_s), self._cost_s(flight, outcome)
         self.done_s += cost_s
-        draw = _draw(flight)
-        if flight.mutant is None:
-            self._baseline(draw, outcome, nominal_s)
-        elif flight.mutant != PLACEBO and not outcome.invalid:
-            self._held[draw].append((flight.subject.id, cost_s))
-            self._learn(draw)
+        if not outcome.invalid:
+            self._measure(flight, draw, outcome)
+            if _whole(flight):
+                if flight.mutant is None:
+                    self._learn(draw)
+            else:
+                draw.costs.append((flight.subject.id, cost_s))
+                draw.reached_s = max(draw.reached_s, outcome.infected_at_s or 0.0)
         return expected
 
     @property
     def left_s(self) -> float:
         """What is still to be flown [s]."""
-        stretch = (self._baselines_s + 1.0) / (self._nominal_s + 1.0)
-        return sum(
-            max(0.0, self._left_known_s[subject] + stretch * self._left_nominal_s[subject]) * self._share(subject)
-            for subject in self._left_known_s.keys() | self._left_nominal_s.keys()
-        )
+        begun_s = sum(draw.length_s for draw in self._begun.values())
+        stretch = begun_s / sum(draw.nominal_s for draw in self._begun.values()) if self._begun else 1.0
+        fresh_s = sum(stretch * due_s * self._share(subject) for subject, due_s in self._fresh_s.items())
+        return max(0.0, fresh_s) + sum(self._left_s(draw) for draw in self._begun.values() if draw.due)
 
-    def _baseline(self, draw: Draw, outcome: Outcome, nominal_s: float) -> None:
-        if outcome.invalid or draw in self._known_s:
+    def _left_s(self, draw: _Draw) -> float:
+        """Of a draw under way."""
+        ahead_s = max(0.0, draw.length_s - draw.reached_s) if self._sharing else draw.length_s
+        whole = draw.due & {BASELINE, PLACEBO.id}
+        return len(whole) * draw.length_s + ahead_s * sum(self._share(subject) for subject in draw.due - whole)
+
+    def _draw(self, flight: Flight, nominal_s: float) -> _Draw:
+        return self._draws.setdefault(_place(flight), _Draw(nominal_s))
+
+    def _measure(self, flight: Flight, draw: _Draw, outcome: Outcome) -> None:
+        """How long a flight lasts here; one that was cut says nothing of it."""
+        if outcome.truncated:
             return
-        self._known_s[draw] = outcome.duration_s
-        self._baselines_s += outcome.duration_s
-        self._nominal_s += nominal_s
-        for subject, due_s in self._due[draw].items():
-            self._left_nominal_s[subject] -= due_s
-            self._left_known_s[subject] += outcome.duration_s
-        self._learn(draw)
+        if not draw.home:
+            self._begun[_place(flight)] = draw
+            for subject in draw.due:
+                self._fresh_s[subject] -= draw.nominal_s
+        draw.home += 1
+        draw.home_s += outcome.duration_s
 
-    def _learn(self, draw: Draw) -> None:
-        if draw in self._known_s:
-            for subject, cost_s in self._held.pop(draw, []):
-                self._cost_s[subject] += cost_s
-                self._length_s[subject] += self._known_s[draw]
+    def _learn(self, draw: _Draw) -> None:
+        for subject, cost_s in draw.costs:
+            self._costs_s[subject] += cost_s
+            self._lengths_s[subject] += draw.length_s
+        draw.costs.clear()
 
     def _share(self, subject: str) -> float:
-        if subject in ("baseline", PLACEBO.id):
+        if subject in (BASELINE, PLACEBO.id):
             return 1.0
-        prior = PRIOR_SHARE if self._sharing else 1.0
-        one_s = self._baselines_s / max(1, len(self._known_s)) or 1.0
-        return (self._cost_s[subject] + prior * one_s) / (self._length_s[subject] + one_s)
+        prior, length_s = PRIOR_SHARE if self._sharing else 1.0, self._lengths_s.get(subject, 0.0)
+        return (self._costs_s.get(subject, 0.0) + prior * PRIOR_S) / (length_s + PRIOR_S)
 
-    def _flown_s(self, flight: Flight, outcome: Outcome) -> float:
-        if not self._sharing or flight.mutant is None or flight.mutant == PLACEBO:
+    def _cost_s(self, flight: Flight, outcome: Outcome) -> float:
+        if not self._sharing or _whole(flight):
             return outcome.duration_s
         return 0.0 if outcome.infected_at_s is None else outcome.duration_s - outcome.infected_at_s
 
 
-def _draw(flight: Flight) -> Draw:
+def _whole(flight: Flight) -> bool:
+    """Whether a flight is always flown whole."""
+    return flight.mutant is None or flight.mutant == PLACEBO
+
+
+def _place(flight: Flight) -> tuple[str, int]:
     return flight.situation.key, flight.seed

@@ -27,6 +27,7 @@ class Lookout:
         self.progress = progress
         self._study = study
         self._forecast = Forecast(share=options.share)
+        progress.left_s = lambda: self._forecast.left_s
         self._tally = Tally(study.roster)
         self._alarm = Alarm(every=options.every_violation)
 
@@ -35,18 +36,17 @@ class Lookout:
         for flight in flights:
             if self._forecast.expect(flight, self._nominal_s(flight)):
                 self.progress.flights += 1
-        self.progress.left_s = self._forecast.left_s
 
     def drop(self, flights: Iterable[Flight]) -> None:
         """Flights that were announced are not needed any more."""
         for flight in flights:
             self.progress.flights -= self._forecast.drop(flight)
-        self.progress.left_s = self._forecast.left_s
 
-    def known(self, baselines: Iterable[Outcome]) -> None:
+    def known(self, baselines: Iterable[tuple[Flight, Outcome]]) -> None:
         """Baselines that the store has: what is flown is seen beside them."""
-        for outcome in baselines:
+        for flight, outcome in baselines:
             self._tally.add(outcome)
+            self._forecast.known(flight, outcome, self._nominal_s(flight))
 
     def home(self, flight: Flight, outcome: Outcome, *, news: bool) -> None:
         """An outcome came home; `news` when the store lacked it."""
@@ -55,7 +55,7 @@ class Lookout:
                 self.progress.line(line)
         self._tally.add(outcome)
         expected = self._forecast.home(flight, outcome, self._nominal_s(flight))
-        self.progress.done_s, self.progress.left_s = self._forecast.done_s, self._forecast.left_s
+        self.progress.done_s = self._forecast.done_s
         self.progress.kills = str(self._tally)
         if expected:
             self.progress.advance()

@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable
 from typing import TextIO
 
-LIVE_EVERY_S = 0.2
+LIVE_EVERY_S = 0.5
 LINE_EVERY_S = 10.0
 BAR_WIDTH = 24
 
@@ -24,7 +24,8 @@ class Progress:
     Attributes:
         flights: how many are to be flown.
         done: how many are.
-        done_s, left_s: what that is in simulated time, and what the rest is expected to be [s].
+        done_s: what that is in simulated time [s].
+        left_s: what the rest is expected to be [s]; only asked when it is shown.
         most_s: wall time after which no more is begun [s], seen from now; infinite without a budget.
         stage: what the flights are part of, such as `look 2 of 3`.
         kills: kills so far, in words.
@@ -36,7 +37,8 @@ class Progress:
         self._clock = clock
         self._start_s = self._shown_s = clock()
         self.flights, self.done = 0, 0
-        self.done_s, self.left_s = 0.0, 0.0
+        self.done_s = 0.0
+        self.left_s: Callable[[], float] = lambda: 0.0
         self.most_s: Callable[[], float] = lambda: math.inf
         self.stage, self.kills = "", ""
 
@@ -74,7 +76,7 @@ class Progress:
         elapsed_s = self._clock() - self._start_s
         if not self.done_s:
             return None
-        return min(self.most_s(), elapsed_s * self.left_s / self.done_s)
+        return min(self.most_s(), elapsed_s * self.left_s() / self.done_s)
 
     def summary(self) -> str:
         """How many flights were flown in how long."""
@@ -94,7 +96,7 @@ class Progress:
             parts.append(f"kills: {self.kills}")
         text = "  ".join(parts)
         if self._live:
-            whole_s = self.done_s + self.left_s
+            whole_s = self.done_s + self.left_s()
             full = min(BAR_WIDTH, round(BAR_WIDTH * self.done_s / whole_s)) if whole_s else BAR_WIDTH
             bar = f"[{'#' * full}{'.' * (BAR_WIDTH - full)}] {text}"
             # a line that wraps could not be written over

@@ -67,18 +67,41 @@ def _home(forecast: Forecast, log: Any, flights: Sequence[Flight], share: float)
         forecast.home(flight, _flown(log, flight, share), flight.situation.nominal_s)
 
 
-def test_mutants_that_never_differ_cost_nothing_once_a_draw_has_shown_it(study: Any, log: Any) -> None:
+def test_within_a_draw_only_what_comes_after_the_latest_leaving_is_expected(study: Any, log: Any) -> None:
+    flights = [flight for flight in _flights(study) if flight.situation.key == "D0H0"]
+    forecast = Forecast(share=True)
+    for flight in flights:
+        forecast.expect(flight, flight.situation.nominal_s)
+    left_s = [forecast.left_s]
+    for flight, share in zip(flights[2:6], (1.0, 0.5, 0.25, 0.05), strict=True):
+        _home(forecast, log, [flight], share)
+        left_s.append(forecast.left_s)
+    assert left_s == sorted(left_s, reverse=True)
+    whole_s = 2 * flights[0].situation.nominal_s
+    assert left_s[-1] - whole_s < 0.1 * (left_s[0] - whole_s)
+
+
+def test_shares_are_learnt_when_the_draw_is_complete(study: Any, log: Any) -> None:
     flights = _flights(study)
     forecast = Forecast(share=True)
     for flight in flights:
         forecast.expect(flight, flight.situation.nominal_s)
+    elsewhere_s = sum(situation.nominal_s for situation in study.grid if situation.key != "D0H0")
     one = [flight for flight in flights if flight.situation.key == "D0H0"]
-    before_s = forecast.left_s
     _home(forecast, log, one[1:], 0.0)
-    assert forecast.left_s > before_s / 2
+    assert forecast.left_s == pytest.approx(elsewhere_s * (2 + 10 * PRIOR_SHARE) + one[0].situation.nominal_s)
     _home(forecast, log, one[:1], 0.0)
-    missions_s = sum(situation.nominal_s for situation in study.grid if situation.key != "D0H0")
-    assert forecast.left_s < missions_s * (2 + 10 * PRIOR_SHARE * 0.6)
+    assert forecast.left_s < elsewhere_s * (2 + 10 * PRIOR_SHARE * 0.7)
+
+
+def test_a_baseline_known_before_tells_how_long_flights_last(study: Any, log: Any) -> None:
+    flights = [flight for flight in _flights(study) if flight.situation.key == "D0H0"]
+    forecast = Forecast(share=True)
+    for flight in flights[1:]:
+        forecast.expect(flight, flight.situation.nominal_s)
+    before_s = forecast.left_s
+    forecast.known(flights[0], replace(log(study, flights[0]), duration_s=15.0), 30.0)
+    assert forecast.left_s == pytest.approx(before_s / 2)
 
 
 def test_a_carrier_flown_again_is_flown_but_was_not_expected(study: Any, log: Any) -> None:

@@ -24,13 +24,13 @@ class Clock:
 def _progress(stream: io.StringIO, make: Callable[..., Progress] = Progress) -> tuple[Progress, Clock]:
     clock = Clock()
     progress = make(stream=stream, clock=clock)
-    progress.flights, progress.left_s = 10, 400.0
+    progress.flights = 10
+    progress.left_s = lambda: 400.0 - progress.done_s
     return progress, clock
 
 
 def _advance(progress: Progress, flown_s: float) -> None:
     progress.done_s += flown_s
-    progress.left_s -= flown_s
     progress.advance()
 
 
