@@ -1,31 +1,64 @@
-"""What follows from the kill matrix, for the page: ladders, interaction orders, the smallest suite, subsumption."""
+"""What follows from the flights, for the page: coverage against kills, ladders, margins, what kills what, survivors."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.results.background import backgrounds
+from scaloft_fi.results.curve_tables import curves_json
+from scaloft_fi.results.curves import curves
 from scaloft_fi.results.interaction import interactions, orders
 from scaloft_fi.results.kill_matrix import KillMatrix
+from scaloft_fi.results.margins import cell_margins
 from scaloft_fi.results.minimal_suite import minimal_suite
+from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.prediction import predict
 from scaloft_fi.results.ratio import ratio_json
 from scaloft_fi.results.roster import Roster, cell_of
 from scaloft_fi.results.score import MutantScore, Score
+from scaloft_fi.results.space import Space
 from scaloft_fi.results.subsumption import subsumption
+from scaloft_fi.results.survivors import survivors
+from scaloft_fi.results.trial import trial
+from scaloft_fi.study import Study
 
 
-def analyses(scored: Score, matrix: KillMatrix, cells: Matrix, roster: Roster) -> dict[str, Any]:
+def analyses(
+    outcomes: Sequence[Outcome], scored: Score, matrix: KillMatrix, study: Study, roster: Roster
+) -> dict[str, Any]:
     """By section of the page; of the default mutants only, where ladders would count one fault several times."""
     counted = {row.id for row in matrix.mutants if row.counted}
     kills = {id_: keys for id_, keys in matrix.kills.items() if id_ in counted}
     found = interactions(matrix)
+    units = {requirement.name: requirement.unit for requirement in study.requirements}
+    known = backgrounds(study.matrix, [row.id for row in matrix.mutants])
     return {
-        "ladders": ladders(scored, cells, roster),
+        "curves": coverage_against_kills(scored, roster, matrix.space),
+        "margins": margin_texts(outcomes, study.matrix),
+        "ladders": ladders(scored, study.matrix, roster),
         "interactions": [entry.to_json() for entry in found],
         "orders": orders(found, matrix.space).to_json(),
         "suite": minimal_suite(kills, [key for key, _ in matrix.space.points]).to_json(),
         "subsumption": subsumption(kills).to_json(),
+        "survivors": [entry.to_json() for entry in survivors(outcomes, matrix, known, units)],
     }
+
+
+def coverage_against_kills(scored: Score, roster: Roster, space: Space) -> dict[str, Any] | None:
+    """The curves of every way to choose situations, None where nothing was flown in common."""
+    common = trial(scored, roster, space)
+    if common is None:
+        return None
+    followed = curves(common)
+    return curves_json(followed, predict(followed))
+
+
+def margin_texts(outcomes: Sequence[Outcome], cells: Matrix) -> dict[str, str]:
+    """The margin of each cell that has one with a number in it."""
+    told = cell_margins(outcomes, cells)
+    return {cell: text for cell, text in told.items() if any(sign.isdigit() for sign in text)}
 
 
 def ladders(scored: Score, cells: Matrix, roster: Roster) -> list[dict[str, Any]]:

@@ -99,6 +99,7 @@ def _mutant(scored: MutantScore, roster: Roster, space: Space) -> dict[str, Any]
         "earliest": {"requirement": first.requirement, "t_s": first.t_s, "flight": f"{first.situation}/{first.seed}"}
         if first
         else None,
+        "decisions": {decision.value: len(scored.decisions(decision)) for decision in Decision},
         "rungs": {status.value: count for status, count in scored.rungs},
     }
 

@@ -7,12 +7,14 @@ import hashlib
 import json
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib.resources import files
 from typing import Any
 
 from scaloft_fi.report.evidence import Evidence
 from scaloft_fi.report.figures import figures
 from scaloft_fi.report.flights import DETAILS, columns, packs
+from scaloft_fi.results.status import whole
 
 MOST_BYTES = 5_000_000
 """The page fits into an e-mail."""
@@ -28,6 +30,7 @@ SCRIPTS = (
     "map.js",
     "flight.js",
     "cell.js",
+    "curves.js",
     "follows.js",
     "sections.js",
     "main.js",
@@ -41,11 +44,12 @@ def page(evidence: Evidence, most_bytes: int = MOST_BYTES) -> str:
     Raises:
         InputError: a part of the study is not what it should be.
     """
-    told = figures(evidence)
+    counted = replace(evidence, outcomes=tuple(whole(evidence.outcomes)))
+    told = figures(counted) | {"cut": len(evidence.outcomes) - len(counted.outcomes)}
     names = [requirement.name for requirement in evidence.study.requirements]
     text = ""
     for detail in DETAILS:
-        packed = packs(evidence.outcomes, names, detail)
+        packed = packs(counted.outcomes, names, detail)
         text = html(told | {"detail": detail.says, "columns": columns(detail)}, packed)
         if len(text.encode()) <= most_bytes:
             break

@@ -31,6 +31,7 @@ def test_the_page_of_a_campaign_is_written_into_its_folder_and_says_what_score_s
     for name, ratio in scored["ratios"].items():
         assert (ratios[name]["part"], ratios[name]["whole"]) == (ratio["part"], ratio["whole"])
         assert ratios[name]["interval"] == ratio["interval"]
+    assert told["redraw"] == scored["redraw"]
     assert told["coverage"]["t_way"] == scored["coverage"]["t_way"]  # type: ignore[index]
     rows = json.loads(call("export").stdout)
     assert told["flights"] == len(rows)

@@ -96,14 +96,14 @@ def test_the_line_below_the_matrix_counts_default_mutants(told: dict[str, Any], 
 def test_baseline_findings_and_coverage_are_those_of_the_export(
     told: dict[str, Any], rows: list[dict[str, Any]]
 ) -> None:
-    red = defaultdict(int)
+    red: dict[str, int] = defaultdict(int)
     for row in rows:
         red[row["situation"]] += row["mutant"] == "baseline" and row["status"] == "violated"
     assert {finding["situation"]: finding["red"] for finding in told["baseline"]} == red
     assert told["gates"]["green_situations"] == {"part": sum(count == 0 for count in red.values()), "whole": 32}
     assert told["gates"]["invalid_flights"] == sum(row["status"] == "invalid" for row in rows)
     assert told["coverage"]["situations"] == {"part": 32, "whole": 32}
-    assert told["coverage"]["t_way"]["2"] == {"part": 40, "whole": 40}
+    assert told["coverage"]["t_way"]["2"].items() >= {"part": 40, "whole": 40}.items()
     assert (told["flights"], told["seeds"]) == (len(rows), [0, 1])
 
 

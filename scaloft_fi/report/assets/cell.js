@@ -9,13 +9,13 @@ function cellSheet(name) {
     ["parameter", `${parameter.title}: ${parameter.intent}`],
     ["between", parameter.node],
     cell.deviation && ["deviation", cell.deviation],
-    cell.causes.length && ["causes", cell.causes.join("; ")],
+    cell.causes.length && ["causes", cell.causes.map((cause) => h("span", { class: "line" }, cause))],
     cell.effect && ["effect", cell.effect],
     cell.requirements.length && ["requirements", listed(cell.requirements)],
     cell.predicted && ["predicted", cell.predicted],
     cell.expected.length && ["known beforehand", cell.expected.join("; ")],
     cell.reason && ["why not meaningful", cell.reason],
-    DATA.margins?.[name] && ["margin", DATA.margins[name]],
+    DATA.margins[name] && ["margin", bounds(DATA.margins[name])],
   ].filter(Boolean);
   const mutants = cell.mutants.map((id) => MUTANTS.get(id));
   return {
@@ -31,7 +31,7 @@ function mutantBlock(mutant) {
   const first = mutant.earliest;
   return h("div", { class: "mutant" },
     h("h3", { class: "sub" }, h("span", { class: "id" }, mutant.id)),
-    h("div", { class: "row" }, h("span", {}, STATES[mutant.status][0], `, kills ${ratioText(mutant.kill_rate)} ${intervalText(mutant.kill_rate)} of the eligible situations, ${ratioText(mutant.kill_rate_flown)} of those flown`), whisker(mutant.kill_rate, mutant.id)),
+    h("div", { class: "row" }, h("span", {}, STATES[mutant.status][0], `, kills ${ratioText(mutant.kill_rate)} ${intervalText(mutant.kill_rate)} of the eligible situations, ${ratioText(mutant.kill_rate_flown)} of those flown${SEVERAL ? `; decided: ${mutant.decisions.killed} killed, ${mutant.decisions.survived} survived, ${mutant.decisions.undecided} undecided` : ""}`), whisker(mutant.kill_rate, mutant.id)),
     (mutant.condition || first) && h("p", { class: "small" }, mutant.condition && `Killed where: ${mutant.condition}.  `,
       first && ["Earliest: ", h("a", { href: flightHash(mutant.id, ...splitFlight(first.flight)) }, `${first.requirement} at ${seconds(first.t_s)} in ${first.flight}`), "."]),
     h("ul", { class: "flown-list", "aria-label": `situations of ${mutant.id}` }, mutant.results.map((result, column) => {

@@ -26,15 +26,18 @@ const pathOf = (points) => {
 function whisker(ratio, name) {
   const x = scale(0, 1, 4, 140);
   const value = share(ratio);
-  return s("svg", { class: "whisker", viewBox: "0 0 144 18", role: "img", "aria-label": `${name}: ${ratioText(ratio)} ${intervalText(ratio)}`, preserveAspectRatio: "none" },
+  return s("svg", { class: "whisker", viewBox: "0 0 144 18", role: "img", "aria-label": `${name}: ${ratioText(ratio)} ${intervalText(ratio)}` },
     s("line", { class: "rail", x1: x(0), x2: x(1), y1: 9, y2: 9 }),
     [0, 0.5, 1].map((at) => s("line", { class: "rail", x1: x(at), x2: x(at), y1: 6, y2: 12 })),
     ratio.interval && s("line", { class: "span", x1: x(ratio.interval[0]), x2: x(ratio.interval[1]), y1: 9, y2: 9 }),
     value !== null && s("circle", { class: "dot", cx: x(value), cy: 9, r: 4 }));
 }
 
+/** Pictures are drawn for the width of the screen, so that their letters stay readable. */
+const WIDE = innerWidth < 640 ? 370 : 560;
+
 /** A frame with axes; gives the scales and the node to draw in. */
-function plot({ width = 560, height = 220, x, y, left = 46, right = 12, top = 12, bottom = 34, label, xTicks = null, yTicks = null, xText = trimmed, yText = trimmed, xTitle = "", yTitle = "" }) {
+function plot({ width = WIDE, height = 220, x, y, left = 46, right = 12, top = 12, bottom = 34, label, xTicks = null, yTicks = null, xText = trimmed, yText = trimmed, xTitle = "", yTitle = "" }) {
   const sx = scale(x[0], x[1], left, width - right);
   const sy = scale(y[0], y[1], height - bottom, top);
   const root = s("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": label, class: "plot" });

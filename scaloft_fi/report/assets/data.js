@@ -21,8 +21,7 @@ function shown(result) {
     const glyph = kills < eligible ? String(kills) : "";
     return { state, share: kills / eligible, glyph: undecided ? `${kills}?` : glyph, said: `killed in ${kills} of ${plural(eligible, "eligible flight")}${undecided ? ", undecided" : ""}` };
   }
-  if (state === "survived" && undecided) return { state: "undecided", share: 0, glyph: "", said: `killed in 0 of ${plural(eligible, "eligible flight")}: undecided` };
-  return { state, share: 0, glyph: "", said: `${STATES[state][0]} (${plural(flown, "flight")})` };
+  return { state, share: 0, glyph: "", said: `${STATES[state][0]} (${plural(flown, "flight")}${state === "survived" && undecided ? ", too few to decide" : ""})` };
 }
 
 const CAN_INFLATE = typeof DecompressionStream === "function";

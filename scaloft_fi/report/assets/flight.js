@@ -92,17 +92,17 @@ function timeChart(name, column, flight, clean) {
   const least = Math.min(0, ...values, ...drawn.map((limit) => limit.bound));
   const end = Math.max(...series.map((one) => one.rows.at(-1)[0]));
   const caption = `${quantity(name)} [${unitOf(name)}]`;
-  const frame = plot({ width: 560, height: 150, x: [0, end], y: [least, most], top: 10, bottom: 22, right: 96, label: `${caption} over time`, xText: (value) => `${value} s` });
+  const frame = plot({ height: 150, x: [0, end], y: [least, most], top: 10, bottom: 22, right: 96, label: `${caption} over time`, xText: (value) => `${value} s` });
   const { root, sx, sy } = frame;
   const drawnOf = (one) => pathOf(one.rows.map((row) => (row[column] === null ? null : [sx(row[0]), sy(row[column])])));
   for (const limit of drawn) {
     const when = limit.role === "when" || idle(limit, flight, clean);
-    root.append(s("line", { class: when ? "limit when" : "limit", x1: frame.left, x2: 560 - frame.right, y1: sy(limit.bound), y2: sy(limit.bound) }));
+    root.append(s("line", { class: when ? "limit when" : "limit", x1: frame.left, x2: WIDE - frame.right, y1: sy(limit.bound), y2: sy(limit.bound) }));
   }
   if (clean?.rows) root.append(s("path", { class: "clean", d: drawnOf(clean) }));
   if (flight.rows) root.append(s("path", { class: "flown", d: drawnOf(flight) }));
   for (const mark of marks(flight)) if (mark.kind !== "end") root.append(s("line", { class: mark.kind, x1: sx(mark.t), x2: sx(mark.t), y1: frame.top, y2: 150 - frame.bottom }), sign(mark, sx(mark.t), frame.top));
-  limitNames(drawn, sy, (limit) => idle(limit, flight, clean)).forEach(({ y, when, text }) => root.append(s("text", { class: when ? "limit-name when" : "limit-name", x: 560 - frame.right + 5, y }, text)));
+  limitNames(drawn, sy, (limit) => idle(limit, flight, clean)).forEach(({ y, when, text }) => root.append(s("text", { class: when ? "limit-name when" : "limit-name", x: WIDE - frame.right + 5, y }, text)));
   const cursor = s("line", { class: "cursor", x1: 0, x2: 0, y1: frame.top, y2: 150 - frame.bottom, visibility: "hidden" });
   const read = s("text", { class: "strong", y: frame.top + 8, visibility: "hidden" });
   root.append(cursor, read);
@@ -111,7 +111,7 @@ function timeChart(name, column, flight, clean) {
     root, caption,
     timeAt: (event) => {
       const bounds = root.getBoundingClientRect();
-      return ((((event.clientX - bounds.left) / bounds.width) * 560 - frame.left) / (560 - frame.left - frame.right)) * end;
+      return ((((event.clientX - bounds.left) / bounds.width) * WIDE - frame.left) / (WIDE - frame.left - frame.right)) * end;
     },
     move: (time) => {
       const row = rowAt((flight.rows ? flight : clean).rows, time);

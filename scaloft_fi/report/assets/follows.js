@@ -12,7 +12,7 @@ function orderChart() {
   const { counts, cumulative_percent: ours, nist_cumulative_percent: nist, nist_source: source } = DATA.orders;
   const total = counts.reduce((sum, count) => sum + count, 0);
   if (!total) return h("p", { class: "note" }, "No default mutant is killed.");
-  const frame = plot({ width: 460, height: 190, x: [-0.5, counts.length - 0.5], y: [0, Math.max(...counts)], left: 34, bottom: 36, xTicks: counts.map((_, order) => order), xTitle: "axes that have to be right", yTitle: "mutants", top: 18, label: `Mutants by interaction order: ${counts.join(", ")} for 0 to ${counts.length - 1} axes` });
+  const frame = plot({ width: Math.min(WIDE, 460), height: 190, x: [-0.5, counts.length - 0.5], y: [0, Math.max(...counts)], left: 34, bottom: 36, xTicks: counts.map((_, order) => order), xTitle: "axes that have to be right", yTitle: "mutants", top: 18, label: `Mutants by interaction order: ${counts.join(", ")} for 0 to ${counts.length - 1} axes` });
   const { root, sx, sy } = frame;
   const width = (sx(1) - sx(0)) * 0.62;
   counts.forEach((count, order) => root.append(
@@ -63,7 +63,7 @@ function graph(nodes, edges) {
   const layers = [];
   nodes.forEach((node, place) => (layers[node.layer] ??= []).push(place));
   const x = new Map();
-  const width = 520;
+  const width = Math.min(WIDE, 520);
   const spread = (layer) => layer.forEach((place, number) => x.set(place, ((number + 0.5) / layer.length) * width));
   layers.forEach(spread);
   // a node stands below the middle of what subsumes it; a few rounds settle

@@ -24,6 +24,7 @@ function hazop() {
       h("li", {}, h("span", { class: "swatch framed", "aria-hidden": "true" }), "bold frame: survives everywhere"),
       ["baseline_red", "masked", "not_infected", "not_reached"].map((state) => h("li", {}, swatch(state), STATES[state][0])),
       h("li", {}, swatch("not_meaningful"), "not meaningful"),
+      Object.keys(DATA.margins).length > 0 && h("li", {}, h("b", {}, "\u2264 3 s"), "the least magnitude that kills, as far as flown"),
       h("li", {}, h("b", {}, "C"), "crude control, in no ratio")),
     h("div", { class: "scroll" }, board),
     extensions.length > 0 && h("p", { class: "small faint" }, extensions.map((word) => `* ${word.title}: no guideword of IEC 61882.  ${word.reason}`).join("  ")));
@@ -31,7 +32,7 @@ function hazop() {
 
 function hazopCell(cell) {
   const { state, share: killed, text, survivor, said } = cellState(cell);
-  const margin = DATA.margins?.[cell.name];
+  const margin = text && DATA.margins[cell.name] ? bounds(DATA.margins[cell.name]) : "";
   const says = `${cell.guideword} ${cell.parameter}. ${cell.deviation || ""}\n${said}${margin ? `\nmargin ${margin}` : ""}${cell.status === "control" ? "\ncrude control, in no ratio" : ""}`;
   const classes = ["state", survivor && "survivor", killed > 0.5 && "deep", cell.status === "control" && "control"].filter(Boolean);
   return h("td", { class: classes.join(" "), role: "gridcell", tabindex: "-1", "data-cell": cell.name, "data-state": state === "survived" && text ? "survived-rate" : state, "--share": killed ?? 0, "aria-label": says },

@@ -16,6 +16,7 @@ function masthead() {
       [[cells.part, `of ${cells.whole} credible cells flown`], [`${flown.part} of ${flown.whole}`, "situations"], [DATA.seeds.length, `${DATA.seeds.length === 1 ? "seed" : "seeds"} (${seedText()})`],
         [DATA.flights, "flights"], ["scaloft-fi", DATA.version]].map(([figure, what]) => h("li", {}, h("b", {}, String(figure)), ` ${what}`))),
     DATA.gates.failed && h("p", { class: "notice", role: "alert" }, h("b", {}, "These figures may not be believed. "), DATA.gates.failed),
+    DATA.cut > 0 && h("p", { class: "notice" }, `${plural(DATA.cut, "flight")} cut at the first kill ${DATA.cut === 1 ? "is" : "are"} left out: what else they would have done nobody knows.`),
     DATA.owed > 0 && h("p", { class: "notice" }, `${plural(DATA.owed, "planned flight")} of this campaign ${DATA.owed === 1 ? "is" : "are"} missing: the run was not finished.`));
 }
 
@@ -62,9 +63,14 @@ function gates() {
   return lines.map(([held, says]) => h("div", { class: "gate", "data-held": held ? "yes" : "no" }, h("span", { role: "img", "aria-label": held ? "holds:" : "fails:" }, held ? "\u2713" : "\u2717"), h("span", {}, says)));
 }
 
+/** How often the kill rule kills what does nothing: baseline seeds judged by one another. */
 function falseKills() {
-  const found = DATA.false_kills;
-  return found ? h("p", { class: "note" }, found.says) : null;
+  const { rate, population, expected_false_kills: expected, eligible_flights: flights, decided, reason } = DATA.redraw;
+  if (reason) return h("p", { class: "note" }, h("b", {}, "False kills by chance: "), `not measured, because ${reason}.`);
+  const sentences = [`${ratioText(rate)} of the ${population} are killed by nothing but another noise.`];
+  if (expected !== null) sentences.push(`That makes ${expected.toFixed(1)} false kills expected among ${plural(flights, "eligible flight")}.`);
+  if (decided.whole) sentences.push(`As a decision over ${plural(decided.seeds, "left-out seed")}: ${ratioText(decided)}.`);
+  return h("p", { class: "note" }, h("b", {}, "False kills by chance (REDRAW): "), sentences.join("  "));
 }
 
 function coverageTable() {
@@ -74,6 +80,8 @@ function coverageTable() {
     ["situations of the grid", ...plain(covered.situations)],
     ...Object.entries(covered.t_way).map(([t, ratio]) => [`value combinations of ${plural(Number(t), "axis", "axes")} (${t}-way)`, ...plain(ratio)]),
     ["realised: every value came true in a clean flight", ...plain(covered.realised)],
+    ["eligible: some fault infects beside a clean drone that holds", ...plain(covered.eligible)],
+    ...Object.entries(covered.requirements).map(([name, ratio]) => [`${name} triggered in a clean flight`, ...plain(ratio)]),
     ["draws: a situation with a seed", String(covered.draws), ""],
   ];
   return table(["coverage", { text: "part/whole", number: true }, { text: "share", number: true }], rows, { stack: false });

@@ -61,6 +61,13 @@ function bar(sections) {
   return h("div", {}, h("nav", { "aria-label": "Sections" }, h("ul", {}, links)), button);
 }
 
+/** On paper nothing is folded away. */
+function unfold() {
+  const folded = [...document.querySelectorAll("main details:not([open])")];
+  folded.forEach((fold) => { fold.open = true; });
+  addEventListener("afterprint", () => folded.forEach((fold) => { fold.open = false; }), { once: true });
+}
+
 /** Mark in the bar which section is being read. */
 function watch(sections) {
   const links = new Map([...document.querySelectorAll("#bar a")].map((link) => [link.getAttribute("href").slice(1), link]));
@@ -76,7 +83,7 @@ function watch(sections) {
 
 function start() {
   document.title = `${DATA.study} \u00b7 ${DATA.campaign} \u00b7 scaloft-fi report`;
-  const makers = [[summary, "Figures"], [hazop, "HAZOP"], [killMatrix, "Kill matrix"], [whatKillsWhat, "What kills what"], [ladders, "Magnitudes"], [survivors, "Survivors"], [baselineFindings, "Clean drone"], [claims, "Not claimed"], [reading, "How to read"]];
+  const makers = [[summary, "Figures"], [hazop, "HAZOP"], [killMatrix, "Kill matrix"], [coverageAgainstKills, "Coverage"], [whatKillsWhat, "What kills what"], [ladders, "Magnitudes"], [survivors, "Survivors"], [baselineFindings, "Clean drone"], [claims, "Not claimed"], [reading, "How to read"]];
   const sections = makers.map(([make, short]) => {
     const section = make();
     section.dataset.short = short;
@@ -86,6 +93,7 @@ function start() {
   document.getElementById("bar").replaceChildren(bar(sections));
   watch(sections);
   document.getElementById("sheet").addEventListener("close", closed);
+  addEventListener("beforeprint", unfold);
   addEventListener("hashchange", follow);
   addEventListener("popstate", follow);
   follow();

@@ -33,32 +33,38 @@ function ladder(entry) {
     if (value !== null) root.append(s("circle", { class: "dot", cx: sx(number), cy: sy(value), r: rung.default ? 5 : 4 }, s("title", {}, `${rung.id}: ${ratioText(rung.kill_rate)} ${intervalText(rung.kill_rate)}`)));
     else root.append(s("text", { x: sx(number), y: sy(0.5), "text-anchor": "middle" }, "n/a"));
   });
-  return h("figure", { class: "small-multiple" }, h("figcaption", {}, h("a", { href: cellHash(entry.cell) }, entry.cell), entry.margin && ` margin ${entry.margin}`), root);
+  return h("figure", { class: "small-multiple" }, h("figcaption", {}, h("a", { href: cellHash(entry.cell) }, entry.cell), DATA.margins[entry.cell] && ` margin ${bounds(DATA.margins[entry.cell])}`), root);
 }
 
 function survivors() {
-  const found = DATA.mutants.filter((mutant) => !mutant.control && mutant.status !== "killed");
+  const told = new Map(DATA.survivors.map((entry) => [entry.mutant, entry]));
+  const found = DATA.mutants.filter((mutant) => told.has(mutant.id));
   const order = ["survived", "baseline_red", "masked", "not_infected", "not_reached", "invalid"];
-  const next = new Map((DATA.survivors ?? []).map((entry) => [entry.mutant, entry.next]));
   return part("survivors", "What was not shown, and what to do next", "Mutants that no eligible flight kills, by the rung where the fault stopped.",
+    todo(DATA.survivors),
     order.map((state) => {
       const members = found.filter((mutant) => mutant.status === state);
       if (!members.length) return null;
-      return h("details", { open: state === "survived" }, h("summary", {}, h("h3", { class: "inline" }, `${STATES[state][0]} (${members.length})`), ` ${STATES[state][1]}`),
-        table(["mutant", { text: "killed/eligible", number: true }, "deviation", "next step"], members.map((mutant) => [
-          h("a", { class: "id", href: cellHash(mutant.cell) }, mutant.id), `${mutant.kill_rate.part}/${mutant.kill_rate.whole}`, CELLS.get(mutant.cell)?.deviation ?? "",
-          next.get(mutant.id) ?? STEPS[state]])));
-    }));
+      return h("details", { open: members.length <= 12, class: "fold" }, h("summary", {}, h("h3", { class: "inline" }, `${capital(STATES[state][0])} (${members.length})`), h("span", {}, ` ${STATES[state][1]}`)),
+        table(["mutant", { text: "killed/eligible", number: true }, "change next", "why"], members.map((mutant) => survivor(mutant, told.get(mutant.id)))));
+    }),
+    !found.length && h("p", {}, "Every mutant flown is killed somewhere."));
 }
 
-const STEPS = {
-  survived: "A requirement that sees it, a larger magnitude, or a situation where it matters.",
-  baseline_red: "Repair the clean drone first, or fly a situation where it holds.",
-  masked: "The drone tolerates it here: a larger magnitude or a harder situation would tell how far.",
-  not_infected: "A situation in which the value differs at all.",
-  not_reached: "A situation in which the place of the fault carries samples.",
-  invalid: "Repair the test bench and run again.",
-};
+/** How many survivors ask for what. */
+function todo(entries) {
+  const counts = new Map();
+  entries.forEach(({ next }) => counts.set(NEXT[next] ?? next, (counts.get(NEXT[next] ?? next) ?? 0) + 1));
+  return entries.length > 0 && h("p", {}, "What to change next: ", [...counts].sort((a, b) => b[1] - a[1]).map(([what, count], place) => [place ? ", " : "", h("b", {}, String(count)), ` ${what}`]), ".");
+}
+
+/** A survivor's line: what it is, what to change, the facts that say so. */
+function survivor(mutant, told) {
+  return [h("span", {}, h("a", { class: "id", href: cellHash(mutant.cell) }, mutant.id), h("span", { class: "faint small under" }, CELLS.get(mutant.cell)?.deviation ?? "")),
+    `${mutant.kill_rate.part}/${mutant.kill_rate.whole}`, h("b", {}, NEXT[told.next] ?? told.next), h("span", { class: "small" }, withCode(told.why))];
+}
+
+const NEXT = { repeat: "fly again", situation: "situation", magnitude: "magnitude", oracle: "requirement", operability: "nothing (operability shows it)", expected: "nothing (known beforehand)" };
 
 function claims() {
   return part("claims", "What these figures do not claim", null,

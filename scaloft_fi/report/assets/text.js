@@ -7,7 +7,6 @@ const STATES = {
   not_infected: ["not infected", "Every mutated sample equalled the original."],
   not_reached: ["not reached", "The place of the fault carried no sample."],
   invalid: ["invalid", "The test bench failed: never a kill, never a survivor."],
-  undecided: ["undecided", "The flights flown so far decide neither way."],
   not_meaningful: ["not meaningful", "The study says why the pair of words has no meaning."],
   not_flown: ["not flown", "No flight in this campaign."],
 };
@@ -35,6 +34,10 @@ const QUANTITIES = {
 const UNITS = { mps: "m/s", m: "m", s: "s", deg: "°", rad: "rad" };
 const unitOf = (column) => UNITS[column.split("_").at(-1)] ?? "";
 const quantity = (column) => QUANTITIES[column] ?? column.split("_").slice(0, -1).join(" ");
+
+/** What stands between backticks is set as code. */
+const withCode = (text) => text.split("`").map((piece, number) => (number % 2 ? h("code", {}, piece) : piece));
+const bounds = (text) => text.replaceAll("<=", "\u2264").replaceAll(">=", "\u2265");
 
 const flightHash = (mutant, situation, seed) =>
   `#flight=${[mutant, situation, seed].map(encodeURIComponent).join("/")}`;
