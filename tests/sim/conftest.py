@@ -7,13 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from hypothesis import settings
 
 from scaloft_fi.sim.load import SimConfig, load
-
-# The first call of a kernel compiles it.
-settings.register_profile("compiled", deadline=None)
-settings.load_profile("compiled")
 
 SIM = Path(__file__).parents[2] / "sim"
 
