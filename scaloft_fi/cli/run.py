@@ -147,7 +147,8 @@ def run_command(
         decided = {"sequential": sequential or None, "baseline_seeds": baseline_seeds, "baseline_from": baseline_from}
         _alone("--first-kill", budget=budget, fail_under=fail_under, **decided)
     if sequential:
-        _alone("--sequential", seeds=seeds, budget=budget, shard=shard)
+        draws = how if how.startswith("draws") else None  # a draw has one seed, a look several
+        _alone("--sequential", seeds=seeds, budget=budget, shard=shard, choose=draws)
     study = Study.open(study_folder)
     pool_seeds = choose.seeds(baseline_seeds, "--baseline-seeds") if baseline_seeds else ()
     flown_seeds = choose.seeds(seeds or "1")

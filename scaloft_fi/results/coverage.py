@@ -95,6 +95,7 @@ def coverage_json(covered: Coverage) -> dict[str, Any]:
     return {
         "situations": _share(covered.situations),
         "draws": covered.draws,
+        "pool": covered.pool,
         "t_way": {
             str(found.strength): {
                 **_share(found.total),

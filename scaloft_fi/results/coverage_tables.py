@@ -20,6 +20,7 @@ def coverage_tables(covered: Coverage, space: Space, choices: Sequence[tuple[str
     rows = [
         ("distinct situations", covered.situations.plain, "situations of the grid"),
         ("draws", str(covered.draws), "test cases: situations flown, each seed anew"),
+        *([("pool", str(covered.pool), "of these draws, the baseline's alone, to decide by")] if covered.pool else []),
         ("realised", covered.realised.plain, "situations whose every value came true in a baseline flight"),
         (
             "eligible",

@@ -235,6 +235,11 @@ def test_draws_are_counted_beside_distinct_situations(call) -> None:
     assert covered["situations"]["part"] < 32
 
 
+def test_draws_are_not_looked_at_again(call) -> None:
+    refused = call("run", "--choose", "draws:9", "--sequential", "--quiet")
+    assert "--sequential and --choose=draws:9 do not go together" in _sentence(refused)
+
+
 def test_a_choice_that_cannot_be_writes_nothing(call, tmp_path: Path) -> None:
     refused = call("run", "--choose", "random:99", "--quiet")
     assert "must ask for at most 32" in _sentence(refused)
