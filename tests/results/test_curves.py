@@ -10,12 +10,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaloft_fi.results.chance import without_replacement
+from scaloft_fi.results.covering import covering_array
 from scaloft_fi.results.curve_tables import curve_tables, curves_json
 from scaloft_fi.results.curves import curves, resamples
+from scaloft_fi.results.orders import relabelled
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.prediction import correlate, predict
 from scaloft_fi.results.score import score
 from scaloft_fi.results.space import Space
+from scaloft_fi.results.t_way import t_way
 from scaloft_fi.results.table import Format, render
 from scaloft_fi.results.trial import Trial, sub_cube, trial
 
@@ -117,12 +120,20 @@ def test_the_greedy_strategy_has_every_combination_of_one_axis_after_two_situati
     assert dict(greedy.t_way)[2][7] == pytest.approx(1.0, abs=0.01)
 
 
-def test_relabelled_arrays_treat_all_situations_alike() -> None:
-    # one mutant a situation: no situation is in more of the arrays than another
-    for curve in curves(made(np.eye(32, dtype=bool))).curves:
-        if curve.id.endswith("-way"):
-            assert curve.kills.mean == pytest.approx([k + 1 for k in range(len(curve.kills.mean))])
-            assert max(map(abs, curve.difference.mean)) < 1e-9
+@pytest.mark.parametrize("strength", [2, 3, 4])
+def test_relabelled_arrays_have_every_situation_equally_often_and_stay_arrays(strength: int) -> None:
+    suites = relabelled(FIVE, KEYS, covering_array(FIVE, KEYS, strength, 0))
+    assert len(set(np.bincount(suites.ravel(), minlength=32))) == 1
+    for suite in suites[:20]:
+        assert t_way([KEYS[number] for number in suite], FIVE, strength).total.value == 1.0
+
+
+def test_axes_of_different_size_keep_their_places() -> None:
+    space = space_of([2, 3])
+    suites = relabelled(space, keys_of(space), ["Aa0Ab0", "Aa1Ab1"])
+    # the values of the first axis two ways, those of the second six, and the pair has no order
+    assert len(suites) == 6
+    assert len(set(np.bincount(suites.ravel(), minlength=6))) == 1
 
 
 def test_mutants_are_resampled_within_their_parameter() -> None:
