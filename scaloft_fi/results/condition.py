@@ -7,8 +7,10 @@ terms are the largest boxes without a surviving situation, and the fewest of the
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
+from functools import lru_cache, reduce
 from itertools import combinations, product
 from math import prod
+from operator import and_, getitem
 
 from scaloft_fi.results.space import Point, Space
 
@@ -69,18 +71,31 @@ def _primes(space: Space, on: Sequence[Point], off: Sequence[Point]) -> list[Ter
         return []
     if not off:
         return [tuple(frozenset(values) for values in space.values)]
-    choices = [
-        [frozenset(chosen) for size in range(1, len(values) + 1) for chosen in combinations(values, size)]
-        for values in space.values
-    ]
-    if prod(map(len, choices)) > MOST_BOXES:
+    if prod(2 ** len(values) - 1 for values in space.values) > MOST_BOXES:
         return _primes_around(space, on, off)
+    bits = {point: 1 << place for place, (_, point) in enumerate(space.points)}
+    killing, surviving = (sum(bits[point] for point in points) for points in (on, off))
     found: list[Term] = []
-    boxes = (term for term in product(*choices) if any(admits(term, point) for point in on))
-    for term in sorted(boxes, key=lambda term: _order(space, term)):
-        if not any(admits(term, point) for point in off) and not any(_within(term, larger) for larger in found):
+    for term, inside in _boxes(space):
+        if inside & killing and not inside & surviving and not any(_within(term, larger) for larger in found):
             found.append(term)
     return found
+
+
+@lru_cache(maxsize=8)
+def _boxes(space: Space) -> tuple[tuple[Term, int], ...]:
+    """Every box, largest first, with the points of the grid in it, one bit each: a campaign has hundreds of mutants."""
+    sides = [
+        {
+            frozenset(chosen): sum(1 << i for i, (_, point) in enumerate(space.points) if point[axis] in chosen)
+            for size in range(1, len(values) + 1)
+            for chosen in combinations(values, size)
+        }
+        for axis, values in enumerate(space.values)
+    ]
+    every = (1 << len(space.points)) - 1
+    boxes = sorted(product(*sides), key=lambda term: _order(space, term))
+    return tuple((term, reduce(and_, map(getitem, sides, term), every)) for term in boxes)
 
 
 def _primes_around(space: Space, on: Sequence[Point], off: Sequence[Point]) -> list[Term]:

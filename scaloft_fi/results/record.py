@@ -119,20 +119,21 @@ def _entries(text: str, known: dict[str, T], read: Callable[[str], T]) -> tuple[
 
 
 def _reading(line: str) -> Reading:
-    name, kind, *rest = json.loads(line)
+    name, kind, *rest = _DECODER.raw_decode(line)[0]
     return Reading(intern(name), _KINDS[kind], *rest)
 
 
 def _violation(line: str) -> Violation:
-    name, kind, t_s, x, y, z, struck = json.loads(line)
+    name, kind, t_s, x, y, z, struck = _DECODER.raw_decode(line)[0]
     return Violation(intern(name), _KINDS[kind], t_s, x, y, z, intern(struck))
 
 
 def _came_true(line: str) -> tuple[str, bool]:
-    axis, came_true = json.loads(line)
+    axis, came_true = _DECODER.raw_decode(line)[0]
     return intern(axis), came_true
 
 
+_DECODER = json.JSONDecoder()
 _KINDS = {kind.value: kind for kind in Kind}
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 from scaloft_fi.results.condition import condition
 from scaloft_fi.results.decision import Decided, Decision, Pool, PoolRates, decide
@@ -115,7 +116,13 @@ class MutantScore:
 
     def condition(self, space: Space) -> str:
         """The killing situations in words; empty when there are none."""
-        return condition(space, self.killing, self.surviving)
+        return _condition(space, self.killing, self.surviving)
+
+
+@lru_cache(maxsize=4096)
+def _condition(space: Space, killing: tuple[str, ...], surviving: tuple[str, ...]) -> str:
+    """The condition, found once: several tables show it."""
+    return condition(space, killing, surviving)
 
 
 @dataclass(frozen=True)
@@ -218,7 +225,7 @@ def mutant_score(subject: Subject, flights: Sequence[Flight], space: Space, rate
         tested=tuple(name for name, ratio in requirements if ratio.whole),
         operability=Ratio(len(inoperable), len(operable)),
         earliest=min(
-            (k for f in flights for k in _kills(f)),
+            (k for f in flights if f.kills for k in _kills(f)),
             key=lambda k: (k.t_s, space.rank(k.situation), k.seed),
             default=None,
         ),
@@ -254,7 +261,7 @@ def _kills(flight: Flight) -> list[Kill]:
 def _by_requirement(flights: Sequence[Flight]) -> tuple[tuple[str, Ratio], ...]:
     """Per requirement: situations it killed in, of those the fault infects and the baseline held it in to its end."""
     found = []
-    for name in dict.fromkeys(reading.requirement for flight in flights for reading in flight.outcome.readings):
+    for name in dict.fromkeys(name for flight in flights for name in flight.tested):
         able = [flight for flight in flights if name in flight.tested]
         killed = {f.outcome.situation for f in able if name in f.kills + f.operability_kills}
         found.append((name, Ratio(len(killed), len({flight.outcome.situation for flight in able}))))

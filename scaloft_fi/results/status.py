@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -29,6 +29,9 @@ class Status(StrEnum):
     KILLED = "killed"
     """A safety requirement is violated that the baseline held up to that moment."""
 
+    __hash__ = str.__hash__
+    """As that of its text; statuses are counted by the hundred thousand."""
+
     @property
     def rung(self) -> int:
         """Height on the ladder."""
@@ -37,10 +40,11 @@ class Status(StrEnum):
     @property
     def infected(self) -> bool:
         """Whether the fault changed at least one sample."""
-        return self.rung >= _RUNGS[Status.MASKED]
+        return self in _INFECTED
 
 
 _RUNGS = {status: rung for rung, status in enumerate(Status)}
+_INFECTED = frozenset(status for status, rung in _RUNGS.items() if rung >= _RUNGS[Status.MASKED])
 
 
 @dataclass(frozen=True)
@@ -55,6 +59,8 @@ class Flight:
         operability_kills: the same for operability requirements.
         eligible: infected, and the baseline held a safety requirement to its end.
         operability_eligible: infected, and the baseline held an operability requirement to its end.
+        tested: requirements that the fault was put to the test of: of a kind that kills, held by the baseline to its
+            end.
     """
 
     outcome: Outcome
@@ -64,17 +70,7 @@ class Flight:
     operability_kills: tuple[str, ...] = ()
     eligible: bool = False
     operability_eligible: bool = False
-
-    @property
-    def tested(self) -> tuple[str, ...]:
-        """Requirements that the fault was put to the test of: of a kind that kills, held by the baseline to its end."""
-        if self.baseline is None or not self.status.infected:
-            return ()
-        return tuple(
-            reading.requirement
-            for reading in self.baseline.readings
-            if reading.kind is not Kind.REPORTED and not (reading.violated or reading.open)
-        )
+    tested: tuple[str, ...] = ()
 
     @property
     def killed_at_s(self) -> float | None:
@@ -85,26 +81,47 @@ class Flight:
 
 def flight_of(outcome: Outcome, baseline: Outcome | None) -> Flight:
     """Judge a mutant's flight by the baseline of the same situation and seed; without one that counts it is invalid."""
-    if outcome.invalid or baseline is None or baseline.invalid:
+    return _beside(outcome, _Clean.of(baseline))
+
+
+@dataclass(frozen=True)
+class _Clean:
+    """What there is to know of a baseline, found once for all the flights beside it."""
+
+    outcome: Outcome
+    eligible: bool
+    operability_eligible: bool
+    tested: tuple[str, ...]
+
+    @classmethod
+    def of(cls, baseline: Outcome | None) -> _Clean | None:
+        """The same of a baseline that counts."""
+        if baseline is None or baseline.invalid:
+            return None
+        tested = tuple(
+            reading.requirement
+            for reading in baseline.readings
+            if reading.kind is not Kind.REPORTED and not (reading.violated or reading.open)
+        )
+        return cls(baseline, held_to_end(baseline, Kind.SAFETY), held_to_end(baseline, Kind.OPERABILITY), tested)
+
+
+def _beside(outcome: Outcome, clean: _Clean | None) -> Flight:
+    if outcome.invalid or clean is None:
         return Flight(outcome, None, Status.INVALID)
+    baseline = clean.outcome
     if outcome.altered == 0:
         return Flight(outcome, baseline, Status.NOT_INFECTED if outcome.carried else Status.NOT_REACHED)
-    eligible = held_to_end(baseline, Kind.SAFETY)
-    operability_eligible = held_to_end(baseline, Kind.OPERABILITY)
+    infected = clean.eligible, clean.operability_eligible, clean.tested
     if outcome.digest == baseline.digest:
-        return Flight(outcome, baseline, Status.MASKED, (), (), eligible, operability_eligible)
+        return Flight(outcome, baseline, Status.MASKED, (), (), *infected)
+    broken = [reading for reading in outcome.readings if reading.violated_at_s is not None]
+    if not broken:
+        return Flight(outcome, baseline, Status.SURVIVED, (), (), *infected)
     kills = killed_by(outcome, baseline, Kind.SAFETY)
-    violated = any(reading.violated for reading in outcome.readings if reading.kind is Kind.SAFETY)
+    violated = any(reading.kind is Kind.SAFETY for reading in broken)
     status = Status.KILLED if kills else Status.BASELINE_RED if violated else Status.SURVIVED
-    return Flight(
-        outcome=outcome,
-        baseline=baseline,
-        status=status,
-        kills=kills,
-        operability_kills=killed_by(outcome, baseline, Kind.OPERABILITY),
-        eligible=eligible,
-        operability_eligible=operability_eligible,
-    )
+    return Flight(outcome, baseline, status, kills, killed_by(outcome, baseline, Kind.OPERABILITY), *infected)
 
 
 def held_to_end(baseline: Outcome, kind: Kind) -> bool:
@@ -116,9 +133,11 @@ def killed_by(outcome: Outcome, baseline: Outcome, kind: Kind) -> tuple[str, ...
     """The requirements of a kind by whose violation the flight is told from its baseline, earliest first."""
     found: list[tuple[float, str]] = []
     for reading in outcome.readings:
-        clean = baseline.reading(reading.requirement)
         at_s = reading.violated_at_s
-        if reading.kind is kind and at_s is not None and clean is not None:
+        if at_s is None or reading.kind is not kind:
+            continue
+        clean = baseline.reading(reading.requirement)
+        if clean is not None:
             body, clean_body = (_struck(flight, reading.requirement) for flight in (outcome, baseline))
             if _held_until(clean, at_s, baseline.duration_s, same=body == clean_body):
                 found.append((at_s, reading.requirement))
@@ -170,9 +189,9 @@ def whole(outcomes: Iterable[Outcome]) -> list[Outcome]:
 def flights_of(outcomes: Iterable[Outcome]) -> list[Flight]:
     """Every flight of a mutant (PLACEBO among them) beside its baseline, in the order given."""
     listed = list(outcomes)
-    baselines: Mapping[tuple[str, int], Outcome] = baselines_of(listed)
+    clean = {draw: _Clean.of(baseline) for draw, baseline in baselines_of(listed).items()}
     return [
-        flight_of(outcome, baselines.get((outcome.situation, outcome.seed)))
+        _beside(outcome, clean.get((outcome.situation, outcome.seed)))
         for outcome in listed
         if outcome.mutant != BASELINE
     ]
@@ -185,9 +204,10 @@ def mutant_status(flights: Iterable[Flight]) -> Status:
     requirement to its end proves nothing about it and stands as `baseline_red`.
     """
     listed = list(flights)
-    eligible = [flight.status for flight in listed if flight.eligible]
-    if not eligible:
-        eligible = [
-            Status.BASELINE_RED if flight.status.rung > Status.BASELINE_RED.rung else flight.status for flight in listed
-        ]
-    return max(eligible, key=lambda status: status.rung, default=Status.INVALID)
+    statuses = {flight.status for flight in listed if flight.eligible}
+    if not statuses:
+        statuses = {
+            Status.BASELINE_RED if status.rung > Status.BASELINE_RED.rung else status
+            for status in {flight.status for flight in listed}
+        }
+    return max(statuses, key=lambda status: status.rung, default=Status.INVALID)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 import json
 import sqlite3
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
@@ -38,9 +38,6 @@ class Flown(NamedTuple):
     seed: int
     truncated: str
     origin: int | None
-
-
-_FLOWN = len(Flown._fields)
 
 
 class Planned(NamedTuple):
@@ -184,29 +181,38 @@ class Store:
             order = "mutant, situation, seed, truncated, key"
             return [Flown(*row) for row in self._connection.execute(f"SELECT {columns} FROM outcomes ORDER BY {order}")]
 
+    def sorts(self) -> list[Flown]:
+        """One of the flights of each mutant, situation, truncation and origin."""
+        columns = "key, mutant, situation, seed, truncated, origin"
+        groups = "mutant, situation, truncated, coalesce(origin, key)"
+        with _sentences(self.path):
+            rows = self._connection.execute(f"SELECT {columns} FROM outcomes GROUP BY {groups}")
+            return [Flown(*row) for row in rows]
+
     def outcomes(self, keys: Iterable[str] | None = None) -> Iterator[Outcome]:
         """All outcomes, or those under `keys`, without their tracks, ordered by mutant, situation, seed."""
         return (outcome for _, outcome in self.keyed(keys))
 
     def keyed(self, keys: Iterable[str] | None = None) -> list[tuple[str, Outcome]]:
         """The same, each with its key."""
-        if keys is None:
-            return self.chosen(lambda _: True)
-        wanted = set(keys)
-        return self.chosen(lambda flight: flight.key in wanted)
+        wanted = None if keys is None else set(keys)
+        return self._chosen(lambda key, _: wanted is None or key in wanted)
 
-    def chosen(self, keep: Callable[[Flown], bool]) -> list[tuple[str, Outcome]]:
-        """The same of those that `keep` says."""
+    def made_from(self, origins: Collection[int], keys: Collection[str] = ()) -> tuple[Outcome, ...]:
+        """The same of those that were made from one of `origins`, by number, or are under one of `keys`."""
+        chosen = self._chosen(lambda key, origin: origin in origins or key in keys)
+        return tuple(outcome for _, outcome in chosen)
+
+    def _chosen(self, keep: Callable[[str, int | None], bool]) -> list[tuple[str, Outcome]]:
+        """The outcomes that `keep` says, by key and origin."""
         read = Reader()
         found = []
-        names = ", ".join((*Flown._fields, *COLUMNS))
         with _sentences(self.path), _uncollected():
             # to sort here is faster than to have the rows looked up in the order of an index
-            for row in self._connection.execute(f"SELECT {names} FROM outcomes"):
-                flight = Flown._make(row[:_FLOWN])
-                if keep(flight):
-                    outcome = read(row[_FLOWN:])
-                    found.append((outcome.subject.id, outcome.situation, outcome.seed, flight.key, outcome))
+            for row in self._connection.execute(f"SELECT key, origin, {', '.join(COLUMNS)} FROM outcomes"):
+                if keep(row[0], row[1]):
+                    outcome = read(row[2:])
+                    found.append((outcome.subject.id, outcome.situation, outcome.seed, row[0], outcome))
             found.sort()  # keys are distinct
             return [(key, outcome) for *_, key, outcome in found]
 
