@@ -27,6 +27,7 @@ from scaloft_fi.mutants.derive import realise, source_of
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.results.margin import Margin, Scale, Subject, Tried, margin_of, subject_of, tried_in
 from scaloft_fi.results.outcome import BASELINE, Outcome
+from scaloft_fi.results.requirement import Kind
 from scaloft_fi.results.store import Store
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
@@ -83,6 +84,7 @@ def find(
     folder: Path,
     options: RunOptions | None = None,
     *,
+    kind: Kind = Kind.SAFETY,
     progress: Callable[[], Progress],
     flyer: Flyer | None = None,
 ) -> Mapping[Subject, tuple[Margin, ...]]:
@@ -94,6 +96,7 @@ def find(
         situations, seeds: where.
         folder: of the campaign.
         options: how it is flown; what shares a beginning is decided here, round by round.
+        kind: of the requirements whose violation kills.
         progress: makes what a person sees of each round.
         flyer: what flies; PyBullet when None.
 
@@ -103,7 +106,7 @@ def find(
     options = options or RunOptions()
     known = {outcome.name: outcome for outcome in _held(study, folder)}
     while True:
-        flights = _next(study, targets, situations, seeds, known.values())
+        flights = _next(study, targets, situations, seeds, known.values(), kind)
         if not flights and any(outcome.mutant == BASELINE for outcome in known.values()):
             break
         shown = progress()
@@ -112,7 +115,7 @@ def find(
         planned = _with(plan(situations, seeds, [], choose.canary(study)), flights)
         report = run(study, planned, folder, replace(options, share=share), progress=shown, flyer=flyer)
         known |= {outcome.name: outcome for outcome in report.outcomes}
-    return _margins(study, targets, situations, seeds, known.values())
+    return _margins(study, targets, situations, seeds, known.values(), kind)
 
 
 def _held(study: Study, folder: Path) -> tuple[Outcome, ...]:
@@ -136,9 +139,10 @@ def _next(
     situations: Sequence[Situation],
     seeds: Sequence[int],
     outcomes: Iterable[Outcome],
+    kind: Kind,
 ) -> tuple[Flight, ...]:
     """The flights that every target asks for in every situation."""
-    tried = _tried(study, seeds, outcomes)
+    tried = _tried(study, seeds, outcomes, kind)
     asked = [
         (target.id_of(magnitude), situation)
         for target in targets
@@ -150,14 +154,14 @@ def _next(
 
 
 def _tried(
-    study: Study, seeds: Sequence[int], outcomes: Iterable[Outcome]
+    study: Study, seeds: Sequence[int], outcomes: Iterable[Outcome], kind: Kind
 ) -> Mapping[tuple[Subject, str], dict[float, Tried]]:
     """What counts as tried: flown with every seed asked for, and with no other."""
     wanted = frozenset(seeds)
     chosen = [outcome for outcome in outcomes if outcome.seed in wanted]
     return {
         key: {entry.magnitude: entry for entry in entries if entry.seeds == wanted}
-        for key, entries in tried_in(chosen, study.matrix).items()
+        for key, entries in tried_in(chosen, study.matrix, kind).items()
     }
 
 
@@ -167,8 +171,9 @@ def _margins(
     situations: Sequence[Situation],
     seeds: Sequence[int],
     outcomes: Iterable[Outcome],
+    kind: Kind,
 ) -> Mapping[Subject, tuple[Margin, ...]]:
-    tried = _tried(study, seeds, outcomes)
+    tried = _tried(study, seeds, outcomes, kind)
     return {
         target.subject: tuple(
             margin_of(target.search.scale, tried.get((target.subject, situation.key), {}).values(), situation.key)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from scaloft_fi.cli.options import campaign_option, format_option, study_option
+from scaloft_fi.cli.options import campaign_option, format_option, operability_option, study_option
 
 if TYPE_CHECKING:
     from scaloft_fi.results.margin import Margin, Subject
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     help="Bisect until the interval is no wider than this, in the magnitude's own unit.  "
     "[default: a tenth of the killing magnitude's distance from no fault]",
 )
+@operability_option
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
 @format_option
 @click.option("--quiet", is_flag=True, help="No progress and no warnings.")
@@ -44,6 +45,7 @@ def margin_command(
     situations: tuple[str, ...],
     seeds: str,
     tolerance: float | None,
+    operability: bool,
     jobs: int | None,
     style: str,
     quiet: bool,
@@ -63,6 +65,7 @@ def margin_command(
     from scaloft_fi.campaign.folder import campaign_folder
     from scaloft_fi.campaign.margin import find, target
     from scaloft_fi.campaign.progress import Progress, Silence
+    from scaloft_fi.results.requirement import Kind
     from scaloft_fi.results.table import Format
     from scaloft_fi.study import Study
 
@@ -77,6 +80,7 @@ def margin_command(
         numbers,
         campaign_folder(study, campaign),
         RunOptions(jobs=jobs or cores()),
+        kind=Kind.OPERABILITY if operability else Kind.SAFETY,
         progress=Silence if quiet else Progress,
     )
     click.echo(_text(study, found, len(numbers), Format(style)), nl=False)

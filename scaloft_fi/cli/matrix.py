@@ -10,7 +10,7 @@ from pathlib import Path
 
 import click
 
-from scaloft_fi.cli.options import campaign_option, format_option, study_option
+from scaloft_fi.cli.options import campaign_option, format_option, operability_option, study_option
 from scaloft_fi.hazop.folder import find_study
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
@@ -30,6 +30,7 @@ from scaloft_fi.hazop.worksheet import HEADER, SHORT_HEADER, record, rows, short
     is_flag=True,
     help="The grid with the smallest magnitude that kills in every cell, from the flights of --campaign.",
 )
+@operability_option
 @campaign_option
 @format_option
 def matrix_command(
@@ -39,6 +40,7 @@ def matrix_command(
     parameters: tuple[str, ...],
     grid_only: bool,
     with_margins: bool,
+    operability: bool,
     campaign: str,
     style: str,
 ) -> None:
@@ -51,7 +53,7 @@ def matrix_command(
         return
     shown = matrix.only([word.upper() for word in guidewords], [name.lower() for name in parameters])
     if with_margins:
-        click.echo(_margins(shown, study_folder, campaign, style))
+        click.echo(_margins(shown, study_folder, campaign, style, operability=operability))
         return
     click.echo(_grid(shown, style) if grid_only else _all(shown, style))
 
@@ -77,14 +79,16 @@ def _grid(matrix: Matrix, style: str) -> str:
     return _csv(header, lines) if style == "csv" else _tabulated(header, lines, style)
 
 
-def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: str) -> str:
+def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: str, *, operability: bool) -> str:
     # a campaign needs numpy, the matrix alone does not
     from scaloft_fi.campaign.held import current
     from scaloft_fi.results.margins import LEGEND, cell_margins
+    from scaloft_fi.results.requirement import Kind
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
-    told = cell_margins(current(study, campaign), study.matrix)
+    kind = Kind.OPERABILITY if operability else Kind.SAFETY
+    told = cell_margins(current(study, campaign), study.matrix, kind)
     if style == "json":
         return json.dumps([{**record(cell), "margin": told[cell.name]} for cell in matrix], indent=1)
     header = ["parameter", *(word.id for word in matrix.guidewords)]

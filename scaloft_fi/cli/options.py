@@ -87,3 +87,12 @@ def _day(_context: click.Context, _option: click.Parameter, text: str | None) ->
     if found is None:
         raise click.BadParameter(f"{text!r} is no date such as 2027-01-31")
     return found
+
+
+def operability_option(function: F) -> F:
+    """`--operability`: whose violation kills."""
+    return click.option(
+        "--operability",
+        is_flag=True,
+        help="Margins against the operability requirements instead of the safety requirements.",
+    )(function)

@@ -32,7 +32,7 @@ class Answer(StrEnum):
     HARMLESS = "harmless"
     """Samples came, and none was changed: a survival, where another magnitude changes some."""
     UNTESTED = "untested"
-    """None is, but no sample came, or no baseline held to its end a safety requirement that the cell puts at risk."""
+    """None is, but no sample came, or no baseline held to its end a requirement that the cell puts at risk."""
 
 
 @dataclass(frozen=True)
@@ -201,8 +201,16 @@ def lowest(margins: Iterable[Margin]) -> Margin | None:
     )
 
 
-def tried_in(outcomes: Iterable[Outcome], matrix: Matrix) -> Mapping[tuple[Subject, str], tuple[Tried, ...]]:
-    """Every number of a magnitude that was flown, by fault and situation, in no particular order."""
+def tried_in(
+    outcomes: Iterable[Outcome], matrix: Matrix, kind: Kind = Kind.SAFETY
+) -> Mapping[tuple[Subject, str], tuple[Tried, ...]]:
+    """Every number of a magnitude that was flown, by fault and situation, in no particular order.
+
+    Args:
+        outcomes: of a campaign.
+        matrix: of the study.
+        kind: of the requirements whose violation kills.
+    """
     listed: dict[tuple[Subject, str, float], list[Flight]] = {}
     for flight in flights_of(outcomes):
         id_ = flight.outcome.mutant
@@ -216,12 +224,17 @@ def tried_in(outcomes: Iterable[Outcome], matrix: Matrix) -> Mapping[tuple[Subje
     found: dict[tuple[Subject, str], list[Tried]] = {}
     for (subject, situation, magnitude), flights in listed.items():
         at_risk = matrix.cell(subject.cell).requirements
-        found.setdefault((subject, situation), []).append(_tried(magnitude, flights, at_risk))
+        found.setdefault((subject, situation), []).append(_tried(magnitude, flights, at_risk, kind))
     return {key: tuple(entries) for key, entries in found.items()}
 
 
-def _tried(magnitude: float, flights: Sequence[Flight], at_risk: Collection[str]) -> Tried:
-    killed = [flight for flight in flights if flight.status is Status.KILLED]
+def kills_of(flight: Flight, kind: Kind) -> tuple[str, ...]:
+    """The requirements of a kind that kill a flight, earliest first."""
+    return flight.kills if kind is Kind.SAFETY else flight.operability_kills
+
+
+def _tried(magnitude: float, flights: Sequence[Flight], at_risk: Collection[str], kind: Kind) -> Tried:
+    killed = [flight for flight in flights if kills_of(flight, kind)]
     infecting = [flight for flight in flights if flight.status.infected]
     if killed:
         answer = Answer.KILLED
@@ -229,7 +242,7 @@ def _tried(magnitude: float, flights: Sequence[Flight], at_risk: Collection[str]
         reached = any(flight.status is Status.NOT_INFECTED for flight in flights)
         answer = Answer.HARMLESS if reached else Answer.UNTESTED
     else:
-        tested = any(_held(flight.baseline, at_risk) for flight in infecting if flight.baseline)
+        tested = any(_held(flight.baseline, at_risk, kind) for flight in infecting if flight.baseline)
         answer = Answer.SURVIVED if tested else Answer.UNTESTED
     rho: dict[str, float] = {}
     for flight in flights:
@@ -240,17 +253,17 @@ def _tried(magnitude: float, flights: Sequence[Flight], at_risk: Collection[str]
         answer,
         len(killed),
         len(flights),
-        tuple(dict.fromkeys(name for flight in killed for name in flight.kills)),
+        tuple(dict.fromkeys(name for flight in killed for name in kills_of(flight, kind))),
         tuple(rho.items()),
         frozenset(flight.outcome.seed for flight in flights),
     )
 
 
-def _held(baseline: Outcome, at_risk: Collection[str]) -> bool:
-    """Whether a safety requirement that the cell puts at risk (any, where it names none) was held to its end."""
-    safety = [reading for reading in baseline.readings if reading.kind is Kind.SAFETY]
-    named = [reading for reading in safety if reading.requirement in at_risk]
-    return any(not (reading.violated or reading.open) for reading in named or safety)
+def _held(baseline: Outcome, at_risk: Collection[str], kind: Kind) -> bool:
+    """Whether a requirement of the kind that the cell puts at risk (any, where it names none) was held to its end."""
+    judged = [reading for reading in baseline.readings if reading.kind is kind]
+    named = [reading for reading in judged if reading.requirement in at_risk]
+    return any(not (reading.violated or reading.open) for reading in named or judged)
 
 
 def subject_of(cell: str, fault: Fault, phase_s: float = 0.0) -> Subject:
@@ -258,9 +271,11 @@ def subject_of(cell: str, fault: Fault, phase_s: float = 0.0) -> Subject:
     return Subject(cell, fault.magnitude.unit if fault.magnitude else "", phase_s)
 
 
-def margins(outcomes: Iterable[Outcome], matrix: Matrix) -> Mapping[Subject, tuple[Margin, ...]]:
-    """The margins of every fault that has an order, by situation, from stored outcomes alone."""
-    tried = tried_in(outcomes, matrix)
+def margins(
+    outcomes: Iterable[Outcome], matrix: Matrix, kind: Kind = Kind.SAFETY
+) -> Mapping[Subject, tuple[Margin, ...]]:
+    """The margins of every fault that has an order, by situation, from stored outcomes alone; as `tried_in`."""
+    tried = tried_in(outcomes, matrix, kind)
     scales = {
         (cell.name, fault.magnitude.unit): Scale.of(fault.magnitude)
         for cell in matrix

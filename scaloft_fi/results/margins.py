@@ -9,9 +9,9 @@ from typing import Any
 from scaloft_fi.hazop.cell import Cell, CellStatus, Fault
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.mutants.mutant import parse
-from scaloft_fi.results.margin import Answer, Margin, Scale, Subject, Tried, lowest, margins, subject_of
+from scaloft_fi.results.margin import Answer, Margin, Scale, Subject, Tried, kills_of, lowest, margins, subject_of
 from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.requirement import Requirement
+from scaloft_fi.results.requirement import Kind, Requirement
 from scaloft_fi.results.status import Flight, Status, flights_of
 from scaloft_fi.results.table import Table
 
@@ -47,9 +47,7 @@ def _table(subject: Subject, listed: Sequence[Margin], requirements: Sequence[Re
     if least and least.again:
         notes.append("Not monotone (!): magnitudes under `again` survive although a milder one kills.")
     if any(not margin.told for margin in listed):
-        notes.append(
-            "?: the baseline holds no safety requirement that the cell puts at risk, or the fault changes nothing."
-        )
+        notes.append("?: the baseline holds no requirement that the cell puts at risk, or the fault changes nothing.")
     notes += [f"{r.name}: {r.title}  {_limit(r)}" for r in requirements if r.name in killers]
     if seeds == 1:
         notes.append("One seed: a threshold of these flights, not of the fault; fly more with --seeds.")
@@ -153,26 +151,29 @@ def _plain(value: float | None) -> float | str | None:
     return f"{value:g}"
 
 
-def cell_margins(outcomes: Iterable[Outcome], matrix: Matrix) -> Mapping[str, str]:
+def cell_margins(outcomes: Iterable[Outcome], matrix: Matrix, kind: Kind = Kind.SAFETY) -> Mapping[str, str]:
     """What each cell of the matrix shows: its faults' smallest margins over all situations, unshifted in time.
 
     Args:
         outcomes: of a campaign.
         matrix: whose cells.
+        kind: of the requirements whose violation kills.
 
     Returns:
         By the cell's name.
     """
     listed = list(outcomes)
-    found = margins(listed, matrix)
+    found = margins(listed, matrix, kind)
     told: dict[str, list[Flight]] = {}
     for flight in flights_of(listed):
         if flight.status is not Status.INVALID:
             told.setdefault(flight.outcome.mutant, []).append(flight)
-    return {cell.name: _cell_margin(cell, found, told) for cell in matrix}
+    return {cell.name: _cell_margin(cell, found, told, kind) for cell in matrix}
 
 
-def _cell_margin(cell: Cell, found: Mapping[Subject, Sequence[Margin]], told: Mapping[str, Sequence[Flight]]) -> str:
+def _cell_margin(
+    cell: Cell, found: Mapping[Subject, Sequence[Margin]], told: Mapping[str, Sequence[Flight]], kind: Kind
+) -> str:
     if cell.status is not CellStatus.CREDIBLE:
         return "-" if cell.status is CellStatus.NOT_MEANINGFUL else "CONTROL"
     texts = []
@@ -181,15 +182,19 @@ def _cell_margin(cell: Cell, found: Mapping[Subject, Sequence[Margin]], told: Ma
             least = lowest(found.get(subject_of(cell.name, fault), ()))
             texts.append(str(least) if least else NOT_TOLD)
         else:
-            texts.append(_named(cell, fault, told))
+            texts.append(_named(cell, fault, told, kind))
     return "; ".join(text for text in texts if text != NOT_TOLD) or NOT_TOLD
 
 
-def _named(cell: Cell, fault: Fault, told: Mapping[str, Sequence[Flight]]) -> str:
+def _named(cell: Cell, fault: Fault, told: Mapping[str, Sequence[Flight]], kind: Kind) -> str:
     """Which forms of a fault without an order kill."""
     ids = [cell.mutant_ids(fault, rung)[0] for rung in fault.rungs]
-    tested = [id_ for id_ in ids if any(flight.eligible for flight in told.get(id_, ()))]
-    killing = [id_ for id_ in ids if any(flight.status is Status.KILLED for flight in told.get(id_, ()))]
+    tested = [id_ for id_ in ids if any(_tested(flight, kind) for flight in told.get(id_, ()))]
+    killing = [id_ for id_ in ids if any(kills_of(flight, kind) for flight in told.get(id_, ()))]
     if killing:
         return " ".join([*filter(None, (parse(id_).magnitude for id_ in killing)), "kills"])
     return "survives" if tested else NOT_TOLD
+
+
+def _tested(flight: Flight, kind: Kind) -> bool:
+    return flight.eligible if kind is Kind.SAFETY else flight.operability_eligible

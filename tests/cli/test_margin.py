@@ -53,6 +53,14 @@ def test_the_matrix_shows_margins_in_its_cells_and_the_rest_as_untold(call: Call
     assert {cell["cell"]: cell["margin"] for cell in cells}["LATE-human"] == "<= 0.0625 s"
 
 
+def test_operability_has_margins_of_its_own(call: Call) -> None:
+    done = call("margin", "LATE-human", *HUMAN, "--operability", "--format", "json")
+    (fault,) = json.loads(done.stdout)
+    assert fault["least"]["margin"] == "> 40 s"
+    cells = json.loads(call("matrix", "--margins", "--operability", "--parameter", "human", "--format", "json").stdout)
+    assert {cell["cell"]: cell["margin"] for cell in cells}["LATE-human"] == "> 40 s"
+
+
 def test_margins_of_a_campaign_that_does_not_exist_are_refused(call: Call) -> None:
     assert call("matrix", "--margins").exit_code == 2
 
