@@ -93,7 +93,7 @@ def _said(margin: Margin, magnitude: float | None) -> str:
 
 
 def _number(value: float) -> str:
-    return "?" if math.isnan(value) else f"{value:.3f}"
+    return "?" if math.isnan(value) else f"{value:.2g}"
 
 
 def _limit(requirement: Requirement) -> str:

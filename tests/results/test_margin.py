@@ -118,7 +118,7 @@ def test_margins_do_not_depend_on_the_order_of_outcomes_and_say_nothing_unknown(
 def test_the_table_names_ends_killer_robustness_and_what_was_flown() -> None:
     found = margins(flights(("LATE-human@1s", HUMAN, {}), ("LATE-human@3s", HUMAN, {"SR2": 8.0})), MATRIX)
     (table,) = margin_tables(found, (), 1)
-    assert table.rows == ((HUMAN, "1-3 s", "1 s", "3 s", "SR2", "SR2 0.300 / -0.100", "1/1", "1 3", ""),)
+    assert table.rows == ((HUMAN, "1-3 s", "1 s", "3 s", "SR2", "SR2 0.3 / -0.1", "1/1", "1 3", ""),)
     (entry,) = margin_json(found)
     assert (entry["cell"], entry["least"]["survives"], entry["least"]["kills"]) == ("LATE-human", 1.0, 3.0)
 
