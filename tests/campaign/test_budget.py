@@ -94,6 +94,12 @@ def test_the_first_turn_flies_every_parameter_in_proportion(study: Any) -> None:
     assert all(abs(flown[name] - share * count) <= 4 for name, count in everything.items())
 
 
+def test_situations_drawn_one_after_the_other_fly_other_groups(study: Any) -> None:
+    first = [task for task in _tasks(study, _whole(study)) if task.shared][:4]
+    names = [flight.subject.id for task in first for flight in task.flights if flight.mutant]
+    assert len(names) == len(set(names)) > 4 * 12
+
+
 def test_each_mutant_has_the_same_chance_over_many_studies(study: Any) -> None:
     planned = plan(study.grid, (0,), defaults(study.matrix)[:40], None)
     tries, first = 300, Counter[str]()
