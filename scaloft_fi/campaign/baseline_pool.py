@@ -27,13 +27,15 @@ def borrowed(study: Study, campaign: str, situations: Iterable[str]) -> tuple[Ou
     with Store(existing(folder), create=False) as store:
         changed = differences(fingerprint(), store.meta())
         wanted = dict.fromkeys(situations)
-        flown = [o for o in store.outcomes() if o.mutant == BASELINE and o.situation in wanted and not o.invalid]
-        flights = {(o.situation, o.seed): Flight(None, study.grid.situation(o.situation), o.seed) for o in flown}
-        found = tuple(store.outcomes(map(keys.key, flights.values())))
+        flown = {f.key: f for f in store.flights() if f.mutant == BASELINE and f.situation in wanted}
+        flights = {
+            (f.situation, f.seed): Flight(None, study.grid.situation(f.situation), f.seed) for f in flown.values()
+        }
+        now = {keys.key(flight): flight for flight in flights.values()}
+        found = tuple(outcome for outcome in store.outcomes(now) if not outcome.invalid)
     if changed:
         raise InputError(f"{place} was flown on another platform, its digests may differ: {', '.join(changed)}")
-    current = {(outcome.situation, outcome.seed) for outcome in found}
-    stale = [flight for draw, flight in flights.items() if draw not in current]
+    stale = [flight for key, flight in now.items() if key not in flown]
     if stale:
         raise InputError(f"{place}: {stale[0].name} was flown with other data or code; fly it again there")
     missing = [situation for situation in wanted if situation not in {outcome.situation for outcome in found}]

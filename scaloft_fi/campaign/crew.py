@@ -61,9 +61,9 @@ class Crew:
         self.flown = 0
         self.repeats: list[Outcome] = []
 
-    def plan(self, flights: Iterable[Flight], *, canary: bool = False) -> None:
-        """Write down what is to be flown."""
-        self.store.plan(self._keys.planned(flight, canary=canary) for flight in flights)
+    def plan(self, flights: Iterable[Flight], *, canary: bool = False, truncated: str = "") -> None:
+        """Write down what is to be flown, whole or perhaps cut."""
+        self.store.plan(self._keys.planned(flight, truncated, canary=canary) for flight in flights)
 
     def arrange(self, flights: Sequence[Flight]) -> list[Task]:
         """Flights as tasks, the longest first; what shares a baseline's beginning together, if that is wanted."""

@@ -121,6 +121,7 @@ class _Hunt:
         def cut(flights: Sequence[Flight]) -> list[Task]:
             return [replace(task, baseline=baseline) for task in crew.arrange(flights)]
 
+        crew.plan(due, truncated=FIRST_KILL)
         crew.fly(due, cut, truncated=FIRST_KILL)
         for outcome in crew.outcomes(due, truncated=FIRST_KILL):
             self._home[outcome.mutant][place] = outcome
