@@ -13,7 +13,11 @@ from scaloft_fi.study import Study
 
 
 def with_tracks(
-    study: Study, campaign: str, outcomes: Iterable[Outcome], mutants: Collection[str]
+    study: Study,
+    campaign: str,
+    outcomes: Iterable[Outcome],
+    mutants: Collection[str],
+    seeds: Collection[int] | None = None,
 ) -> tuple[Outcome, ...]:
     """The same outcomes, those of `mutants` (`baseline` among the ids) with their trajectories.
 
@@ -22,6 +26,7 @@ def with_tracks(
         campaign: where they are stored.
         outcomes: current ones.
         mutants: ids whose trajectories are wanted.
+        seeds: of which they are wanted; None means all.
 
     Raises:
         InputError: there is no campaign.
@@ -29,7 +34,7 @@ def with_tracks(
     wanted, keys = set(mutants), Keys(study)
 
     def tracked(outcome: Outcome) -> Outcome:
-        if outcome.mutant not in wanted:
+        if outcome.mutant not in wanted or (seeds is not None and outcome.seed not in seeds):
             return outcome
         flight = flight_named(study, outcome.mutant, outcome.situation, outcome.seed)
         return store.get(keys.key(flight, outcome.truncated)) or outcome

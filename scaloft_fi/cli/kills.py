@@ -129,13 +129,13 @@ def _survivors(
     from scaloft_fi.campaign.tracks import with_tracks
     from scaloft_fi.results.background import backgrounds
     from scaloft_fi.results.outcome import BASELINE
-    from scaloft_fi.results.survivors import survivors
+    from scaloft_fi.results.survivors import short_units, survivors
 
     ids = [row.id for row in matrix.mutants if not row.kills]
-    tracked = with_tracks(study, campaign, outcomes, [BASELINE, *ids]) if ids else outcomes
+    first = min(outcome.seed for outcome in outcomes)
+    tracked = with_tracks(study, campaign, outcomes, [BASELINE, *ids], [first]) if ids else outcomes
     known = backgrounds(study.matrix, [row.id for row in whole.mutants])
-    units = {requirement.name: requirement.unit.split(" (")[0].split(";")[0] for requirement in study.requirements}
-    return survivors(tracked, matrix, known, units)
+    return survivors(tracked, matrix, known, short_units(study.requirements))
 
 
 def _tables(

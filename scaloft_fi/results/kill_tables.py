@@ -150,7 +150,7 @@ def redundancy_table(found: Sequence[Redundancy]) -> Table:
 def survivor_table(found: Sequence[Survivor]) -> Table:
     """Every survivor with the next thing to do."""
     rows = tuple((entry.mutant, entry.rung.value, entry.next.value, entry.why) for entry in found)
-    return Table("Survivors", ("mutant", "stopped at", "next", "why"), rows, (_STOPPED,))
+    return Table("Survivors", ("mutant", "stopped at", "next", "why"), rows, (_STOPPED, _WAY))
 
 
 def survivor_summary(found: Sequence[Survivor]) -> Table:
@@ -163,6 +163,7 @@ def survivor_summary(found: Sequence[Survivor]) -> Table:
     return Table("Survivors", ("stopped at", "next", "mutants", "which"), rows, notes)
 
 
+_WAY = "Off its path: from the path of the baseline, over eligible flights of the first seed."
 _STOPPED = (
     "Stopped at: reach (no sample), infect (no sample changed), propagate (same flight), reveal (no requirement "
     "violated that the baseline held); next: what to change to see more."

@@ -16,7 +16,7 @@ from scaloft_fi.results.background import Background
 from scaloft_fi.results.kill_matrix import KillMatrix
 from scaloft_fi.results.near_miss import Loss
 from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.requirement import Kind, Verdict
+from scaloft_fi.results.requirement import Kind, Requirement, Verdict
 from scaloft_fi.results.status import Status
 from scaloft_fi.results.survivor_case import Campaign, Case
 
@@ -76,7 +76,7 @@ class Survivor:
         next: what to change.
         why: the facts that say so, and what to do, in a sentence or two.
         loss: where it lost most of a baseline's margin; None where it cannot be told.
-        off_path_m: how far it was off its baseline's path at the most, over eligible flights [m].
+        off_path_m: how far it was off its baseline's path at the most, over eligible flights with a trajectory [m].
     """
 
     mutant: str
@@ -107,7 +107,7 @@ def survivors(
     """Every mutant that no eligible flight kills, by rung, then in the matrix's order; controls are left out.
 
     Args:
-        outcomes: of the campaign.
+        outcomes: of the campaign, with the trajectories of a seed if ways are to be told.
         matrix: its kill matrix.
         backgrounds: of every mutant in it.
         units: of the requirements' robustness, by name.
@@ -115,6 +115,11 @@ def survivors(
     campaign = Campaign.of(outcomes, matrix, backgrounds, units or {})
     found = [_judge(Case(campaign, row, backgrounds[row.id])) for row in matrix.mutants if not row.kills]
     return tuple(sorted(found, key=lambda survivor: list(Rung).index(survivor.rung)))
+
+
+def short_units(requirements: Iterable[Requirement]) -> dict[str, str]:
+    """The unit of each requirement's robustness, without what the study says beside it."""
+    return {requirement.name: requirement.unit.split(" (")[0].split(";")[0] for requirement in requirements}
 
 
 def _say(case: Case, next_: Next, *sentences: str) -> Survivor:
