@@ -57,13 +57,20 @@ class Budget:
         """What is left [s]; infinite without an end."""
         return math.inf if self._end_s is None else max(0.0, self._end_s - self._clock())
 
-    def while_it_lasts(self, tasks: Iterable[Task]) -> Iterator[Task]:
+    def while_it_lasts(
+        self, tasks: Iterable[Task], needs_s: Callable[[Task], float] = lambda _task: 0.0
+    ) -> Iterator[Task]:
         """`tasks`, until the time is up; a task that was handed out before is flown to its end.
 
-        To leave it in the middle would keep of it what comes home first: the mutants that show early.
+        To leave it in the middle would keep of it what comes home first: the mutants that show early.  The first task
+        that is not expected to end in time is the end: to skip it for a shorter one would favour short flights.
+
+        Args:
+            tasks: in the order in which they are flown.
+            needs_s: wall time that a task is expected to take [s].
         """
         for task in tasks:
-            if not self.left_s:
+            if self.left_s <= needs_s(task):
                 return
             yield task
 

@@ -120,6 +120,10 @@ class Crew:
         """How long a flight is expected to last [s, simulated]."""
         return self.study.expected_s(flight.situation)
 
+    def wall_s(self, task: Task) -> float:
+        """How long one process is expected to fly a task at the pace so far [s, wall]; 0 before anything is home."""
+        return self.lookout.wall_s(task.flights) * self._hands.jobs
+
     def go_on(self, said: str) -> None:
         """Go on unless the user asked to stop.
 

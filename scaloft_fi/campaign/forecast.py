@@ -110,6 +110,10 @@ class Forecast:
         fresh_s = sum(stretch * due_s * self._share(subject) for subject, due_s in self._fresh_s.items())
         return max(0.0, fresh_s) + sum(self._left_s(draw) for draw in self._begun.values() if draw.due)
 
+    def share(self, flight: Flight) -> float:
+        """What is expected to be flown of a flight, as a share."""
+        return self._share(flight.subject.id)
+
     def _left_s(self, draw: _Draw) -> float:
         """Of a draw under way."""
         ahead_s = max(0.0, draw.length_s - draw.reached_s) if self._sharing else draw.length_s

@@ -60,6 +60,11 @@ class Lookout:
         if expected:
             self.progress.advance()
 
+    def wall_s(self, flights: Iterable[Flight]) -> float:
+        """How long all processes together would fly these at the pace so far [s, wall]; 0 before anything is home."""
+        expected_s = sum(self._forecast.share(flight) * self._nominal_s(flight) for flight in flights)
+        return self.progress.wall_s(expected_s) or 0.0
+
     def close(self) -> None:
         """Leave the last count, and say what was not told."""
         for line in self._alarm.last():

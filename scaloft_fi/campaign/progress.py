@@ -73,10 +73,12 @@ class Progress:
     @property
     def time_left_s(self) -> float | None:
         """Wall time that the remaining flights will take [s]; None before the first is done."""
-        elapsed_s = self._clock() - self._start_s
-        if not self.done_s:
-            return None
-        return min(self.most_s(), elapsed_s * self.left_s() / self.done_s)
+        needed_s = self.wall_s(self.left_s())
+        return None if needed_s is None else min(self.most_s(), needed_s)
+
+    def wall_s(self, simulated_s: float) -> float | None:
+        """Wall time that so much simulated time takes at the pace so far [s]; None before the first flight is done."""
+        return (self._clock() - self._start_s) * simulated_s / self.done_s if self.done_s else None
 
     def summary(self) -> str:
         """How many flights were flown in how long."""

@@ -85,7 +85,10 @@ def _fly(planned: Plan, crew: Crew, budget: Budget) -> Report:
     if crew.options.budget_s is None:
         crew.fly(flights)
     else:
-        crew.fly(flights, lambda missing: budget.while_it_lasts(fair_order(crew.study, planned, crew.unit, missing)))
+        crew.fly(
+            flights,
+            lambda missing: budget.while_it_lasts(fair_order(crew.study, planned, crew.unit, missing), crew.wall_s),
+        )
     home = {outcome.name for outcome in crew.outcomes(flights)}
     left = tuple(flight for flight in flights if flight.name not in home)
     canary = canary_flight(planned, crew.outcomes(planned.baselines)) if not left else None

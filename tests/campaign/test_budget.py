@@ -140,6 +140,12 @@ def test_when_time_is_up_no_task_is_handed_out() -> None:
     assert Budget(None).left_s == float("inf")
 
 
+def test_the_first_task_that_would_not_end_in_time_is_the_end() -> None:
+    tasks = [Task(()), Task((), shared=True), Task(())]
+    budget = Budget(10.0, clock=lambda: 0.0)
+    assert list(budget.while_it_lasts(tasks, lambda task: 11.0 if task.shared else 9.0)) == tasks[:1]
+
+
 def _run(study: Any, log: Any, folder: str, options: RunOptions) -> tuple[Plan, Report]:
     planned = plan(study.grid, (0,), defaults(study.matrix)[:40], realise(study.matrix, CONTROL))
     return planned, run(study, planned, study.folder / folder, options, progress=Silence(), flyer=log)

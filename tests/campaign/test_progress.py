@@ -41,6 +41,14 @@ def test_time_left_is_weighted_by_expected_flight_time() -> None:
     assert progress.time_left_s == pytest.approx(18.0)
 
 
+def test_the_pace_so_far_says_how_long_more_would_take() -> None:
+    progress, clock = _progress(io.StringIO())
+    assert progress.wall_s(50.0) is None
+    clock.now_s += 6.0
+    _advance(progress, 100.0)
+    assert progress.wall_s(50.0) == pytest.approx(3.0)
+
+
 def test_a_budget_bounds_the_time_left() -> None:
     progress, clock = _progress(io.StringIO())
     progress.most_s = lambda: 5.0
