@@ -21,7 +21,7 @@ from scaloft_fi.results.ratio import Ratio
 from scaloft_fi.results.requirement import Kind
 from scaloft_fi.results.status import Flight, Status, flight_of, held_to_end
 
-ONE_SEED = "no situation has two baseline seeds"
+NO_PAIRS = "no situation has two baseline seeds"
 
 
 @dataclass(frozen=True)

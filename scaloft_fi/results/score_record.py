@@ -8,7 +8,7 @@ from typing import Any
 from scaloft_fi.results.coverage import Coverage, coverage_json
 from scaloft_fi.results.decision import Decision
 from scaloft_fi.results.ratio import ratio_json, share_json
-from scaloft_fi.results.redraw import ONE_SEED
+from scaloft_fi.results.redraw import NO_PAIRS
 from scaloft_fi.results.score import MutantScore, Result, Score
 
 
@@ -72,5 +72,5 @@ def _redraw(scored: Score) -> dict[str, Any]:
         "expected_false_kills": expected[0] if expected else None,
         "eligible_flights": expected[1] if expected else 0,
         "decided": {"seeds": measured.left_out, **share_json(measured.decided)},
-        "reason": "" if measured.pairs else ONE_SEED,
+        "reason": "" if measured.pairs else NO_PAIRS,
     }

@@ -8,6 +8,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import lru_cache
 from textwrap import fill
 
 WIDTH = 120
@@ -78,7 +79,7 @@ def _one(table: Table, how: Format) -> str:
 
 
 def _limits(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> list[int | None]:
-    """What each column may take of the terminal: the widest give way first, the last of them before the others.
+    """What each column may take of the terminal: first to give way is the column that costs the fewest lines.
 
     The first column names its row and gives way last; words are broken only when nothing else helps.
     """
@@ -88,7 +89,7 @@ def _limits(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> list[int |
     words = [max(low, max(map(_longest_word, column))) for low, column in zip(least, columns, strict=True)]
     natural = [max(low, *map(len, column)) for low, column in zip(least, columns, strict=True)]
     words[0] = natural[0]
-    widths = _narrowed(_narrowed(natural, words), least)
+    widths = _narrowed(_narrowed(natural, words, rows), least, rows)
     return [width if width < wanted else None for width, wanted in zip(widths, natural, strict=True)]
 
 
@@ -96,10 +97,36 @@ def _longest_word(cell: str) -> int:
     return max(map(len, cell.split()), default=0)
 
 
-def _narrowed(widths: Sequence[int], least: Sequence[int]) -> list[int]:
+def _narrowed(widths: Sequence[int], least: Sequence[int], rows: Sequence[Sequence[str]]) -> list[int]:
     """`widths` taken in until the table fits the terminal or every column is at its `least`."""
     found = list(widths)
-    while sum(found) + 2 * (len(found) - 1) > WIDTH and any(w > low for w, low in zip(found, least, strict=True)):
-        widest = max(range(len(found)), key=lambda column: (found[column] > least[column], found[column], column))
-        found[widest] -= 1
+    heights = [[_lines(cell, width) for cell, width in zip(row, found, strict=True)] for row in rows]
+    while sum(found) + 2 * (len(found) - 1) > WIDTH:
+        able = [column for column, width in enumerate(found) if width > least[column]]
+        if not able:
+            break
+        column = min(able, key=lambda able: (_cost(rows, heights, able, found[able] - 1), -found[able], -able))
+        found[column] -= 1
+        for row, height in zip(rows, heights, strict=True):
+            height[column] = _lines(row[column], found[column])
     return found
+
+
+def _cost(rows: Sequence[Sequence[str]], heights: Sequence[Sequence[int]], column: int, width: int) -> int:
+    """Lines that the table gains when this column is this wide."""
+    return sum(max(0, _lines(row[column], width) - max(height)) for row, height in zip(rows, heights, strict=True))
+
+
+@lru_cache(maxsize=100_000)
+def _lines(cell: str, width: int) -> int:
+    """Lines that a cell takes, wrapped between its words, and within those that are longer."""
+    lines, left = 1, width
+    for word in cell.split():
+        need = len(word) + (left < width)
+        if need > left:
+            lines += left < width
+            lines += (len(word) - 1) // width
+            left = width - ((len(word) - 1) % width + 1)
+        else:
+            left -= need
+    return lines

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 
 from scaloft_fi.results.baseline import Finding, Tally, findings, tallies
 from scaloft_fi.results.coverage import Coverage, coverage
 from scaloft_fi.results.decision import Decision
 from scaloft_fi.results.grouping import By, groups
-from scaloft_fi.results.outcome import BASELINE, Outcome
+from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.results.ratio import Ratio
+from scaloft_fi.results.redraw import NO_PAIRS
 from scaloft_fi.results.requirement import Verdict
 from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.score import MutantScore, Score, score
@@ -18,9 +20,17 @@ from scaloft_fi.results.status import Status, whole
 from scaloft_fi.results.table import Table
 
 ONE_SEED = "One seed: one flight per mutant and situation decides nothing statistically; fly more with --seeds."
-SHORT = 30
+SHORT = 24
 """Longest condition that the mutants' table shows."""
+MANY = 24
+"""Of more mutants than these the flights at each rung are summed by parameter."""
 INTERVALS = "In brackets Wilson's 95 % interval [%] over the row's population; 0/0 is n/a."
+DECIDED = (
+    "Decided: situations killed + survived, ? undecided. Killed: a safety requirement is violated more often than by"
+    " the pool of baselines (Fisher, one-sided; Holm over the mutant's situations and requirements; a third of 5 % at"
+    " each of 3, 5 and 10 flights) and by at least 0.2. Survived: a fault that shows in half of its flights would have"
+    " shown more often (5 %; no kill of 5, at most 1 of 10). Kill rates count what was seen."
+)
 
 
 def score_tables(outcomes: Iterable[Outcome], roster: Roster, space: Space, by: By | None = None) -> tuple[Table, ...]:
@@ -35,7 +45,7 @@ def tables_of(
     """The same of outcomes that were scored already."""
     listed = whole(outcomes)
     seeds = len({outcome.seed for outcome in listed if not outcome.invalid and outcome.mutant != BASELINE})
-    tables = [ratio_table(scored, seeds), mutant_table(scored.mutants, space, seeds)]
+    tables = [ratio_table(scored, seeds), redraw_table(scored), mutant_table(scored.mutants, space, seeds)]
     if scored.controls:
         tables.append(mutant_table(scored.controls, space, seeds, "Controls (in no ratio)"))
     tables += condition_tables([*scored.mutants, *scored.controls], space)
@@ -66,14 +76,36 @@ def ratio_table(scored: Score, seeds: int) -> Table:
     return Table("Mutation score", ("ratio", "part/whole", "population"), rows, _notes(seeds))
 
 
+def redraw_table(scored: Score) -> Table:
+    """How many of the kills may be false, measured on the baselines."""
+    measured, expected = scored.redraw, scored.false_kills
+    rate, blocks = measured.rate, measured.decided
+    percent = "n/a" if rate.value is None else f"{100 * rate.value:.2g} %"
+    rows = [
+        (
+            "false-kill rate",
+            f"{rate.part}/{rate.whole} = {percent}",
+            "ordered pairs of baseline seeds of one situation, the second killed as a mutant of the first",
+        )
+    ]
+    if expected:
+        flights = "eligible flights of the default mutants, if each redrew all noise"
+        rows.append(("false kills expected", f"{expected[0]:.2g} of {expected[1]}", flights))
+    if blocks.whole:
+        what = f"blocks of {measured.left_out} seeds, decided as killed anywhere beside the others"
+        rows.append(("false decisions", blocks.plain, what))
+    notes = () if measured.pairs else (f"Not measured: {NO_PAIRS}; fly more with --seeds.",)
+    return Table("False kills (REDRAW)", ("figure", "part/whole", "population"), tuple(rows), notes)
+
+
 def mutant_table(mutants: Sequence[MutantScore], space: Space, seeds: int, title: str = "Mutants") -> Table:
-    """Per mutant its kills of the eligible and of all flown situations, by what, how early, where."""
+    """Per mutant its kills of the eligible and of all flown situations, by what, how early, where; killed first."""
     decided = seeds > 1
     headers = (
         "mutant",
         "status",
         "killed/eligible",
-        "killed/flown",
+        "of flown",
         "by",
         "first kill",
         *(["decided"] * decided),
@@ -84,17 +116,17 @@ def mutant_table(mutants: Sequence[MutantScore], space: Space, seeds: int, title
             mutant.subject.id,
             mutant.status.value,
             str(mutant.kill_rate),
-            str(mutant.kill_rate_flown),
+            f"{mutant.kill_rate_flown.part}/{mutant.kill_rate_flown.whole}",
             ", ".join(f"{name} {ratio.part}/{ratio.whole}" for name, ratio in mutant.requirements),
             f"{mutant.earliest.t_s:.2f} s" if mutant.earliest else "",
             *([_decisions(mutant)] * decided),
             _short(mutant.condition(space)),
         )
-        for mutant in mutants
+        for mutant in sorted(mutants, key=lambda mutant: -mutant.status.rung)
     )
     notes = ["First kill: seconds from take-off, over all situations and seeds."]
     if decided:
-        notes.append("Decided: situations killed + survived, ? undecided, over the seeds.")
+        notes.append(DECIDED)
     return Table(title, headers, rows, tuple(notes))
 
 
@@ -117,17 +149,27 @@ def _decisions(mutant: MutantScore) -> str:
 
 
 def rung_table(scored: Score) -> Table:
-    """Per mutant how many flights stopped at each rung: reach, infect, propagate, reveal."""
-    entries = [*([scored.placebo] if scored.placebo else []), *scored.mutants, *scored.controls]
-    rows = [_rungs(entry.subject.id, dict(entry.rungs)) for entry in entries]
-    total = {status: sum(dict(entry.rungs).get(status, 0) for entry in entries) for status in Status}
+    """How many flights stopped at each rung: reach, infect, propagate, reveal; by parameter where mutants are many."""
+    placebo = [scored.placebo] if scored.placebo else []
+    entries = [*placebo, *scored.mutants, *scored.controls]
+    if len(entries) <= MANY:
+        parts = [(entry.subject.id, [entry]) for entry in entries]
+    else:
+        names = dict.fromkeys(mutant.subject.parameter for mutant in scored.mutants)
+        parts = [(name, [m for m in scored.mutants if m.subject.parameter == name]) for name in names]
+        parts = [*((PLACEBO, [entry]) for entry in placebo), *parts, ("controls", list(scored.controls))]
     if len(entries) > 1:
-        rows.append(_rungs("all", total))
-    return Table("Where the faults stopped (flights)", ("mutant", *(s.value for s in Status), "flights"), tuple(rows))
+        parts.append(("all", entries))
+    rows = [_rungs(name, members) for name, members in parts if members]
+    headers = ("mutant" if len(entries) <= MANY else "parameter", *(status.value for status in Status), "flights")
+    return Table("Where the faults stopped (flights)", headers, tuple(rows))
 
 
-def _rungs(name: str, counts: dict[Status, int]) -> tuple[str | int, ...]:
-    return (name, *(counts.get(status, 0) for status in Status), sum(counts.values()))
+def _rungs(name: str, members: Sequence[MutantScore]) -> tuple[str | int, ...]:
+    counts = Counter[Status]()
+    for member in members:
+        counts.update(dict(member.rungs))
+    return (name, *(counts[status] for status in Status), counts.total())
 
 
 def baseline_table(found: Sequence[Finding]) -> Table:

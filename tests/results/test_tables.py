@@ -13,9 +13,10 @@ from scaloft_fi.results.baseline import findings, holds_somewhere, tallies
 from scaloft_fi.results.grouping import By, groups
 from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.results.ratio import Ratio
+from scaloft_fi.results.redraw import NO_PAIRS
 from scaloft_fi.results.score import score
 from scaloft_fi.results.table import WIDTH, Format, Table, render
-from scaloft_fi.results.tables import ONE_SEED, score_tables
+from scaloft_fi.results.tables import DECIDED, MANY, ONE_SEED, SHORT, score_tables
 
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
 HUMAN, NOBODY, DARK = "T0O0W0D0H1", "T0O0W0D0H0", "T1O0W0D1H0"
@@ -38,10 +39,47 @@ def test_the_tables_say_kills_requirement_time_and_condition() -> None:
     (row,) = [
         line for line in (" ".join(raw.split()) for raw in text.splitlines()) if line.startswith(f"{LATE} killed")
     ]
-    assert row == f"{LATE} killed 1/1 = 100 % [21, 100] 1/2 = 50 % [9, 91] SR2 1/1 12.35 s human"
+    assert row == f"{LATE} killed 1/1 = 100 % [21, 100] 1/2 SR2 1/1 12.35 s human"
     assert "mutation score  2/3 = 67 % [21, 94]" in text
     assert "T1O0W0D1H0   1/1 = 100 % [21, 100]  SR1" in text
     assert "distinct situations  3/32 = 9 %" in text
+
+
+def test_the_highest_rung_stands_first_and_a_long_condition_below() -> None:
+    tables = {table.title: table for table in score_tables(CAMPAIGN, ROSTER, GRID)}
+    assert [row[0] for row in tables["Mutants"].rows] == [NO, LATE, GOAL]
+    corners = [key for key, _ in GRID.points if key in ("T0O0W1D1H0", "T1O0W0D0H1", "T0O1W0D0H0")]
+    more = [outcome(m, key, violated={"SR1": 9.0} if m == LATE else {}) for key in corners for m in (BASELINE, LATE)]
+    tables = {table.title: table for table in score_tables([*CAMPAIGN, *more], ROSTER, GRID)}
+    (row,) = tables["Killed where"].rows
+    assert (row[0], len(str(row[1])) > SHORT) == (LATE, True)
+
+
+def test_of_many_mutants_the_rungs_are_summed_by_parameter() -> None:
+    ids = [f"LATE-{parameter}@{n}s" for parameter in ("human", "depth") for n in range(MANY)]
+    flown = [outcome(BASELINE, HUMAN), outcome(PLACEBO, HUMAN, altered=0), *(outcome(id_, HUMAN) for id_ in ids)]
+    (table,) = [t for t in score_tables(flown, ROSTER, GRID) if t.title.startswith("Where the faults stopped")]
+    assert [(row[0], row[-1]) for row in table.rows] == [(PLACEBO, 1), ("human", MANY), ("depth", MANY), ("all", 49)]
+
+
+def test_the_false_kills_name_their_population_or_why_there_are_none() -> None:
+    one = score_tables(CAMPAIGN, ROSTER, GRID)[1]
+    assert (one.rows[0][1], NO_PAIRS in one.notes[0]) == ("0/0 = n/a", True)
+    pool = [outcome(BASELINE, HUMAN, s, violated={"SR1": 9.0} if s == 5 else {}, digest=str(s)) for s in range(6)]
+    flown = [outcome(LATE, HUMAN, s, violated={"SR2": 12.0}) for s in range(6)]
+    table = score_tables([*pool, *flown], ROSTER, GRID)[1]
+    assert [row[1] for row in table.rows] == ["5/30 = 17 %", "1 of 6", "0/2 = 0 %"]
+    assert all(row[2] for row in table.rows)
+
+
+def test_several_seeds_print_the_rule_that_decides() -> None:
+    flown = [
+        outcome(name, HUMAN, s, violated={"SR2": 9.0} if name == LATE else {})
+        for s in range(10)
+        for name in (BASELINE, LATE)
+    ]
+    table = score_tables(flown, ROSTER, GRID)[2]
+    assert (table.headers[-2], table.rows[0][-2], DECIDED in table.notes) == ("decided", "1+0", True)
 
 
 def test_the_note_on_one_seed_is_printed_once() -> None:
@@ -79,6 +117,15 @@ def test_json_and_csv_hold_the_cells() -> None:
     lines = render([table], Format.CSV).splitlines()
     assert lines[0] == "# T"
     assert list(csv.reader(io.StringIO("\n".join(lines[1:])))) == [["a", "b"], ["x", "1"], ["y, z", ""]]
+
+
+def test_a_table_too_wide_narrows_the_column_that_costs_the_fewest_lines() -> None:
+    """Each row has four words of text; only the last has a long list, which is what wraps."""
+    rows = tuple((f"row {n}", "w" * 60, "four words of text", "a, " * (20 if n == 9 else 3)) for n in range(10))
+    lines = render([Table("T", ("name", "word", "text", "list"), rows)], Format.TABLE).splitlines()
+    assert max(map(len, lines)) <= WIDTH
+    assert sum("four words of text" in line for line in lines) == 10
+    assert len(lines) < 4 + 10 + 4
 
 
 def parts(by: By) -> dict[str, tuple[Ratio, Ratio]]:
