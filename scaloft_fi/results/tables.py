@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from scaloft_fi.results.baseline import Finding, Tally, findings, tallies
 from scaloft_fi.results.coverage import Coverage, coverage
@@ -45,10 +45,11 @@ def tables_of(
     """The same of outcomes that were scored already."""
     listed = whole(outcomes)
     seeds = len({outcome.seed for outcome in listed if not outcome.invalid and outcome.mutant != BASELINE})
-    tables = [ratio_table(scored, seeds), redraw_table(scored), mutant_table(scored.mutants, space, seeds)]
+    where = {m.subject.id: m.condition(space) for m in (*scored.mutants, *scored.controls)}
+    tables = [ratio_table(scored, seeds), redraw_table(scored), mutant_table(scored.mutants, where, seeds)]
     if scored.controls:
-        tables.append(mutant_table(scored.controls, space, seeds, "Controls (in no ratio)"))
-    tables += condition_tables([*scored.mutants, *scored.controls], space)
+        tables.append(mutant_table(scored.controls, where, seeds, "Controls (in no ratio)"))
+    tables += condition_tables(where)
     tables.append(rung_table(scored))
     if by is not None:
         tables.append(group_table(scored, by, roster, space))
@@ -98,14 +99,14 @@ def redraw_table(scored: Score) -> Table:
     return Table("False kills (REDRAW)", ("figure", "part/whole", "population"), tuple(rows), notes)
 
 
-def mutant_table(mutants: Sequence[MutantScore], space: Space, seeds: int, title: str = "Mutants") -> Table:
+def mutant_table(mutants: Sequence[MutantScore], where: Mapping[str, str], seeds: int, title: str = "Mutants") -> Table:
     """Per mutant its kills of the eligible and of all flown situations, by what, how early, where; killed first."""
     decided = seeds > 1
     headers = (
         "mutant",
         "status",
         "killed/eligible",
-        "of flown",
+        "killed/flown",
         "by",
         "first kill",
         *(["decided"] * decided),
@@ -120,7 +121,7 @@ def mutant_table(mutants: Sequence[MutantScore], space: Space, seeds: int, title
             ", ".join(f"{name} {ratio.part}/{ratio.whole}" for name, ratio in mutant.requirements),
             f"{mutant.earliest.t_s:.2f} s" if mutant.earliest else "",
             *([_decisions(mutant)] * decided),
-            _short(mutant.condition(space)),
+            _short(where[mutant.subject.id]),
         )
         for mutant in sorted(mutants, key=lambda mutant: -mutant.status.rung)
     )
@@ -135,10 +136,9 @@ def _short(condition: str) -> str:
     return condition if len(condition) <= SHORT else "see below"
 
 
-def condition_tables(mutants: Sequence[MutantScore], space: Space) -> tuple[Table, ...]:
+def condition_tables(where: Mapping[str, str]) -> tuple[Table, ...]:
     """The conditions too long for the mutants' table, if there are any."""
-    conditions = [(mutant.subject.id, mutant.condition(space)) for mutant in mutants]
-    rows = tuple((name, condition) for name, condition in conditions if len(condition) > SHORT)
+    rows = tuple((name, condition) for name, condition in where.items() if len(condition) > SHORT)
     note = "The shortest condition that holds in every situation where it kills and in none where it survives."
     return (Table("Killed where", ("mutant", "condition"), rows, (note,)),) if rows else ()
 
