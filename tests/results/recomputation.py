@@ -223,6 +223,10 @@ def covered(rows: list[Row], axes: dict[str, dict[str, str]], kinds: dict[str, s
     return {
         "situations": share(len(keys), len(axes)),
         "draws": len({(row["situation"], row["seed"]) for row in valid}),
+        "pool": len(
+            {(r["situation"], r["seed"]) for r in base}
+            - {(r["situation"], r["seed"]) for r in valid if r["mutant"] != "baseline"}
+        ),
         "t_way": ways,
         "complete": complete,
         "realised": share(situations([row for row in base if row["realised"] == names]), len(axes)),
