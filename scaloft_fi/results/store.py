@@ -294,6 +294,9 @@ def _sentences(path: Path) -> Iterator[None]:
     try:
         yield
     except sqlite3.DatabaseError as error:
+        if "disk is full" in str(error):
+            kept = "what was flown before is kept, and the same command resumes"
+            raise InputError(f"{path}: the campaign's store cannot be written: the disk is full; {kept}") from error
         raise InputError(f"{path}: the campaign's store cannot be used: {error}") from error
     except OSError as error:
         raise InputError(f"{path}: the results folder cannot be written: {error.strerror}") from error

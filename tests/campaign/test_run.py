@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import multiprocessing
 import os
 import signal
 from collections.abc import Callable
@@ -272,3 +273,41 @@ def test_a_pool_is_flown_and_a_green_baseline_in_it_reveals_nothing(study: Any, 
     log.change = red
     with pytest.raises(GateError, match="no situation flown has a baseline that holds a safety requirement"):
         _run(study, log, planned=_plan(study).with_pool(range(3)), folder="red")
+
+
+def test_a_disk_that_fills_up_is_one_sentence_and_the_same_command_resumes(
+    study: Any, log: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = _export(study, _run(study, log, folder="whole"))
+    flown = len(log.flown)
+    log.change = lambda _flight, outcome: replace(outcome, track=os.urandom(6000))
+    with monkeypatch.context() as patched:
+        open_store = Store._prepare
+
+        def small(store: Store) -> None:
+            open_store(store)
+            store._connection.execute("PRAGMA max_page_count = 24")
+
+        patched.setattr(Store, "_prepare", small)
+        with pytest.raises(InputError, match=r"c/outcomes\.sqlite: .* disk is full"):
+            _run(study, log)
+    with Store(study.folder / "c" / STORE_NAME, create=False) as store:
+        saved = {outcome.name for outcome in store.outcomes()}
+    assert 0 < len(saved) < 13
+    tried = len(log.flown)
+    assert _export(study, _run(study, log)) == whole
+    assert not saved.intersection(name for name in log.flown[tried:] if not name.startswith("baseline"))
+    assert tried > flown
+
+
+def test_two_runs_of_one_campaign_at_once_lose_and_double_nothing(study: Any, log: Any) -> None:
+    whole = _export(study, _run(study, log, folder="whole"))
+    processes = [multiprocessing.get_context("fork").Process(target=_run, args=(study, log)) for _ in range(2)]
+    for process in processes:
+        process.start()
+    for process in processes:
+        process.join(60)
+    assert [process.exitcode for process in processes] == [0, 0]
+    again = _run(study, log)
+    assert again.flown == 0
+    assert _export(study, again) == whole

@@ -19,7 +19,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.results.origin import Origin
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.schema import _STEPS, SCHEMA
-from scaloft_fi.results.store import Planned, Store
+from scaloft_fi.results.store import Flown, Planned, Store
 
 M = "LATE-human@3s"
 
@@ -110,6 +110,54 @@ def test_a_writer_killed_in_the_middle_loses_nothing_that_was_put(tmp_path: Path
         kept = {flown.seed for flown in store.outcomes()}
         assert kept >= set(done)
         assert store.put("after", outcome(M, seed=-1))
+
+
+def test_a_full_disk_is_one_sentence_and_loses_nothing_that_was_put(tmp_path: Path) -> None:
+    path = tmp_path / "s.sqlite"
+    flown = [replace(outcome(M, seed=seed), track=os.urandom(4000)) for seed in range(50)]
+    kept: list[Outcome] = []
+    with Store(path) as store:
+        (pages,) = store._connection.execute("PRAGMA page_count").fetchone()
+        store._connection.execute(f"PRAGMA max_page_count = {pages + 20}")
+
+        def put_all_one_by_one() -> None:
+            for one in flown:
+                store.put(str(one.seed), one)
+                kept.append(one)
+
+        with pytest.raises(InputError, match=r"s\.sqlite: .* disk is full"):
+            put_all_one_by_one()
+        with pytest.raises(InputError, match="disk is full"):  # and all of many or none
+            store.put_all((str(one.seed), one) for one in flown)
+        assert [store.get(str(one.seed)) for one in kept] == kept
+    assert 0 < len(kept) < 50
+    with Store(path) as store:
+        assert store.known(str(one.seed) for one in flown) == {str(one.seed) for one in kept}
+        assert sum(store.put(str(one.seed), one) for one in flown) == 50 - len(kept)
+        assert [store.get(str(one.seed)) for one in flown] == flown
+
+
+def test_a_track_that_many_flights_have_is_kept_once(tmp_path: Path) -> None:
+    with Store(tmp_path / "s.sqlite") as store:
+        for seed, track in enumerate((b"same", b"same", b"other", b"")):
+            store.put(str(seed), replace(outcome(M, seed=seed), track=track))
+        assert [flown.track for _, flown in store.rows()] == [b"same", b"same", b"other", b""]
+        assert store._connection.execute("SELECT count(*) FROM tracks").fetchone() == (2,)
+
+
+def test_outcomes_are_found_by_what_they_were_made_from(tmp_path: Path) -> None:
+    one, other = (Origin("s", "r", "c", "m", situation) for situation in ("t", "u"))
+    with Store(tmp_path / "s.sqlite") as store:
+        store.plan(Planned(o.key(s), M, "T0O0W0D0H0", s, origin=o) for o in (one, other) for s in (0, 1))
+        for made_from in (one, other):
+            for seed in (1, 0):
+                store.put(made_from.key(seed), outcome(M, seed=seed, digest=made_from.situation))
+        store.put("k", outcome(M, seed=7))
+        numbers = {origin: number for number, origin in store.origins().items()}
+        assert {flight.origin for flight in store.sorts()} == {*numbers.values(), None}
+        assert [o.seed for o in store.made_from({numbers[one]})] == [0, 1]
+        assert [(o.digest, o.seed) for o in store.made_from({numbers[other]}, {"k"})] == [("u", 0), ("u", 1), (M, 7)]
+        assert store.flights()[-1] == Flown("k", M, "T0O0W0D0H0", 7, "", None)
 
 
 def test_there_is_no_campaign_where_none_was_made(tmp_path: Path) -> None:
