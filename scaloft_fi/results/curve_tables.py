@@ -65,7 +65,14 @@ def curve_tables(found: Curves, prediction: Prediction) -> tuple[Table, ...]:
     """What a person reads: the answer, kills and coverage at k, differences to random, whole orders, correlations."""
     trial = found.trial
     sizes = _sizes(len(trial.situations))
-    answer = Table("Coverage against kills", ("finding",), tuple((sentence,) for sentence in prediction.answer))
+    answer = Table(
+        "Coverage against kills",
+        ("finding",),
+        tuple((sentence,) for sentence in prediction.answer),
+        ("Of this campaign's grid and mutants only; intervals are over mutants, the situations are all there are.",)
+        if len(trial.situations) == len(trial.space.points)
+        else ("Of this campaign's mutants and the situations flown only; intervals are over mutants.",),
+    )
     kills = Table(
         "Mutants killed by k situations",
         ("strategy", *(f"k={k}" for k in sizes)),
