@@ -25,6 +25,7 @@ SHORT = 24
 MANY = 24
 """Of more mutants than these the flights at each rung are summed by parameter."""
 INTERVALS = "In brackets Wilson's 95 % interval [%] over the row's population; 0/0 is n/a."
+MUTANTS = "Mutants"
 DECIDED = (
     "Decided: situations killed + survived, ? undecided. Killed: a safety requirement is violated more often than by"
     " the pool of baselines (Fisher, one-sided; Holm over the mutant's situations and requirements; a third of 5 % at"
@@ -99,7 +100,7 @@ def redraw_table(scored: Score) -> Table:
     return Table("False kills (REDRAW)", ("figure", "part/whole", "population"), tuple(rows), notes)
 
 
-def mutant_table(mutants: Sequence[MutantScore], where: Mapping[str, str], seeds: int, title: str = "Mutants") -> Table:
+def mutant_table(mutants: Sequence[MutantScore], where: Mapping[str, str], seeds: int, title: str = MUTANTS) -> Table:
     """Per mutant its kills of the eligible and of all flown situations, by what, how early, where; killed first."""
     decided = seeds > 1
     headers = (
@@ -126,7 +127,7 @@ def mutant_table(mutants: Sequence[MutantScore], where: Mapping[str, str], seeds
         for mutant in sorted(mutants, key=lambda mutant: -mutant.status.rung)
     )
     notes = ["First kill: seconds from take-off, over all situations and seeds."]
-    if decided:
+    if decided and title == MUTANTS:
         notes.append(DECIDED)
     return Table(title, headers, rows, tuple(notes))
 

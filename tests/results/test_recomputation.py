@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import gzip
+import json
 import random
+from pathlib import Path
 from typing import Any
 
 import recomputation
@@ -14,8 +17,11 @@ from scaloft_fi.results.baseline import findings
 from scaloft_fi.results.coverage import coverage
 from scaloft_fi.results.export import export_rows, to_csv
 from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
+from scaloft_fi.results.record import from_json
 from scaloft_fi.results.score import score
 from scaloft_fi.results.score_record import score_json
+
+FLOWN = Path(__file__).with_name("three_situations_ten_seeds.jsonl.gz")
 
 
 def same(found: Any, expected: Any, place: str = "score") -> None:
@@ -89,6 +95,17 @@ def seeded(draw: st.DrawFn) -> list[Outcome]:
 @given(seeded())
 def test_every_decision_and_every_false_kill_follows_from_the_export(outcomes: list[Outcome]) -> None:
     compare(outcomes)
+
+
+def test_every_figure_of_flights_in_the_simulator_follows_from_their_export() -> None:
+    """The baseline, PLACEBO and three mutants of the reference study, 3 situations, 10 seeds, without trajectories."""
+    lines = gzip.decompress(FLOWN.read_bytes()).splitlines()
+    found = compare([from_json(json.loads(line)) for line in lines])
+    assert [(mutant["id"], mutant["decisions"]["killed"]) for mutant in found["mutants"]] == [
+        ("LATE-human@3s", 2),
+        ("AFTER-clock@5frames", 0),
+        ("UNINTENDED-collision@20s", 0),
+    ]
 
 
 def test_the_comparison_sees_decisions_and_false_kills() -> None:
