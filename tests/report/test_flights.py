@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import zlib
+from array import array
+
 import pytest
 from papers import column
 from reading import unpacked
 
 from scaloft_fi.report.evidence import Evidence
-from scaloft_fi.report.flights import DETAILS, Detail, columns, packs
+from scaloft_fi.report.flights import DETAILS, Detail, columns, packs, rows_of
 from scaloft_fi.results.outcome import BASELINE, PLACEBO
 from scaloft_fi.results.track import unpack_track
 
@@ -59,3 +62,11 @@ def test_less_detail_leaves_every_flight_and_every_baselines_track(evidence: Evi
 def test_a_flight_that_failed_says_why_and_has_no_track(evidence: Evidence) -> None:
     broken = [f for flights in _read(evidence, DETAILS[0]).values() for f in flights if f["invalid"]]
     assert [(f["status"], f["invalid"], f["rows"]) for f in broken] == [("invalid", "the worker died", None)]
+
+
+def test_a_track_with_other_columns_is_no_track(evidence: Evidence) -> None:
+    rows = unpack_track(evidence.outcomes[0].track)
+    values = array("f", [value for row in rows for value in row[:5]])
+    assert rows_of(evidence.outcomes[0].track) == rows
+    assert rows_of(zlib.compress(values.tobytes())) == []
+    assert rows_of(zlib.compress(values[:-1].tobytes())) == []

@@ -19,7 +19,7 @@ function shown(result) {
   if (state === "killed" && !eligible) return { state, share: 0, glyph: "", uncounted: true, said: "killed, but not counted: the clean drone holds no safety requirement to the end here" };
   if (state === "killed") {
     const glyph = kills < eligible ? String(kills) : "";
-    return { state, share: kills / eligible, glyph: undecided ? `${kills}?` : glyph, said: `killed in ${kills} of ${plural(eligible, "eligible flight")}${undecided ? ", undecided" : ""}` };
+    return { state, share: kills / eligible, glyph: undecided ? `${glyph}?` : glyph, said: `killed in ${kills} of ${plural(eligible, "eligible flight")}${undecided ? ", undecided" : ""}` };
   }
   return { state, share: 0, glyph: "", said: `${STATES[state][0]} (${plural(flown, "flight")}${state === "survived" && undecided ? ", too few to decide" : ""})` };
 }

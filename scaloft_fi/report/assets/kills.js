@@ -42,7 +42,7 @@ function killMatrix() {
     h("ul", { class: "legend" },
       h("li", {}, "killed: few", h("span", { class: "ramp" }), "all eligible flights"),
       ["survived", "baseline_red", "masked", "not_infected", "not_reached"].map((state) => h("li", {}, swatch(state), STATES[state][0])),
-      SEVERAL && h("li", {}, h("b", {}, "2?"), "flights killed, where not all are; ? where they do not decide"),
+      SEVERAL && h("li", {}, h("b", {}, "2?"), "how many flights are killed, where not all are; ? where they do not decide"),
       h("li", {}, h("span", { class: "swatch state uncounted", "data-state": "killed" }), "killed where nothing counts")),
     h("div", { class: "matrix-box", tabindex: "-1" }, board),
     h("p", { class: "small faint" }, "Right: situations killed of those eligible, with Wilson's 95 % interval.  Below: default mutants killed in each situation.  Arrow keys move, Enter opens."));
