@@ -85,6 +85,7 @@ def test_a_pool_is_flown_with_the_baseline_alone_and_changes_no_rate(call: Call)
     plain = json.loads(call("run", *words, "--format", "json").stdout)
     pooled = json.loads(call("run", *words, "--baseline-seeds", "2-9", "--format", "json").stdout)
     assert (plain["coverage"].pop("draws"), pooled["coverage"].pop("draws")) == (2, 18)
+    assert (plain["coverage"].pop("pool"), pooled["coverage"].pop("pool")) == (0, 16)
     # what the baseline does by chance is known better, and that is what a pool is for
     assert plain.pop("redraw")["rate"]["whole"] == 0 < pooled.pop("redraw")["rate"]["whole"]
     assert pooled == plain
