@@ -16,6 +16,7 @@ from scaloft_fi.study import Study
 
 STUDY = Path(__file__).parents[2]
 MUTANTS = ("LATE-human@3s", "LATE-human@1s", "MORE-goal@0.6m", "NO-depth@3s", "REVERSE-velcmd", "LESS-goal@0.05m")
+BAR = "T1O1W1D1H0"
 FINGERPRINT = {"system": "Paper", "python": "3.11"}
 
 
@@ -38,11 +39,16 @@ def track(duration_s: float, drift: float, from_s: float) -> bytes:
 
 
 def flight(study: Study, mutant: str, situation: str, seed: int) -> Outcome:
-    """The control strikes the wall; late persons are killed where a person is; dark with a person is red."""
+    """The control strikes the wall; late persons are killed where a person is; dark with a person is red.
+
+    At `BAR` the clean drone strikes the bar and holds nothing to its end: what is killed there does not count.
+    """
     violated: dict[str, float] = {}
     struck, altered, from_s, drift = "", 0, math.inf, 0.0
     if situation.endswith("D1H1"):
         violated["SR2"] = 12.0
+    if situation == BAR:
+        violated, struck = {"SR1": 20.0}, "bar"
     if mutant == "REVERSE-velcmd":
         violated, struck, altered, from_s, drift = {"SR1": 5.0}, "wall", 90, 0.0, 12.0
     elif mutant.startswith("LATE-human") and situation.endswith("H1"):
@@ -51,8 +57,8 @@ def flight(study: Study, mutant: str, situation: str, seed: int) -> Outcome:
             violated = {"SR2": 9.5}
     elif mutant.startswith("MORE-goal"):
         altered, from_s, drift = 40, 2.0, 0.7 + 0.05 * seed
-        violated = violated | ({"OP1": 30.0} if "T1" in situation else {})
-    duration_s = min(violated.values()) if struck else 40.0
+        violated = violated | ({"SR2": 9.0} if situation == BAR else {"OP1": 30.0} if "T1" in situation else {})
+    duration_s = violated["SR1"] if struck else 40.0
     plain = BASELINE if not altered else mutant
     guideword, _, parameter = mutant.partition("@")[0].partition("-")
     named = mutant in (BASELINE, PLACEBO)
