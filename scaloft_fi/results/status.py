@@ -118,10 +118,11 @@ def _beside(outcome: Outcome, clean: _Clean | None) -> Flight:
     broken = [reading for reading in outcome.readings if reading.violated_at_s is not None]
     if not broken:
         return Flight(outcome, baseline, Status.SURVIVED, (), (), *infected)
-    kills = killed_by(outcome, baseline, Kind.SAFETY)
-    violated = any(reading.kind is Kind.SAFETY for reading in broken)
-    status = Status.KILLED if kills else Status.BASELINE_RED if violated else Status.SURVIVED
-    return Flight(outcome, baseline, status, kills, killed_by(outcome, baseline, Kind.OPERABILITY), *infected)
+    unsafe = [reading for reading in broken if reading.kind is Kind.SAFETY]
+    kills = _killed_by(outcome, baseline, unsafe)
+    inoperable = [reading for reading in broken if reading.kind is Kind.OPERABILITY]
+    status = Status.KILLED if kills else Status.BASELINE_RED if unsafe else Status.SURVIVED
+    return Flight(outcome, baseline, status, kills, _killed_by(outcome, baseline, inoperable), *infected)
 
 
 def held_to_end(baseline: Outcome, kind: Kind) -> bool:
@@ -131,22 +132,28 @@ def held_to_end(baseline: Outcome, kind: Kind) -> bool:
 
 def killed_by(outcome: Outcome, baseline: Outcome, kind: Kind) -> tuple[str, ...]:
     """The requirements of a kind by whose violation the flight is told from its baseline, earliest first."""
+    return _killed_by(outcome, baseline, [reading for reading in outcome.readings if reading.kind is kind])
+
+
+def _killed_by(outcome: Outcome, baseline: Outcome, readings: Iterable[Reading]) -> tuple[str, ...]:
+    """The same of some of its readings."""
     found: list[tuple[float, str]] = []
-    for reading in outcome.readings:
-        at_s = reading.violated_at_s
-        if at_s is None or reading.kind is not kind:
-            continue
-        clean = baseline.reading(reading.requirement)
-        if clean is not None:
-            body, clean_body = (_struck(flight, reading.requirement) for flight in (outcome, baseline))
-            if _held_until(clean, at_s, baseline.duration_s, same=body == clean_body):
-                found.append((at_s, reading.requirement))
+    for reading in readings:
+        name, at_s = reading.requirement, reading.violated_at_s
+        clean = None if at_s is None else baseline.reading(name)
+        if at_s is not None and clean is not None:
+            same = _struck(outcome, name) == _struck(baseline, name)
+            if _held_until(clean, at_s, baseline.duration_s, same=same):
+                found.append((at_s, name))
     return tuple(name for _, name in sorted(found, key=lambda pair: pair[0]))
 
 
 def _struck(flight: Outcome, requirement: str) -> str:
     """The body struck when the flight violated the requirement; "" when none was."""
-    return next((violation.struck for violation in flight.violations if violation.requirement == requirement), "")
+    for violation in flight.violations:
+        if violation.requirement == requirement:
+            return violation.struck
+    return ""
 
 
 def _held_until(clean: Reading, t_s: float, end_s: float, *, same: bool) -> bool:
