@@ -1,0 +1,89 @@
+"""The reference campaign and its published pages, in one command.
+
+    python benchmarks/reference.py [--campaign reference] [--seeds 3] [--baseline-seeds 20] [--pages]
+
+Flies every cell's default mutant, the controls and PLACEBO in all situations (what is flown already is not flown
+again), then writes the campaign's tables and its report into `results/published/reference/`.  `--pages` writes only,
+from what is flown.  With a `chromium` on the path a picture of the report is taken as well.
+"""
+
+from __future__ import annotations
+
+from checkout import ROOT  # first: it sets the path and the threads
+
+# isort: split
+
+import argparse
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+PUBLISHED = ROOT / "results" / "published" / "reference"
+PAGES: tuple[tuple[str, tuple[str, ...]], ...] = (
+    ("score.md", ("score", "--by", "parameter", "--format", "markdown")),
+    ("score.json", ("score", "--format", "json")),
+    ("coverage.md", ("coverage", "--format", "markdown")),
+    ("coverage_against_kills.md", ("coverage", "--against-kills", "--format", "markdown")),
+    ("kills.md", ("kills", "--format", "markdown")),
+    ("survivors.md", ("kills", "--show", "survivors", "--format", "markdown")),
+)
+"""What is printed into which file."""
+FILES: tuple[tuple[str, tuple[str, ...]], ...] = (
+    ("coverage_against_kills.svg", ("coverage", "--against-kills")),
+    ("subsumption.svg", ("kills",)),
+    ("worksheet.csv", ("worksheet", "--format", "csv")),
+    ("worksheet.xlsx", ("worksheet", "--format", "xlsx")),
+    ("outcomes.parquet", ("export", "--format", "parquet")),
+    ("verification_log.md", ("export", "--format", "sace")),
+    ("argument.gsn.yaml", ("export", "--format", "gsn")),
+    ("report.html", ("report",)),
+)
+"""What a verb writes with `--output` into which file."""
+PICTURE = "report.png"
+WINDOW = "1280,1500"
+"""Size of the page that the picture shows [px]."""
+
+
+def call(*words: str) -> str:
+    """What `scaloft-fi WORDS` prints."""
+    done = subprocess.run([sys.executable, "-m", "scaloft_fi", *words], cwd=ROOT, stdout=subprocess.PIPE, check=True)
+    return done.stdout.decode()
+
+
+def picture(page: Path, browser: str, output: Path) -> None:
+    """Take a picture of the top of `page`."""
+    with tempfile.TemporaryDirectory() as profile:
+        quiet = ("--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--hide-scrollbars")
+        where = (f"--user-data-dir={profile}", f"--window-size={WINDOW}", "--virtual-time-budget=8000")
+        words = [browser, *quiet, *where, f"--screenshot={output}", page.as_uri()]
+        subprocess.run(words, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Fly and write."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--campaign", default="reference", help="where the flights are")
+    parser.add_argument("--seeds", default="3", help="seeds of the mutants' flights")
+    parser.add_argument("--baseline-seeds", default="20", help="seeds of the baseline pool")
+    parser.add_argument("--pages", action="store_true", help="fly nothing")
+    options = parser.parse_args(arguments)
+    where = ("--campaign", options.campaign)
+    if not options.pages:
+        call("run", *where, "--seeds", options.seeds, "--baseline-seeds", options.baseline_seeds)
+    PUBLISHED.mkdir(parents=True, exist_ok=True)
+    for name, words in PAGES:
+        (PUBLISHED / name).write_text(call(*words, *where), encoding="utf-8")
+    for name, words in FILES:
+        call(*words, *where, "--output", str(PUBLISHED / name))
+    browser = shutil.which("chromium")
+    if browser:
+        picture(PUBLISHED / "report.html", browser, PUBLISHED / PICTURE)
+    for path in sorted(PUBLISHED.iterdir()):
+        print(f"{path.relative_to(ROOT)}  {path.stat().st_size / 1024:.0f} KiB")
+
+
+if __name__ == "__main__":
+    main()
