@@ -29,7 +29,7 @@ from scaloft_fi.campaign.plan import plan
 from scaloft_fi.campaign.progress import Silence
 from scaloft_fi.campaign.run import run
 from scaloft_fi.mutants.derive import defaults
-from scaloft_fi.results.score import score
+from scaloft_fi.results.scoring.score import score
 from scaloft_fi.study import Study
 
 SITUATIONS = ("T0O0W0D0H?", "T0O1W0D?H0", "T1O0W0D0H0")

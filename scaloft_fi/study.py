@@ -21,10 +21,10 @@ from scaloft_fi.stack.seam import SEAMS
 
 if TYPE_CHECKING:
     from scaloft_fi.mutants.mutant import Mutant
-    from scaloft_fi.results.disposition import Disposition
     from scaloft_fi.results.requirement import Requirement
     from scaloft_fi.results.roster import Roster
     from scaloft_fi.results.space import Realisation, Space
+    from scaloft_fi.results.worksheet.disposition import Disposition
     from scaloft_fi.sim.grid import Grid
     from scaloft_fi.sim.load import SimConfig
     from scaloft_fi.sim.scenario import Scenario
@@ -132,7 +132,7 @@ class Study:
     @cached_property
     def dispositions(self) -> tuple[Disposition, ...]:
         """The accepted survivors."""
-        from scaloft_fi.results.disposition import load_dispositions
+        from scaloft_fi.results.worksheet.disposition import load_dispositions
 
         return load_dispositions(self.dispositions_path, self.matrix, self.space.point)
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from scaloft_fi.results.mission_log import violation_line
 from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.requirement import Kind
+from scaloft_fi.results.telling.mission_log import violation_line
 
 
 class Alarm:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from scaloft_fi.results.margin import Answer, Scale, Tried, margin_of
+from scaloft_fi.results.worksheet.margin import Answer, Scale, Tried, margin_of
 
 WIDENINGS = 3
 """How many magnitudes beyond either end of the ladder are tried, each half or twice the one before.

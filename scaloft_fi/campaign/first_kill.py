@@ -17,8 +17,8 @@ from scaloft_fi.campaign.rounds import Draw, can_kill, ordered
 from scaloft_fi.campaign.run import write_log
 from scaloft_fi.campaign.task import Task
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
-from scaloft_fi.results.first_kills import Answer, FirstKills, answer
 from scaloft_fi.results.outcome import FIRST_KILL, Outcome
+from scaloft_fi.results.scoring.first_kills import Answer, FirstKills, answer
 from scaloft_fi.results.status import baselines_of, flight_of
 from scaloft_fi.study import Study
 

@@ -6,9 +6,9 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from scaloft_fi.campaign.options import MOST_INVALID
 from scaloft_fi.errors import GateError
-from scaloft_fi.results.baseline import holds_somewhere
 from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.results.roster import Roster, cell_of
+from scaloft_fi.results.scoring.baseline import holds_somewhere
 from scaloft_fi.results.status import Flight, Status, baselines_of, flights_of
 
 NAMED = 3

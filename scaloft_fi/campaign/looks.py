@@ -18,9 +18,9 @@ from scaloft_fi.campaign.plan import Flight, Plan, canary_flight, plan
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.run import Report, write_log
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
-from scaloft_fi.results.decision import LOOKS, Decision, decisions
 from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.table import Table
+from scaloft_fi.results.scoring.decision import LOOKS, Decision, decisions
+from scaloft_fi.results.telling.table import Table
 from scaloft_fi.study import Study
 
 if TYPE_CHECKING:

@@ -25,10 +25,10 @@ from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.severity import mild_to_severe
 from scaloft_fi.mutants.derive import realise, source_of
 from scaloft_fi.mutants.operators import OPERATORS
-from scaloft_fi.results.margin import Margin, Scale, Subject, Tried, margin_of, subject_of, tried_in
 from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.requirement import Kind
 from scaloft_fi.results.store import Store
+from scaloft_fi.results.worksheet.margin import Margin, Scale, Subject, Tried, margin_of, subject_of, tried_in
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
 

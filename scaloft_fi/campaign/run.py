@@ -16,8 +16,8 @@ from scaloft_fi.campaign.options import RunOptions
 from scaloft_fi.campaign.plan import Flight, Plan, canary_flight
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.errors import InputError
-from scaloft_fi.results.mission_log import mission_log, to_json
 from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.telling.mission_log import mission_log, to_json
 from scaloft_fi.study import Study
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from scaloft_fi.campaign.folder import STORE_NAME, promising, writable
 from scaloft_fi.errors import InputError
-from scaloft_fi.results.covering import covering_array
+from scaloft_fi.results.situations.covering import covering_array
 from scaloft_fi.results.store import Store
 from scaloft_fi.sim.streams import key_words
 

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 
 from scaloft_fi.campaign.plan import Flight, Plan
-from scaloft_fi.results.table import Table
+from scaloft_fi.results.telling.table import Table
 
 
 def unflown_tables(planned: Plan, left: Sequence[Flight]) -> tuple[Table, ...]:

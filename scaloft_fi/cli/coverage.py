@@ -15,9 +15,9 @@ from scaloft_fi.errors import InputError
 
 if TYPE_CHECKING:
     from scaloft_fi.campaign.strategy import Remembered
-    from scaloft_fi.results.curves import Curves
     from scaloft_fi.results.outcome import Outcome
-    from scaloft_fi.results.prediction import Prediction
+    from scaloft_fi.results.situations.curves import Curves
+    from scaloft_fi.results.situations.prediction import Prediction
     from scaloft_fi.study import Study
 
 PICTURES = (".svg", ".png")
@@ -41,10 +41,10 @@ PICTURES = (".svg", ".png")
 @format_option
 def coverage_command(study_folder: Path | None, campaign: str, against: bool, output: Path | None, style: str) -> None:
     """Print the coverage of a campaign's situations, number by number."""
-    from scaloft_fi.results.coverage import coverage, coverage_json
-    from scaloft_fi.results.coverage_tables import coverage_tables
-    from scaloft_fi.results.curve_tables import curve_tables, curves_json
-    from scaloft_fi.results.table import Format, render
+    from scaloft_fi.results.situations.coverage import coverage, coverage_json
+    from scaloft_fi.results.situations.coverage_tables import coverage_tables
+    from scaloft_fi.results.situations.curve_tables import curve_tables, curves_json
+    from scaloft_fi.results.telling.table import Format, render
     from scaloft_fi.study import Study
 
     if output is not None and output.suffix.lower() not in PICTURES:
@@ -86,10 +86,10 @@ def _followed(study: Study, outcomes: Sequence[Outcome]) -> tuple[Curves, Predic
     Raises:
         InputError: no default mutant was flown.
     """
-    from scaloft_fi.results.curves import curves
-    from scaloft_fi.results.prediction import predict
-    from scaloft_fi.results.score import score
-    from scaloft_fi.results.trial import trial
+    from scaloft_fi.results.scoring.score import score
+    from scaloft_fi.results.situations.curves import curves
+    from scaloft_fi.results.situations.prediction import predict
+    from scaloft_fi.results.situations.trial import trial
 
     flown = trial(score(outcomes, study.roster, study.space), study.roster, study.space)
     if flown is None:
@@ -99,8 +99,8 @@ def _followed(study: Study, outcomes: Sequence[Outcome]) -> tuple[Curves, Predic
 
 
 def _draw(found: Curves, output: Path) -> None:
-    from scaloft_fi.results.curve_picture import curve_picture
-    from scaloft_fi.results.picture import png
+    from scaloft_fi.results.situations.curve_picture import curve_picture
+    from scaloft_fi.results.telling.picture import png
 
     svg = curve_picture(found)
     write(output, png(svg) if output.suffix.lower() == ".png" else svg.encode())

@@ -14,9 +14,9 @@ from scaloft_fi.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from scaloft_fi.results.disposition import Judged
     from scaloft_fi.results.outcome import Outcome
-    from scaloft_fi.results.table import Table
+    from scaloft_fi.results.telling.table import Table
+    from scaloft_fi.results.worksheet.disposition import Judged
     from scaloft_fi.study import Study
 
 UNACCEPTED = 3
@@ -43,9 +43,9 @@ def dispositions_command(
     `scaloft-fi score --ratchet` makes a gate of it.
     """
     from scaloft_fi.campaign.held import current
-    from scaloft_fi.results.disposition import judge
-    from scaloft_fi.results.score import score
-    from scaloft_fi.results.table import Format, render
+    from scaloft_fi.results.scoring.score import score
+    from scaloft_fi.results.telling.table import Format, render
+    from scaloft_fi.results.worksheet.disposition import judge
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
@@ -58,8 +58,8 @@ def dispositions_command(
 
 def ratchet(study: Study, outcomes: Sequence[Outcome], today: date | None) -> int:
     """Say on standard error what does not pass and what can go; returns the exit code."""
-    from scaloft_fi.results.disposition import State, at_stake, judge, told
-    from scaloft_fi.results.score import score
+    from scaloft_fi.results.scoring.score import score
+    from scaloft_fi.results.worksheet.disposition import State, at_stake, judge, told
 
     scored = score(outcomes, study.roster, study.space)
     judged = judge(scored, study.roster, study.dispositions, today or date.today())  # noqa: DTZ011 - the user's own day
@@ -78,7 +78,7 @@ def ratchet(study: Study, outcomes: Sequence[Outcome], today: date | None) -> in
 
 
 def _table(judged: Sequence[Judged]) -> Table:
-    from scaloft_fi.results.table import Table
+    from scaloft_fi.results.telling.table import Table
 
     rows = tuple(
         (
@@ -101,7 +101,7 @@ def _table(judged: Sequence[Judged]) -> Table:
 
 
 def _append(study: Study, judged: Sequence[Judged]) -> None:
-    from scaloft_fi.results.disposition import HEADER, draft
+    from scaloft_fi.results.worksheet.disposition import HEADER, draft
 
     text = draft(judged)
     if not text:

@@ -17,20 +17,20 @@ if TYPE_CHECKING:
 
 
 def _json(study: Study, campaign: str) -> bytes:
-    from scaloft_fi.results.export import to_json
+    from scaloft_fi.results.telling.export import to_json
 
     return to_json(_rows(study, campaign)).encode()
 
 
 def _csv(study: Study, campaign: str) -> bytes:
-    from scaloft_fi.results.export import to_csv
+    from scaloft_fi.results.telling.export import to_csv
 
     return to_csv(_rows(study, campaign), _names(study)).encode()
 
 
 def _parquet(study: Study, campaign: str) -> bytes:
     from scaloft_fi.results.exchange.parquet import parquet
-    from scaloft_fi.results.export import columns
+    from scaloft_fi.results.telling.export import columns
 
     rows = _rows(study, campaign)
     return parquet(rows, columns(rows, _names(study)))
@@ -128,7 +128,7 @@ def _names(study: Study) -> list[str]:
 
 def _rows(study: Study, campaign: str) -> list[dict[str, object]]:
     from scaloft_fi.campaign.held import current
-    from scaloft_fi.results.export import export_rows
+    from scaloft_fi.results.telling.export import export_rows
 
     return export_rows(current(study, campaign), study.roster, study.space, _names(study))
 

@@ -13,11 +13,11 @@ from scaloft_fi.cli.options import campaign_option, format_option, study_option
 from scaloft_fi.errors import InputError
 
 if TYPE_CHECKING:
-    from scaloft_fi.results.kill_matrix import KillMatrix
+    from scaloft_fi.results.kills.kill_matrix import KillMatrix
+    from scaloft_fi.results.kills.subsumption import Subsumption
+    from scaloft_fi.results.kills.survivors import Survivor
     from scaloft_fi.results.outcome import Outcome
-    from scaloft_fi.results.subsumption import Subsumption
-    from scaloft_fi.results.survivors import Survivor
-    from scaloft_fi.results.table import Table
+    from scaloft_fi.results.telling.table import Table
     from scaloft_fi.study import Study
 
 PARTS = ("conditions", "situations", "suite", "subsumption", "survivors")
@@ -70,9 +70,9 @@ def kills_command(
         raise InputError(f"--output={str(output)!r} must end in .svg, .png or .dot")
     check_writable(output)
     from scaloft_fi.campaign.held import current
-    from scaloft_fi.results.kill_matrix import kill_matrix
-    from scaloft_fi.results.score import score
-    from scaloft_fi.results.table import Format
+    from scaloft_fi.results.kills.kill_matrix import kill_matrix
+    from scaloft_fi.results.scoring.score import score
+    from scaloft_fi.results.telling.table import Format
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
@@ -91,7 +91,7 @@ def kills_command(
         plain = _json(matrix, _graph(matrix, outcomes, by_requirement), found, wanted, chosen)
         click.echo(json.dumps(plain, indent=2, allow_nan=False))
         return
-    from scaloft_fi.results.table import render
+    from scaloft_fi.results.telling.table import render
 
     graph = _graph(matrix, outcomes, by_requirement)
     click.echo(render(_tables(matrix, graph, found, wanted, chosen, short=not parts), Format(style)), nl=False)
@@ -115,7 +115,7 @@ def _chosen(study: Study, matrix: KillMatrix, patterns: Sequence[str]) -> KillMa
 
 
 def _graph(matrix: KillMatrix, outcomes: Sequence[Outcome], by_requirement: bool) -> Subsumption:
-    from scaloft_fi.results.subsumption import kills_by_requirement, subsumption
+    from scaloft_fi.results.kills.subsumption import kills_by_requirement, subsumption
 
     if not by_requirement:
         return subsumption(matrix.kills)
@@ -127,9 +127,9 @@ def _survivors(
 ) -> tuple[Survivor, ...]:
     """The survivors among `matrix`, judged beside all that the campaign holds."""
     from scaloft_fi.campaign.tracks import with_tracks
-    from scaloft_fi.results.background import backgrounds
+    from scaloft_fi.results.kills.background import backgrounds
+    from scaloft_fi.results.kills.survivors import short_units, survivors
     from scaloft_fi.results.outcome import BASELINE
-    from scaloft_fi.results.survivors import short_units, survivors
 
     ids = [row.id for row in matrix.mutants if not row.kills]
     first = min(outcome.seed for outcome in outcomes)
@@ -147,11 +147,11 @@ def _tables(
     *,
     short: bool,
 ) -> list[Table]:
-    from scaloft_fi.results import kill_tables as tables
-    from scaloft_fi.results.interaction import interactions, orders
-    from scaloft_fi.results.minimal_suite import minimal_suite
-    from scaloft_fi.results.situation_kills import chosen_kills, situation_kills
-    from scaloft_fi.results.subsumption import redundancies
+    from scaloft_fi.results.kills import kill_tables as tables
+    from scaloft_fi.results.kills.interaction import interactions, orders
+    from scaloft_fi.results.kills.minimal_suite import minimal_suite
+    from scaloft_fi.results.kills.situation_kills import chosen_kills, situation_kills
+    from scaloft_fi.results.kills.subsumption import redundancies
 
     space, situations = matrix.space, situation_kills(matrix)
     shown = [tables.chosen_table(chosen_kills(matrix, chosen))] if chosen else []
@@ -178,9 +178,9 @@ def _json(
     wanted: Sequence[str],
     chosen: Sequence[str],
 ) -> dict[str, Any]:
-    from scaloft_fi.results.interaction import interactions, orders
-    from scaloft_fi.results.minimal_suite import minimal_suite
-    from scaloft_fi.results.situation_kills import chosen_kills, situation_kills
+    from scaloft_fi.results.kills.interaction import interactions, orders
+    from scaloft_fi.results.kills.minimal_suite import minimal_suite
+    from scaloft_fi.results.kills.situation_kills import chosen_kills, situation_kills
 
     plain: dict[str, Any] = {"matrix": matrix.to_json()}
     if chosen:
@@ -206,8 +206,8 @@ def _draw(matrix: KillMatrix, asked: Sequence[str], graph: Subsumption, output: 
     Raises:
         InputError: the grid is too large for a map, or a map was asked for as .dot.
     """
-    from scaloft_fi.results.picture import png
-    from scaloft_fi.results.subsumption_picture import dot, draw_subsumption
+    from scaloft_fi.results.kills.subsumption_picture import dot, draw_subsumption
+    from scaloft_fi.results.telling.picture import png
 
     suffix = output.suffix.lower()
     if asked and len(matrix.rows) == 1:
@@ -225,9 +225,9 @@ def _draw(matrix: KillMatrix, asked: Sequence[str], graph: Subsumption, output: 
 
 
 def _karnaugh(matrix: KillMatrix) -> str:
-    from scaloft_fi.results.condition import condition
-    from scaloft_fi.results.karnaugh import karnaugh_map
-    from scaloft_fi.results.karnaugh_picture import draw_karnaugh
+    from scaloft_fi.results.kills.condition import condition
+    from scaloft_fi.results.kills.karnaugh import karnaugh_map
+    from scaloft_fi.results.kills.karnaugh_picture import draw_karnaugh
 
     (row,) = matrix.rows
     try:

@@ -11,7 +11,7 @@ import click
 from scaloft_fi.cli.options import campaign_option, format_option, operability_option, study_option
 
 if TYPE_CHECKING:
-    from scaloft_fi.results.margin import Margin, Subject
+    from scaloft_fi.results.worksheet.margin import Margin, Subject
     from scaloft_fi.study import Study
 
 
@@ -66,7 +66,7 @@ def margin_command(
     from scaloft_fi.campaign.margin import find, target
     from scaloft_fi.campaign.progress import Progress, Silence
     from scaloft_fi.results.requirement import Kind
-    from scaloft_fi.results.table import Format
+    from scaloft_fi.results.telling.table import Format
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
@@ -87,8 +87,8 @@ def margin_command(
 
 
 def _text(study: Study, found: Mapping[Subject, Sequence[Margin]], seeds: int, style: str) -> str:
-    from scaloft_fi.results.margins import margin_json, margin_tables
-    from scaloft_fi.results.table import Format, render
+    from scaloft_fi.results.telling.table import Format, render
+    from scaloft_fi.results.worksheet.margins import margin_json, margin_tables
 
     if style != Format.JSON:
         return render(margin_tables(found, study.requirements, seeds), Format(style))

@@ -77,7 +77,7 @@ def _flight(study: Study, name: str) -> Flight:
 
 
 def _facts(study: Study, flight: Flight, outcome: Outcome, log: FlightLog) -> str:
-    from scaloft_fi.results.table import Format, Table, render
+    from scaloft_fi.results.telling.table import Format, Table, render
 
     rows: list[tuple[str, str]] = [
         ("situation", ", ".join(study.grid.titles(flight.situation))),
@@ -98,10 +98,10 @@ def _facts(study: Study, flight: Flight, outcome: Outcome, log: FlightLog) -> st
 def _draw(study: Study, flight: Flight, outcome: Outcome, log: FlightLog, output: Path) -> None:
     from scaloft_fi.campaign.fly import fly_log, judged
     from scaloft_fi.campaign.plan import Flight
-    from scaloft_fi.results.map import draw
     from scaloft_fi.results.outcome import BASELINE
-    from scaloft_fi.results.picture import png
-    from scaloft_fi.results.scene import scene_of, track_of
+    from scaloft_fi.results.telling.map import draw
+    from scaloft_fi.results.telling.picture import png
+    from scaloft_fi.results.telling.scene import scene_of, track_of
 
     tracks = [track_of(log, outcome, flight.subject.id)]
     if flight.mutant is not None:

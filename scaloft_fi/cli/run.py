@@ -20,7 +20,7 @@ from scaloft_fi.cli.options import (
 from scaloft_fi.errors import InputError
 
 if TYPE_CHECKING:
-    from scaloft_fi.results.first_kills import FirstKills
+    from scaloft_fi.results.scoring.first_kills import FirstKills
 
 
 @click.command("run")
@@ -192,7 +192,7 @@ def _alone(option: str, **others: object) -> None:
 
 
 def _print_first_kills(found: FirstKills, style: str) -> None:
-    from scaloft_fi.results.table import Format, render
+    from scaloft_fi.results.telling.table import Format, render
 
     if style == Format.JSON:
         click.echo(json.dumps(found.to_json(), indent=2, allow_nan=False))

@@ -20,8 +20,8 @@ from scaloft_fi.cli.options import (
 
 if TYPE_CHECKING:
     from scaloft_fi.results.outcome import Outcome
-    from scaloft_fi.results.score import Score
-    from scaloft_fi.results.table import Table
+    from scaloft_fi.results.scoring.score import Score
+    from scaloft_fi.results.telling.table import Table
     from scaloft_fi.study import Study
 
 GROUPINGS = ("guideword", "parameter", "situation", "requirement", "axis")
@@ -92,7 +92,7 @@ def report(
         others: baselines of another campaign, to decide by.
     """
     from scaloft_fi.campaign.baseline_pool import joined
-    from scaloft_fi.results.score import score
+    from scaloft_fi.results.scoring.score import score
     from scaloft_fi.results.status import whole
 
     outcomes = whole(outcomes)
@@ -113,12 +113,12 @@ def _text(
     style: str,
     extra: Sequence[Table],
 ) -> str:
-    from scaloft_fi.results.baseline import findings
-    from scaloft_fi.results.coverage import coverage
-    from scaloft_fi.results.grouping import By
-    from scaloft_fi.results.score_record import score_json
-    from scaloft_fi.results.table import Format, render
-    from scaloft_fi.results.tables import tables_of
+    from scaloft_fi.results.scoring.baseline import findings
+    from scaloft_fi.results.scoring.grouping import By
+    from scaloft_fi.results.scoring.score_record import score_json
+    from scaloft_fi.results.scoring.tables import tables_of
+    from scaloft_fi.results.situations.coverage import coverage
+    from scaloft_fi.results.telling.table import Format, render
 
     by = By(grouping) if grouping else None
     if style != Format.JSON:

@@ -19,9 +19,9 @@ AGAIN = "The same `run` flies them again; no flight log is kept from which they 
 def status_command(study_folder: Path | None, campaign: str, style: str) -> None:
     """Print how many flights a campaign holds, by status, and why those are stale that do not count any more."""
     from scaloft_fi.campaign.held import held
-    from scaloft_fi.results.export import export_rows
     from scaloft_fi.results.outcome import BASELINE
-    from scaloft_fi.results.table import Format, Table, render
+    from scaloft_fi.results.telling.export import export_rows
+    from scaloft_fi.results.telling.table import Format, Table, render
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)

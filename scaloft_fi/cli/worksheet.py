@@ -12,7 +12,7 @@ from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.options import FORMATS, campaign_option, study_option
 
 if TYPE_CHECKING:
-    from scaloft_fi.results.worksheet import Row
+    from scaloft_fi.results.worksheet.worksheet import Row
 
 
 @click.command("worksheet")
@@ -38,8 +38,8 @@ def worksheet_command(study_folder: Path | None, campaign: str, style: str, outp
         raise click.UsageError("--format xlsx goes into a file: name it with --output")
     check_writable(output)
     from scaloft_fi.campaign.held import current
-    from scaloft_fi.results.score import score
-    from scaloft_fi.results.worksheet import worksheet
+    from scaloft_fi.results.scoring.score import score
+    from scaloft_fi.results.worksheet.worksheet import worksheet
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
@@ -55,15 +55,15 @@ def worksheet_command(study_folder: Path | None, campaign: str, style: str, outp
 
 def _content(rows: Sequence[Row], style: str) -> bytes:
     if style == "xlsx":
-        from scaloft_fi.results.spreadsheet import to_xlsx
+        from scaloft_fi.results.worksheet.spreadsheet import to_xlsx
 
         return to_xlsx(rows)
     if style == "json":
         import json
 
-        from scaloft_fi.results.worksheet import to_records
+        from scaloft_fi.results.worksheet.worksheet import to_records
 
         return (json.dumps(to_records(rows), indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()
-    from scaloft_fi.results.worksheet_text import to_csv, to_latex, to_markdown, to_text
+    from scaloft_fi.results.worksheet.worksheet_text import to_csv, to_latex, to_markdown, to_text
 
     return {"table": to_text, "markdown": to_markdown, "csv": to_csv, "latex": to_latex}[style](rows).encode()

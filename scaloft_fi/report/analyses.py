@@ -6,22 +6,22 @@ from collections.abc import Sequence
 from typing import Any
 
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.results.background import backgrounds
-from scaloft_fi.results.curve_tables import curves_json
-from scaloft_fi.results.curves import curves
-from scaloft_fi.results.interaction import interactions, orders
-from scaloft_fi.results.kill_matrix import KillMatrix
-from scaloft_fi.results.margins import cell_margins
-from scaloft_fi.results.minimal_suite import minimal_suite
+from scaloft_fi.results.kills.background import backgrounds
+from scaloft_fi.results.kills.interaction import interactions, orders
+from scaloft_fi.results.kills.kill_matrix import KillMatrix
+from scaloft_fi.results.kills.minimal_suite import minimal_suite
+from scaloft_fi.results.kills.subsumption import subsumption
+from scaloft_fi.results.kills.survivors import survivors
 from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.prediction import predict
-from scaloft_fi.results.ratio import ratio_json
 from scaloft_fi.results.roster import Roster, cell_of
-from scaloft_fi.results.score import MutantScore, Score
+from scaloft_fi.results.scoring.ratio import ratio_json
+from scaloft_fi.results.scoring.score import MutantScore, Score
+from scaloft_fi.results.situations.curve_tables import curves_json
+from scaloft_fi.results.situations.curves import curves
+from scaloft_fi.results.situations.prediction import predict
+from scaloft_fi.results.situations.trial import trial
 from scaloft_fi.results.space import Space
-from scaloft_fi.results.subsumption import subsumption
-from scaloft_fi.results.survivors import survivors
-from scaloft_fi.results.trial import trial
+from scaloft_fi.results.worksheet.margins import cell_margins
 from scaloft_fi.study import Study
 
 

@@ -15,14 +15,14 @@ from scaloft_fi.report.evidence import Evidence
 from scaloft_fi.report.limits import limits
 from scaloft_fi.report.scenes import scenes
 from scaloft_fi.report.tracks import FAR
-from scaloft_fi.results.baseline import Finding, Tally, findings, tallies
-from scaloft_fi.results.coverage import coverage
-from scaloft_fi.results.kill_matrix import kill_matrix
-from scaloft_fi.results.ratio import ratio_json
-from scaloft_fi.results.score import MutantScore, Score, score
-from scaloft_fi.results.score_record import score_json
+from scaloft_fi.results.kills.kill_matrix import kill_matrix
+from scaloft_fi.results.scoring.baseline import Finding, Tally, findings, tallies
+from scaloft_fi.results.scoring.ratio import ratio_json
+from scaloft_fi.results.scoring.score import MutantScore, Score, score
+from scaloft_fi.results.scoring.score_record import score_json
+from scaloft_fi.results.scoring.tables import ratio_table
+from scaloft_fi.results.situations.coverage import coverage
 from scaloft_fi.results.status import Status
-from scaloft_fi.results.tables import ratio_table
 from scaloft_fi.results.track import TRACK_COLUMNS
 from scaloft_fi.sim.log import Ending
 

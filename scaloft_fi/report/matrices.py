@@ -6,12 +6,12 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.results.decision import Decision
-from scaloft_fi.results.gray import gray_order
-from scaloft_fi.results.kill_matrix import Entry, KillMatrix
-from scaloft_fi.results.ratio import ratio_json
+from scaloft_fi.results.kills.gray import gray_order
+from scaloft_fi.results.kills.kill_matrix import Entry, KillMatrix
 from scaloft_fi.results.roster import Roster, cell_of
-from scaloft_fi.results.score import MutantScore, Score
+from scaloft_fi.results.scoring.decision import Decision
+from scaloft_fi.results.scoring.ratio import ratio_json
+from scaloft_fi.results.scoring.score import MutantScore, Score
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.status import Status
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.results.scene import scene_of
+from scaloft_fi.results.telling.scene import scene_of
 
 if TYPE_CHECKING:
     from scaloft_fi.study import Study

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaloft_fi.campaign.bisect import WIDENINGS, Search
-from scaloft_fi.results.margin import Answer, Margin, Scale, Tried, margin_of
+from scaloft_fi.results.worksheet.margin import Answer, Margin, Scale, Tried, margin_of
 
 SECONDS = Scale("s", 1, 0.0)
 LADDER = (0.5, 1.0, 3.0, 5.0)

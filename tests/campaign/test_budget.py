@@ -21,8 +21,8 @@ from scaloft_fi.campaign.task import Task, together
 from scaloft_fi.campaign.unflown import unflown_tables
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.derive import defaults, realise
-from scaloft_fi.results.export import export_rows, to_json
 from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.telling.export import export_rows, to_json
 
 CONTROL = "REVERSE-velcmd"
 

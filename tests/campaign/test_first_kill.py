@@ -20,11 +20,11 @@ from scaloft_fi.campaign.rounds import kill_rates, ordered, promise
 from scaloft_fi.campaign.run import run
 from scaloft_fi.errors import GateError
 from scaloft_fi.mutants.derive import defaults, realise
-from scaloft_fi.results.export import export_rows, to_json
-from scaloft_fi.results.first_kills import FirstKills
 from scaloft_fi.results.outcome import FIRST_KILL, Outcome
-from scaloft_fi.results.score import score
+from scaloft_fi.results.scoring.first_kills import FirstKills
+from scaloft_fi.results.scoring.score import score
 from scaloft_fi.results.store import Store
+from scaloft_fi.results.telling.export import export_rows, to_json
 
 LATE, CONTROL = "LATE-human@3s", "REVERSE-velcmd"
 

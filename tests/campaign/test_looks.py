@@ -19,9 +19,9 @@ from scaloft_fi.campaign.progress import Silence
 from scaloft_fi.campaign.run import Report
 from scaloft_fi.errors import GateError
 from scaloft_fi.mutants.derive import realise
-from scaloft_fi.results.decision import LOOKS, Decision, decisions
-from scaloft_fi.results.export import export_rows, to_json
 from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.scoring.decision import LOOKS, Decision, decisions
+from scaloft_fi.results.telling.export import export_rows, to_json
 
 LATE, MORE, CONTROL = "LATE-human@3s", "MORE-goal@1m", "REVERSE-velcmd"
 

@@ -17,11 +17,11 @@ from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.run import run
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.mutant import PLACEBO
-from scaloft_fi.results.margin import Margin, Subject, lowest, margins
-from scaloft_fi.results.margins import cell_margins
 from scaloft_fi.results.outcome import BASELINE, Outcome, Violation
-from scaloft_fi.results.score import score
+from scaloft_fi.results.scoring.score import score
 from scaloft_fi.results.store import Store
+from scaloft_fi.results.worksheet.margin import Margin, Subject, lowest, margins
+from scaloft_fi.results.worksheet.margins import cell_margins
 from scaloft_fi.study import Study
 
 LATE = Subject("LATE-human", "s")

@@ -18,8 +18,8 @@ from scaloft_fi.campaign.progress import Silence
 from scaloft_fi.campaign.run import run
 from scaloft_fi.errors import GateError, InputError
 from scaloft_fi.mutants.derive import realise
-from scaloft_fi.results.export import export_rows, to_json
 from scaloft_fi.results.store import Store
+from scaloft_fi.results.telling.export import export_rows, to_json
 
 CONTROL, LATE = "REVERSE-velcmd", "LATE-human@3s"
 

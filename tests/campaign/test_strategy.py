@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from scaloft_fi.campaign.folder import STORE_NAME
 from scaloft_fi.campaign.strategy import Choice, choose, remember, remembered
 from scaloft_fi.errors import InputError
+from scaloft_fi.results.situations.t_way import t_way
 from scaloft_fi.results.store import Store
-from scaloft_fi.results.t_way import t_way
 from scaloft_fi.study import Study
 
 STUDY = Study.open(Path(__file__).parents[2])

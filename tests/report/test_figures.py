@@ -12,7 +12,7 @@ from reading import embedded, unpacked
 
 from scaloft_fi.report.evidence import Evidence
 from scaloft_fi.report.page import page
-from scaloft_fi.results.export import export_rows, to_json
+from scaloft_fi.results.telling.export import export_rows, to_json
 
 SAFETY = ("SR1", "SR2")
 DEFAULTS = {"LATE-human@3s", "MORE-goal@0.6m", "NO-depth@3s", "LESS-goal@0.05m"}

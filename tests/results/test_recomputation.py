@@ -13,13 +13,13 @@ from builders import AXES, GRID, KINDS, ROSTER, campaigns, outcome
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.results.baseline import findings
-from scaloft_fi.results.coverage import coverage
-from scaloft_fi.results.export import export_rows, to_csv
 from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.results.record import from_json
-from scaloft_fi.results.score import score
-from scaloft_fi.results.score_record import score_json
+from scaloft_fi.results.scoring.baseline import findings
+from scaloft_fi.results.scoring.score import score
+from scaloft_fi.results.scoring.score_record import score_json
+from scaloft_fi.results.situations.coverage import coverage
+from scaloft_fi.results.telling.export import export_rows, to_csv
 
 FLOWN = Path(__file__).with_name("three_situations_ten_seeds.jsonl.gz")
 

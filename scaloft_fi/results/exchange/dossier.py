@@ -8,11 +8,11 @@ from functools import cached_property
 
 from scaloft_fi.hazop.cell import Cell
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.results.coverage import Coverage, coverage
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.requirement import Requirement
 from scaloft_fi.results.roster import Roster, cell_of
-from scaloft_fi.results.score import MutantScore, Score, score
+from scaloft_fi.results.scoring.score import MutantScore, Score, score
+from scaloft_fi.results.situations.coverage import Coverage, coverage
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.status import Status
 

@@ -11,7 +11,7 @@ from typing import Any
 import yaml
 
 from scaloft_fi.results.exchange.dossier import Dossier, verdict
-from scaloft_fi.results.ratio import Ratio
+from scaloft_fi.results.scoring.ratio import Ratio
 
 
 def gsn(dossier: Dossier) -> str:

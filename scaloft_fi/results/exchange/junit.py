@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from xml.etree import ElementTree as ET
 
 from scaloft_fi.results.exchange.dossier import Dossier, lives, verdict
-from scaloft_fi.results.score import MutantScore
+from scaloft_fi.results.scoring.score import MutantScore
 from scaloft_fi.results.status import Status
 
 _ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")

@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import Any
 
 from scaloft_fi.results.exchange.dossier import Dossier, lives, verdict
-from scaloft_fi.results.score import MutantScore
+from scaloft_fi.results.scoring.score import MutantScore
 from scaloft_fi.results.status import Status
 
 SCHEMA_VERSION = "2"

@@ -11,12 +11,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from scaloft_fi.results.baseline import Tally, findings, tallies
 from scaloft_fi.results.exchange.dossier import Dossier
-from scaloft_fi.results.grouping import By, groups
 from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.requirement import Kind
-from scaloft_fi.results.table import Format, Table, render
+from scaloft_fi.results.scoring.baseline import Tally, findings, tallies
+from scaloft_fi.results.scoring.grouping import By, groups
+from scaloft_fi.results.telling.table import Format, Table, render
 
 EDGES = 10
 """How many situations with the least robustness are named as edge cases."""

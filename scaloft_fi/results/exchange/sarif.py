@@ -6,7 +6,7 @@ from typing import Any
 from urllib.parse import quote
 
 from scaloft_fi.results.exchange.dossier import Dossier, verdict
-from scaloft_fi.results.score import MutantScore
+from scaloft_fi.results.scoring.score import MutantScore
 
 SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 

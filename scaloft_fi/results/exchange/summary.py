@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from scaloft_fi.results.baseline import findings
 from scaloft_fi.results.exchange.dossier import Dossier, verdict
-from scaloft_fi.results.ratio import Ratio
-from scaloft_fi.results.table import Format, Table, render
+from scaloft_fi.results.scoring.baseline import findings
+from scaloft_fi.results.scoring.ratio import Ratio
+from scaloft_fi.results.telling.table import Format, Table, render
 
 
 def summary(dossier: Dossier) -> str:

@@ -7,7 +7,7 @@ from junitparser import Error, Failure, JUnitXml, Skipped
 
 from scaloft_fi.results.exchange.dossier import Dossier
 from scaloft_fi.results.exchange.junit import junit
-from scaloft_fi.results.score import MutantScore
+from scaloft_fi.results.scoring.score import MutantScore
 from scaloft_fi.results.status import Status
 
 

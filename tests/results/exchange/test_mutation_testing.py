@@ -9,7 +9,7 @@ from hypothesis import given
 
 from scaloft_fi.results.exchange.dossier import Dossier
 from scaloft_fi.results.exchange.mutation_testing import mutation_testing
-from scaloft_fi.results.ratio import Ratio
+from scaloft_fi.results.scoring.ratio import Ratio
 
 SCHEMA = json.loads((Path(__file__).parent / "mutation-testing-report-schema-3.8.4.json").read_text())
 

@@ -7,8 +7,8 @@ from builders import GRID, KINDS, ROSTER, campaigns
 from hypothesis import given
 
 from scaloft_fi.results.exchange.parquet import parquet
-from scaloft_fi.results.export import columns, export_rows
 from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.telling.export import columns, export_rows
 
 
 @given(campaigns())

@@ -1,0 +1,92 @@
+"""The score again, part by part: by guideword, parameter, requirement, situation or axis value."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from enum import StrEnum
+
+from scaloft_fi.results.roster import Roster
+from scaloft_fi.results.scoring.ratio import Ratio
+from scaloft_fi.results.scoring.score import MutantScore, Result, Score
+from scaloft_fi.results.space import Space
+
+
+class By(StrEnum):
+    """What to group by."""
+
+    GUIDEWORD = "guideword"
+    PARAMETER = "parameter"
+    SITUATION = "situation"
+    REQUIREMENT = "requirement"
+    AXIS = "axis"
+
+
+@dataclass(frozen=True)
+class Group:
+    """One part of the score.
+
+    Attributes:
+        name: of the part.
+        killed: killed, of those eligible; mutants, or for an axis value mutants in situations.
+        flown: the same killed, of those flown.
+    """
+
+    name: str
+    killed: Ratio
+    flown: Ratio
+
+
+def groups(scored: Score, by: By, roster: Roster, space: Space) -> tuple[Group, ...]:
+    """Group the default mutants of credible cells."""
+    mutants = [mutant for mutant in scored.mutants if roster.counts(mutant.subject) and mutant.flown]
+    if by is By.GUIDEWORD:
+        return _of_mutants(mutants, lambda mutant: mutant.subject.guideword)
+    if by is By.PARAMETER:
+        return _of_mutants(mutants, lambda mutant: mutant.subject.parameter)
+    if by is By.REQUIREMENT:
+        return _of_requirements(mutants)
+    results = [result for mutant in mutants for result in mutant.results if result.flown]
+    if by is By.SITUATION:
+        keys = sorted({result.situation for result in results}, key=space.rank)
+        return tuple(_of_results(key, (r for r in results if r.situation == key)) for key in keys)
+    return tuple(
+        _of_results(f"{axis} = {space.word(number, value)}", (r for r in results if _at(space, r, number) == value))
+        for number, axis in enumerate(space.axes)
+        for value in space.values[number]
+    )
+
+
+def _at(space: Space, result: Result, axis: int) -> str:
+    point = space.point.get(result.situation)
+    return point[axis] if point else ""
+
+
+def _of_mutants(mutants: Iterable[MutantScore], name: Callable[[MutantScore], str]) -> tuple[Group, ...]:
+    parts: dict[str, list[MutantScore]] = {}
+    for mutant in mutants:
+        parts.setdefault(name(mutant), []).append(mutant)
+    return tuple(_of_part(part, members) for part, members in parts.items())
+
+
+def _of_part(name: str, members: list[MutantScore]) -> Group:
+    killed = sum(mutant.killed for mutant in members)
+    return Group(
+        name, Ratio(killed, sum(mutant.kill_rate.whole > 0 for mutant in members)), Ratio(killed, len(members))
+    )
+
+
+def _of_results(name: str, results: Iterable[Result]) -> Group:
+    listed = list(results)
+    killed = sum(result.kills > 0 for result in listed)
+    return Group(name, Ratio(killed, sum(result.eligible > 0 for result in listed)), Ratio(killed, len(listed)))
+
+
+def _of_requirements(mutants: list[MutantScore]) -> tuple[Group, ...]:
+    names = dict.fromkeys(name for mutant in mutants for name in mutant.tested)
+    parts = []
+    for name in names:
+        able = [mutant for mutant in mutants if name in mutant.tested]
+        killed = sum(any(killer == name for killer, _ in mutant.requirements) for mutant in able)
+        parts.append(Group(name, Ratio(killed, len(able)), Ratio(killed, len(mutants))))
+    return tuple(parts)

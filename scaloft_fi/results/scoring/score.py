@@ -1,0 +1,268 @@
+"""The mutation score: what the campaign's flights say about each mutant, and about all of them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+from scaloft_fi.results.kills.condition import condition
+from scaloft_fi.results.outcome import PLACEBO, Outcome, Subject
+from scaloft_fi.results.roster import Roster
+from scaloft_fi.results.scoring.decision import Decided, Decision, Pool, PoolRates, decide
+from scaloft_fi.results.scoring.ratio import Ratio
+from scaloft_fi.results.scoring.redraw import Redraw, redraw
+from scaloft_fi.results.space import Space
+from scaloft_fi.results.status import Flight, Status, baseline_pool, flights_of, mutant_status, whole
+
+
+@dataclass(frozen=True)
+class Kill:
+    """One killed flight: by which requirement, when [s from take-off], where [m, world], what was struck."""
+
+    requirement: str
+    t_s: float
+    situation: str
+    seed: int
+    position: tuple[float, float, float]
+    struck: str
+
+
+@dataclass(frozen=True)
+class Result:
+    """A mutant in a situation: its flights over the seeds.
+
+    Attributes:
+        situation: key.
+        status: the highest rung over the eligible flights.
+        kills: killed among the eligible flights.
+        eligible: flights that are infected beside a baseline that held a safety requirement to its end.
+        flown: flights that count.
+        killed: whether any flight is killed, eligible or not.
+        harmless: whether every flight's fault changed no sample.
+        decided: what the flights decide together; None without an eligible one.
+    """
+
+    situation: str
+    status: Status
+    kills: int
+    eligible: int
+    flown: int
+    killed: bool
+    harmless: bool
+    decided: Decided | None
+
+    @property
+    def rate(self) -> Ratio:
+        """Killed of the eligible flights."""
+        return Ratio(self.kills, self.eligible)
+
+
+@dataclass(frozen=True)
+class MutantScore:
+    """A mutant over all its situations.
+
+    Attributes:
+        subject: the mutant.
+        status: the highest rung over its eligible flights.
+        results: one per situation flown, in the grid's order.
+        kill_rate: situations killed, of the eligible ones.
+        kill_rate_flown: situations killed, of those flown.
+        requirements: per requirement that killed it, operability too, the situations killed by it, of those where the
+            fault infects and the baseline held the requirement to its end.
+        tested: requirements that the baseline held to its end in a situation where the fault infects.
+        operability: situations killed by an operability requirement, of those where the baseline held one to its end.
+        earliest: the earliest kill.
+        rungs: flights of each status.
+        infected: whether any flight that counts is infected.
+    """
+
+    subject: Subject
+    status: Status
+    results: tuple[Result, ...]
+    kill_rate: Ratio
+    kill_rate_flown: Ratio
+    requirements: tuple[tuple[str, Ratio], ...]
+    tested: tuple[str, ...]
+    operability: Ratio
+    earliest: Kill | None
+    rungs: tuple[tuple[Status, int], ...]
+    infected: bool
+
+    @property
+    def flown(self) -> bool:
+        """Whether any of its flights counts."""
+        return self.kill_rate_flown.whole > 0
+
+    @property
+    def killed(self) -> bool:
+        """Whether it is killed in an eligible situation."""
+        return self.kill_rate.part > 0
+
+    @property
+    def killing(self) -> tuple[str, ...]:
+        """Keys of the situations where a flight is killed."""
+        return tuple(result.situation for result in self.results if result.killed)
+
+    def decisions(self, decision: Decision) -> tuple[str, ...]:
+        """Keys of the situations with this decision."""
+        return tuple(r.situation for r in self.results if r.decided and r.decided.decision is decision)
+
+    @property
+    def surviving(self) -> tuple[str, ...]:
+        """Keys of the situations where no flight is killed though the fault was tested, or could change nothing."""
+        return tuple(r.situation for r in self.results if not r.killed and (r.eligible or (r.flown and r.harmless)))
+
+    def condition(self, space: Space) -> str:
+        """The killing situations in words; empty when there are none."""
+        return _condition(space, self.killing, self.surviving)
+
+
+@lru_cache(maxsize=4096)
+def _condition(space: Space, killing: tuple[str, ...], surviving: tuple[str, ...]) -> str:
+    """The condition, found once: several tables show it."""
+    return condition(space, killing, surviving)
+
+
+@dataclass(frozen=True)
+class Score:
+    """The campaign's score.  Ratios count the default mutants of credible cells and nothing else.
+
+    Attributes:
+        exercised: cells flown, of all credible cells.
+        infected: mutants infected, of those flown.
+        mutation_score: mutants killed, of those infected in an eligible situation.
+        strict_score: mutants killed, of those flown.
+        operability: mutants killed by an operability requirement, of those infected where the baseline held one.
+        mutants: every mutant flown, ladders too, in the canonical order.
+        controls: every control flown.
+        placebo: PLACEBO, when flown.
+        redraw: how often the kill rule kills what does nothing.
+        eligible: per situation, the eligible flights of the counted mutants.
+    """
+
+    exercised: Ratio
+    infected: Ratio
+    mutation_score: Ratio
+    strict_score: Ratio
+    operability: Ratio
+    mutants: tuple[MutantScore, ...]
+    controls: tuple[MutantScore, ...]
+    placebo: MutantScore | None
+    redraw: Redraw
+    eligible: Mapping[str, int]
+
+    @property
+    def false_kills(self) -> tuple[float, int] | None:
+        """False kills expected of the counted mutants' eligible flights, and of how many of these it says so."""
+        return self.redraw.expected(self.eligible)
+
+    @property
+    def fates(self) -> Counter[Status]:
+        """Mutants of each status; they sum to the mutants."""
+        return Counter(mutant.status for mutant in self.mutants)
+
+
+def score(outcomes: Iterable[Outcome], roster: Roster, space: Space, pool: Pool | None = None) -> Score:
+    """Score a campaign's outcomes, in whatever order they come.
+
+    Args:
+        outcomes: of the campaign; one whose flight was cut at its first kill is left out.
+        roster: which mutants count.
+        space: the grid.
+        pool: baselines that the decisions compare with, and REDRAW with each other; the campaign's by default.
+    """
+    listed = whole(outcomes)
+    baselines = baseline_pool(listed) if pool is None else pool
+    rates = PoolRates(baselines)
+    flights: dict[Subject, list[Flight]] = {}
+    for flight in flights_of(listed):
+        flights.setdefault(flight.outcome.subject, []).append(flight)
+    subjects = sorted(flights, key=lambda subject: roster.rank(subject.id))
+    scored = [mutant_score(subject, flights[subject], space, rates) for subject in subjects]
+    mutants = tuple(m for m in scored if m.subject.id != PLACEBO and not roster.is_control(m.subject))
+    counted = [mutant for mutant in mutants if roster.counts(mutant.subject) and mutant.flown]
+    killed = sum(mutant.killed for mutant in counted)
+    eligible = Counter[str]()
+    for mutant in counted:
+        eligible.update({result.situation: result.eligible for result in mutant.results})
+    return Score(
+        exercised=Ratio(len(counted), len(roster.defaults)),
+        infected=Ratio(sum(mutant.infected for mutant in counted), len(counted)),
+        mutation_score=Ratio(killed, sum(mutant.kill_rate.whole > 0 for mutant in counted)),
+        strict_score=Ratio(killed, len(counted)),
+        operability=Ratio(
+            sum(mutant.operability.part > 0 for mutant in counted),
+            sum(mutant.operability.whole > 0 for mutant in counted),
+        ),
+        mutants=mutants,
+        controls=tuple(mutant for mutant in scored if roster.is_control(mutant.subject)),
+        placebo=next((mutant for mutant in scored if mutant.subject.id == PLACEBO), None),
+        redraw=redraw(baselines),
+        eligible=eligible,
+    )
+
+
+def mutant_score(subject: Subject, flights: Sequence[Flight], space: Space, rates: PoolRates) -> MutantScore:
+    """Score the flights of one mutant; `rates` are what its decisions compare with."""
+    decided = decide(flights, rates)
+    by_situation: dict[str, list[Flight]] = {}
+    for flight in flights:
+        by_situation.setdefault(flight.outcome.situation, []).append(flight)
+    results = tuple(_result(key, by_situation[key], decided.get(key)) for key in sorted(by_situation, key=space.rank))
+    operable = {flight.outcome.situation for flight in flights if flight.operability_eligible}
+    inoperable = {f.outcome.situation for f in flights if f.operability_eligible and f.operability_kills}
+    rungs = Counter(flight.status for flight in flights)
+    requirements = _by_requirement(flights)
+    return MutantScore(
+        subject=subject,
+        status=mutant_status(flights),
+        results=results,
+        kill_rate=Ratio(sum(r.kills > 0 for r in results), sum(r.eligible > 0 for r in results)),
+        kill_rate_flown=Ratio(sum(r.killed for r in results), sum(r.flown > 0 for r in results)),
+        requirements=tuple((name, ratio) for name, ratio in requirements if ratio.part),
+        tested=tuple(name for name, ratio in requirements if ratio.whole),
+        operability=Ratio(len(inoperable), len(operable)),
+        earliest=min(
+            (k for f in flights if f.kills for k in _kills(f)),
+            key=lambda k: (k.t_s, space.rank(k.situation), k.seed),
+            default=None,
+        ),
+        rungs=tuple((status, rungs[status]) for status in Status if rungs[status]),
+        infected=any(flight.status.infected for flight in flights),
+    )
+
+
+def _result(situation: str, flights: Sequence[Flight], decided: Decided | None) -> Result:
+    valid = [flight for flight in flights if flight.status is not Status.INVALID]
+    eligible = [flight for flight in valid if flight.eligible]
+    return Result(
+        situation=situation,
+        status=mutant_status(flights),
+        kills=sum(flight.status is Status.KILLED for flight in eligible),
+        eligible=len(eligible),
+        flown=len(valid),
+        killed=any(flight.status is Status.KILLED for flight in valid),
+        harmless=not any(flight.status.infected for flight in valid),
+        decided=decided,
+    )
+
+
+def _kills(flight: Flight) -> list[Kill]:
+    outcome = flight.outcome
+    return [
+        Kill(v.requirement, v.t_s, outcome.situation, outcome.seed, (v.x, v.y, v.z), v.struck)
+        for v in outcome.violations
+        if v.requirement in flight.kills
+    ]
+
+
+def _by_requirement(flights: Sequence[Flight]) -> tuple[tuple[str, Ratio], ...]:
+    """Per requirement: situations it killed in, of those the fault infects and the baseline held it in to its end."""
+    found = []
+    for name in dict.fromkeys(name for flight in flights for name in flight.tested):
+        able = [flight for flight in flights if name in flight.tested]
+        killed = {f.outcome.situation for f in able if name in f.kills + f.operability_kills}
+        found.append((name, Ratio(len(killed), len({flight.outcome.situation for flight in able}))))
+    return tuple(found)

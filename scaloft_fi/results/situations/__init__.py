@@ -1,0 +1,1 @@
+"""Situation coverage, ways to choose situations, and coverage against kills."""

@@ -1,0 +1,114 @@
+"""Situation coverage: how much of the grid was flown.  Never one percentage: each has a blind spot of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from scaloft_fi.results.outcome import BASELINE, Outcome
+from scaloft_fi.results.requirement import Kind, Verdict
+from scaloft_fi.results.scoring.ratio import Ratio
+from scaloft_fi.results.space import Space
+from scaloft_fi.results.status import held_to_end
+
+if TYPE_CHECKING:
+    from scaloft_fi.results.situations.t_way import TWay
+
+STRENGTHS = (1, 2, 3, 4, 5)
+SHARES = (0.5, 0.75, 1.0)
+"""The p of (p, t)-completeness."""
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """Coverage of the situation space.
+
+    Attributes:
+        situations: distinct situations flown, of the grid.
+        draws: test cases flown, a situation with a seed each.
+        pool: those of them in which the baseline alone was flown, to decide by.
+        combinations: per strength t, the combinations of values of t axes that were flown, of all that situations have.
+        realised: situations whose every value came true together in a baseline flight, of the grid.
+        eligible: situations where a baseline held a safety requirement to its end, so that a fault could show, of the
+            grid.
+        by_axis: per axis, the situations whose value there came true in a baseline flight, of those with one.
+        requirements: per requirement, the situations where it was triggered in a baseline flight, of those with one: in
+            the others it was vacuous or left open, and nothing was tested by it.
+    """
+
+    situations: Ratio
+    draws: int
+    pool: int
+    combinations: tuple[TWay, ...]
+    realised: Ratio
+    eligible: Ratio
+    by_axis: tuple[tuple[str, Ratio], ...]
+    requirements: tuple[tuple[str, Ratio], ...]
+
+    @property
+    def t_way(self) -> tuple[tuple[int, Ratio], ...]:
+        """Per strength t, the combinations flown, of all."""
+        return tuple((found.strength, found.total) for found in self.combinations)
+
+
+def coverage(outcomes: Iterable[Outcome], space: Space) -> Coverage:
+    """Coverage by the flights that count; a flight outside the grid or an invalid one covers nothing."""
+    from scaloft_fi.results.situations.t_way import t_ways
+
+    valid = [outcome for outcome in outcomes if not outcome.invalid and outcome.situation in space.point]
+    flown = {outcome.situation for outcome in valid}
+    baselines = [outcome for outcome in valid if outcome.mutant == BASELINE]
+    beside = {(outcome.situation, outcome.seed) for outcome in valid if outcome.mutant != BASELINE}
+    judged = {outcome.situation for outcome in baselines}
+    came_true = {(outcome.situation, axis) for outcome in baselines for axis, true in outcome.realised if true}
+    whole = {
+        outcome.situation for outcome in baselines if outcome.realised and all(true for _, true in outcome.realised)
+    }
+    eligible = {outcome.situation for outcome in baselines if held_to_end(outcome, Kind.SAFETY)}
+    return Coverage(
+        situations=Ratio(len(flown), len(space.points)),
+        draws=len({(outcome.situation, outcome.seed) for outcome in valid}),
+        pool=len({(outcome.situation, outcome.seed) for outcome in baselines} - beside),
+        combinations=t_ways(flown, space, STRENGTHS),
+        realised=Ratio(len(whole), len(space.points)),
+        eligible=Ratio(len(eligible), len(space.points)),
+        by_axis=tuple(
+            (axis, Ratio(sum((key, axis) in came_true for key in judged), len(judged))) for axis in space.axes
+        ),
+        requirements=_requirements(baselines, len(judged)),
+    )
+
+
+def _requirements(baselines: Iterable[Outcome], judged: int) -> tuple[tuple[str, Ratio], ...]:
+    triggered: dict[str, set[str]] = {}
+    for outcome in baselines:
+        for reading in outcome.readings:
+            found = triggered.setdefault(reading.requirement, set())
+            if reading.verdict in (Verdict.HELD, Verdict.VIOLATED):
+                found.add(outcome.situation)
+    return tuple((name, Ratio(len(found), judged)) for name, found in triggered.items())
+
+
+def coverage_json(covered: Coverage) -> dict[str, Any]:
+    """Every number of the coverage as plain JSON values; `t_way` per strength, with its (p, t)-completeness."""
+    return {
+        "situations": _share(covered.situations),
+        "draws": covered.draws,
+        "pool": covered.pool,
+        "t_way": {
+            str(found.strength): {
+                **_share(found.total),
+                "complete": {f"{share:g}": _share(found.complete(share)) for share in SHARES},
+            }
+            for found in covered.combinations
+        },
+        "realised": _share(covered.realised),
+        "realised_by_axis": {axis: _share(ratio) for axis, ratio in covered.by_axis},
+        "eligible": _share(covered.eligible),
+        "requirements": {name: _share(ratio) for name, ratio in covered.requirements},
+    }
+
+
+def _share(ratio: Ratio) -> dict[str, int]:
+    return {"part": ratio.part, "whole": ratio.whole}

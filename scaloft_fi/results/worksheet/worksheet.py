@@ -1,0 +1,222 @@
+"""The HAZOP worksheet filled back: every cell of the matrix beside what its flights say, with room for the team.
+
+The columns are those of the classic sheet (`method.md`, section 1.3), the tool's findings, and columns that only people
+can fill.  It never invents a risk matrix: severity and likelihood stay empty.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from scaloft_fi.hazop.cell import Cell, CellStatus
+from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.parameter import Parameter
+from scaloft_fi.hazop.render import ladder
+from scaloft_fi.hazop.worksheet import record
+from scaloft_fi.mutants.derive import default_of
+from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.scoring.decision import Decision
+from scaloft_fi.results.scoring.ratio import Ratio, ratio_json
+from scaloft_fi.results.scoring.score import MutantScore, Score
+from scaloft_fi.results.space import Space
+from scaloft_fi.results.status import Status
+from scaloft_fi.results.worksheet.disposition import Disposition
+from scaloft_fi.results.worksheet.margins import NOT_TOLD, cell_margins
+
+Value = str | int | float | None
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of the sheet.
+
+    Attributes:
+        key: as in JSON and CSV.
+        title: as people read it.
+        told: what stands in it.
+        short: whether it is among those that fit a page.
+        width: of a spreadsheet [characters].
+    """
+
+    key: str
+    title: str
+    told: str
+    short: bool = False
+    width: int = 14
+
+
+STUDY = (
+    Column("cell", "Deviation id", "guideword and parameter", short=True, width=20),
+    Column("node", "Study node", "the stages between which the parameter flows", width=24),
+    Column("parameter", "Parameter", "what the guideword is asked of", width=18),
+    Column("design_intent", "Design intent", "what every deviation deviates from", width=36),
+    Column("guideword", "Guideword", "of IEC 61882, or a declared extension", width=14),
+    Column("deviation", "Deviation", "what differs from the design intent", short=True, width=36),
+    Column("status", "Status", "credible, control, or not meaningful", width=14),
+    Column("rationale", "Rationale", "why it is not meaningful, or what the study predicts", width=36),
+    Column("causes", "Possible causes", "what could bring it about", width=40),
+    Column("effect", "Consequence", "what it does locally, then to the flight", width=40),
+    Column("requirements", "Requirements", "those at risk", short=True, width=14),
+    Column("operators", "Faults", "how it is made, with the ladder of magnitudes", width=36),
+    Column("mutant", "Default mutant", "the one that the findings speak of", width=24),
+)
+FINDINGS = (
+    Column("situations_flown", "Situations flown", "with a flight that counts", width=11),
+    Column("reached", "Reached", "situations where the fault's seam carried a sample", width=11),
+    Column("infected", "Infected", "situations where it changed a sample", width=11),
+    Column("killed", "Killed", "situations killed, of the eligible", width=9),
+    Column("eligible", "Eligible", "situations infected beside a baseline that held a safety requirement", width=9),
+    Column("kill_rate", "Kill rate", "killed / eligible situations, Wilson's 95 % interval [%]", short=True, width=22),
+    Column("killed_by", "Killed by", "requirements, with situations killed / where the baseline held it", width=18),
+    Column("decision", "Decision", "over the seeds; situations", short=True, width=22),
+    Column("margin", "Margin", "smallest magnitude that kills in any situation", short=True, width=14),
+    Column("killed_where", "Killed where", "shortest condition over the axes", short=True, width=30),
+    Column("killing", "Killing situations", "their keys", width=30),
+    Column("stopped_at", "Survivors stopped at", "rung of the situations that are not killed", short=True, width=26),
+    Column("disposition", "Disposition", "of a survivor that somebody accepted", short=True, width=30),
+)
+TEAM = (
+    Column("safeguards", "Existing safeguards", "for the team", width=24),
+    Column("severity", "Severity", "for the team, by its own matrix", width=10),
+    Column("likelihood", "Likelihood", "for the team, by its own matrix", width=10),
+    Column("recommendation", "Recommendation", "for the team", short=True, width=30),
+    Column("responsible", "Responsible", "for the team", short=True, width=16),
+    Column("due", "Due date", "for the team", width=12),
+    Column("action_status", "Action status", "for the team", width=14),
+)
+COLUMNS = (*STUDY, *FINDINGS, *TEAM)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One cell of the matrix as the sheet has it.
+
+    Attributes:
+        cell: of the matrix.
+        values: by the column's key; the team's columns are empty.
+        score: of its default mutant; None where it was not flown.
+    """
+
+    cell: Cell
+    values: Mapping[str, Value]
+    score: MutantScore | None = None
+
+
+def worksheet(
+    matrix: Matrix,
+    outcomes: Iterable[Outcome],
+    scored: Score,
+    space: Space,
+    dispositions: Sequence[Disposition] = (),
+) -> tuple[Row, ...]:
+    """The sheet, in the order of the matrix: credible cells, controls, and those that are not meaningful.
+
+    Args:
+        matrix: of the study.
+        outcomes: of a campaign.
+        scored: the same, scored.
+        space: the grid.
+        dispositions: of the study.
+    """
+    flown = {mutant.subject.id: mutant for mutant in (*scored.mutants, *scored.controls)}
+    margins = cell_margins(outcomes, matrix)
+    accepted = {disposition.mutant: disposition for disposition in dispositions}
+    parameters = {parameter.id: parameter for parameter in matrix.parameters}
+    rows = []
+    for cell in matrix:
+        values: dict[str, Value] = dict.fromkeys(column.key for column in COLUMNS)
+        values |= _of_study(cell, parameters[cell.parameter])
+        score = None
+        if cell.status is not CellStatus.NOT_MEANINGFUL:
+            mutant = default_of(cell).id
+            score = flown.get(mutant)
+            values |= {"mutant": mutant}
+            if cell.status is CellStatus.CREDIBLE and margins[cell.name] != NOT_TOLD:
+                values |= {"margin": margins[cell.name]}
+            values |= {"disposition": str(accepted[mutant])} if mutant in accepted else {}
+            values |= _of_flights(score, space) if score else {}
+        rows.append(Row(cell, values, score))
+    return tuple(rows)
+
+
+def _of_study(cell: Cell, parameter: Parameter) -> dict[str, Value]:
+    return {
+        "cell": cell.name,
+        "node": parameter.node,
+        "parameter": parameter.title,
+        "design_intent": parameter.intent,
+        "guideword": cell.guideword,
+        "deviation": cell.deviation,
+        "status": cell.status.replace("_", " "),
+        "rationale": cell.reason or cell.predicted,
+        "causes": "; ".join(cell.causes),
+        "effect": cell.effect,
+        "requirements": ", ".join(cell.requirements),
+        "operators": "; ".join(f"{fault.operator} at {fault.seam} {ladder(fault)}".strip() for fault in cell.faults),
+    }
+
+
+def _of_flights(score: MutantScore, space: Space) -> dict[str, Value]:
+    results = [result for result in score.results if result.flown]
+    reached = sum(result.status.rung > Status.NOT_REACHED.rung for result in results)
+    return {
+        "situations_flown": len(results),
+        "reached": reached,
+        "infected": sum(not result.harmless for result in results),
+        "killed": score.kill_rate.part,
+        "eligible": score.kill_rate.whole,
+        "kill_rate": str(score.kill_rate),
+        "killed_by": ", ".join(f"{name} {ratio.part}/{ratio.whole}" for name, ratio in score.requirements),
+        "decision": _decision(score),
+        "killed_where": score.condition(space),
+        "killing": " ".join(score.killing),
+        "stopped_at": _stopped(score),
+    }
+
+
+def _decision(score: MutantScore) -> str:
+    counts = [(decision.value, len(score.decisions(decision))) for decision in Decision]
+    return ", ".join(f"{name} {count}" for name, count in counts if count)
+
+
+def _stopped(score: MutantScore) -> str:
+    """The rungs where the fault stopped in situations that are not killed, highest first."""
+    counts = Counter(result.status for result in score.results if not result.killed)
+    return ", ".join(
+        f"{status.value} {counts[status]}" for status in sorted(counts, key=lambda s: s.rung, reverse=True)
+    )
+
+
+def to_records(rows: Sequence[Row]) -> list[dict[str, Any]]:
+    """The sheet as plain JSON values: the cell as `scaloft-fi matrix` has it, with `results` (null: not flown)."""
+    return [_record(row) for row in rows]
+
+
+def _record(row: Row) -> dict[str, Any]:
+    score, values = row.score, row.values
+    keys = ("situations_flown", "reached", "infected", "decision", "killed_where", "stopped_at")
+    found = None
+    if score is not None:
+        found = {key: values[key] for key in keys} | {
+            "kill_rate": ratio_json(score.kill_rate),
+            "kill_rate_flown": ratio_json(score.kill_rate_flown),
+            "requirements": {name: ratio_json(ratio) for name, ratio in score.requirements},
+            "status": score.status.value,
+            "killing": list(score.killing),
+        }
+    told = {key: values[key] for key in ("node", "design_intent", "margin", "disposition")}
+    return {**record(row.cell), **told, "results": found, "team": {column.key: None for column in TEAM}}
+
+
+def population(rows: Sequence[Row]) -> str:
+    """What the kill rates speak of, in a sentence."""
+    flown = [row for row in rows if row.score is not None]
+    most = max((row.values["situations_flown"] or 0 for row in flown), key=lambda n: float(n or 0), default=0)
+    exercised = Ratio(len(flown), sum(row.cell.status is not CellStatus.NOT_MEANINGFUL for row in rows))
+    return (
+        f"Findings speak of each cell's default mutant: {exercised.plain} of the cells that can happen were flown, in "
+        f"up to {most} situations; a kill rate is situations killed of those where it could have been (Wilson, 95 %)."
+    )

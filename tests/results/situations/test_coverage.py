@@ -1,0 +1,84 @@
+from __future__ import annotations
+
+from itertools import combinations, product
+
+import pytest
+from builders import GRID, campaigns, flights, outcome
+from hypothesis import given
+
+from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.scoring.ratio import Ratio
+from scaloft_fi.results.situations.coverage import coverage
+from scaloft_fi.results.situations.t_way import t_way
+
+KEYS = [key for key, _ in GRID.points]
+
+
+@pytest.mark.parametrize(("strength", "combinations_"), [(1, 10), (2, 40), (3, 80), (4, 80), (5, 32)])
+def test_the_whole_grid_covers_every_combination(strength: int, combinations_: int) -> None:
+    assert t_way(KEYS, GRID, strength).total == Ratio(combinations_, combinations_)
+
+
+def test_six_situations_cover_every_pair() -> None:
+    # the smallest pairwise suite of five binary axes
+    suite = [
+        "".join(f"{a}{v}" for a, v in zip("TOWDH", p, strict=True))
+        for p in ("00000", "01000", "10011", "11101", "00111", "11110")
+    ]
+    assert t_way(suite, GRID, 2).total == Ratio(40, 40)
+    assert t_way(suite, GRID, 5).total == Ratio(6, 32)
+
+
+def test_one_situation_covers_one_combination_of_each_choice_of_axes() -> None:
+    assert [t_way(KEYS[:1], GRID, t).total.part for t in (1, 2, 3, 4, 5)] == [5, 10, 10, 5, 1]
+
+
+def test_more_axes_than_there_are_cover_nothing_of_nothing() -> None:
+    assert t_way(KEYS, GRID, 6).total == Ratio(0, 0)
+
+
+def test_a_situation_flown_twice_is_one_situation_and_two_draws() -> None:
+    found = coverage([outcome(seed=0), outcome(seed=1), outcome("LATE-human@3s", seed=1)], GRID)
+    assert (found.situations, found.draws) == (Ratio(1, 32), 2)
+
+
+def test_draws_of_the_baseline_alone_are_draws_and_said_to_be_the_baselines_alone() -> None:
+    found = coverage([outcome(seed=0), outcome("LATE-human@3s", seed=0), outcome(seed=1), outcome(seed=2)], GRID)
+    assert (found.draws, found.pool) == (3, 2)
+
+
+def test_a_situation_is_realised_when_all_its_values_came_true_in_one_baseline_flight() -> None:
+    found = coverage([outcome(realised=False), outcome(situation=KEYS[1]), outcome("LATE-human@3s", KEYS[2])], GRID)
+    assert found.realised == Ratio(1, 32)
+    assert dict(found.by_axis)["T"] == Ratio(1, 2)
+
+
+def test_an_invalid_flight_covers_nothing() -> None:
+    assert coverage([outcome(invalid="worker died")], GRID) == coverage([], GRID)
+
+
+def parts(found: list[Outcome]) -> list[int]:
+    covered = coverage(found, GRID)
+    ratios = [covered.situations, covered.realised, covered.eligible, *(ratio for _, ratio in covered.t_way)]
+    ratios += [found.complete(share) for found in covered.combinations for share in (0.5, 1.0)]
+    ratios += [ratio for _, ratio in covered.requirements]
+    return [covered.draws, *(ratio.part for ratio in ratios), *(ratio.part for _, ratio in covered.by_axis)]
+
+
+@given(campaigns(), flights())
+def test_coverage_never_falls_when_a_flight_is_added(outcomes: list[Outcome], more: Outcome) -> None:
+    before, after = parts(outcomes), parts([*outcomes, more])
+    assert all(a >= b for a, b in zip(after, before, strict=True))
+
+
+@given(campaigns())
+def test_t_way_coverage_is_counted_as_by_hand(outcomes: list[Outcome]) -> None:
+    flown = {o.situation for o in outcomes if not o.invalid}
+    for strength, ratio in coverage(outcomes, GRID).t_way:
+        wanted = [
+            (axes, values)
+            for axes in combinations(range(5), strength)
+            for values in product("01", repeat=strength)
+            if any(all(GRID.point[k][a] == v for a, v in zip(axes, values, strict=True)) for k in flown)
+        ]
+        assert ratio.part == len(wanted)
