@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -94,7 +93,6 @@ def current(study: Study, campaign: str) -> tuple[Outcome, ...]:
         raise InputError(f"{folder}: nothing to show: {reason} (`scaloft-fi status`); `scaloft-fi run` flies again")
     if not found:
         raise InputError(f"{folder}: nothing to show: it holds no flight; `scaloft-fi run` flies what is asked for")
-    gc.freeze()  # all that follows only reads them: looking for cycles among a million objects takes seconds
     return found
 
 

@@ -17,6 +17,7 @@ from scaloft_fi.cli.options import (
     study_option,
     today_option,
 )
+from scaloft_fi.collector import uncollected
 
 if TYPE_CHECKING:
     from scaloft_fi.results.outcome import Outcome
@@ -44,6 +45,7 @@ BELOW = 3
     "disposition has expired.",
 )
 @today_option
+@uncollected()
 def score_command(
     study_folder: Path | None,
     campaign: str,
@@ -61,7 +63,8 @@ def score_command(
 
     study = Study.open(study_folder)
     outcomes = current(study, campaign)
-    situations = [key for key, _ in study.space.points if key in {outcome.situation for outcome in outcomes}]
+    flown = {outcome.situation for outcome in outcomes}
+    situations = [key for key, _ in study.space.points if key in flown]
     others = borrowed(study, baseline_from, situations) if baseline_from else ()
     code = report(study, outcomes, grouping, style, fail_under, others=others)
     if not ratcheting:

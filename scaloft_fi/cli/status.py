@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from scaloft_fi.cli.options import campaign_option, format_option, study_option
+from scaloft_fi.collector import uncollected
 
 AGAIN = "The same `run` flies them again; no flight log is kept from which they could be judged anew."
 
@@ -16,6 +17,7 @@ AGAIN = "The same `run` flies them again; no flight log is kept from which they 
 @study_option
 @campaign_option
 @format_option
+@uncollected()
 def status_command(study_folder: Path | None, campaign: str, style: str) -> None:
     """Print how many flights a campaign holds, by status, and why those are stale that do not count any more."""
     from scaloft_fi.campaign.held import held

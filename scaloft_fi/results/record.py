@@ -69,9 +69,9 @@ class Reader:
 
     def __init__(self) -> None:
         self._subjects: dict[Row, Subject] = {}
-        self._readings: dict[str, Reading] = {}
-        self._violations: dict[str, Violation] = {}
-        self._realised: dict[str, tuple[str, bool]] = {}
+        self._readings = _Lines(_reading)
+        self._violations = _Lines(_violation)
+        self._realised = _Lines(_came_true)
 
     def __call__(self, row: Row, track: bytes = b"") -> Outcome:
         """The outcome whose `to_row` this is."""
@@ -86,8 +86,8 @@ class Reader:
             seed,
             intern(ending),
             invalid,
-            _entries(readings, self._readings, _reading),
-            _entries(violations, self._violations, _violation),
+            self._readings.of(readings),
+            self._violations.of(violations),
             carried,
             altered,
             infected_at_s,
@@ -97,7 +97,7 @@ class Reader:
             perceived_digest,
             stack_error,
             truncated,
-            _entries(realised, self._realised, _came_true),
+            self._realised.of(realised),
             track,
         )
 
@@ -105,17 +105,19 @@ class Reader:
 T = TypeVar("T")
 
 
-def _entries(text: str, known: dict[str, T], read: Callable[[str], T]) -> tuple[T, ...]:
-    """The entries of a column; `known` are those read before, by their lines."""
-    if not text:
-        return ()
-    found = []
-    for line in text.split("\n"):
-        entry = known.get(line)
-        if entry is None:
-            entry = known[line] = read(line)
-        found.append(entry)
-    return tuple(found)
+class _Lines(dict[str, T]):
+    """Entries by their lines, each read when it is first asked for."""
+
+    def __init__(self, read: Callable[[str], T]) -> None:
+        self._read = read
+
+    def __missing__(self, line: str) -> T:
+        entry = self[line] = self._read(line)
+        return entry
+
+    def of(self, text: str) -> tuple[T, ...]:
+        """The entries of a column."""
+        return tuple(map(self.__getitem__, text.split("\n"))) if text else ()
 
 
 def _reading(line: str) -> Reading:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import json
 import sqlite3
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -11,6 +10,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import NamedTuple
 
+from scaloft_fi.collector import uncollected
 from scaloft_fi.errors import InputError
 from scaloft_fi.results.origin import Origin
 from scaloft_fi.results.outcome import Outcome
@@ -207,7 +207,7 @@ class Store:
         """The outcomes that `keep` says, by key and origin."""
         read = Reader()
         found = []
-        with _sentences(self.path), _uncollected():
+        with _sentences(self.path), uncollected():
             # to sort here is faster than to have the rows looked up in the order of an index
             for row in self._connection.execute(f"SELECT key, origin, {', '.join(COLUMNS)} FROM outcomes"):
                 if keep(row[0], row[1]):
@@ -300,15 +300,3 @@ def _sentences(path: Path) -> Iterator[None]:
         raise InputError(f"{path}: the campaign's store cannot be used: {error}") from error
     except OSError as error:
         raise InputError(f"{path}: the results folder cannot be written: {error.strerror}") from error
-
-
-@contextmanager
-def _uncollected() -> Iterator[None]:
-    """While it lasts, no cycles are looked for: a million small objects are made, and none is part of one."""
-    was = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was:
-            gc.enable()
