@@ -46,8 +46,10 @@ SAME = 0.26
 """Share of a mutant's flights that are their baseline's twin, as in the first flown campaign of 4,064 flights."""
 OWN = (0.5, 0.2, 0.25, 0.05)
 """Chance that a flight has a number of its own for a requirement, in the study's order, from the same campaign."""
-BROKEN = 0.15
-"""Chance that a flight violates a requirement."""
+FREE = 0.5
+"""Chance that an axis does not matter to whether a subject breaks a requirement, which it does in a box of the grid."""
+SLIPS = 0.02
+"""Chance that a flight does otherwise."""
 TRACK_BYTES = 5200
 """Mean length of a flown trajectory, packed."""
 VERBS = {
@@ -67,7 +69,8 @@ class Maker:
     """
 
     def __init__(self, study: Study, draw: random.Random) -> None:
-        self._study, self._draw = study, draw
+        self._study, self._draw, self._axes = study, draw, study.grid.axes
+        self._boxes: dict[tuple[str, str], list[int | None]] = {}
 
     def baseline(self, flight: Flight) -> Outcome:
         """An outcome of the baseline."""
@@ -90,7 +93,8 @@ class Maker:
     def _own(self, flight: Flight) -> Outcome:
         readings, violations = [], []
         for requirement, own in zip(self._study.requirements, OWN, strict=True):
-            at_s = self._time_s() if self._draw.random() < BROKEN else None
+            breaks = self._breaks(flight, requirement.name) != (self._draw.random() < SLIPS)
+            at_s = self._time_s() if breaks else None
             rho = self._draw.random() if self._draw.random() < own else 1.0
             rho = -rho if at_s is not None else rho
             triggered = self._draw.randrange(3)
@@ -112,6 +116,14 @@ class Maker:
             perceived_digest=digest[::-1],
             track=self._draw.randbytes(self._draw.randrange(TRACK_BYTES * 2)),
         )
+
+    def _breaks(self, flight: Flight, requirement: str) -> bool:
+        """Whether the situation is in the box in which the subject breaks the requirement."""
+        box = self._boxes.setdefault((flight.subject.id, requirement), [])
+        if not box:
+            box += [None if self._draw.random() < FREE else self._draw.choice(axis.values).id for axis in self._axes]
+        levels = dict(flight.situation.levels)
+        return all(value in (None, levels[axis.id]) for axis, value in zip(self._axes, box, strict=True))
 
     def _time_s(self) -> float:
         return round(self._draw.uniform(0.0, 120.0) * 20) / 20

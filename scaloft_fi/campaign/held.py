@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from scaloft_fi.campaign.folder import campaign_folder, existing
 from scaloft_fi.campaign.key import Keys
@@ -17,6 +18,9 @@ from scaloft_fi.results.origin import Origin
 from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.store import Flown, Store
 from scaloft_fi.study import Study
+
+if TYPE_CHECKING:
+    from scaloft_fi.sim.situation import Situation
 
 
 @dataclass(frozen=True)
@@ -131,6 +135,7 @@ class _Now:
     def __init__(self, study: Study, store: Store) -> None:
         self._study, self._keys, self._then = study, Keys(study), store.origins()
         self._mutants: dict[str, Mutant | None] = {}
+        self._situations: dict[str, Situation] = {}
         self._origins: dict[tuple[str, str, str], Origin | str] = {}
         self._stand: dict[tuple[str, str, str, int], bool] = {}
 
@@ -164,16 +169,17 @@ class _Now:
         return f"{' and '.join(words[part] for part in self._then[flight.origin].changed(now))} changed"
 
     def _origin(self, mutant: str, situation: str, truncated: str) -> Origin | str:
-        try:
-            point = self._study.grid.situation(situation)
-        except InputError:
-            return "the situation is not in the grid any more"
+        if situation not in self._situations:
+            try:
+                self._situations[situation] = self._study.grid.situation(situation)
+            except InputError:
+                return "the situation is not in the grid any more"
         if mutant not in self._mutants:
             try:
                 self._mutants[mutant] = _mutant(self._study, mutant)
             except InputError:
                 return f"mutant {mutant} is not in the matrix any more"
-        return self._keys.origin(Flight(self._mutants[mutant], point, 0), truncated)
+        return self._keys.origin(Flight(self._mutants[mutant], self._situations[situation], 0), truncated)
 
 
 _PARTS = {
