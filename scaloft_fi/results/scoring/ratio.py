@@ -34,8 +34,8 @@ def wilson(part: int, whole: int, z: float = Z95) -> tuple[float, float]:
 class Ratio:
     """`part` of `whole`; 0 of 0 is not a number and prints as n/a.
 
-    >>> str(Ratio(8, 15)), str(Ratio(0, 0))
-    ('8/15 = 53 % [30, 75]', '0/0 = n/a')
+    >>> str(Ratio(8, 15)), Ratio(8, 15).short, str(Ratio(0, 0))
+    ('8/15 = 53 % [30, 75]', '8/15 [30, 75]', '0/0 = n/a')
     """
 
     part: int
@@ -65,11 +65,18 @@ class Ratio:
         """Without the interval: `8/15 = 53 %`, for a share of a closed list, which is no sample of anything."""
         return f"{self.part}/{self.whole} = " + ("n/a" if self.value is None else f"{100 * self.value:.0f} %")
 
+    @property
+    def short(self) -> str:
+        """Without the share, which part and whole say: `8/15 [30, 75]`."""
+        return f"{self.part}/{self.whole} {self._brackets}" if self.whole else self.plain
+
     def __str__(self) -> str:
-        if self.interval is None:
-            return self.plain
-        low, high = self.interval
-        return f"{self.plain} [{100 * low:.0f}, {100 * high:.0f}]"
+        return f"{self.plain} {self._brackets}" if self.whole else self.plain
+
+    @property
+    def _brackets(self) -> str:
+        low, high = self.interval or (0.0, 1.0)
+        return f"[{100 * low:.0f}, {100 * high:.0f}]"
 
 
 def share_json(ratio: Ratio) -> dict[str, int]:

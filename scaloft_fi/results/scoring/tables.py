@@ -24,6 +24,8 @@ SHORT = 24
 """Longest condition that the mutants' table shows."""
 MANY = 24
 """Of more mutants than these the flights at each rung are summed by parameter."""
+FLOWN = "Flown: killed of all situations flown.  First: the earliest kill, in seconds from take-off, of all flights."
+"""What two columns of the mutants' table say."""
 INTERVALS = "In brackets Wilson's 95 % interval [%] over the row's population; 0/0 is n/a."
 MUTANTS = "Mutants"
 DECIDED = (
@@ -107,9 +109,9 @@ def mutant_table(mutants: Sequence[MutantScore], where: Mapping[str, str], seeds
         "mutant",
         "status",
         "killed/eligible",
-        "killed/flown",
+        "flown",
         "by",
-        "first kill",
+        "first",
         *(["decided"] * decided),
         "killed where",
     )
@@ -117,16 +119,16 @@ def mutant_table(mutants: Sequence[MutantScore], where: Mapping[str, str], seeds
         (
             mutant.subject.id,
             mutant.status.value,
-            str(mutant.kill_rate),
+            mutant.kill_rate.short,
             f"{mutant.kill_rate_flown.part}/{mutant.kill_rate_flown.whole}",
             ", ".join(f"{name} {ratio.part}/{ratio.whole}" for name, ratio in mutant.requirements),
-            f"{mutant.earliest.t_s:.2f} s" if mutant.earliest else "",
+            f"{mutant.earliest.t_s:.1f} s" if mutant.earliest else "",
             *([_decisions(mutant)] * decided),
             _short(where[mutant.subject.id]),
         )
         for mutant in sorted(mutants, key=lambda mutant: -mutant.status.rung)
     )
-    notes = ["First kill: seconds from take-off, over all situations and seeds."]
+    notes = [FLOWN]
     if decided and title == MUTANTS:
         notes.append(DECIDED)
     return Table(title, headers, rows, tuple(notes))

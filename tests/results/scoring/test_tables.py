@@ -39,7 +39,7 @@ def test_the_tables_say_kills_requirement_time_and_condition() -> None:
     (row,) = [
         line for line in (" ".join(raw.split()) for raw in text.splitlines()) if line.startswith(f"{LATE} killed")
     ]
-    assert row == f"{LATE} killed 1/1 = 100 % [21, 100] 1/2 SR2 1/1 12.35 s human"
+    assert row == f"{LATE} killed 1/1 [21, 100] 1/2 SR2 1/1 12.3 s human"
     assert "mutation score  2/3 = 67 % [21, 94]" in text
     assert "T1O0W0D1H0   1/1 = 100 % [21, 100]  SR1" in text
     assert "distinct situations  3/32 = 9 %" in text
