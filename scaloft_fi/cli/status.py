@@ -11,6 +11,8 @@ from scaloft_fi.cli.options import campaign_option, format_option, study_option
 from scaloft_fi.collector import uncollected
 
 AGAIN = "The same `run` flies them again; no flight log is kept from which they could be judged anew."
+WAITING = "waiting for their baseline"
+"""Flights that cannot be judged yet: a run was interrupted before the baseline of their situation and seed was home."""
 
 
 @click.command("status")
@@ -30,7 +32,12 @@ def status_command(study_folder: Path | None, campaign: str, style: str) -> None
     found = held(study, campaign)
     rows = export_rows(found.current, study.roster, study.space)
     baselines = Counter(f"{BASELINE} {row['status']}" for row in rows if row["mutant"] == BASELINE)
-    mutants = Counter(row["status"] for row in rows if row["mutant"] != BASELINE)
+    home = {(row["situation"], row["seed"]) for row in rows if row["mutant"] == BASELINE}
+    mutants = Counter(
+        row["status"] if (row["situation"], row["seed"]) in home else WAITING
+        for row in rows
+        if row["mutant"] != BASELINE
+    )
     table = Table(
         f"Campaign {found.folder}",
         ("flights", "number"),

@@ -5,13 +5,16 @@ from __future__ import annotations
 import csv
 import io
 import json
+import sqlite3
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 from click.testing import Result
 
+from scaloft_fi.campaign.folder import STORE_NAME
 from scaloft_fi.campaign.strategy import remembered
 from scaloft_fi.results.store import Store
 
@@ -127,6 +130,19 @@ def test_status_counts_flights(call: Call) -> None:
     out = call("status").stdout
     assert "killed" in out
     assert "stale" in out
+
+
+def test_flights_whose_baseline_is_not_home_wait_for_it_and_are_not_called_invalid(call: Call, tmp_path: Path) -> None:
+    call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
+    with closing(sqlite3.connect(tmp_path / "campaign" / STORE_NAME)) as connection:
+        connection.execute("DELETE FROM outcomes WHERE mutant = 'baseline' AND situation = 'T0O0W0D0H1'")
+        connection.commit()
+    counted = {
+        row["flights"]: row["number"] for row in json.loads(call("status", "--format", "json").stdout)[0]["rows"]
+    }
+    rows = json.loads(call("export").stdout)
+    assert counted["waiting for their baseline"] == sum(row["situation"] == "T0O0W0D0H1" for row in rows) >= 2
+    assert "invalid" not in counted
 
 
 @pytest.mark.parametrize(
