@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from scaloft_fi.cli.options import campaign_option, format_option, operability_option, study_option
+from scaloft_fi.cli.options import campaign_option, format_option, operability_option, study_option, typed
 
 if TYPE_CHECKING:
     from scaloft_fi.results.worksheet.margin import Margin, Subject
@@ -79,7 +79,7 @@ def margin_command(
         chosen,
         numbers,
         campaign_folder(study, campaign),
-        RunOptions(jobs=jobs or cores()),
+        RunOptions(jobs=jobs or cores(), command=typed()),
         kind=Kind.OPERABILITY if operability else Kind.SAFETY,
         progress=Silence if quiet else Progress,
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shlex
+import sys
 from collections.abc import Callable
 from datetime import date
 from pathlib import Path
@@ -96,3 +98,9 @@ def operability_option(function: F) -> F:
         is_flag=True,
         help="Margins against the operability requirements instead of the safety requirements.",
     )(function)
+
+
+def typed() -> str:
+    """What the user typed, as a shell takes it."""
+    program = Path(sys.argv[0]).name
+    return shlex.join([*(["python", "-m", "scaloft_fi"] if program == "__main__.py" else [program]), *sys.argv[1:]])

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import shlex
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +14,7 @@ from scaloft_fi.cli.options import (
     fail_under_option,
     format_option,
     study_option,
+    typed,
 )
 from scaloft_fi.errors import InputError
 
@@ -167,7 +166,7 @@ def run_command(
         budget_s=None if budget is None else budget_s(budget),
         max_invalid=max_invalid,
         every_violation=bool(mutants),
-        command=_command(),
+        command=typed(),
     )
     keys = [situation.key for situation in chosen.situations]
     others = borrowed(study, baseline_from, keys) if baseline_from else ()
@@ -198,9 +197,3 @@ def _print_first_kills(found: FirstKills, style: str) -> None:
         click.echo(json.dumps(found.to_json(), indent=2, allow_nan=False))
     else:
         click.echo(render((found.table(),), Format(style)), nl=False)
-
-
-def _command() -> str:
-    """What the user typed, as a shell takes it."""
-    program = Path(sys.argv[0]).name
-    return shlex.join([*(["python", "-m", "scaloft_fi"] if program == "__main__.py" else [program]), *sys.argv[1:]])
