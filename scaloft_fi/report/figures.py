@@ -12,6 +12,7 @@ from scaloft_fi.errors import GateError
 from scaloft_fi.report import matrices
 from scaloft_fi.report.analyses import analyses
 from scaloft_fi.report.evidence import Evidence
+from scaloft_fi.report.karnaugh import folding
 from scaloft_fi.report.limits import limits
 from scaloft_fi.report.scenes import scenes
 from scaloft_fi.report.tracks import FAR
@@ -65,6 +66,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "statuses": matrices.STATUSES,
         "decisions": matrices.DECISIONS,
         "axes": matrices.axes(study.grid),
+        "karnaugh": folding(space, [axis.title for axis in study.grid.axes]),
         "situations": order,
         "by_situation": matrices.by_situation(scored, roster, keys),
         "guidewords": [asdict(word) for word in study.matrix.guidewords],

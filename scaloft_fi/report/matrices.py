@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.report.karnaugh import terms
 from scaloft_fi.results.kills.gray import gray_order
 from scaloft_fi.results.kills.kill_matrix import Entry, KillMatrix
 from scaloft_fi.results.roster import Roster, cell_of
@@ -73,9 +74,10 @@ def mutants(scored: Score, matrix: KillMatrix, roster: Roster, keys: Sequence[st
     everyone = {one.subject.id: one for one in (*scored.mutants, *scored.controls)}
     found = []
     for id_ in sorted(everyone, key=roster.rank):
-        entries = {entry.situation: entry for entry in matrix.row[id_].entries}
-        results = {"results": [_result(entries[key]) for key in keys]}
-        found.append(_mutant(everyone[id_], roster, matrix.space) | results)
+        row = matrix.row[id_]
+        entries = {entry.situation: entry for entry in row.entries}
+        drawn = {"results": [_result(entries[key]) for key in keys], "terms": terms(matrix.space, row)}
+        found.append(_mutant(everyone[id_], roster, matrix.space) | drawn)
     return found
 
 

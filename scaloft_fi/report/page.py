@@ -20,7 +20,7 @@ MOST_BYTES = 5_000_000
 """The page fits into an e-mail."""
 SAMPLE, HOPELESS = 8, 1.3
 """Every eighth situation is packed first; what it promises to exceed so far is not tried on all."""
-STYLES = ("page.css", "matrices.css", "flight.css")
+STYLES = ("page.css", "matrices.css", "karnaugh.css", "flight.css")
 SCRIPTS = (
     "dom.js",
     "text.js",
@@ -31,6 +31,8 @@ SCRIPTS = (
     "kills.js",
     "map.js",
     "flight.js",
+    "karnaugh.js",
+    "mutant.js",
     "cell.js",
     "curves.js",
     "follows.js",

@@ -26,24 +26,3 @@ function cellSheet(name) {
     ],
   };
 }
-
-function mutantBlock(mutant) {
-  const first = mutant.earliest;
-  return h("div", { class: "mutant" },
-    h("h3", { class: "sub" }, h("span", { class: "id" }, mutant.id)),
-    h("div", { class: "row" }, h("span", {}, STATES[mutant.status][0], `, kills ${ratioText(mutant.kill_rate)} ${intervalText(mutant.kill_rate)} of the eligible situations, ${ratioText(mutant.kill_rate_flown)} of those flown${SEVERAL ? `; decided: ${mutant.decisions.killed} killed, ${mutant.decisions.survived} survived, ${mutant.decisions.undecided} undecided` : ""}`), whisker(mutant.kill_rate, mutant.id)),
-    (mutant.condition || first) && h("p", { class: "small" }, mutant.condition && `Killed where: ${mutant.condition}.  `,
-      first && ["Earliest: ", h("a", { href: flightHash(mutant.id, ...splitFlight(first.flight)) }, `${first.requirement} at ${seconds(first.t_s)} in ${first.flight}`), "."]),
-    h("ul", { class: "flown-list", "aria-label": `situations of ${mutant.id}` }, mutant.results.map((result, column) => {
-      const { state, share: killed, glyph, uncounted, said } = shown(result);
-      if (state === "not_flown") return null;
-      const situation = DATA.situations[column];
-      return h("li", {}, h("a", { class: `swatch state ${killed > 0.5 ? "deep" : ""} ${uncounted ? "uncounted" : ""}`, "data-state": state, "--share": killed, href: flightHash(mutant.id, situation.key, DATA.seeds[0] ?? 0),
-        "aria-label": `${situation.words.join(", ")}: ${said}`, title: `${situation.words.join(", ")}: ${said}` }, glyph));
-    })));
-}
-
-function splitFlight(text) {
-  const slash = text.lastIndexOf("/");
-  return [text.slice(0, slash), text.slice(slash + 1)];
-}

@@ -22,6 +22,7 @@ function chooseFlight(flights, mutant, situation, seed) {
     h("span", { class: "name" }, "seed"),
     seeds.map(([one, status]) => h("button", { type: "button", "aria-pressed": String(one === seed), "data-seed": one, onclick: () => go(flightHash(mutant, situation, one), true) }, `${one} `, h("span", { class: "faint" }, STATES[status]?.[0] ?? status))),
     h("span", { class: "name" }, "situation"), link(beside[0], "\u2039", "previous situation"), link(beside[1], "\u203a", "next situation"),
+    MUTANTS.has(mutant) && h("a", { href: mutantHash(mutant) }, "all situations of this mutant"),
     CELLS.has(MUTANTS.get(mutant)?.cell) && h("a", { href: cellHash(MUTANTS.get(mutant).cell) }, "its cell of the HAZOP matrix"),
     mutant !== "baseline" && h("a", { href: flightHash("baseline", situation, seed) }, "the clean flight"));
 }

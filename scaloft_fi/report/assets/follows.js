@@ -50,7 +50,7 @@ function subsumption() {
     return [...seen].reduce((sum, under) => sum + nodes[under].mutants.length, 0);
   };
   const rows = nodes.map((node, place) => [node, place]).filter(([node]) => node.minimal).map(([node, place]) => [
-    node.mutants.map((id, number) => [number ? ", " : "", h("a", { class: "id", href: cellHash(MUTANTS.get(id).cell) }, id)]),
+    node.mutants.map((id, number) => [number ? ", " : "", h("a", { class: "id", href: mutantHash(id) }, id)]),
     String(node.kills.length), String(below(place))]);
   return h("div", {},
     h("p", {}, `${killed} killed mutants make ${distinct} different sets of killing situations; ${minimal} of them are minimal: whatever kills a minimal mutant kills those below it, too.`),
@@ -83,7 +83,7 @@ function graph(nodes, edges) {
   const said = (node) => `${node.mutants.join(", ")}\n${plural(node.kills.length, "killing situation")}`;
   const root = s("svg", { viewBox: `0 0 ${width} ${height}`, class: "graph", role: "img", "aria-label": "Subsumption graph: minimal mutants at the top, mutants that follow from them below" },
     edges.map(([above, under]) => s("path", { class: "edge", d: `M${x.get(above)},${y(above)}C${x.get(above)},${y(above) + 24} ${x.get(under)},${y(under) - 24} ${x.get(under)},${y(under)}` })),
-    nodes.map((node, place) => s("a", { href: cellHash(MUTANTS.get(node.mutants[0]).cell), "aria-label": said(node), class: "node" },
+    nodes.map((node, place) => s("a", { href: mutantHash(node.mutants[0]), "aria-label": said(node), class: "node" },
       s("title", {}, said(node)),
       s("circle", { class: node.minimal ? "minimal" : "", cx: x.get(place), cy: y(place), r: radius(node) }),
       s("text", { x: x.get(place), y: y(place) + 4, "text-anchor": "middle" }, node.mutants.length > 1 ? node.mutants.length : ""))));

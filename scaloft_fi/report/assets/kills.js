@@ -37,7 +37,7 @@ function killMatrix() {
   arrange();
   tip.on(board, "td.state", (cell) => cell.getAttribute("aria-label"));
   light(board);
-  return part("kills", "The kill matrix", "Each line is a fault, each column a situation; neighbouring columns differ in one axis.  A result opens its flight.",
+  return part("kills", "The kill matrix", "Each line is a fault, each column a situation; neighbouring columns differ in one axis.  A result opens its flight, a fault's name the map of where it is killed.",
     controls.node,
     h("ul", { class: "legend" },
       h("li", {}, "killed: few", h("span", { class: "ramp" }), "all eligible flights"),
@@ -78,7 +78,7 @@ function groupRow(parameter) {
 
 function mutantRow(mutant) {
   return h("tr", { "data-mutant": mutant.id },
-    h("th", { scope: "row" }, h("a", { class: "quiet", href: cellHash(mutant.cell), title: mutant.id }, mutant.id), mutant.control && h("span", { class: "tag", title: "crude control, in no ratio" }, "C")),
+    h("th", { scope: "row" }, h("a", { class: "quiet", href: mutantHash(mutant.id), title: `${mutant.id}: where it is killed, as a map` }, mutant.id), mutant.control && h("span", { class: "tag", title: "crude control, in no ratio" }, "C")),
     mutant.results.map((result, column) => {
       const { state, share: killed, glyph, uncounted, said } = shown(result);
       const situation = DATA.situations[column];

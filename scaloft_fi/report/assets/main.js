@@ -1,5 +1,6 @@
 /* Puts the page together, follows its fragment, switches its theme. */
-const SHEETS = /^#(flight|cell)=/;
+const SHEETS = /^#(flight|cell|mutant)=/;
+const MAKERS = { cell: (names) => cellSheet(names[0]), mutant: (names) => mutantSheet(names[0]), flight: (names) => flightSheet(names[0], names[1] ?? "", Number(names[2] ?? 0)) };
 let returned = null;
 
 function go(hash, inPlace = false) {
@@ -20,7 +21,7 @@ async function follow() {
   let told;
   try {
     const names = value.split("/").map(decodeURIComponent);
-    told = hash.startsWith("#cell=") ? cellSheet(names[0]) : await flightSheet(names[0], names[1] ?? "", Number(names[2] ?? 0));
+    told = await MAKERS[SHEETS.exec(hash)[1]](names);
   } catch (error) {
     told = { title: "This cannot be shown", lead: value, body: [h("p", { class: "notice" }, String(error))] };
   }

@@ -60,7 +60,7 @@ function todo(entries) {
 
 /** A survivor's line: what it is, what to change, the facts that say so. */
 function survivor(mutant, told) {
-  return [h("span", {}, h("a", { class: "id", href: cellHash(mutant.cell) }, mutant.id), h("span", { class: "faint small under" }, CELLS.get(mutant.cell)?.deviation ?? "")),
+  return [h("span", {}, h("a", { class: "id", href: mutantHash(mutant.id) }, mutant.id), h("span", { class: "faint small under" }, CELLS.get(mutant.cell)?.deviation ?? "")),
     `${mutant.kill_rate.part}/${mutant.kill_rate.whole}`, h("b", {}, NEXT[told.next] ?? told.next), h("span", { class: "small" }, withCode(told.why))];
 }
 

@@ -41,5 +41,6 @@ const bounds = (text) => text.replaceAll("<=", "\u2264").replaceAll(">=", "\u226
 
 const flightHash = (mutant, situation, seed) =>
   `#flight=${[mutant, situation, seed].map(encodeURIComponent).join("/")}`;
+const mutantHash = (id) => `#mutant=${encodeURIComponent(id)}`;
 const cellHash = (name) => `#cell=${encodeURIComponent(name)}`;
 const literal = (argument) => (/^[\w@%+=:,./#-]+$/.test(argument) && !argument.startsWith("#") ? argument : `'${argument.replaceAll("'", "'\\''")}'`);

@@ -8,6 +8,7 @@ here).  With two values an axis the opposite edges are neighbours too.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import prod
 from typing import Any
 
 from scaloft_fi.results.kills.condition import Term, admits, cover, term_text
@@ -33,25 +34,34 @@ class Block:
 
 
 @dataclass(frozen=True)
-class KarnaughMap:
-    """A mutant's map.
+class Fold:
+    """A grid folded into a rectangle.
 
     Attributes:
-        mutant: id.
-        condition: the whole condition; empty when it is killed nowhere.
         down, across: indices of the axes that run down, and across.
         rows, columns: values of those axes, in the order of the map.
         keys: (rows, columns) keys of the situations; None where the grid has none.
-        blocks: one per term of the condition.
     """
 
-    mutant: str
-    condition: str
     down: tuple[int, ...]
     across: tuple[int, ...]
     rows: tuple[Point, ...]
     columns: tuple[Point, ...]
     keys: tuple[tuple[str | None, ...], ...]
+
+
+@dataclass(frozen=True)
+class KarnaughMap(Fold):
+    """A mutant's map.
+
+    Attributes:
+        mutant: id.
+        condition: the whole condition; empty when it is killed nowhere.
+        blocks: one per term of the condition.
+    """
+
+    mutant: str
+    condition: str
     blocks: tuple[Block, ...]
 
     def to_json(self) -> dict[str, Any]:
@@ -66,31 +76,36 @@ class KarnaughMap:
         }
 
 
+def fold(space: Space) -> Fold:
+    """The grid as a rectangle: the first half of its axes down, the others across."""
+    half = len(space.axes) // 2
+    down, across = tuple(range(half)), tuple(range(half, len(space.axes)))
+    rows, columns = _side(space, down), _side(space, across)
+    key_of = {point: key for key, point in space.points}
+    keys = tuple(tuple(key_of.get((*above, *beside)) for beside in columns) for above in rows)
+    return Fold(down, across, rows, columns, keys)
+
+
 def karnaugh_map(space: Space, row: Row, condition: str) -> KarnaughMap:
     """The map of a mutant.
 
     Raises:
         ValueError: the grid has more than `MOST_CELLS` combinations, a sentence for the user.
     """
-    cells = 1
-    for values in space.values:
-        cells *= len(values)
+    cells = prod(len(values) for values in space.values)
     if cells > MOST_CELLS:
         raise ValueError(f"a Karnaugh map of {cells} situations would not be read; at most {MOST_CELLS} are drawn")
-    half = len(space.axes) // 2
-    down, across = tuple(range(half)), tuple(range(half, len(space.axes)))
-    rows, columns = _side(space, down), _side(space, across)
-    key_of = {point: key for key, point in space.points}
+    folded = fold(space)
     terms = cover(space, row.killing, row.surviving)
     return KarnaughMap(
+        folded.down,
+        folded.across,
+        folded.rows,
+        folded.columns,
+        folded.keys,
         mutant=row.id,
         condition=condition,
-        down=down,
-        across=across,
-        rows=rows,
-        columns=columns,
-        keys=tuple(tuple(key_of.get((*above, *beside)) for beside in columns) for above in rows),
-        blocks=tuple(_block(space, term, rows, columns) for term in terms),
+        blocks=tuple(_block(space, term, folded.rows, folded.columns) for term in terms),
     )
 
 

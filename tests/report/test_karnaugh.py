@@ -1,0 +1,95 @@
+"""The Karnaugh maps of the page: a fold whose neighbours differ in one axis, terms that brute force cannot shorten."""
+
+from __future__ import annotations
+
+import json
+from itertools import combinations, product
+from typing import Any
+
+import pytest
+from reading import embedded
+
+from scaloft_fi.report.evidence import Evidence
+from scaloft_fi.report.karnaugh import MOST_AXES, folding, terms
+from scaloft_fi.results.kills.kill_matrix import Entry, Row
+from scaloft_fi.results.outcome import Subject
+from scaloft_fi.results.scoring.ratio import Ratio
+from scaloft_fi.results.space import Space
+from scaloft_fi.results.status import Status
+from scaloft_fi.results.telling.export import export_rows, to_json
+
+
+def grid(*sizes: int) -> Space:
+    """Axes with so many values."""
+    axes = tuple("ABCDEFGH"[: len(sizes)])
+    values = tuple(tuple(map(str, range(size))) for size in sizes)
+    keyed = tuple(("".join(a + v for a, v in zip(axes, point, strict=True)), point) for point in product(*values))
+    return Space(axes, values, values, keyed)
+
+
+@pytest.mark.parametrize("count", range(2, MOST_AXES + 1))
+def test_neighbours_differ_in_one_axis_and_opposite_edges_meet(count: int) -> None:
+    space = grid(*[2] * count)
+    fold = folding(space, space.axes)
+    keys = fold["keys"]
+    assert sorted(key for row in keys for key in row) == sorted(space.point)
+    for row, column in product(range(len(keys)), range(len(keys[0]))):
+        here = space.point[keys[row][column]]
+        sides = zip((*fold["down"], *fold["across"]), (*fold["rows"][row], *fold["columns"][column]), strict=True)
+        assert [level for _, level in sorted(sides)] == list(map(int, here))
+        for beside in (keys[row][column - 1], keys[row - 1][column]):
+            assert sum(a != b for a, b in zip(here, space.point[beside], strict=True)) == 1
+
+
+@pytest.mark.parametrize(
+    ("sizes", "said"),
+    [
+        ((2, 3, 2), "of this grid's, 'B' has 3"),
+        ((4, 2, 1), "'A' has 4 and 'C' has 1"),
+        ((2,) * 7, "shows 2 to 6 axes; this grid has 7"),
+        ((2,), "shows 2 to 6 axes; this grid has 1"),
+    ],
+)
+def test_a_grid_without_a_map_says_why_and_has_no_terms(sizes: tuple[int, ...], said: str) -> None:
+    space = grid(*sizes)
+    (key, *_) = space.point
+    row = Row(Subject("X-x"), "mutant", counted=True, status=Status.KILLED, kill_rate=Ratio(1, 1), entries=())
+    assert said in folding(space, space.axes)["reason"]
+    assert folding(space, space.axes).keys() == {"reason"}
+    assert terms(space, Row(**vars(row) | {"entries": (Entry(key, Status.KILLED.value),)})) == []
+
+
+def test_terms_hold_every_kill_and_no_survival_and_are_the_fewest(evidence: Evidence, text: str) -> None:
+    study, told = evidence.study, embedded(text, "figures")
+    rows: list[dict[str, Any]] = json.loads(to_json(export_rows(evidence.outcomes, study.roster, study.space)))
+    clean = {(row["situation"], row["seed"]): row for row in rows if row["mutant"] == "baseline"}
+    levels = {entry["key"]: entry["levels"] for entry in told["situations"]}
+    boxes = ["".join(box) for box in product("-01", repeat=5)]
+
+    def inside(key: str, pattern: str) -> bool:
+        return all(mark in ("-", str(level)) for mark, level in zip(pattern, levels[key], strict=True))
+
+    def holds(row: dict[str, Any]) -> bool:
+        base = clean[row["situation"], row["seed"]]
+        return base["ending"] != "struck" and not {"SR1", "SR2"} <= set(base["violated"])
+
+    for mutant in told["mutants"]:
+        flights = [row for row in rows if row["mutant"] == mutant["id"] and row["status"] != "invalid"]
+        on = {row["situation"] for row in flights if row["status"] == "killed"}
+        tested = {row["situation"] for row in flights if row["infected_at_s"] is not None and holds(row)}
+        infected = {row["situation"] for row in flights if row["infected_at_s"] is not None}
+        off = (tested | {row["situation"] for row in flights} - infected) - on
+        patterns = [term["levels"] for term in mutant["terms"]]
+        assert on <= {key for key in levels if any(inside(key, pattern) for pattern in patterns)}
+        assert not any(inside(key, pattern) for key in off for pattern in patterns)
+        fitting = [box for box in boxes if not any(inside(key, box) for key in off)]
+        fewest = next(
+            size
+            for size in range(len(patterns) + 1)
+            for chosen in combinations(fitting, size)
+            if all(any(inside(key, box) for box in chosen) for key in on)
+        )
+        assert len(patterns) == fewest
+        # the condition in words is that of the terms
+        assert mutant["condition"].count(" or ") + bool(mutant["condition"]) == len(patterns)
+        assert all(term["words"] in mutant["condition"] or term["words"] == "everywhere" for term in mutant["terms"])
