@@ -80,6 +80,16 @@ def today_option(function: F) -> F:
     )(function)
 
 
+def as_of_option(function: F) -> F:
+    """`--today DATE`, without which no day is assumed."""
+    return click.option(
+        "--today",
+        callback=_day,
+        metavar="YYYY-MM-DD",
+        help="Mark the dispositions that have expired by this day.  [default: last days are shown, none is judged]",
+    )(function)
+
+
 def _day(_context: click.Context, _option: click.Parameter, text: str | None) -> date | None:
     if text is None:
         return None

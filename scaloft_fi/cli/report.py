@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from datetime import date
 from pathlib import Path
 
 import click
 
 from scaloft_fi.cli.files import check_writable, write
-from scaloft_fi.cli.options import campaign_option, study_option
+from scaloft_fi.cli.options import as_of_option, campaign_option, study_option
 
 NAME = "report.html"
 
@@ -21,7 +22,8 @@ NAME = "report.html"
     metavar="FILE",
     help="Write the page there.  [default: report.html in the campaign's folder]",
 )
-def report_command(study_folder: Path | None, campaign: str, output: Path | None) -> None:
+@as_of_option
+def report_command(study_folder: Path | None, campaign: str, output: Path | None, today: date | None) -> None:
     """Write one HTML file that opens from disk, without a network: both matrices, every flight, what follows."""
     check_writable(output)
     from scaloft_fi.campaign.folder import campaign_folder
@@ -30,7 +32,7 @@ def report_command(study_folder: Path | None, campaign: str, output: Path | None
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
-    evidence = gather(study, campaign)
+    evidence = gather(study, campaign, today)
     path = output or campaign_folder(study, campaign) / NAME
     content = page(evidence).encode()
     write(path, content)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from datetime import date
 
 from scaloft_fi.campaign.folder import STORE_NAME
 from scaloft_fi.campaign.held import current, held
@@ -23,6 +24,7 @@ class Evidence:
         outcomes: those that the study still stands for, with their tracks.
         stale, owed: flights that it has outgrown; flights planned and not flown.
         fingerprint: of the platform that flew them, by name.
+        today: by which dispositions expire; None = none does.
     """
 
     study: Study
@@ -31,10 +33,11 @@ class Evidence:
     stale: int = 0
     owed: int = 0
     fingerprint: Mapping[str, str] | None = None
+    today: date | None = None
 
 
-def gather(study: Study, campaign: str) -> Evidence:
-    """Read the campaign.
+def gather(study: Study, campaign: str, today: date | None = None) -> Evidence:
+    """Read the campaign; `today` is the day by which dispositions expire.
 
     Raises:
         InputError: there is none, or it holds no flight that counts.
@@ -42,4 +45,4 @@ def gather(study: Study, campaign: str) -> Evidence:
     known, found = current(study, campaign), held(study, campaign)
     outcomes = with_tracks(study, campaign, known, {outcome.mutant for outcome in known})
     with Store(found.folder / STORE_NAME, create=False) as store:
-        return Evidence(study, campaign, outcomes, found.stale, found.owed, store.meta())
+        return Evidence(study, campaign, outcomes, found.stale, found.owed, store.meta(), today)

@@ -10,6 +10,7 @@ from scaloft_fi import __version__
 from scaloft_fi.campaign.gates import check
 from scaloft_fi.errors import GateError
 from scaloft_fi.report import matrices
+from scaloft_fi.report.accepted import accepted
 from scaloft_fi.report.analyses import analyses
 from scaloft_fi.report.evidence import Evidence
 from scaloft_fi.report.karnaugh import folding
@@ -78,6 +79,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "limits": limits(study.requirements, TRACK_COLUMNS),
         "baseline": [_finding(finding) for finding in found],
         "tallies": [_tally(tally) for tally in tallies(outcomes)],
+        "accepted": accepted(scored, roster, study.dispositions, evidence.today),
         **analyses(outcomes, scored, kills, study, roster),
         "far": FAR,
         "endings": {ending.value: ending.sentence for ending in Ending},

@@ -31,6 +31,7 @@ SCRIPTS = (
     "kills.js",
     "map.js",
     "flight.js",
+    "accepted.js",
     "karnaugh.js",
     "mutant.js",
     "cell.js",

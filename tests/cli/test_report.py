@@ -45,6 +45,15 @@ def test_the_page_can_go_elsewhere_and_the_same_campaign_makes_the_same_bytes(ca
     assert pages[0].read_bytes() == pages[1].read_bytes()
 
 
+def test_a_day_is_taken_from_the_command_line_only(call: Call, tmp_path: Path) -> None:
+    call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--quiet")
+    path = tmp_path / "a.html"
+    for words, today in (((), None), (("--today", "2027-02-01"), "2027-02-01")):
+        assert call("report", "--output", str(path), *words).exit_code == 0
+        assert _figures(path)["accepted"]["today"] == today  # type: ignore[index]
+    assert call("report", "--today", "2027-02-30").exit_code == 2
+
+
 def test_without_a_campaign_or_a_place_to_write_it_is_one_sentence(call: Call, tmp_path: Path) -> None:
     for words in (("--campaign", f"{tmp_path}/none/c"), ("--output", f"{tmp_path}/no/report.html")):
         result = call("report", *words, campaign=words[0] != "--campaign")

@@ -70,6 +70,9 @@ def hostile(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
     change(folder / "hazop" / "guidewords.yaml", titles)
     change(folder / "sim" / "situations.yaml", axes)
     change(folder / "sim" / "requirements.yaml", requirements)
+    accepted = {"status": "accepted", "owner": HOSTILE[0], "reason": HOSTILE[1], "expires": "2027-01-31"}
+    text = yaml.safe_dump({"LATE-human": accepted}, allow_unicode=True)
+    (folder / "hazop" / "dispositions.yaml").write_text(text, encoding="utf-8")
     study = Study.open(folder)
     outcomes = list(campaign(study, ("LATE-human@3s", "REVERSE-velcmd"), range(1)))
     outcomes = [replace(o, stack_error=HOSTILE[0]) if o.mutant.startswith("LATE") else o for o in outcomes]

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Callable, Iterator
+from dataclasses import replace
+from datetime import date, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,8 @@ from reading import embedded, unpacked
 
 from scaloft_fi.report.evidence import Evidence
 from scaloft_fi.report.page import page as page_of
+from scaloft_fi.results.worksheet.disposition import Disposition
+from scaloft_fi.study import Study
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
 FLIGHT = "#flight=LATE-human%403s/T0O0W0D0H1/1"
@@ -242,6 +246,22 @@ def test_the_karnaugh_map_is_printed_and_readable_in_dark(visit: Opened) -> None
     assert page.evaluate(ink) == "rgb(255, 255, 255)"
 
 
+def test_a_disposition_stands_beside_its_survivor_and_a_given_day_marks_it(
+    visit: Opened, evidence: Evidence, tmp_path: Path
+) -> None:
+    day = date(2027, 1, 31)
+    known = Disposition("MORE-goal@0.6m", "A. Engineer", "there is 1 m of room", day)
+    study = Study.open(evidence.study.folder)
+    vars(study)["dispositions"] = (known,)
+    for today, words in ((None, "accepted until 2027-01-31"), (day + timedelta(1), "expired, last day 2027-01-31")):
+        file = tmp_path / f"{today}.html"
+        file.write_text(page_of(replace(evidence, study=study, today=today), 1), encoding="utf-8")
+        page = visit("#mutant=MORE-goal%400.6m", file=file).page
+        for place in ("#survivors table", "#sheet"):
+            beside = page.locator(f"{place} .accepted")
+            assert f"{words} by A. Engineer: there is 1 m of room" in beside.text_content()
+
+
 def test_filters_and_order_of_the_kill_matrix(visit: Opened) -> None:
     page = visit().page
     rows = page.locator("#kills tr[data-mutant]")
@@ -268,6 +288,7 @@ def test_hostile_names_appear_letter_by_letter_and_break_nothing(
     assert parameters[: len(HOSTILE)] == list(HOSTILE)
     assert page.evaluate("document.querySelectorAll('img, iframe, [onerror], [onclick]').length") == 0
     assert page.evaluate("document.scripts.length") == 3
+    assert HOSTILE[1] in page.locator("#survivors .accepted").text_content()
     page.locator('#kills td.state[data-state="killed"]').first.click()
     page.wait_for_selector("#sheet .map")
     assert HOSTILE[0] in page.locator("#sheet .verdict").text_content()

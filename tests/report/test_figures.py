@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import json
 from collections import defaultdict
 from itertools import combinations, pairwise
 from typing import Any
 
 import pytest
+from counting import counts_of, exported
 from reading import embedded, unpacked
 
 from scaloft_fi.report.evidence import Evidence
 from scaloft_fi.report.page import page
-from scaloft_fi.results.telling.export import export_rows, to_json
 
-SAFETY = ("SR1", "SR2")
 DEFAULTS = {"LATE-human@3s", "MORE-goal@0.6m", "NO-depth@3s", "LESS-goal@0.05m"}
 CONTROLS = {"REVERSE-velcmd"}
 
@@ -27,41 +25,15 @@ def told(text: str) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def rows(evidence: Evidence) -> list[dict[str, Any]]:
-    study = evidence.study
-    found: list[dict[str, Any]] = json.loads(to_json(export_rows(evidence.outcomes, study.roster, study.space)))
-    return found
-
-
-def _eligible(row: dict[str, Any], rows: list[dict[str, Any]]) -> bool:
-    """Infected, and the baseline held a safety requirement to its end."""
-    clean = next(
-        r for r in rows if (r["mutant"], r["situation"], r["seed"]) == ("baseline", row["situation"], row["seed"])
-    )
-    held = [name for name in SAFETY if name not in clean["violated"]]
-    return (
-        row["status"] != "invalid" and row["infected_at_s"] is not None and clean["ending"] != "struck" and bool(held)
-    )
-
-
-def _tested(rows: list[dict[str, Any]]) -> dict[str, dict[str, list[int]]]:
-    """By mutant and situation: killed, eligible and flown flights."""
-    found: dict[str, dict[str, list[int]]] = defaultdict(lambda: defaultdict(lambda: [0, 0, 0]))
-    for row in rows:
-        if row["mutant"] in ("baseline", "PLACEBO"):
-            continue
-        counts = found[row["mutant"]][row["situation"]]
-        counts[0] += row["status"] == "killed" and _eligible(row, rows)
-        counts[1] += _eligible(row, rows)
-        counts[2] += row["status"] != "invalid"
-    return found
+    return exported(evidence)
 
 
 def test_results_and_kill_rates_are_those_of_the_export(told: dict[str, Any], rows: list[dict[str, Any]]) -> None:
-    tested = _tested(rows)
+    counted = counts_of(rows)
     keys = [situation["key"] for situation in told["situations"]]
-    assert {mutant["id"] for mutant in told["mutants"]} == set(tested)
+    assert {mutant["id"] for mutant in told["mutants"]} == set(counted)
     for mutant in told["mutants"]:
-        counts = tested[mutant["id"]]
+        counts = counted[mutant["id"]]
         assert [result[1:4] for result in mutant["results"]] == [counts[key] for key in keys]
         assert mutant["kill_rate"]["part"] == sum(k > 0 for k, _, _ in counts.values())
         assert mutant["kill_rate"]["whole"] == sum(e > 0 for _, e, _ in counts.values())
@@ -70,23 +42,23 @@ def test_results_and_kill_rates_are_those_of_the_export(told: dict[str, Any], ro
 
 
 def test_the_ratios_are_those_of_the_export(told: dict[str, Any], rows: list[dict[str, Any]]) -> None:
-    tested = {mutant: counts for mutant, counts in _tested(rows).items() if mutant in DEFAULTS}
+    counted = {mutant: counts for mutant, counts in counts_of(rows).items() if mutant in DEFAULTS}
     infected = {row["mutant"] for row in rows if row["infected_at_s"] is not None}
-    killed = sum(any(k for k, _, _ in counts.values()) for counts in tested.values())
-    eligible = sum(any(e for _, e, _ in counts.values()) for counts in tested.values())
+    killed = sum(any(k for k, _, _ in counts.values()) for counts in counted.values())
+    eligible = sum(any(e for _, e, _ in counts.values()) for counts in counted.values())
     ratios = {ratio["name"]: (ratio["part"], ratio["whole"]) for ratio in told["ratios"]}
     credible = sum(cell["status"] == "credible" for cell in told["cells"])
-    assert ratios["exercised"] == (len(tested), credible)
-    assert ratios["infected"] == (len(infected & DEFAULTS), len(tested))
+    assert ratios["exercised"] == (len(counted), credible)
+    assert ratios["infected"] == (len(infected & DEFAULTS), len(counted))
     assert ratios["mutation_score"] == (killed, eligible)
-    assert ratios["strict_score"] == (killed, len(tested))
+    assert ratios["strict_score"] == (killed, len(counted))
     assert all(ratio["population"] and len(ratio["interval"]) == 2 for ratio in told["ratios"])
 
 
 def test_the_line_below_the_matrix_counts_default_mutants(told: dict[str, Any], rows: list[dict[str, Any]]) -> None:
-    tested = _tested(rows)
+    counted = counts_of(rows)
     for situation, counts in zip(told["situations"], told["by_situation"], strict=True):
-        here = [tested[mutant][situation["key"]] for mutant in DEFAULTS]
+        here = [counted[mutant][situation["key"]] for mutant in DEFAULTS]
         assert (counts["killed"], counts["eligible"]) == (
             sum(k > 0 for k, _, _ in here),
             sum(e > 0 for _, e, _ in here),
@@ -141,7 +113,7 @@ def test_the_smallest_suite_and_the_minimal_mutants_are_those_of_brute_force(
 ) -> None:
     kills = {
         mutant: {key for key, (killed, _, _) in counts.items() if killed}
-        for mutant, counts in _tested(rows).items()
+        for mutant, counts in counts_of(rows).items()
         if mutant in DEFAULTS
     }
     kills = {mutant: keys for mutant, keys in kills.items() if keys}

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from itertools import combinations, product
-from typing import Any
 
 import pytest
+from counting import clean_of, eligible, exported
 from reading import embedded
 
 from scaloft_fi.report.evidence import Evidence
@@ -16,7 +15,6 @@ from scaloft_fi.results.outcome import Subject
 from scaloft_fi.results.scoring.ratio import Ratio
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.status import Status
-from scaloft_fi.results.telling.export import export_rows, to_json
 
 
 def grid(*sizes: int) -> Space:
@@ -60,23 +58,18 @@ def test_a_grid_without_a_map_says_why_and_has_no_terms(sizes: tuple[int, ...], 
 
 
 def test_terms_hold_every_kill_and_no_survival_and_are_the_fewest(evidence: Evidence, text: str) -> None:
-    study, told = evidence.study, embedded(text, "figures")
-    rows: list[dict[str, Any]] = json.loads(to_json(export_rows(evidence.outcomes, study.roster, study.space)))
-    clean = {(row["situation"], row["seed"]): row for row in rows if row["mutant"] == "baseline"}
+    told, rows = embedded(text, "figures"), exported(evidence)
+    clean = clean_of(rows)
     levels = {entry["key"]: entry["levels"] for entry in told["situations"]}
     boxes = ["".join(box) for box in product("-01", repeat=5)]
 
     def inside(key: str, pattern: str) -> bool:
         return all(mark in ("-", str(level)) for mark, level in zip(pattern, levels[key], strict=True))
 
-    def holds(row: dict[str, Any]) -> bool:
-        base = clean[row["situation"], row["seed"]]
-        return base["ending"] != "struck" and not {"SR1", "SR2"} <= set(base["violated"])
-
     for mutant in told["mutants"]:
         flights = [row for row in rows if row["mutant"] == mutant["id"] and row["status"] != "invalid"]
         on = {row["situation"] for row in flights if row["status"] == "killed"}
-        tested = {row["situation"] for row in flights if row["infected_at_s"] is not None and holds(row)}
+        tested = {row["situation"] for row in flights if eligible(row, clean)}
         infected = {row["situation"] for row in flights if row["infected_at_s"] is not None}
         off = (tested | {row["situation"] for row in flights} - infected) - on
         patterns = [term["levels"] for term in mutant["terms"]]

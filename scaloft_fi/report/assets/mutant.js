@@ -30,6 +30,7 @@ function mutantFacts(mutant) {
     h("div", { class: "row" }, h("span", {}, `${capital(STATES[mutant.status][0])}: kills ${ratioText(mutant.kill_rate)} ${intervalText(mutant.kill_rate)} of the eligible situations, ${ratioText(mutant.kill_rate_flown)} of those flown${SEVERAL ? `; decided: ${mutant.decisions.killed} killed, ${mutant.decisions.survived} survived, ${mutant.decisions.undecided} undecided` : ""}`), whisker(mutant.kill_rate, mutant.id)),
     (mutant.condition || first) && h("p", { class: "small" }, mutant.condition && `${mutant.kill_rate.part ? "Killed where" : "Killed, but only where nothing counts"}: ${mutant.condition}.  `,
       first && ["Earliest: ", h("a", { href: flightHash(mutant.id, ...splitFlight(first.flight)) }, `${first.requirement} at ${seconds(first.t_s)} in ${first.flight}`), "."]),
+    acceptance(mutant.id),
   ];
 }
 

@@ -41,12 +41,12 @@ function survivors() {
   const found = DATA.mutants.filter((mutant) => told.has(mutant.id));
   const order = ["survived", "baseline_red", "masked", "not_infected", "not_reached", "invalid"];
   return part("survivors", "What was not shown, and what to do next", "Mutants that no eligible flight kills, by the rung where the fault stopped.",
-    todo(DATA.survivors),
+    todo(DATA.survivors), acceptances(),
     order.map((state) => {
       const members = found.filter((mutant) => mutant.status === state);
       if (!members.length) return null;
       return h("details", { open: members.length <= 12, class: "fold" }, h("summary", {}, h("h3", { class: "inline" }, `${capital(STATES[state][0])} (${members.length})`), h("span", {}, ` ${STATES[state][1]}`)),
-        table(["mutant", { text: "killed/eligible", number: true }, "change next", "why"], members.map((mutant) => survivor(mutant, told.get(mutant.id)))));
+        table(["mutant", { text: "killed/eligible", number: true }, "change next", "why", "accepted"], members.map((mutant) => survivor(mutant, told.get(mutant.id)))));
     }),
     !found.length && h("p", {}, "Every mutant flown is killed somewhere."));
 }
@@ -61,7 +61,7 @@ function todo(entries) {
 /** A survivor's line: what it is, what to change, the facts that say so. */
 function survivor(mutant, told) {
   return [h("span", {}, h("a", { class: "id", href: mutantHash(mutant.id) }, mutant.id), h("span", { class: "faint small under" }, CELLS.get(mutant.cell)?.deviation ?? "")),
-    `${mutant.kill_rate.part}/${mutant.kill_rate.whole}`, h("b", {}, NEXT[told.next] ?? told.next), h("span", { class: "small" }, withCode(told.why))];
+    `${mutant.kill_rate.part}/${mutant.kill_rate.whole}`, h("b", {}, NEXT[told.next] ?? told.next), h("span", { class: "small" }, withCode(told.why)), acceptance(mutant.id) ?? h("span", { class: "faint", title: "The score does not count it against the tests." }, "\u2013")];
 }
 
 const NEXT = { repeat: "fly again", situation: "situation", magnitude: "magnitude", oracle: "requirement", operability: "nothing (operability shows it)", expected: "nothing (known beforehand)" };
