@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+from browsing import NAMES, Opened, Visit
 from papers import HOSTILE, STUDY, campaign, evidence_of
 
 from scaloft_fi.document import load
@@ -89,3 +91,38 @@ def text(evidence: Evidence) -> str:
 def hostile_text(hostile: Evidence) -> str:
     """The page of the hostile study."""
     return page(hostile)
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    found = next((path for path in map(shutil.which, NAMES) if path), None)
+    if found is None:
+        reason = f"no browser: none of {', '.join(NAMES)} on the path"
+        if os.environ.get("SCALOFT_FI_BROWSER") == "required":
+            pytest.fail(reason)
+        pytest.skip(reason)
+    sync = pytest.importorskip("playwright.sync_api")
+    with sync.sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=found, args=["--no-sandbox", "--disable-gpu"])
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture(scope="session")
+def path(text: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    written = tmp_path_factory.mktemp("page") / "report.html"
+    written.write_text(text, encoding="utf-8")
+    return written
+
+
+@pytest.fixture
+def visit(browser: Any, path: Path) -> Iterator[Opened]:
+    visits: list[Visit] = []
+
+    def opened(fragment: str = "", file: Path = path, **context: Any) -> Visit:
+        visits.append(Visit(browser, file, fragment, **context))
+        return visits[-1]
+
+    yield opened
+    for one in visits:
+        one.close()

@@ -2,87 +2,18 @@
 
 from __future__ import annotations
 
-import os
-import shutil
-from collections.abc import Callable, Iterator
-from dataclasses import replace
-from datetime import date, timedelta
 from pathlib import Path
 from typing import Any
 
 import pytest
+from browsing import Opened
 from papers import HOSTILE
 from reading import embedded, unpacked
 
 from scaloft_fi.report.evidence import Evidence
 from scaloft_fi.report.page import page as page_of
-from scaloft_fi.results.worksheet.disposition import Disposition
-from scaloft_fi.study import Study
 
-NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
 FLIGHT = "#flight=LATE-human%403s/T0O0W0D0H1/1"
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    found = next((path for path in map(shutil.which, NAMES) if path), None)
-    if found is None:
-        reason = f"no browser: none of {', '.join(NAMES)} on the path"
-        if os.environ.get("SCALOFT_FI_BROWSER") == "required":
-            pytest.fail(reason)
-        pytest.skip(reason)
-    sync = pytest.importorskip("playwright.sync_api")
-    with sync.sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=found, args=["--no-sandbox", "--disable-gpu"])
-        yield chromium
-        chromium.close()
-
-
-class Visit:
-    """One page opened from disk; remembers what the console said and what was asked of a network."""
-
-    def __init__(self, browser: Any, path: Path, fragment: str = "", **context: Any) -> None:
-        self.context = browser.new_context(**{"viewport": {"width": 1280, "height": 900}, **context})
-        self.page = self.context.new_page()
-        self.said: list[str] = []
-        self.asked: list[str] = []
-        self.page.on("console", lambda message: self.said.append(message.text))
-        self.page.on("pageerror", lambda error: self.said.append(str(error)))
-        self.page.on("request", lambda request: self.asked.append(request.url))
-        self.page.goto(path.as_uri() + fragment)
-        self.page.wait_for_selector("#kills td.state")
-
-    def hash(self) -> str:
-        return str(self.page.evaluate("location.hash"))
-
-    def close(self) -> None:
-        self.context.close()
-        assert self.said == []
-        assert [url for url in self.asked if not url.startswith(("file:", "data:"))] == []
-        assert len([url for url in self.asked if url.startswith("file:")]) == 1
-
-
-@pytest.fixture(scope="module")
-def path(text: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    written = tmp_path_factory.mktemp("page") / "report.html"
-    written.write_text(text, encoding="utf-8")
-    return written
-
-
-Opened = Callable[..., Visit]
-
-
-@pytest.fixture
-def visit(browser: Any, path: Path) -> Iterator[Opened]:
-    visits: list[Visit] = []
-
-    def opened(fragment: str = "", file: Path = path, **context: Any) -> Visit:
-        visits.append(Visit(browser, file, fragment, **context))
-        return visits[-1]
-
-    yield opened
-    for one in visits:
-        one.close()
 
 
 def test_both_matrices_are_drawn_whole(visit: Opened, text: str) -> None:
@@ -191,75 +122,6 @@ def test_a_cell_shows_its_mutants_and_they_lead_to_flights(visit: Opened) -> Non
     page.wait_for_selector("#sheet .map")
     page.go_back()
     page.wait_for_selector("#sheet .mutant")
-
-
-def test_a_click_on_a_mutant_shows_its_karnaugh_map_and_a_cell_of_it_the_flight(visit: Opened, text: str) -> None:
-    told = embedded(text, "figures")
-    mutant = next(one for one in told["mutants"] if one["id"] == "LATE-human@3s")
-    seen = visit()
-    page = seen.page
-    page.locator('#kills tr[data-mutant="LATE-human@3s"] th a').click()
-    page.wait_for_selector("#sheet .karnaugh")
-    assert seen.hash() == "#mutant=LATE-human%403s"
-    cells = page.locator("#sheet .karnaugh .map-cell")
-    place = {situation["key"]: number for number, situation in enumerate(told["situations"])}
-    drawn = cells.evaluate_all("all => all.map((one) => [one.dataset.key, one.dataset.state, one.textContent])")
-    assert [key for key, _, _ in drawn] == [key for row in told["karnaugh"]["keys"] for key in row]
-    for key, state, words in drawn:
-        assert state == told["statuses"][mutant["results"][place[key]][0]]
-        # a word in every cell, so that no colour is needed to tell them apart
-        assert words.startswith(state.replace("_", " "))
-    assert page.locator("#sheet .karnaugh path[data-term]").count() == len(mutant["terms"]) == 1
-    assert mutant["terms"][0]["words"] in page.locator("#sheet .sheet-body .keys").inner_text()
-    edge = page.locator("#sheet .karnaugh svg").bounding_box()
-    first, last = cells.first.bounding_box(), cells.last.bounding_box()
-    assert (edge["x"], edge["y"]) == pytest.approx((first["x"], first["y"]), abs=1)
-    assert edge["x"] + edge["width"] == pytest.approx(last["x"] + last["width"], abs=1)
-    page.locator('#sheet .map-cell[data-state="killed"]').first.click()
-    page.wait_for_selector("#sheet .map")
-    page.go_back()
-    page.wait_for_selector("#sheet .karnaugh")
-
-
-def test_the_karnaugh_map_is_walked_by_keys(visit: Opened) -> None:
-    seen = visit("#mutant=LATE-human%403s")
-    page = seen.page
-    page.wait_for_selector("#sheet .karnaugh")
-    page.locator('#sheet .map-cell[tabindex="0"]').focus()
-    for key in ("ArrowRight", "ArrowDown"):
-        page.keyboard.press(key)
-    key = page.evaluate("document.activeElement.dataset.key")
-    assert key == "T0O1W0D0H1"
-    page.keyboard.press("Enter")
-    page.wait_for_selector("#sheet .map")
-    assert seen.hash() == f"#flight=LATE-human%403s/{key}/0"
-
-
-def test_the_karnaugh_map_is_printed_and_readable_in_dark(visit: Opened) -> None:
-    page = visit("#mutant=LATE-human%403s", color_scheme="dark").page
-    page.wait_for_selector("#sheet .karnaugh")
-    ink = "getComputedStyle(document.querySelector('#sheet .map-cell[data-state=killed] .plate')).color"
-    assert page.evaluate(ink) == "rgb(12, 26, 43)"
-    page.emulate_media(media="print")
-    assert page.locator("#sheet .karnaugh").is_visible()
-    assert page.locator("main").is_hidden()
-    assert page.evaluate(ink) == "rgb(255, 255, 255)"
-
-
-def test_a_disposition_stands_beside_its_survivor_and_a_given_day_marks_it(
-    visit: Opened, evidence: Evidence, tmp_path: Path
-) -> None:
-    day = date(2027, 1, 31)
-    known = Disposition("MORE-goal@0.6m", "A. Engineer", "there is 1 m of room", day)
-    study = Study.open(evidence.study.folder)
-    vars(study)["dispositions"] = (known,)
-    for today, words in ((None, "accepted until 2027-01-31"), (day + timedelta(1), "expired, last day 2027-01-31")):
-        file = tmp_path / f"{today}.html"
-        file.write_text(page_of(replace(evidence, study=study, today=today), 1), encoding="utf-8")
-        page = visit("#mutant=MORE-goal%400.6m", file=file).page
-        for place in ("#survivors table", "#sheet"):
-            beside = page.locator(f"{place} .accepted")
-            assert f"{words} by A. Engineer: there is 1 m of room" in beside.text_content()
 
 
 def test_filters_and_order_of_the_kill_matrix(visit: Opened) -> None:
