@@ -13,7 +13,7 @@ _LATEX = {
     "<": r"\textless{}",
     ">": r"\textgreater{}",
     "|": r"\textbar{}",
-    '"': r"\textquotedbl{}",
+    '"': r"{\char34}",  # in every font encoding
     "-": "{-}",  # two of them would become a dash
     "`": "{`}",
     "'": "{'}",

@@ -17,7 +17,12 @@ from scaloft_fi.results.worksheet.worksheet import COLUMNS, Column, Row, Value, 
 TITLE, LOG_TITLE = "HAZOP worksheet", "Deviations not credible"
 LOG_KEYS = ("cell", "parameter", "rationale")
 IN_TERMINAL = ("cell", "requirements", "kill_rate", "decision", "margin", "killed_where", "stopped_at", "disposition")
-LATEX_NOTE = "% needs longtable, booktabs, array, pdflscape; letters that are not Latin need XeLaTeX or LuaLaTeX"
+LATEX_NOTE = (
+    "% needs longtable, booktabs, array, pdflscape\n"
+    "% letters that are not Latin need XeLaTeX or LuaLaTeX, with a font that has them"
+)
+LONG_WORD = 16
+"""A column is made wide enough for words up to this length [characters]."""
 
 
 def parts(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
@@ -80,14 +85,24 @@ def to_latex(rows: Sequence[Row]) -> str:
         latex(population(rows)),
         _longtable(LOG_TITLE, columns(LOG_KEYS), log),
     ]
-    return "\n".join([LATEX_NOTE, r"\begin{landscape}\tiny\raggedright", *tables, r"\end{landscape}", ""])
+    return "\n".join(
+        [
+            LATEX_NOTE,
+            r"\begin{landscape}\scriptsize\setlength{\tabcolsep}{2.5pt}\raggedright",
+            *tables,
+            r"\end{landscape}",
+            "",
+        ]
+    )
 
 
 def _longtable(title: str, shown: Sequence[Column], rows: Sequence[Row]) -> str:
-    whole = sum(column.width for column in shown)
+    widths = [_width(column, rows) for column in shown]
+    # without \\hspace TeX would not hyphenate a cell's first word
     spec = "".join(
-        f">{{\\raggedright\\arraybackslash}}p{{\\dimexpr {column.width / whole:.3f}\\linewidth-2\\tabcolsep\\relax}}"
-        for column in shown
+        f">{{\\raggedright\\arraybackslash\\hspace{{0pt}}}}"
+        f"p{{\\dimexpr {width / sum(widths):.5f}\\linewidth-2\\tabcolsep\\relax}}"
+        for width in widths
     )
     header = _row([column.title for column in shown], latex)
     lines = [_row([said(row.values[column.key]) for column in shown], latex) for row in rows]
@@ -96,9 +111,16 @@ def _longtable(title: str, shown: Sequence[Column], rows: Sequence[Row]) -> str:
     return "\n".join([*head, "\\endfoot", *lines, "\\end{longtable}"])
 
 
+def _width(column: Column, rows: Sequence[Row]) -> float:
+    """The share of a column: in a narrow one its longest word, capitals half as wide again, fills half of it."""
+    words = " ".join([column.title, *(said(row.values[column.key]) for row in rows)]).replace("-", "- ").split()
+    longest = max(len(word) + sum(letter.isupper() for letter in word) / 2 for word in words)
+    return max(column.width, 2 * min(LONG_WORD, longest))
+
+
 def _row(cells: Sequence[str], escape: Callable[[str], str]) -> str:
     # an empty group, so that a text that begins with [ or * is no option of the line before
-    return "{} " + " & ".join(map(escape, cells)) + r" \\"
+    return "{}" + " & ".join(map(escape, cells)) + r" \\[3pt]"
 
 
 def to_csv(rows: Sequence[Row]) -> str:
