@@ -120,7 +120,7 @@ def _width(column: Column, rows: Sequence[Row]) -> float:
 
 def _row(cells: Sequence[str], escape: Callable[[str], str]) -> str:
     # an empty group, so that a text that begins with [ or * is no option of the line before
-    return "{}" + " & ".join(map(escape, cells)) + r" \\[3pt]"
+    return "{}" + " & ".join(map(escape, cells)) + r" \\\addlinespace[2pt]"
 
 
 def to_csv(rows: Sequence[Row]) -> str:
