@@ -6,7 +6,7 @@ import ast
 import hashlib
 import json
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -52,7 +52,6 @@ class Study:
     """
 
     folder: Path
-    _scenarios: dict[str, Scenario] = field(default_factory=dict, compare=False, repr=False)
 
     @classmethod
     def open(cls, folder: Path | str | None = None) -> Study:
@@ -91,26 +90,33 @@ class Study:
         """Mine, vehicle, sensors, stack and situations."""
         from scaloft_fi.sim.load import load as load_sim
 
-        return load_sim(self.folder / "sim")
+        return load_sim(self.folder / "sim", grid=self.grid)
 
-    @property
+    @cached_property
     def grid(self) -> Grid:
-        """The situations."""
-        return self.sim.grid
+        """The situations; whoever reads results needs no more of `sim`, which brings the compiler."""
+        from scaloft_fi.sim.grid import load_grid
+
+        return load_grid(self.folder / "sim")
 
     @cached_property
     def signals(self) -> tuple[str, ...]:
         """Names of the signals that requirements and situations may speak of."""
         from scaloft_fi.sim.signals import signal_names
 
-        return signal_names(self.sim.world.surfaces)
+        return signal_names(self.grid.world(()).surfaces)
 
     @cached_property
     def requirements(self) -> tuple[Requirement, ...]:
-        """What flights are judged by."""
+        """What flights are judged by, as it is written; that every formula is one is for `check` to say."""
         from scaloft_fi.results.requirement import load_requirements
+        from scaloft_fi.results.stl import Formula
 
-        return load_requirements(self.folder / "sim" / "requirements.yaml", self.signals)
+        return load_requirements(self._requirements_path, self.signals, Formula.spelt)
+
+    @property
+    def _requirements_path(self) -> Path:
+        return self.folder / "sim" / "requirements.yaml"
 
     @cached_property
     def roster(self) -> Roster:
@@ -171,9 +177,7 @@ class Study:
 
     def scenario(self, situation: Situation) -> Scenario:
         """What stands before a flight in the situation."""
-        if situation.key not in self._scenarios:
-            self._scenarios[situation.key] = self.sim.scenario(situation)
-        return self._scenarios[situation.key]
+        return self.sim.scenario(situation)
 
     def expected_s(self, situation: Situation) -> float:
         """How long a flight in the situation is expected to last: its nominal mission time [s]."""
@@ -212,7 +216,9 @@ class Study:
         Raises:
             InputError: naming the place of the first thing that does not fit.
         """
-        known = [requirement.name for requirement in self.requirements]
+        from scaloft_fi.results.requirement import load_requirements
+
+        known = [requirement.name for requirement in load_requirements(self._requirements_path, self.signals)]
         for cell in self.matrix:
             for name in cell.requirements:
                 if name not in known:

@@ -48,6 +48,7 @@ def replay_command(name: str, study_folder: Path | None, campaign: str, output: 
 
     study = Study.open(study_folder)
     flight = _flight(study, name)
+    study.check((flight.situation,))
     Physics().prepare(study, lambda text: click.echo(text, err=True))
     if gui:
         from scaloft_fi.campaign.window import fly_in_window
@@ -110,7 +111,7 @@ def _draw(study: Study, flight: Flight, outcome: Outcome, log: FlightLog, output
         tracks.insert(0, track_of(clean_log, judged(study, clean, clean_log), BASELINE))
     words = ", ".join(study.grid.titles(flight.situation))
     title = f"{flight.subject.id} in {flight.situation.key}, seed {flight.seed}"
-    svg = draw(scene_of(study.scenario(flight.situation)), tracks, title=title, subtitle=words)
+    svg = draw(scene_of(study.scenario(flight.situation).world), tracks, title=title, subtitle=words)
     write(output, png(svg) if output.suffix.lower() == ".png" else svg.encode())
     click.echo(f"map: {output}")
 

@@ -7,7 +7,7 @@ otherwise count as broken.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -153,8 +153,17 @@ def episodes(robustness: Sequence[float]) -> int:
     return sum(now >= 0 and (i == 0 or robustness[i - 1] < 0) for i, now in enumerate(robustness))
 
 
-def load_requirements(path: Path, signals: Collection[str]) -> tuple[Requirement, ...]:
+Check = Callable[[str, Collection[str]], Formula]
+"""`Formula.parse`, or `Formula.spelt`, which does not start RTAMT."""
+
+
+def load_requirements(path: Path, signals: Collection[str], check: Check = Formula.parse) -> tuple[Requirement, ...]:
     """Read the study's requirements, checked against the names of the log's signals.
+
+    Args:
+        path: the file.
+        signals: names of the log's signals.
+        check: what each formula is held against.
 
     Raises:
         InputError: naming file and line: not YAML, an unknown key or signal, a bad formula, nothing of kind safety.
@@ -166,11 +175,11 @@ def load_requirements(path: Path, signals: Collection[str]) -> tuple[Requirement
     for key, item in shared.items():
         if key in names or key in WORDS or key == TRIGGER:
             raise InputError(f"{item.place}: definition {key!r} must not be named like a signal or a word of formulas")
-        _check(item, item.text(), names)
+        _check(item, item.text(), names, check)
         names.add(key)
     texts = {key: item.text() for key, item in shared.items()}
     requirements = [
-        _requirement(name, item, texts, names) for name, item in document.need("requirements").mapping().items()
+        _requirement(name, item, texts, names, check) for name, item in document.need("requirements").mapping().items()
     ]
     document.close()
     if not any(requirement.kind is Kind.SAFETY for requirement in requirements):
@@ -178,15 +187,17 @@ def load_requirements(path: Path, signals: Collection[str]) -> tuple[Requirement
     return tuple(requirements)
 
 
-def _requirement(name: str, item: Item, definitions: Mapping[str, str], names: Collection[str]) -> Requirement:
+def _requirement(
+    name: str, item: Item, definitions: Mapping[str, str], names: Collection[str], check: Check
+) -> Requirement:
     formula, trigger = item.need("formula"), item.get("trigger")
     if trigger:
-        _check(trigger, trigger.text(), names)
+        _check(trigger, trigger.text(), names, check)
         names = {*names, TRIGGER}
     body = _inside(formula)
     if body is None:
         raise InputError(f"{formula.place}: formula must be always( ... ), so that the moment of a violation is final")
-    _check(formula, body, names)
+    _check(formula, body, names, check)
     requirement = Requirement(
         name=name,
         kind=Kind(item.need("kind").choice([kind.value for kind in Kind])),
@@ -224,13 +235,13 @@ def _needed(definitions: Mapping[str, str], texts: Sequence[str]) -> tuple[tuple
     return tuple((name, text) for name, text in definitions.items() if name in used)
 
 
-def _check(item: Item, text: str, names: Collection[str]) -> None:
+def _check(item: Item, text: str, names: Collection[str], check: Check) -> None:
     """Whether `text` is a formula over the present and the past."""
     try:
         future = [token for token in tokenize(text) if token in FUTURE]
         if future:
             raise FormulaError(f"looks into the future with {future[0]!r}; say it with historically, once or since")
-        Formula.parse(text, names)
+        check(text, names)
     except FormulaError as error:
         raise InputError(f"{item.place}: {item.name} {error}") from error
 

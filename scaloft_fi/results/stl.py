@@ -66,11 +66,11 @@ class Formula:
     names: tuple[str, ...]
 
     @classmethod
-    def parse(cls, text: str, signals: Collection[str]) -> Formula:
-        """Check `text` against the language and the names in `signals`.
+    def spelt(cls, text: str, signals: Collection[str]) -> Formula:
+        """Check the words of `text` and the names in `signals`, and not how they are put together.
 
         Raises:
-            FormulaError: it is not a formula over those signals; the message says what is wrong.
+            FormulaError: a word, a name, a bracket or an interval is wrong; the message says which.
         """
         tokens = tokenize(text)
         used = [token for token in tokens if _is_name(token) and token not in WORDS]
@@ -82,13 +82,22 @@ class Formula:
         _check_nesting(tokens)
         spaced = " ".join(tokens)
         _check_intervals(spaced)
-        names = tuple(sorted(set(used)))
+        return cls(spaced, tuple(sorted(set(used))))
+
+    @classmethod
+    def parse(cls, text: str, signals: Collection[str]) -> Formula:
+        """Check `text` against the language and the names in `signals`.
+
+        Raises:
+            FormulaError: it is not a formula over those signals; the message says what is wrong.
+        """
+        formula = cls.spelt(text, signals)
         try:
-            _specification(spaced, names)
+            _specification(formula.text, formula.names)
         except Exception as error:
             reason = " ".join(str(error).removeprefix("RTAMT Exception:").split())
             raise FormulaError(f"is not a formula (put sums and comparisons in brackets): {reason[:120]}") from error
-        return cls(spaced, names)
+        return formula
 
     def robustness(self, signals: Signals) -> list[float]:
         """Robustness at each sample, (T,); below 0 the formula is violated there.

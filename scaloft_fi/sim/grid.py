@@ -1,4 +1,4 @@
-"""The situation grid: the product of the axes without what is excluded, and the scenario of each point."""
+"""The situation grid: the product of the axes without what is excluded, and the world of each point."""
 
 from __future__ import annotations
 
@@ -7,15 +7,14 @@ import itertools
 import math
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 
-from scaloft_fi.document import Item
+from scaloft_fi.document import Item, load
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.constraint import Constraint, read_constraints
 from scaloft_fi.sim.patch import patched
-from scaloft_fi.sim.raster import Camera
-from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.situation import Axis, Situation, read_axis
 from scaloft_fi.sim.world import World, read_world
 
@@ -31,16 +30,13 @@ class Grid:
         axes: in the order of the key.
         aliases: keys by other names, as the numbers of the paper.
         document: the world's document that the axes change.
-        camera: the depth camera, which decides when a person comes into view.
         constraints: combinations that no situation has.
     """
 
     axes: tuple[Axis, ...]
     aliases: Mapping[str, str]
     document: Item
-    camera: Camera
     constraints: tuple[Constraint, ...] = ()
-    _scenarios: dict[str, Scenario] = field(default_factory=dict, repr=False)
 
     @cached_property
     def situations(self) -> tuple[Situation, ...]:
@@ -126,16 +122,6 @@ class Grid:
                 document = patched(document, path, value)
         return read_world(document)
 
-    def scenario(self, situation: Situation) -> Scenario:
-        """All that stands before a flight in the situation, made once.
-
-        Raises:
-            InputError: the values of the axes do not go together.
-        """
-        if situation.key not in self._scenarios:
-            self._scenarios[situation.key] = Scenario(situation, self.world(situation.levels), self.camera)
-        return self._scenarios[situation.key]
-
     def miss(self, name: str) -> str:
         """The sentence for a name that is none of a situation: why it is excluded, or the nearest key."""
         said = {axis.lower(): int(level) for axis, level in re.findall(r"([A-Za-z][a-z]*)(\d+)", name)}
@@ -148,7 +134,16 @@ class Grid:
         return f"no situation {name!r} in keys like {shape!r}; did you mean {near.key!r}?"
 
 
-def read_grid(item: Item, world_document: Item, camera: Camera) -> Grid:
+def load_grid(folder: Path) -> Grid:
+    """Read the situations of a study's `sim` folder, and of the rest only the world that they change.
+
+    Raises:
+        InputError: as `read_grid`, or a file cannot be read.
+    """
+    return read_grid(load(folder / "situations.yaml"), load(folder / "world.yaml"))
+
+
+def read_grid(item: Item, world_document: Item) -> Grid:
     """Read the axes and check each of their values by itself.
 
     Raises:
@@ -167,7 +162,7 @@ def read_grid(item: Item, world_document: Item, camera: Camera) -> Grid:
     alias_items = alias_item.mapping() if alias_item else {}
     item.close()
     aliases = {alias: _completed(entry.text(), axes) for alias, entry in alias_items.items()}
-    grid = Grid(axes, aliases, world_document, camera, constraints)
+    grid = Grid(axes, aliases, world_document, constraints)
     _check_values(grid)
     for alias, entry in alias_items.items():
         if aliases[alias] not in grid.by_key:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -76,10 +76,18 @@ class SimConfig:
     stack: StackChoice
     sources: Mapping[str, Source]
     numbers: Mapping[str, float]
+    _scenarios: dict[str, Scenario] = field(default_factory=dict, repr=False)
 
     def scenario(self, situation: Situation) -> Scenario:
-        """All that stands before a flight in the situation."""
-        return self.grid.scenario(situation)
+        """All that stands before a flight in the situation, made once.
+
+        Raises:
+            InputError: the values of the axes do not go together.
+        """
+        if situation.key not in self._scenarios:
+            world = self.grid.world(situation.levels)
+            self._scenarios[situation.key] = Scenario(situation, world, self.sensors.depth.camera)
+        return self._scenarios[situation.key]
 
     def source_of(self, path: str) -> Source | None:
         """The source of the number at `path`: of the nearest path above it that has one."""
@@ -100,25 +108,26 @@ class SimConfig:
         }
 
 
-def load(folder: Path, overrides: Mapping[str, float | str | bool] | None = None) -> SimConfig:
+def load(
+    folder: Path, overrides: Mapping[str, float | str | bool] | None = None, *, grid: Grid | None = None
+) -> SimConfig:
     """Read a study's `sim` folder.
 
     Args:
         folder: the folder.
         overrides: values by dotted path that replace those of the files, as `{"sensors.depth.latency_s": 0.13}`.
+        grid: the situations, where they were read already without overrides.
 
     Raises:
         InputError: a file cannot be read, a value is not allowed, a key or path unknown.
     """
     documents = {name: load_document(folder / f"{name}.yaml") for name in DOCUMENTS}
     documents = overridden(documents, overrides or {})
-    sensors = read_sensors(documents["sensors"])
-    world = read_world(documents["world"])
     return SimConfig(
-        world=world,
+        world=read_world(documents["world"]),
         vehicle=read_vehicle(documents["vehicle"]),
-        sensors=sensors,
-        grid=read_grid(documents["situations"], documents["world"], sensors.depth.camera),
+        sensors=read_sensors(documents["sensors"]),
+        grid=read_grid(documents["situations"], documents["world"]) if grid is None else grid,
         stack=_stack(documents["stack"]),
         sources=_sources(load_document(folder / "sources.yaml"), documents),
         numbers=_numbers(documents),

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scaloft_fi.sim.raster import Camera, look
+from scaloft_fi.sim.optics import Camera
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.sim.world import PERSON, Point, World
 
@@ -83,6 +83,8 @@ class Scenario:
     @cached_property
     def sighting_s(self) -> float | None:
         """When the nominal flight first has a person in view [s]; None without a person, or when it never has."""
+        from scaloft_fi.sim.raster import look  # compiled: nobody who only reads results waits for the compiler
+
         scene, persons = self.world.scene, [self.world.scene.names.index(name) for name in self.persons]
         begun_s = 0.0
         for leg in self._legs(self.world.mission.cruise_mps) if persons else ():

@@ -14,7 +14,7 @@ from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.sim import mesh
 from scaloft_fi.sim.mesh import Mesh
 from scaloft_fi.sim.mine import Mine, read_mine
-from scaloft_fi.sim.raster import Scene
+from scaloft_fi.sim.optics import Scene
 
 WALL, GROUND = "wall", "ground"
 PERSON, OBSTACLE, STRUCTURE = "person", "obstacle", "structure"

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from click.testing import Result
 
-from scaloft_fi.sim.grid import Grid
+from scaloft_fi.sim.load import SimConfig
 from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.study import Study
 
@@ -104,13 +104,13 @@ def test_a_large_grid_is_sampled_and_scored_without_making_every_world(
     call: Call, large: Path, monkeypatch: pytest.MonkeyPatch, how: str
 ) -> None:
     made: list[str] = []
-    begin = Grid.scenario
+    begin = SimConfig.scenario
 
-    def scenario(self: Grid, situation) -> Scenario:
+    def scenario(self: SimConfig, situation) -> Scenario:
         made.append(situation.key)
         return begin(self, situation)
 
-    monkeypatch.setattr(Grid, "scenario", scenario)
+    monkeypatch.setattr(SimConfig, "scenario", scenario)
     assert len(Study.open(large).grid) == 52_488
     done = call("run", "--mutant", "LATE-human", "--choose", how, "--quiet", "--format", "json", study=large)
     covered = json.loads(done.stdout)["coverage"]

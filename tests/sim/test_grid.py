@@ -67,9 +67,10 @@ AIR = """
 
 
 def test_a_users_axis_with_three_values_joins_the_grid(edited):
-    grid = load(edited("situations.yaml", "\naliases:", f"{AIR}\naliases:")).grid
+    config = load(edited("situations.yaml", "\naliases:", f"{AIR}\naliases:"))
+    grid = config.grid
     assert len(grid) == 96
-    world = grid.scenario(grid.situation("T1O0W0D0H0Air2")).world
+    world = config.scenario(grid.situation("T1O0W0D0H0Air2")).world
     assert world.light == 0.2
     assert world.mission.cruise_mps == 0.3
     assert grid.axes[-1].predicate(0) == "(not (always(light <= 0.5))) and (not (always(light <= 0.2)))"
@@ -78,10 +79,10 @@ def test_a_users_axis_with_three_values_joins_the_grid(edited):
 
 
 def test_values_that_do_not_go_together_are_refused_when_their_scenario_is_asked_for(edited):
-    grid = load(edited("world.yaml", "position: [-0.15, 5.0]", "position: [0.865, 7.0]")).grid
-    grid.scenario(grid.situation("T0O1W0D0H0"))
+    config = load(edited("world.yaml", "position: [-0.15, 5.0]", "position: [0.865, 7.0]"))
+    config.scenario(config.grid.situation("T0O1W0D0H0"))
     with pytest.raises(InputError, match=r"situations.yaml:\d+: corner=.* not inside 'obstacle'"):
-        grid.scenario(grid.situation("T0O1W1D0H0"))
+        config.scenario(config.grid.situation("T0O1W1D0H0"))
 
 
 CONSTRAINT = """

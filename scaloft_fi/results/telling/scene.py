@@ -12,7 +12,7 @@ from scaloft_fi.results.telling.picture import Point
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.log import FlightLog
-    from scaloft_fi.sim.scenario import Scenario
+    from scaloft_fi.sim.world import World
 
 MARKED = {"person": "detection", "flag": "recoil", "infection": "infection", "contact": "violation", "error": "error"}
 """Events of a log that the map marks, and as what; changes of mode are too many."""
@@ -20,16 +20,15 @@ SAME_M = 1e-6
 """Corners of wall segments closer than this are one [m]."""
 
 
-def scene_of(scenario: Scenario) -> Scene:
-    """What stands in the situation, cut at the height of flight."""
+def scene_of(world: World) -> Scene:
+    """What stands in a world, cut at the height of flight."""
     from scaloft_fi.sim.mesh import section
 
-    world = scenario.world
     walls = tuple(section(world.mine.wall.triangles, world.mission.altitude_m))
     bodies = tuple(
         Body(body.role, hull([(float(x), float(y)) for x, y in body.mesh.vertices[:, :2]])) for body in world.present
     )
-    waypoints = tuple((x, y) for x, y, _ in scenario.route)
+    waypoints = tuple((x, y) for x, y, _ in world.route)
     return Scene(rings(walls), walls, bodies, waypoints, world.mission.home)
 
 
