@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.report.severity import by_severity
+from scaloft_fi.report.thresholds import thresholds
 from scaloft_fi.results.kills.background import backgrounds
 from scaloft_fi.results.kills.interaction import interactions, orders
 from scaloft_fi.results.kills.kill_matrix import KillMatrix
@@ -38,6 +40,7 @@ def analyses(
         "curves": coverage_against_kills(scored, roster, matrix.space),
         "margins": margin_texts(outcomes, study.matrix),
         "ladders": ladders(scored, study.matrix, roster),
+        "thresholds": thresholds(outcomes, study.matrix, matrix, study.requirements),
         "interactions": [entry.to_json() for entry in found],
         "orders": orders(found, matrix.space).to_json(),
         "suite": minimal_suite(kills, [key for key, _ in matrix.space.points]).to_json(),
@@ -62,8 +65,13 @@ def margin_texts(outcomes: Sequence[Outcome], cells: Matrix) -> dict[str, str]:
 
 
 def ladders(scored: Score, cells: Matrix, roster: Roster) -> list[dict[str, Any]]:
-    """Per cell flown with more than one magnitude its rungs in the catalogue's order; shifted phases are left out."""
+    """Per cell flown with more than one magnitude its rungs from mild to severe; shifted phases are left out.
+
+    A magnitude off the catalogue's ladder that was flown in fewer situations than others, as a search does, is left
+    out: its share would be one of situations chosen by their kills.
+    """
     by_cell: dict[str, list[MutantScore]] = {}
+    known, order = set(roster.ids), by_severity(cells, roster)
     for mutant in scored.mutants:
         if mutant.subject.magnitude and "#" not in mutant.subject.id:
             by_cell.setdefault(cell_of(mutant.subject.id), []).append(mutant)
@@ -77,9 +85,14 @@ def ladders(scored: Score, cells: Matrix, roster: Roster) -> list[dict[str, Any]
                     "default": roster.counts(rung.subject),
                     "kill_rate": ratio_json(rung.kill_rate),
                 }
-                for rung in sorted(by_cell[cell.name], key=lambda one: roster.rank(one.subject.id))
+                for rung in sorted(rungs, key=lambda one: order(one.subject.id))
             ],
         }
         for cell in cells
-        if len(by_cell.get(cell.name, [])) > 1
+        if len(rungs := _comparable(by_cell.get(cell.name, []), known)) > 1
     ]
+
+
+def _comparable(rungs: Sequence[MutantScore], known: Collection[str]) -> list[MutantScore]:
+    most = max((rung.kill_rate_flown.whole for rung in rungs), default=0)
+    return [rung for rung in rungs if rung.subject.id in known or rung.kill_rate_flown.whole == most]

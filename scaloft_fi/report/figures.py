@@ -12,10 +12,12 @@ from scaloft_fi.errors import GateError
 from scaloft_fi.report import matrices
 from scaloft_fi.report.accepted import accepted
 from scaloft_fi.report.analyses import analyses
+from scaloft_fi.report.bounds import bounds_of
 from scaloft_fi.report.evidence import Evidence
 from scaloft_fi.report.karnaugh import folding
 from scaloft_fi.report.limits import limits
 from scaloft_fi.report.scenes import scenes
+from scaloft_fi.report.severity import by_severity
 from scaloft_fi.report.tracks import FAR
 from scaloft_fi.results.kills.kill_matrix import kill_matrix
 from scaloft_fi.results.scoring.baseline import Finding, Tally, findings, tallies
@@ -47,7 +49,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
     order = matrices.situations(space, study.grid)
     keys = [situation["key"] for situation in order]
     kills = kill_matrix(scored, roster, space)
-    mutants = matrices.mutants(scored, kills, roster, keys)
+    mutants = matrices.mutants(scored, kills, roster, keys, by_severity(study.matrix, roster))
     covered = coverage(outcomes, space)
     told = score_json(scored, covered, [])
     return {
@@ -77,6 +79,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "fates": {status.value: scored.fates.get(status, 0) for status in Status},
         "requirements": [asdict(requirement) | {"kind": requirement.kind.value} for requirement in study.requirements],
         "limits": limits(study.requirements, TRACK_COLUMNS),
+        "bounds": bounds_of(study.requirements),
         "baseline": [_finding(finding) for finding in found],
         "tallies": [_tally(tally) for tally in tallies(outcomes)],
         "accepted": accepted(scored, roster, study.dispositions, evidence.today),

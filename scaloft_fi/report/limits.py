@@ -8,7 +8,7 @@ from typing import Any
 
 from scaloft_fi.results.requirement import Requirement
 
-_COMPARISON = re.compile(
+COMPARISON = re.compile(
     r"(?P<signal>[A-Za-z_]\w*)\s*(?:/\s*(?P<unit>\d+(?:\.\d+)?)\s*)?(?P<sense><=|>=|<|>)\s*(?P<bound>-?\d+(?:\.\d+)?)"
 )
 
@@ -36,5 +36,10 @@ def limits(requirements: Iterable[Requirement], signals: Collection[str]) -> lis
 
 
 def _comparisons(text: str) -> Iterator[tuple[str, str, float]]:
-    for match in _COMPARISON.finditer(text):
-        yield match["signal"], match["sense"], round(float(match["bound"]) * float(match["unit"] or 1), 9)
+    for match in COMPARISON.finditer(text):
+        yield match["signal"], match["sense"], bound_of(match)
+
+
+def bound_of(match: re.Match[str]) -> float:
+    """The bound of a comparison, in its signal's own unit."""
+    return round(float(match["bound"]) * float(match["unit"] or 1), 9)

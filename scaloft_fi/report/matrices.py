@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.hazop.matrix import Matrix
@@ -69,11 +69,13 @@ def cells(matrix: Matrix, flown: Iterable[str]) -> list[dict[str, Any]]:
     ]
 
 
-def mutants(scored: Score, matrix: KillMatrix, roster: Roster, keys: Sequence[str]) -> list[dict[str, Any]]:
-    """Every mutant and control flown; `results` has one entry for each of `keys`, null where it was not flown."""
+def mutants(
+    scored: Score, matrix: KillMatrix, roster: Roster, keys: Sequence[str], order: Callable[[str], Any]
+) -> list[dict[str, Any]]:
+    """Every mutant and control flown, by `order` of ids; `results` has an entry for each of `keys`, null: not flown."""
     everyone = {one.subject.id: one for one in (*scored.mutants, *scored.controls)}
     found = []
-    for id_ in sorted(everyone, key=roster.rank):
+    for id_ in sorted(everyone, key=order):
         row = matrix.row[id_]
         entries = {entry.situation: entry for entry in row.entries}
         drawn = {"results": [_result(entries[key]) for key in keys], "terms": terms(matrix.space, row)}

@@ -34,6 +34,7 @@ SCRIPTS = (
     "accepted.js",
     "karnaugh.js",
     "mutant.js",
+    "margins.js",
     "cell.js",
     "curves.js",
     "follows.js",

@@ -69,6 +69,24 @@ def test_the_karnaugh_map_is_printed_and_readable_in_dark(visit: Opened) -> None
     assert page.evaluate(ink) == "rgb(255, 255, 255)"
 
 
+def test_beside_a_margin_stands_the_limit_that_it_is_measured_against(visit: Opened, text: str) -> None:
+    told = embedded(text, "figures")
+    page = visit().page
+    section = page.locator("#ladders")
+    limit = "limit of SR2: speed \u2264 0.25 m/s where time of flight \u2265 2 s and distance to the person in sight"
+    assert limit in section.locator("figcaption").first.inner_text()
+    (entry,) = told["thresholds"]
+    rows = section.locator("details tbody tr")
+    assert rows.count() == len(entry["situations"])
+    for row, found in zip(rows.all(), entry["situations"], strict=True):
+        assert found["key"] in row.inner_text()
+        assert f"{found['kills']:g} s" in row.locator("td").nth(2).inner_text()
+        assert row.locator("svg .dot").count() == (found["kills"] is not None)
+    page = visit("#cell=LATE-human").page
+    page.wait_for_selector("#sheet dl")
+    assert limit in page.locator("#sheet dl").inner_text()
+
+
 def test_a_disposition_stands_beside_its_survivor_and_a_given_day_marks_it(
     visit: Opened, evidence: Evidence, tmp_path: Path
 ) -> None:

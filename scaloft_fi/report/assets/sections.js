@@ -16,26 +16,6 @@ function baselineFindings() {
 const verdicts = () => Object.keys(DATA.tallies[0]?.verdicts ?? {});
 const firstText = (first) => `${first.requirement} at ${seconds(first.t_s)}${first.struck ? `, strikes ${first.struck}` : ""}, seed ${first.seed}`;
 
-/** Kill share against magnitude, cell by cell, where more than one magnitude was flown. */
-function ladders() {
-  const found = DATA.ladders ?? [];
-  return part("ladders", "How much fault does it take", "Share of eligible situations killed against the magnitude of the fault, with Wilson's 95 % interval.",
-    found.length ? h("div", { class: "multiples" }, found.map(ladder)) : h("p", { class: "note" }, "No cell was flown with more than one magnitude.  ", h("code", {}, "scaloft-fi run --mutant 'LATE-human*'"), " flies a ladder."));
-}
-
-function ladder(entry) {
-  const rungs = entry.rungs;
-  const frame = plot({ width: 300, height: 170, x: [-0.5, rungs.length - 0.5], y: [0, 1], left: 40, top: 14, bottom: 30, xTicks: rungs.map((_, number) => number), xText: (number) => rungs[number].magnitude, yTicks: [0, 0.5, 1], yText: percent, label: `${entry.cell}: kill share against magnitude` });
-  const { root, sx, sy } = frame;
-  rungs.forEach((rung, number) => {
-    const value = share(rung.kill_rate);
-    if (rung.kill_rate.interval) root.append(s("line", { class: "whisk", x1: sx(number), x2: sx(number), y1: sy(rung.kill_rate.interval[0]), y2: sy(rung.kill_rate.interval[1]) }));
-    if (value !== null) root.append(s("circle", { class: "dot", cx: sx(number), cy: sy(value), r: rung.default ? 5 : 4 }, s("title", {}, `${rung.id}: ${ratioText(rung.kill_rate)} ${intervalText(rung.kill_rate)}`)));
-    else root.append(s("text", { x: sx(number), y: sy(0.5), "text-anchor": "middle" }, "n/a"));
-  });
-  return h("figure", { class: "small-multiple" }, h("figcaption", {}, h("a", { href: cellHash(entry.cell) }, entry.cell), DATA.margins[entry.cell] && ` margin ${bounds(DATA.margins[entry.cell])}`), root);
-}
-
 function survivors() {
   const told = new Map(DATA.survivors.map((entry) => [entry.mutant, entry]));
   const found = DATA.mutants.filter((mutant) => told.has(mutant.id));

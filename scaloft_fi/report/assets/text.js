@@ -30,10 +30,13 @@ const QUANTITIES = {
   clearance_person_m: "clearance to the person",
   person_sight_m: "distance to the person in sight",
   person_m: "distance to the person",
+  person_range_m: "distance to the person",
+  elapsed_s: "time of flight",
+  told_range_m: "distance to the person as told",
 };
 const UNITS = { mps: "m/s", m: "m", s: "s", deg: "°", rad: "rad" };
 const unitOf = (column) => UNITS[column.split("_").at(-1)] ?? "";
-const quantity = (column) => QUANTITIES[column] ?? column.split("_").slice(0, -1).join(" ");
+const quantity = (column) => QUANTITIES[column] ?? column.split("_").slice(0, unitOf(column) ? -1 : undefined).join(" ");
 
 /** What stands between backticks is set as code. */
 const withCode = (text) => text.split("`").map((piece, number) => (number % 2 ? h("code", {}, piece) : piece));

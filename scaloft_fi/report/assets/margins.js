@@ -1,0 +1,87 @@
+/* How much fault it takes: ladders of magnitudes, margins by situation, each beside the limit that it is measured against. */
+const BOUNDS = new Map(DATA.bounds.map((entry) => [entry.name, entry]));
+const SENSES = { "<=": "\u2264", ">=": "\u2265" };
+const requirementOf = (name) => DATA.requirements.find((one) => one.name === name);
+
+/** What a requirement demands, in the units of its signals; a formula that is more than bounds stands as it is. */
+function limitText(name) {
+  const { demands, when } = BOUNDS.get(name) ?? { demands: [], when: [] };
+  if (!demands.length) return [h("b", {}, name), ": ", h("code", {}, requirementOf(name)?.text ?? "")];
+  const said = (bounds) => bounds.map(({ signal, sense, bound, for_s: lasting }) => `${quantity(signal)} ${SENSES[sense] ?? sense} ${trimmed(bound, 3)} ${unitOf(signal)}`.trim() + (lasting ? ` for ${trimmed(lasting)} s` : "")).join(" and ");
+  const [spoken, always] = [demands.filter((bound) => bound.speaks), demands.filter((bound) => !bound.speaks)];
+  const parts = [spoken.length > 0 && `${said(spoken)} where ${said(when)}`, always.length > 0 && said(always) + (spoken.length ? " always" : "")];
+  return [h("b", {}, name), `: ${parts.filter(Boolean).join("; ")}`];
+}
+
+/** The requirements that a cell's faults are measured against: those that kill them, else those that it puts at risk. */
+function againstOf(name) {
+  const found = DATA.thresholds.filter((entry) => entry.cell === name).flatMap((entry) => entry.against);
+  const names = found.length ? found : CELLS.get(name).requirements.filter((one) => requirementOf(one)?.kind === "safety");
+  return [...new Set(names)];
+}
+
+const limitLines = (names) => names.map((name) => h("span", { class: "line faint small" }, "limit of ", limitText(name)));
+
+function ladders() {
+  const found = DATA.ladders;
+  return part("ladders", "How much fault does it take", "Share of eligible situations killed against the magnitude of the fault, with Wilson's 95 % interval; then the margin, the least magnitude that kills, situation by situation.  A magnitude has the unit of the fault, a limit that of its requirement: no number of one is a number of the other, so the robustness of the requirement is shown at both ends of a margin.",
+    found.length ? h("div", { class: "multiples" }, found.map(ladder)) : h("p", { class: "note" }, "No cell was flown with more than one magnitude.  ", h("code", {}, "scaloft-fi run --mutant 'LATE-human*'"), " flies a ladder, ", h("code", {}, "scaloft-fi margin LATE-human"), " searches between its rungs."),
+    DATA.thresholds.length > 0 && [h("h3", { class: "sub" }, "Margins by situation"), DATA.thresholds.map((entry) => margins(entry, DATA.thresholds.length === 1))]);
+}
+
+/** Kill share against magnitude, from mild to severe. */
+function ladder(entry) {
+  const rungs = entry.rungs;
+  const frame = plot({ width: 300, height: 170, x: [-0.5, rungs.length - 0.5], y: [0, 1], left: 40, top: 14, bottom: 30, xTicks: rungs.map((_, number) => number), xText: (number) => rungs[number].magnitude, yTicks: [0, 0.5, 1], yText: percent, label: `${entry.cell}: kill share against magnitude` });
+  const { root, sx, sy } = frame;
+  rungs.forEach((rung, number) => {
+    const value = share(rung.kill_rate);
+    if (rung.kill_rate.interval) root.append(s("line", { class: "whisk", x1: sx(number), x2: sx(number), y1: sy(rung.kill_rate.interval[0]), y2: sy(rung.kill_rate.interval[1]) }));
+    if (value !== null) root.append(s("circle", { class: "dot", cx: sx(number), cy: sy(value), r: rung.default ? 5 : 4 }, s("title", {}, `${rung.id}: ${ratioText(rung.kill_rate)} ${intervalText(rung.kill_rate)}`)));
+    else root.append(s("text", { x: sx(number), y: sy(0.5), "text-anchor": "middle" }, "n/a"));
+  });
+  return h("figure", { class: "small-multiple" },
+    h("figcaption", {}, h("a", { href: cellHash(entry.cell) }, entry.cell), DATA.margins[entry.cell] && ` margin ${bounds(DATA.margins[entry.cell])}`, limitLines(againstOf(entry.cell))),
+    root);
+}
+
+/** One fault: its margin, the limit, a line a situation. */
+function margins(entry, open) {
+  const range = magnitudes(entry);
+  const rows = entry.situations.map((found) => [
+    [wordsOf(found.key), " ", h("span", { class: "faint small" }, found.key)],
+    span(found, range, entry), ended(found.survives, entry.unit), ended(found.kills, entry.unit), listed(found.by),
+    entry.against.map((name) => h("span", { class: "line" }, entry.against.length > 1 ? `${name} ` : "", found.rho[name].map((value) => (twoDigits(value))).join(" / "))),
+    [found.again.length > 0 && `not monotone: survives again at ${found.again.map((value) => ended(value, entry.unit)).join(", ")}.  `, !found.counts && "Killed where the clean drone holds nothing to the end: in no score."],
+  ]);
+  const untold = entry.situations_flown - entry.situations.length;
+  return h("details", { class: "fold", open },
+    h("summary", {}, h("h3", { class: "inline" }, entry.fault), h("span", {}, ` margin ${entry.least ? bounds(entry.least) : "not known"}, against ${listed(entry.against)}`)),
+    h("p", { class: "small" }, limitLines(entry.against)),
+    table(["situation", `${entry.unit ? `magnitude [${entry.unit}], ` : ""}${trimmed(range[0], 3)} to ${trimmed(range[1], 3)}`, { text: "survives", number: true }, { text: "kills", number: true }, "by", "robustness: survives / kills", ""], rows, { stack: false }),
+    h("p", { class: "small faint" }, `Open disc: the severest magnitude that survives below the kill; filled: the mildest that kills; the threshold lies between.  ${entry.worse > 0 ? "Larger" : "Smaller"} is worse.  Robustness below 0 is a violation; its unit: ${entry.against.map((name) => `${name} ${requirementOf(name)?.unit ?? ""}`).join("; ")}.`,
+      untold > 0 && `  ${plural(untold, "further situation")} flown ${untold === 1 ? "tells" : "tell"} nothing of it: the fault changes nothing there, or the clean drone holds no requirement that it puts at risk.`));
+}
+
+/** A robustness as `margin` prints it: near a threshold it is small, and its sign is what counts. */
+const twoDigits = (value) => (typeof value === "number" ? String(Number(value.toPrecision(2))).replace("-", "\u2212") : value ?? "\u2013");
+const ended = (value, unit) => (value === null ? "\u2013" : `${typeof value === "number" ? trimmed(value, 3) : value} ${unit}`.trim());
+
+function magnitudes(entry) {
+  const all = entry.situations.flatMap((found) => found.flown).filter((value) => typeof value === "number");
+  return [Math.min(0, ...all), Math.max(...all)];
+}
+
+/** What is known of a threshold, on a rail of magnitudes; an end that is not known runs to the end of the rail. */
+function span(found, [from, to], { unit, worse }) {
+  const x = scale(from, to, 6, 194);
+  const at = (value, otherwise) => (typeof value === "number" ? x(value) : otherwise);
+  const mildest = worse > 0 ? 6 : 194;
+  const [start, stop] = [at(found.survives, mildest), at(found.kills, 200 - mildest)];
+  return s("svg", { class: "threshold", width: 200, height: 18, viewBox: "0 0 200 18", role: "img", "aria-label": `margin ${bounds(found.margin)}` },
+    s("line", { class: "rail", x1: 6, x2: 194, y1: 9, y2: 9 }),
+    s("line", { class: "span", x1: start, x2: stop, y1: 9, y2: 9 }),
+    found.flown.filter((value) => typeof value === "number").map((value) => s("line", { class: "tick", x1: x(value), x2: x(value), y1: 5, y2: 13 }, s("title", {}, `flown at ${ended(value, unit)}`))),
+    typeof found.survives === "number" && s("circle", { class: "open", cx: start, cy: 9, r: 4 }),
+    typeof found.kills === "number" && s("circle", { class: "dot", cx: stop, cy: 9, r: 4 }));
+}
