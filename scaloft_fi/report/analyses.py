@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.report.severity import by_severity
+from scaloft_fi.report.severity import by_severity, searched
 from scaloft_fi.report.thresholds import thresholds
 from scaloft_fi.results.kills.background import backgrounds
 from scaloft_fi.results.kills.interaction import interactions, orders
 from scaloft_fi.results.kills.kill_matrix import KillMatrix
 from scaloft_fi.results.kills.minimal_suite import minimal_suite
 from scaloft_fi.results.kills.subsumption import subsumption
-from scaloft_fi.results.kills.survivors import survivors
+from scaloft_fi.results.kills.survivors import short_units, survivors
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.roster import Roster, cell_of
 from scaloft_fi.results.scoring.ratio import ratio_json
@@ -34,7 +34,6 @@ def analyses(
     counted = {row.id for row in matrix.mutants if row.counted}
     kills = {id_: keys for id_, keys in matrix.kills.items() if id_ in counted}
     found = interactions(matrix)
-    units = {requirement.name: requirement.unit for requirement in study.requirements}
     known = backgrounds(study.matrix, [row.id for row in matrix.mutants])
     return {
         "curves": coverage_against_kills(scored, roster, matrix.space),
@@ -45,7 +44,7 @@ def analyses(
         "orders": orders(found, matrix.space).to_json(),
         "suite": minimal_suite(kills, [key for key, _ in matrix.space.points]).to_json(),
         "subsumption": subsumption(kills).to_json(),
-        "survivors": [entry.to_json() for entry in survivors(outcomes, matrix, known, units)],
+        "survivors": [entry.to_json() for entry in survivors(outcomes, matrix, known, short_units(study.requirements))],
     }
 
 
@@ -67,13 +66,12 @@ def margin_texts(outcomes: Sequence[Outcome], cells: Matrix) -> dict[str, str]:
 def ladders(scored: Score, cells: Matrix, roster: Roster) -> list[dict[str, Any]]:
     """Per cell flown with more than one magnitude its rungs from mild to severe; shifted phases are left out.
 
-    A magnitude off the catalogue's ladder that was flown in fewer situations than others, as a search does, is left
-    out: its share would be one of situations chosen by their kills.
+    A magnitude that a search flew is left out: its share would be one of situations chosen by their kills.
     """
     by_cell: dict[str, list[MutantScore]] = {}
-    known, order = set(roster.ids), by_severity(cells, roster)
+    order, left_out = by_severity(cells, roster), searched(scored.mutants, roster)
     for mutant in scored.mutants:
-        if mutant.subject.magnitude and "#" not in mutant.subject.id:
+        if mutant.subject.magnitude and "#" not in mutant.subject.id and mutant.subject.id not in left_out:
             by_cell.setdefault(cell_of(mutant.subject.id), []).append(mutant)
     return [
         {
@@ -85,14 +83,9 @@ def ladders(scored: Score, cells: Matrix, roster: Roster) -> list[dict[str, Any]
                     "default": roster.counts(rung.subject),
                     "kill_rate": ratio_json(rung.kill_rate),
                 }
-                for rung in sorted(rungs, key=lambda one: order(one.subject.id))
+                for rung in sorted(by_cell[cell.name], key=lambda one: order(one.subject.id))
             ],
         }
         for cell in cells
-        if len(rungs := _comparable(by_cell.get(cell.name, []), known)) > 1
+        if len(by_cell.get(cell.name, [])) > 1
     ]
-
-
-def _comparable(rungs: Sequence[MutantScore], known: Collection[str]) -> list[MutantScore]:
-    most = max((rung.kill_rate_flown.whole for rung in rungs), default=0)
-    return [rung for rung in rungs if rung.subject.id in known or rung.kill_rate_flown.whole == most]

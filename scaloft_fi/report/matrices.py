@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.report.karnaugh import terms
+from scaloft_fi.report.severity import searched
 from scaloft_fi.results.kills.gray import gray_order
 from scaloft_fi.results.kills.kill_matrix import Entry, KillMatrix
 from scaloft_fi.results.roster import Roster, cell_of
@@ -74,11 +75,15 @@ def mutants(
 ) -> list[dict[str, Any]]:
     """Every mutant and control flown, by `order` of ids; `results` has an entry for each of `keys`, null: not flown."""
     everyone = {one.subject.id: one for one in (*scored.mutants, *scored.controls)}
-    found = []
+    found, extra = [], searched(scored.mutants, roster)
     for id_ in sorted(everyone, key=order):
         row = matrix.row[id_]
         entries = {entry.situation: entry for entry in row.entries}
-        drawn = {"results": [_result(entries[key]) for key in keys], "terms": terms(matrix.space, row)}
+        drawn = {
+            "results": [_result(entries[key]) for key in keys],
+            "terms": terms(matrix.space, row),
+            "searched": id_ in extra,
+        }
         found.append(_mutant(everyone[id_], roster, matrix.space) | drawn)
     return found
 

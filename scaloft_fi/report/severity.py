@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.mutants.mutant import parse, split_magnitude
-from scaloft_fi.results.roster import Roster
+from scaloft_fi.results.roster import Roster, cell_of
+from scaloft_fi.results.scoring.score import MutantScore
 from scaloft_fi.results.worksheet.margin import Scale
 
 
@@ -28,3 +29,14 @@ def by_severity(cells: Matrix, roster: Roster) -> Callable[[str], tuple[int, int
         return place, len(faults), member, name.phase_s, id_
 
     return key
+
+
+def searched(mutants: Iterable[MutantScore], roster: Roster) -> frozenset[str]:
+    """The ids off the catalogue flown in fewer situations than another of their cell: what a search for a margin asks."""
+    listed = list(mutants)
+    flown: dict[str, int] = {}
+    for mutant in listed:
+        cell = cell_of(mutant.subject.id)
+        flown[cell] = max(flown.get(cell, 0), mutant.kill_rate_flown.whole)
+    ids = {m.subject.id for m in listed if m.kill_rate_flown.whole < flown[cell_of(m.subject.id)]}
+    return frozenset(ids.difference(roster.ids))

@@ -14,7 +14,7 @@ const STANDS = {
 function acceptance(id) {
   const entry = ACCEPTED.get(id);
   if (!entry) return null;
-  const fails = ["open", "uncovered", "expired"].includes(entry.state);
+  const fails = DATA.accepted.judged.some((one) => one.until) && ["open", "uncovered", "expired"].includes(entry.state);
   const where = (keys) => keys.map((key, number) => [number ? "; " : "", h("span", { title: key }, wordsOf(key))]);
   return h("span", { class: "accepted", "data-state": entry.state },
     h("b", { class: fails && "fails" }, STANDS[entry.state]),

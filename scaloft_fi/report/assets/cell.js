@@ -15,7 +15,7 @@ function cellSheet(name) {
     cell.predicted && ["predicted", cell.predicted],
     cell.expected.length && ["known beforehand", cell.expected.join("; ")],
     cell.reason && ["why not meaningful", cell.reason],
-    DATA.margins[name] && ["margin", [bounds(DATA.margins[name]), limitLines(againstOf(name))]],
+    DATA.margins[name] && ["margin", [marginText(name), limitLines(againstOf(name))]],
   ].filter(Boolean);
   const mutants = cell.mutants.map((id) => MUTANTS.get(id));
   return {

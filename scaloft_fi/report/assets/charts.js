@@ -53,6 +53,6 @@ function plot({ width = WIDE, height = 220, x, y, left = 46, right = 12, top = 1
       ]),
       s("line", { x1: left, x2: width - right, y1: height - bottom, y2: height - bottom }),
       xTitle && s("text", { x: (left + width - right) / 2, y: height - 3, "text-anchor": "middle" }, xTitle),
-      yTitle && s("text", { x: 2, y: top - 1 }, yTitle)));
+      yTitle && s("text", { x: 2, y: top - 20 }, yTitle)));
   return { root, sx, sy, width, height, left, right, top, bottom };
 }

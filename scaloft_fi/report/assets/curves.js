@@ -48,4 +48,8 @@ function curveTable(followed, found) {
     table(["more than random", ...heads], followed.filter((strategy) => strategy.difference).map((strategy) => [strategy.name, ...sizes.map((k) => between(strategy.difference, k))]), { stack: false, caption: "In brackets the 95 % interval, mutants resampled within their parameter." }));
 }
 
-const signedPlus = (value) => (value < 0 ? "\u2212" : "+") + Math.abs(value).toFixed(1);
+/** With its sign; what rounds to nothing has none. */
+const signedPlus = (value) => {
+  const size = Math.abs(value).toFixed(1);
+  return Number(size) ? (value < 0 ? "\u2212" : "+") + size : size;
+};

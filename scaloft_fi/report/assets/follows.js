@@ -12,7 +12,7 @@ function orderChart() {
   const { counts, cumulative_percent: ours, nist_cumulative_percent: nist, nist_source: source } = DATA.orders;
   const total = counts.reduce((sum, count) => sum + count, 0);
   if (!total) return h("p", { class: "note" }, "No default mutant is killed.");
-  const frame = plot({ width: Math.min(WIDE, 460), height: 190, x: [-0.5, counts.length - 0.5], y: [0, Math.max(...counts)], left: 34, bottom: 36, xTicks: counts.map((_, order) => order), xTitle: "axes that have to be right", yTitle: "mutants", top: 18, label: `Mutants by interaction order: ${counts.join(", ")} for 0 to ${counts.length - 1} axes` });
+  const frame = plot({ width: Math.min(WIDE, 460), height: 190, x: [-0.5, counts.length - 0.5], y: [0, Math.max(...counts)], left: 34, bottom: 36, xTicks: counts.map((_, order) => order), xTitle: "axes that have to be right", yTitle: "mutants", top: 34, label: `Mutants by interaction order: ${counts.join(", ")} for 0 to ${counts.length - 1} axes` });
   const { root, sx, sy } = frame;
   const width = (sx(1) - sx(0)) * 0.62;
   counts.forEach((count, order) => root.append(
@@ -36,7 +36,7 @@ function suite() {
   return h("div", {},
     h("p", {}, `${exact ? "" : "At most "}${situations.length} of ${flown} situations kill every default mutant that any kills${alternatives > 1 ? `; ${alternatives} sets of that size do` : ""}:`),
     h("ul", { class: "bare" }, situations.map((key) => h("li", {}, wordsOf(key), " ", h("span", { class: "faint small" }, key, needed.includes(key) ? " \u2013 in every such set" : "")))),
-    h("p", { class: "small faint" }, "A suite cut down to these would show these faults and may miss others: the mutants were chosen, the situations flown once each."));
+    h("p", { class: "small faint" }, `A suite cut down to these would show these faults and may miss others: the mutants were chosen, each situation flown with ${plural(DATA.seeds.length, "seed")}.`));
 }
 
 /** Layers from minimal mutants down to those that follow from them; a node is a set of mutants that the same situations kill. */
@@ -56,7 +56,7 @@ function subsumption() {
     h("p", {}, `${killed} killed mutants make ${distinct} different sets of killing situations; ${minimal} of them are minimal: whatever kills a minimal mutant kills those below it, too.`),
     h("div", { class: "columns" },
       table(["minimal mutants", { text: "killing situations", number: true }, { text: "follow from it", number: true }], rows, { stack: false }),
-      graph(nodes, edges)));
+      edges.length > 0 && graph(nodes, edges)));
 }
 
 function graph(nodes, edges) {

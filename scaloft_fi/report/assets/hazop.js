@@ -32,7 +32,7 @@ function hazop() {
 
 function hazopCell(cell) {
   const { state, share: killed, text, survivor, said } = cellState(cell);
-  const margin = text && DATA.margins[cell.name] ? bounds(DATA.margins[cell.name]) : "";
+  const margin = text ? marginText(cell.name) : "";
   const says = `${cell.guideword} ${cell.parameter}. ${cell.deviation || ""}\n${said}${margin ? `\nmargin ${margin}` : ""}${cell.status === "control" ? "\ncrude control, in no ratio" : ""}`;
   const classes = ["state", survivor && "survivor", killed > 0.5 && "deep", cell.status === "control" && "control"].filter(Boolean);
   return h("td", { class: classes.join(" "), role: "gridcell", tabindex: "-1", "data-cell": cell.name, "data-state": state === "survived" && text ? "survived-rate" : state, "--share": killed ?? 0, "aria-label": says },

@@ -46,7 +46,7 @@ function fates() {
   return table(["sign", "status", { text: "mutants", number: true }],
     order.filter((state) => DATA.fates[state] || state !== "invalid").map((state) => [swatch(state),
       [h("b", {}, STATES[state][0]), h("span", { class: "faint small" }, ` \u2013 ${STATES[state][1]}`)],
-      `${DATA.fates[state] ?? 0} of ${total}`]), { stack: false });
+      `${DATA.fates[state] ?? 0} of ${total}`]), { stack: false, caption: "Every mutant flown, other magnitudes than the default too; the ratios above count one mutant a cell." });
 }
 
 const swatch = (state, extra = {}) => h("span", { class: `swatch state${state === "killed" ? " deep" : ""}`, "data-state": state, "aria-hidden": "true", ...extra });

@@ -69,7 +69,7 @@ function outlines(terms) {
     const d = lines.join("");
     const [row, column] = [Math.min(...down_), Math.min(...across_)];
     return [s("path", { class: "term halo", d }), s("path", { class: "term", d, "data-term": number % INSETS.length }),
-      s("text", { class: "letter", x: column * CELL_WIDTH + 8 + 13 * (number % 5), y: (row + 1) * CELL_HEIGHT - 8 }, letterOf(number))];
+      s("text", { class: "letter", x: column * CELL_WIDTH + 8 + 12 * (number % 5), y: row * CELL_HEIGHT + 12 }, letterOf(number))];
   });
   return s("svg", { class: "terms", width: columns.length * CELL_WIDTH, height: rows.length * CELL_HEIGHT, "aria-hidden": "true" }, drawn);
 }

@@ -87,8 +87,11 @@ function mutantRow(mutant) {
         "aria-label": `${mutant.id}\n${situation.words.join(", ")} (${situation.key})\n${said}` }, glyph);
     }),
     h("td", { class: "rate" }, h("span", { class: "number" }, mutant.kill_rate.whole ? `${mutant.kill_rate.part}/${mutant.kill_rate.whole}` : "n/a"), " ", whisker(mutant.kill_rate, mutant.id)),
-    h("td", { class: "said", title: mutant.condition || STATES[mutant.status][0] }, mutant.condition || STATES[mutant.status][0]));
+    h("td", { class: "said", title: killedWhere(mutant) }, killedWhere(mutant)));
 }
+
+/** The condition of its kills; where no score counts one, that is said first. */
+const killedWhere = (mutant) => (mutant.condition ? `${mutant.kill_rate.part ? "" : "uncounted: "}${mutant.condition}` : STATES[mutant.status][0]);
 
 function openResult(cell) {
   const mutant = cell.closest("tr").dataset.mutant;
@@ -119,15 +122,17 @@ function filters(changed) {
   const guideword = chooser("guideword", [["", "all"], ...DATA.guidewords.map((word) => [word.id, word.title])]);
   const parameter = chooser("parameter", [["", "all"], ...DATA.parameters.map((entry) => [entry.id, entry.title])]);
   const status = chooser("status", [["", "all"], ...DATA.statuses.slice().reverse().map((id) => [id, STATES[id][0]])]);
+  const magnitude = chooser("magnitudes", [["", "all"], ["counts", "default, one a cell"], ...(DATA.mutants.some((one) => one.searched) ? [["ladder", "without searched ones"]] : [])]);
   const text = h("input", { type: "search", placeholder: "id or condition", oninput: changed, "aria-label": "text in id or condition" });
   const node = h("div", { class: "controls", role: "group", "aria-label": "Order and filter of the kill matrix" },
-    sort.node, guideword.node, parameter.node, status.node, h("label", {}, "text", text));
+    sort.node, guideword.node, parameter.node, status.node, magnitude.node, h("label", {}, "text", text));
   const read = () => {
     const wanted = text.value.trim().toLowerCase();
     return {
       sort: sort.value,
       keep: (mutant) => (!guideword.value || mutant.guideword === guideword.value) && (!parameter.value || mutant.parameter === parameter.value)
-        && (!status.value || mutant.status === status.value) && (!wanted || `${mutant.id} ${mutant.condition}`.toLowerCase().includes(wanted)),
+        && (!status.value || mutant.status === status.value)
+        && (!magnitude.value || (magnitude.value === "counts" ? mutant.counts : !mutant.searched)) && (!wanted || `${mutant.id} ${mutant.condition}`.toLowerCase().includes(wanted)),
     };
   };
   return { node, read };

@@ -20,6 +20,14 @@ function againstOf(name) {
   return [...new Set(names)];
 }
 
+/** A cell's margin; a kill beside a clean drone that holds nothing is in no score, and said to be so. */
+function marginText(name) {
+  const text = DATA.margins[name] ?? "";
+  const kills = text.split("; ").some((one) => one && !/^[<>] /.test(one));
+  const counted = CELLS.get(name).mutants.some((id) => MUTANTS.get(id).kill_rate.part);
+  return bounds(text) + (kills && !counted ? ", uncounted" : "");
+}
+
 const limitLines = (names) => names.map((name) => h("span", { class: "line faint small" }, "limit of ", limitText(name)));
 
 function ladders() {
@@ -41,7 +49,7 @@ function ladder(entry) {
     else root.append(s("text", { x: sx(number), y: sy(0.5), "text-anchor": "middle" }, "n/a"));
   });
   return h("figure", { class: "small-multiple" },
-    h("figcaption", {}, h("a", { href: cellHash(entry.cell) }, entry.cell), DATA.margins[entry.cell] && ` margin ${bounds(DATA.margins[entry.cell])}`, limitLines(againstOf(entry.cell))),
+    h("figcaption", {}, h("a", { href: cellHash(entry.cell) }, entry.cell), DATA.margins[entry.cell] && ` margin ${marginText(entry.cell)}`, limitLines(againstOf(entry.cell))),
     root);
 }
 

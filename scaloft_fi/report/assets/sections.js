@@ -8,20 +8,22 @@ function baselineFindings() {
   return part("baseline", "Findings about the drone itself", `Without any fault: ${green.part} of ${plural(green.whole, "situation")} hold every safety requirement in all flights.  The others are defects of the clean drone, or of what is asked of it, and no mutant can be shown there by the requirement that is red.`,
     rows.length ? table(["situation", { text: "red flights", number: true }, "violated", "left open", "never triggered", "first safety violation"], rows) : h("p", {}, "No clean flight violates a requirement."),
     h("h3", { class: "sub" }, "Requirements over the clean flights"),
-    table(["requirement", "kind", ...verdicts().map((text) => ({ text, number: true })), { text: "triggered", number: true }, { text: "least robustness", number: true }],
-      DATA.tallies.map((tally) => [tally.requirement, tally.kind, ...verdicts().map((verdict) => String(tally.verdicts[verdict] ?? 0)), String(tally.triggered), signed(tally.least_rho)]), { stack: false }),
-    h("p", { class: "small faint" }, "Flights by verdict.  A requirement that was never triggered in a flight is vacuous there, not passed."));
+    table(["requirement", "kind", ...verdicts().map((text) => ({ text, number: true })), { text: "triggered", number: true }, { text: "least robustness", number: true }, "its unit"],
+      DATA.tallies.map((tally) => [tally.requirement, tally.kind, ...verdicts().map((verdict) => String(tally.verdicts[verdict] ?? 0)), String(tally.triggered), signed(tally.least_rho), h("span", { class: "faint small" }, requirementOf(tally.requirement)?.unit ?? "")]), { stack: false }),
+    h("p", { class: "small faint" }, "Flights by verdict.  Open: the flight was cut short before the requirement could be held to the end.  Vacuous: never triggered in the flight, so not passed."));
 }
 
 const verdicts = () => Object.keys(DATA.tallies[0]?.verdicts ?? {});
-const firstText = (first) => `${first.requirement} at ${seconds(first.t_s)}${first.struck ? `, strikes ${first.struck}` : ""}, seed ${first.seed}`;
+const firstText = (first) => `${first.requirement} at ${seconds(first.t_s)}${first.struck ? `, strikes ${first.struck}` : ""}, seed\u00a0${first.seed}`;
 
 function survivors() {
   const told = new Map(DATA.survivors.map((entry) => [entry.mutant, entry]));
-  const found = DATA.mutants.filter((mutant) => told.has(mutant.id));
+  const found = DATA.mutants.filter((mutant) => told.has(mutant.id) && !mutant.searched);
+  const left = DATA.survivors.length - found.length;
   const order = ["survived", "baseline_red", "masked", "not_infected", "not_reached", "invalid"];
   return part("survivors", "What was not shown, and what to do next", "Mutants that no eligible flight kills, by the rung where the fault stopped.",
-    todo(DATA.survivors), acceptances(),
+    todo(DATA.survivors.filter(({ mutant }) => !MUTANTS.get(mutant).searched)), acceptances(),
+    left > 0 && h("p", { class: "small faint" }, `${plural(left, "magnitude")} that a search for a margin flew in some situations only ${left === 1 ? "is" : "are"} not listed; they are in the margins above.`),
     order.map((state) => {
       const members = found.filter((mutant) => mutant.status === state);
       if (!members.length) return null;
@@ -71,7 +73,14 @@ function reading() {
           ["mutant", "a fault made from one cell of the HAZOP matrix, with a magnitude, patched into one place of the drone's software"],
           ["situation", "one combination of values of the axes; the grid is all of them"],
           ["eligible", "the fault changed a sample, and the clean drone, same situation and seed, held a safety requirement to its end"],
-          ["killed", STATES.killed[1]], ["baseline red", STATES.baseline_red[1]], ["clean drone", "the drone without any fault: the baseline of the same situation and seed"],
+          ["default mutant", "of each cell the one magnitude that the ratios count; the others of its ladder are shown beside it"],
+          ["infected", "the fault changed at least one sample that the software got"],
+          ["killed", STATES.killed[1]], ["survivor", "a mutant that no eligible flight kills"], ["baseline red", STATES.baseline_red[1]],
+          ["control", "a fault so crude that any test must show it; it checks the test bench, and is in no ratio"],
+          ["PLACEBO", "a patch that changes nothing: its flights must equal the clean drone's to the bit"],
+          ["margin", "the least magnitude that kills: between the severest that survives and the mildest that kills"],
+          ["condition", "the shortest statement on the axes that is true wherever the mutant is killed and nowhere it survives"],
+          ["t-way", "of all combinations of values of t axes, those that occur in a flight"], ["clean drone", "the drone without any fault: the baseline of the same situation and seed"],
           ["robustness", "how far a flight was from violating a requirement; below 0 it is violated"]].map(([what, text]) => [h("dt", {}, what), h("dd", {}, text)])))),
     h("details", {}, h("summary", {}, "Platform, and how this page was made"),
       h("dl", { class: "pairs" }, Object.entries(DATA.fingerprint).map(([what, text]) => [h("dt", {}, what), h("dd", {}, text)])),
