@@ -79,12 +79,8 @@ def mutants(
     for id_ in sorted(everyone, key=order):
         row = matrix.row[id_]
         entries = {entry.situation: entry for entry in row.entries}
-        drawn = {
-            "results": [_result(entries[key]) for key in keys],
-            "terms": terms(matrix.space, row),
-            "searched": id_ in extra,
-        }
-        found.append(_mutant(everyone[id_], roster, matrix.space) | drawn)
+        drawn = {"results": [_result(entries[key]) for key in keys], "terms": terms(matrix.space, row)}
+        found.append(_mutant(everyone[id_], roster, matrix.space) | drawn | {"searched": id_ in extra})
     return found
 
 

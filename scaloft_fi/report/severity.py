@@ -32,7 +32,7 @@ def by_severity(cells: Matrix, roster: Roster) -> Callable[[str], tuple[int, int
 
 
 def searched(mutants: Iterable[MutantScore], roster: Roster) -> frozenset[str]:
-    """The ids off the catalogue flown in fewer situations than another of their cell: what a search for a margin asks."""
+    """The ids off the catalogue flown in fewer situations than others of their cell: what a search flies."""
     listed = list(mutants)
     flown: dict[str, int] = {}
     for mutant in listed:

@@ -137,6 +137,10 @@ def test_filters_and_order_of_the_kill_matrix(visit: Opened) -> None:
     assert shares == sorted(shares, reverse=True)
     page.locator("#kills select").nth(2).select_option("goal")
     assert rows.count() == 2
+    page.locator("#kills select").nth(2).select_option("")
+    page.get_by_label("magnitudes").select_option("counts")
+    assert rows.evaluate_all("all => all.map((row) => row.dataset.mutant)").count("LATE-human@1s") == 0
+    assert rows.count() == 4
 
 
 def test_hostile_names_appear_letter_by_letter_and_break_nothing(

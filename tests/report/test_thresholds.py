@@ -71,6 +71,7 @@ def test_a_magnitude_flown_where_a_search_asked_for_it_is_no_rung_of_the_ladder(
     assert [rung["magnitude"] for rung in ladder["rungs"]] == ["1s", "3s"]
     late = [mutant["id"] for mutant in found[1]["mutants"] if mutant["cell"] == "LATE-human"]
     assert late == ["LATE-human@1s", "LATE-human@2s", "LATE-human@3s"]
+    assert [mutant["id"] for mutant in found[1]["mutants"] if mutant["searched"]] == ["LATE-human@2s"]
 
 
 def test_a_kill_that_no_score_counts_is_marked(study: Study) -> None:

@@ -24,7 +24,8 @@ function hazop() {
       h("li", {}, h("span", { class: "swatch framed", "aria-hidden": "true" }), "bold frame: survives everywhere"),
       ["baseline_red", "masked", "not_infected", "not_reached"].map((state) => h("li", {}, swatch(state), STATES[state][0])),
       h("li", {}, swatch("not_meaningful"), "not meaningful"),
-      Object.keys(DATA.margins).length > 0 && h("li", {}, h("b", {}, "\u2264 3 s"), "the least magnitude that kills, as far as flown"),
+      h("li", {}, swatch("not_flown"), "not flown"),
+      Object.keys(DATA.margins).length > 0 && h("li", {}, h("b", {}, "margin"), "the least magnitude that kills: 1-3 s between the two, \u2264 3 s nothing milder flown, > 3 s none flown kills"),
       h("li", {}, h("b", {}, "C"), "crude control, in no ratio")),
     h("div", { class: "scroll" }, board),
     extensions.length > 0 && h("p", { class: "small faint" }, extensions.map((word) => `* ${word.title}: no guideword of IEC 61882.  ${word.reason}`).join("  ")));

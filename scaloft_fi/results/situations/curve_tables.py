@@ -154,6 +154,6 @@ def _between(band: Band | None, sizes: tuple[int, ...]) -> list[str]:
     if band is None:
         return [""] * len(sizes)
     return [
-        f"{band.mean[k - 1]:+.1f} [{band.low[k - 1]:+.1f}, {band.high[k - 1]:+.1f}]" if k <= len(band.mean) else ""
+        f"{band.mean[k - 1]:+z.1f} [{band.low[k - 1]:+z.1f}, {band.high[k - 1]:+z.1f}]" if k <= len(band.mean) else ""
         for k in sizes
     ]

@@ -184,4 +184,4 @@ def _verdict(arrays: list[Curve]) -> str:
 
 
 def _interval(band: Band, k: int) -> str:
-    return f"{band.mean[k]:+.1f} [{band.low[k]:+.1f}, {band.high[k]:+.1f}]"
+    return f"{band.mean[k]:+z.1f} [{band.low[k]:+z.1f}, {band.high[k]:+z.1f}]"
