@@ -11,7 +11,10 @@ from browsing import Opened
 from reading import embedded
 
 from scaloft_fi.report.evidence import Evidence
+from scaloft_fi.report.karnaugh import folding
+from scaloft_fi.report.page import html
 from scaloft_fi.report.page import page as page_of
+from scaloft_fi.results.space import Space
 from scaloft_fi.results.worksheet.disposition import Disposition
 from scaloft_fi.study import Study
 
@@ -67,6 +70,20 @@ def test_the_karnaugh_map_is_printed_and_readable_in_dark(visit: Opened) -> None
     assert page.locator("#sheet .karnaugh").is_visible()
     assert page.locator("main").is_hidden()
     assert page.evaluate(ink) == "rgb(255, 255, 255)"
+
+
+def test_a_grid_that_cannot_be_folded_says_why_and_lists_the_situations(
+    visit: Opened, text: str, tmp_path: Path
+) -> None:
+    space = Space(("A", "B"), (("0", "1"), ("0", "1", "2")), (("x", "y"), ("p", "q", "r")), ())
+    told = embedded(text, "figures") | {"karnaugh": folding(space, ["<b>first", "second"])}
+    file = tmp_path / "wide.html"
+    file.write_text(html(told, embedded(text, "flights")), encoding="utf-8")
+    page = visit("#mutant=LATE-human%403s", file=file).page
+    page.wait_for_selector("#sheet .note")
+    assert "needs axes of two values each; of this grid's, 'second' has 3." in page.locator("#sheet .note").inner_text()
+    assert page.locator("#sheet .karnaugh").count() == 0
+    assert page.locator("#sheet .flown-list li").count() == 32
 
 
 def test_beside_a_margin_stands_the_limit_that_it_is_measured_against(visit: Opened, text: str) -> None:

@@ -34,7 +34,7 @@ function ladders() {
   const found = DATA.ladders;
   return part("ladders", "How much fault does it take", "Share of eligible situations killed against the magnitude of the fault, with Wilson's 95 % interval; then the margin, the least magnitude that kills, situation by situation.  A magnitude has the unit of the fault, a limit that of its requirement: no number of one is a number of the other, so the robustness of the requirement is shown at both ends of a margin.",
     found.length ? h("div", { class: "multiples" }, found.map(ladder)) : h("p", { class: "note" }, "No cell was flown with more than one magnitude.  ", h("code", {}, "scaloft-fi run --mutant 'LATE-human*'"), " flies a ladder, ", h("code", {}, "scaloft-fi margin LATE-human"), " searches between its rungs."),
-    DATA.thresholds.length > 0 && [h("h3", { class: "sub" }, "Margins by situation"), DATA.thresholds.map((entry) => margins(entry, DATA.thresholds.length === 1))]);
+    DATA.thresholds.length > 0 && [h("h3", { class: "sub" }, "Margins by situation"), DATA.thresholds.some((entry) => entry.least.endsWith("!")) && h("p", { class: "small faint" }, "!: the response is not monotone; a severer magnitude survives where a milder one kills."), DATA.thresholds.map((entry) => margins(entry, DATA.thresholds.length === 1))]);
 }
 
 /** Kill share against magnitude, from mild to severe. */
@@ -66,14 +66,14 @@ function margins(entry, open) {
   return h("details", { class: "fold", open },
     h("summary", {}, h("h3", { class: "inline" }, entry.fault), h("span", {}, ` margin ${entry.least ? bounds(entry.least) : "not known"}, against ${listed(entry.against)}`)),
     h("p", { class: "small" }, limitLines(entry.against)),
-    table(["situation", `${entry.unit ? `magnitude [${entry.unit}], ` : ""}${trimmed(range[0], 3)} to ${trimmed(range[1], 3)}`, { text: "survives", number: true }, { text: "kills", number: true }, "by", "robustness: survives / kills", ""], rows, { stack: false }),
+    table(["situation", `${entry.unit ? `magnitude [${UNITS[entry.unit] ?? entry.unit}], ` : ""}${trimmed(range[0], 3)} to ${trimmed(range[1], 3)}`, { text: "survives", number: true }, { text: "kills", number: true }, "by", "robustness: survives / kills", ""], rows, { stack: false }),
     h("p", { class: "small faint" }, `Open disc: the severest magnitude that survives below the kill; filled: the mildest that kills; the threshold lies between.  ${entry.worse > 0 ? "Larger" : "Smaller"} is worse.  Robustness below 0 is a violation; its unit: ${entry.against.map((name) => `${name} ${requirementOf(name)?.unit ?? ""}`).join("; ")}.`,
       untold > 0 && `  ${plural(untold, "further situation")} flown ${untold === 1 ? "tells" : "tell"} nothing of it: the fault changes nothing there, or the clean drone holds no requirement that it puts at risk.`));
 }
 
 /** A robustness as `margin` prints it: near a threshold it is small, and its sign is what counts. */
 const twoDigits = (value) => (typeof value === "number" ? String(Number(value.toPrecision(2))).replace("-", "\u2212") : value ?? "\u2013");
-const ended = (value, unit) => (value === null ? "\u2013" : `${typeof value === "number" ? trimmed(value, 3) : value} ${unit}`.trim());
+const ended = (value, unit) => (value === null ? "\u2013" : `${typeof value === "number" ? trimmed(value, 3) : value} ${UNITS[unit] ?? unit}`.trim());
 
 function magnitudes(entry) {
   const all = entry.situations.flatMap((found) => found.flown).filter((value) => typeof value === "number");

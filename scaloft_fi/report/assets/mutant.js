@@ -9,6 +9,10 @@ function mutantSheet(id) {
       h("div", { class: "row" }, h("a", { href: cellHash(mutant.cell) }, "its cell of the HAZOP matrix"),
         siblings(mutant).map((other) => h("a", { class: "id", href: mutantHash(other.id) }, other.id))),
       mutantFacts(mutant),
+      h("dl", { class: "pairs" }, [
+        ["by requirement", Object.entries(mutant.requirements).map(([name, ratio]) => h("span", { class: "line" }, h("b", {}, name), ` in ${ratio.part} of ${plural(ratio.whole, "situation")} where the clean drone held it`))],
+        ["margin of the cell", DATA.margins[mutant.cell] && [marginText(mutant.cell), limitLines(againstOf(mutant.cell))]],
+      ].filter(([, told]) => told && told.length).map(([what, told]) => [h("dt", {}, what), h("dd", {}, told)])),
       h("h3", { class: "sub" }, "Where it is killed"), karnaughMap(mutant),
       DATA.karnaugh.reason && flownList(mutant),
     ],

@@ -40,7 +40,7 @@ const quantity = (column) => QUANTITIES[column] ?? column.split("_").slice(0, un
 
 /** What stands between backticks is set as code. */
 const withCode = (text) => text.split("`").map((piece, number) => (number % 2 ? h("code", {}, piece) : piece));
-const bounds = (text) => text.replaceAll("<=", "\u2264").replaceAll(">=", "\u2265");
+const bounds = (text) => text.replaceAll("<=", "\u2264").replaceAll(">=", "\u2265").replaceAll(/ mps\b/g, " m/s");
 
 const flightHash = (mutant, situation, seed) =>
   `#flight=${[mutant, situation, seed].map(encodeURIComponent).join("/")}`;
