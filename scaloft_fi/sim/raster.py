@@ -120,26 +120,28 @@ def draw(
         a0, b0, c0, a1, b1, c1, a2, b2, c2 = a0 * g, b0 * g, c0 * g, a1 * g, b1 * g, c1 * g, a2 * g, b2 * g, c2 * g
         step = b0 + b1 + b2
         body = owner[f]
+        t0, t1, t2 = -1.0 / b0, -1.0 / b1, -1.0 / b2
         for j in range(first_j, last_j + 1):
             # The span of columns in which no edge function is negative.
             e0, e1, e2 = a0 + c0 * j, a1 + c1 * j, a2 + c2 * j
             low, high = float(first_i), float(last_i)
-            for k in range(3):
-                e, b = (e0, b0) if k == 0 else (e1, b1) if k == 1 else (e2, b2)
+            for e, b, t in ((e0, b0, t0), (e1, b1, t1), (e2, b2, t2)):
                 if b > 0.0:
-                    low = max(low, -e / b - 1e-9)
+                    low = max(low, e * t - 1e-9)
                 elif b < 0.0:
-                    high = min(high, -e / b + 1e-9)
+                    high = min(high, e * t + 1e-9)
                 elif e < 0.0:
                     high = -1.0
             if low > high:
                 continue
             base = e0 + e1 + e2
-            for i in range(math.ceil(low), math.floor(high) + 1):
-                inverse = base + step * i
-                if inverse > depth[j, i]:
-                    depth[j, i] = inverse
-                    segments[j, i] = body
+            start, end = math.ceil(low), math.floor(high) + 1
+            line, bodies = depth[j, start:end], segments[j, start:end]
+            for i in range(len(line)):
+                inverse = base + step * (start + i)
+                nearer = inverse > line[i]
+                line[i] = inverse if nearer else line[i]
+                bodies[i] = body if nearer else bodies[i]
     for j in range(height):
         for i in range(width):
             depth[j, i] = 1.0 / depth[j, i] if depth[j, i] > 0.0 else np.inf

@@ -10,11 +10,53 @@ import math
 
 import numpy as np
 from filterpy.kalman import KalmanFilter
+from scipy.linalg.lapack import dgesv
 
 from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.messages import Array
 
 TICK_S = 0.05
+_MEASURED = np.array([0, 1, 2, 8])  # what of the error a fix tells
+
+
+class ErrorFilter(KalmanFilter):  # type: ignore[misc]
+    """`KalmanFilter` for an error that is zero before each correction and of which four parts are measured.
+
+    The same matrices as filterpy's, bit for bit, without the products with zeros and the copies for inspection, which
+    cost it half the time.
+    """
+
+    def predict(self) -> None:
+        """Carry the covariance over one step; an error of zero stays zero."""
+        self.P = np.dot(np.dot(self.F, self.P), self.F.T) + self.Q
+
+    def update(self, z: Array) -> None:
+        """Take in how far a fix is off, `z` (4,): x, y, z [m] and heading [rad].
+
+        Raises:
+            numpy.linalg.LinAlgError: the covariance of the innovation is singular.
+        """
+        cross = self.P.take(_MEASURED, axis=1)
+        self.S = cross.take(_MEASURED, axis=0) + self.R
+        self.K = np.dot(cross, self.inv(self.S))
+        self.x = np.dot(self.K, z)
+        kept = self._I - np.dot(self.K, self.H)
+        self.P = np.dot(np.dot(kept, self.P), kept.T) + np.dot(np.dot(self.K, self.R), self.K.T)
+
+
+def _inverse(matrix: Array) -> Array:
+    """Inverse of `matrix` (4, 4), as `numpy.linalg.inv` has it in a third of the time.
+
+    Raises:
+        numpy.linalg.LinAlgError: it is singular.
+    """
+    *_, inverse, singular = dgesv(matrix, _IDENTITY)
+    if singular:
+        raise np.linalg.LinAlgError("Singular matrix")
+    return np.ascontiguousarray(inverse)
+
+
+_IDENTITY = np.eye(4)
 
 
 def error_filter(
@@ -24,9 +66,10 @@ def error_filter(
     force_bias_walk: float,
     fix_sigma_m: float,
     fix_yaw_sigma_rad: float,
-) -> KalmanFilter:
+) -> ErrorFilter:
     """The filter before take-off; the noises are those of `EstimatorConfig`."""
-    kf = KalmanFilter(dim_x=15, dim_z=4)
+    kf = ErrorFilter(dim_x=15, dim_z=4)
+    kf.inv = _inverse
     kf.x = np.zeros(15)
     kf.P = np.diag([1e-4] * 3 + [1e-4] * 3 + [1e-4] * 3 + [1e-5] * 3 + [1e-3] * 3)
     kf.Q = np.diag(

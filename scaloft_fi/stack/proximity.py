@@ -41,6 +41,7 @@ class ProximityMonitor:
         self._sector_of_column = ((half - bearing) / width).astype(np.int64)
         self._bearings = (half - (np.arange(config.sectors) + 0.5) * width).astype(np.float64)
         self._watched = np.ones(config.sectors, np.bool_)
+        self._left, self._up = np.ascontiguousarray(camera.rays[0, :, 1]), np.ascontiguousarray(camera.rays[:, 0, 2])
         for array in (self._sector_of_column, self._bearings, self._watched):
             array.setflags(write=False)
 
@@ -48,7 +49,7 @@ class ProximityMonitor:
         """Least range in each sector of `frame`, taken from `pose`; not touched."""
         c, camera = self.config, self.camera
         least = _least(
-            np.ascontiguousarray(frame.depth), camera.rays, camera.ahead_m, pose.attitude,
+            np.ascontiguousarray(frame.depth), self._left, self._up, camera.ahead_m, pose.attitude,
             self._sector_of_column, c.sectors, c.band_m, c.min_pixels,
         )  # fmt: skip
         return Proximity(frame.stamp_s, least, self._watched, self._bearings, c.trigger_m, touched=False)
@@ -79,25 +80,29 @@ class ProximityMonitor:
 
 
 @jit
-def _least(depth, rays, ahead_m, attitude, sector_of_column, sectors, band_m, min_pixels):  # type: ignore[no-untyped-def]
+def _least(depth, lefts, ups, ahead_m, attitude, sector_of_column, sectors, band_m, min_pixels):  # type: ignore[no-untyped-def]
     """Horizontal range of the min_pixels-nearest pixel of each sector within the band, inf where there are fewer."""
     x, y, z, w = attitude[0], attitude[1], attitude[2], attitude[3]
     up_x, up_y, up_z = 2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)
     nearest = np.full((sectors, min_pixels), np.inf)
-    for r in range(depth.shape[0]):
-        for k in range(depth.shape[1]):
-            d = depth[r, k]
-            left, up = rays[r, k, 1] * d, rays[r, k, 2] * d
+    square, within = np.empty(len(lefts)), np.empty(len(lefts), np.bool_)
+    for r in range(len(ups)):
+        line = depth[r]
+        for k in range(len(lefts)):  # a loop without branches, which is vectorised
+            d = line[k]
+            left, up = lefts[k] * d, ups[r] * d
             rise = up_x * (ahead_m + d) + up_y * left + up_z * up
-            if not d > 0.0 or abs(rise) > band_m:
+            within[k] = (d > 0.0) & (abs(rise) <= band_m)
+            square[k] = (ahead_m + d) ** 2 + left * left + up * up - rise * rise
+        for k in range(len(lefts)):
+            if not within[k]:
                 continue
-            square = (ahead_m + d) ** 2 + left * left + up * up - rise * rise
             s = sector_of_column[k]
             i = min_pixels
-            while i > 0 and square < nearest[s, i - 1]:
+            while i > 0 and square[k] < nearest[s, i - 1]:
                 if i < min_pixels:
                     nearest[s, i] = nearest[s, i - 1]
                 i -= 1
             if i < min_pixels:
-                nearest[s, i] = square
+                nearest[s, i] = square[k]
     return np.sqrt(nearest[:, min_pixels - 1])

@@ -142,6 +142,29 @@ def _near_view(cells, eye, turn, column, row, shape, ranges, voxel_m):  # type: 
 
 
 @jit
+def _projected(cells, eye, turn, column, row, shape, ranges, voxel_m):  # type: ignore[no-untyped-def]
+    """Pixel that shows the centre of each of `cells`, row by row, or -1, and its depth [m] (vectorised as above)."""
+    a, b, c = turn
+    low = (1 << _BITS) - 1
+    pixels, depths = np.empty(len(cells), np.int64), np.empty(len(cells))
+    height, width = shape
+    for i in range(len(cells)):
+        cell = cells[i]
+        x = (np.int32(cell >> 2 * _BITS) - _HALF + 0.5) * voxel_m - eye[0]
+        y = (np.int32((cell >> _BITS) & low) - _HALF + 0.5) * voxel_m - eye[1]
+        z = (np.int32(cell & low) - _HALF + 0.5) * voxel_m - eye[2]
+        ahead = x * a[0] + y * b[0] + z * c[0]
+        k = ((x * a[1] + y * b[1] + z * c[1]) / ahead - column[0]) / column[1] + 0.5
+        r = ((x * a[2] + y * b[2] + z * c[2]) / ahead - row[0]) / row[1] + 0.5
+        shown = (
+            (ahead > ranges[0]) & (ahead < ranges[1]) & (k >= 0.0) & (k < width) & (r >= 0.0) & (r < height)
+        )  # fmt: skip
+        pixels[i] = np.int64(r) * width + np.int64(k) if shown else -1
+        depths[i] = ahead
+    return pixels, depths
+
+
+@jit
 def observe(  # type: ignore[no-untyped-def]
     depth, ahead_m, column, row, position, attitude, voxel_m, ranges, min_pixels, margin_m, cells, seen_s, oldest_s
 ):
@@ -157,24 +180,20 @@ def observe(  # type: ignore[no-untyped-def]
     mask = len(slots) - 1
     places = np.full(len(fresh), -1, np.int64)
     gone = seen_s < oldest_s
-    low = (1 << _BITS) - 1
-    for i in _near_view(cells, eye, turn, column, row, (height, width), ranges, voxel_m):
+    near = _near_view(cells, eye, turn, column, row, (height, width), ranges, voxel_m)
+    pixels, ahead = _projected(cells[near], eye, turn, column, row, (height, width), ranges, voxel_m)
+    seen = depth.reshape(-1)
+    for k in range(len(near)):
+        i = near[k]
         cell = cells[i]
         s = _start(cell, mask)
         while slots[s] >= 0 and fresh[slots[s]] != cell:
             s = (s + 1) & mask
         if slots[s] >= 0:
             places[slots[s]], gone[i] = i, False
-            continue
-        x = ((cell >> 2 * _BITS) - _HALF + 0.5) * voxel_m - eye[0]
-        y = (((cell >> _BITS) & low) - _HALF + 0.5) * voxel_m - eye[1]
-        z = ((cell & low) - _HALF + 0.5) * voxel_m - eye[2]
-        ahead = x * a[0] + y * b[0] + z * c[0]
-        k = ((x * a[1] + y * b[1] + z * c[1]) / ahead - column[0]) / column[1] + 0.5
-        r = ((x * a[2] + y * b[2] + z * c[2]) / ahead - row[0]) / row[1] + 0.5
-        if ahead > ranges[0] and ahead < ranges[1] and k >= 0.0 and k < width and r >= 0.0 and r < height:
-            d = depth[int(r), int(k)]
-            gone[i] |= d > ahead + margin_m or not d > 0.0
+        elif pixels[k] >= 0:
+            d = seen[pixels[k]]
+            gone[i] |= d > ahead[k] + margin_m or not d > 0.0
     forget = np.empty(len(cells), np.int64)
     n = 0
     for i in range(len(cells)):
@@ -227,13 +246,18 @@ def update(cells, seen_s, forget, fresh, places, stamp_s):  # type: ignore[no-un
 def centres(cells, position, voxel_m, radius_m):  # type: ignore[no-untyped-def]
     """Centres (N, 3) [m, world] of the cells within `radius_m` of `position`."""
     low = (1 << _BITS) - 1
-    out = np.empty((len(cells), 3))
+    size = len(cells)
+    x, y, z, near = np.empty(size), np.empty(size), np.empty(size), np.empty(size, np.bool_)
+    for i in range(size):  # a loop without branches, which is vectorised
+        cell = cells[i]
+        x[i] = (np.int32(cell >> 2 * _BITS) - _HALF + 0.5) * voxel_m
+        y[i] = (np.int32((cell >> _BITS) & low) - _HALF + 0.5) * voxel_m
+        z[i] = (np.int32(cell & low) - _HALF + 0.5) * voxel_m
+        dx, dy, dz = x[i] - position[0], y[i] - position[1], z[i] - position[2]
+        near[i] = dx * dx + dy * dy + dz * dz < radius_m * radius_m
+    out = np.empty((size, 3))
     n = 0
-    for cell in cells:
-        x = (np.int32(cell >> 2 * _BITS) - _HALF + 0.5) * voxel_m
-        y = (np.int32((cell >> _BITS) & low) - _HALF + 0.5) * voxel_m
-        z = (np.int32(cell & low) - _HALF + 0.5) * voxel_m
-        dx, dy, dz = x - position[0], y - position[1], z - position[2]
-        out[n, 0], out[n, 1], out[n, 2] = x, y, z
-        n += dx * dx + dy * dy + dz * dz < radius_m * radius_m
+    for i in range(size):
+        out[n, 0], out[n, 1], out[n, 2] = x[i], y[i], z[i]
+        n += near[i]
     return out[:n]

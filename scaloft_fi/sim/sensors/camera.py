@@ -33,6 +33,8 @@ IRWIN_HALL_MEAN = 2.0 * 65535.0
 IRWIN_HALL_SIGMA = math.sqrt(4.0 * (65536.0**2 - 1.0) / 12.0)
 CERTAIN = 20.0
 """Beyond so many widths the logistic curve counts as 0 or 1."""
+CLEAR = 5.0
+"""Beyond so many widths it is less than 0.01 from 0 or 1, so that most pixels are decided without it."""
 
 
 @dataclass(frozen=True)
@@ -165,24 +167,34 @@ def sense(
     passive, passive_range_m, active = numbers[6] * light, numbers[7], numbers[8]
     height, columns = depth.shape
     counter = frame * np.uint64(2 * height * columns)
-    uniform, value = np.empty(columns), np.empty(columns)
+    least_m = 0.5 * min_m
+    uniform, value, x = np.empty(columns), np.empty(columns), np.empty(columns)
+    is_open = np.empty(columns, np.bool_)
     for j in range(height):
-        for i in range(columns):  # a loop without branches, which is vectorised
+        line, row, bodies = depth[j], out[j], segments[j]
+        for i in range(columns):
+            x[i] = reflectivity[bodies[i]]
+        # Two loops without branches and lookups, which are vectorised; few pixels need the logistic curve.
+        for i in range(columns):
             pixel = counter + TWO * np.uint64(j * columns + i)
             uniform[i] = (word(key, pixel) >> S11) * UNIT_53
             bits = word(key, pixel + ONE)
             total = (bits & LOW_16) + ((bits >> S16) & LOW_16) + ((bits >> S32) & LOW_16) + (bits >> S48)
-            z = depth[j, i]
-            value[i] = z + sigma_per_m * z * z * (np.float64(total) - IRWIN_HALL_MEAN) / IRWIN_HALL_SIGMA
+            z = line[i]
+            noisy = z + sigma_per_m * z * z * (np.float64(total) - IRWIN_HALL_MEAN) / IRWIN_HALL_SIGMA
+            value[i] = noisy if noisy > least_m else least_m
         for i in range(columns):
-            z = depth[j, i]
-            out[j, i] = 0.0
-            if z < min_m or z > max_m:
-                continue
-            signal = passive * min(1.0, passive_range_m / z) + active * reflectivity[segments[j, i]] / (z * z)
-            x = (signal - half) / width
-            if x < -CERTAIN:
-                continue
-            chance = best if x > CERTAIN else best / (1.0 + math.exp(-x))
-            if not uniform[i] >= chance:
-                out[j, i] = max(value[i], 0.5 * min_m)
+            z = line[i]
+            fall = passive_range_m / z
+            fall = 1.0 if fall > 1.0 else fall
+            signal = passive * fall + active * x[i] / (z * z)
+            x[i] = (signal - half) / width
+            within = (z >= min_m) & (z <= max_m) & (x[i] >= -CERTAIN)
+            returns = (x[i] > CLEAR) & (uniform[i] < 0.99 * best)
+            fails = (x[i] < -CLEAR) & (uniform[i] > 0.01 * best)
+            row[i] = value[i] if within & returns else 0.0
+            is_open[i] = within & (not (returns | fails))
+        for i in range(columns):
+            if is_open[i]:
+                chance = best if x[i] > CERTAIN else best / (1.0 + math.exp(-x[i]))
+                row[i] = 0.0 if uniform[i] >= chance else value[i]
