@@ -89,3 +89,13 @@ def blocked(vertices: Array, faces: Faces, owner: Segments, spared: int, start: 
         if 0.0 < t < 1.0:
             return True
     return False
+
+
+@jit
+def outside(boxes: Array, x: float, y: float, z: float, distances: Array) -> None:
+    """Write the distance from (x, y, z) to each of `boxes` (N, 6) [least x, y, z, then greatest], 0 inside it."""
+    for i in range(boxes.shape[0]):
+        dx = max(boxes[i, 0] - x, 0.0, x - boxes[i, 3])
+        dy = max(boxes[i, 1] - y, 0.0, y - boxes[i, 4])
+        dz = max(boxes[i, 2] - z, 0.0, z - boxes[i, 5])
+        distances[i] = math.sqrt(dx * dx + dy * dy + dz * dz)

@@ -6,13 +6,13 @@ Nothing here reaches the stack under test.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
 from scaloft_fi.sim.build import BodyIds
 from scaloft_fi.sim.contact import Contact
-from scaloft_fi.sim.geometry import blocked, nearest
+from scaloft_fi.sim.geometry import blocked, nearest, outside
 from scaloft_fi.sim.log import NEVER_S
 from scaloft_fi.sim.raster import View, pixels_of
 from scaloft_fi.sim.scenario import Scenario
@@ -64,7 +64,8 @@ class Observer:
         self._obstacles = np.array([name in obstacles for name in self._scene.names])
         self._any_obstacle = bool(self._obstacles.any())
         meshes = {WALL: world.mine.wall, GROUND: world.mine.ground, **{body.name: body.mesh for body in world.present}}
-        self._bounds = {name: _bounds(mesh.vertices) for name, mesh in meshes.items()}
+        self._names, self._boxes = tuple(meshes), np.array([_bounds(mesh.vertices) for mesh in meshes.values()])
+        self._waypoints = tuple((x, y) for x, y, _ in scenario.route[:-1])
         self._home = scenario.home
         self._passed = 0
         self._airborne = False
@@ -114,20 +115,20 @@ class Observer:
         self._airborne |= z - self._home[2] > AIRBORNE_M
         home_m = math.hypot(x - self._home[0], y - self._home[1])
         excused = self._excused(x, y)
-        clearances = {name: self._clearance(name, x, y, z, excused) for name in self._surfaces}
+        gaps = self._gaps(x, y, z)
+        clearances = {name: self._clearance(name, gaps, excused) for name in self._surfaces}
         person_range_m, person_sight_m = self._person(state)
-        self.room_m = min(clearances.values())
+        clearance_m = self.room_m = min(clearances.values())
         if excused:
-            self.room_m = min(self.room_m, self._gap(GROUND, x, y, z))
+            self.room_m = min(clearance_m, gaps[GROUND])
         self._pass_waypoints(x, y)
-        near_waypoint = any(math.hypot(x - wx, y - wy) <= PASS_M for wx, wy, _ in scenario.route[:-1])
         row = [
             t_s,
             scenario.t_max_s - t_s,
             *(x, y, z, vx, vy, vz, qx, qy, qz, qw),
             math.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz)),
             math.sqrt(max(self._top_square, vx * vx + vy * vy + vz * vz)),
-            min(clearances.values()),
+            clearance_m,
             person_range_m,
             person_sight_m,
             float(len(scenario.route) - self._passed),
@@ -135,14 +136,17 @@ class Observer:
             float(self.landed),
             scenario.world.light,
             self._obstacle_pixels(view),
-            clearances[WALL] if near_waypoint else FAR_M,
+            clearances[WALL] if self._near_waypoint(x, y) else FAR_M,
             *clearances.values(),
         ]
         self._top_square = 0.0
         self._touched.clear()
         return row
 
-    def _clearance(self, name: str, x: float, y: float, z: float, excused: bool) -> float:
+    def _near_waypoint(self, x: float, y: float) -> bool:
+        return any(math.hypot(x - wx, y - wy) <= PASS_M for wx, wy in self._waypoints)
+
+    def _clearance(self, name: str, gaps: Mapping[str, float], excused: bool) -> float:
         """Hull to a surface [m], at most 1; a contact since the last sample makes it negative.
 
         Ground that may be touched as things stand counts as far, or every landing would end at clearance 0.
@@ -150,7 +154,7 @@ class Observer:
         if name == GROUND and excused:
             return CLEARANCE_CAP_M if name not in self._touched else TOUCH_M
         clearance_m = CLEARANCE_CAP_M
-        if name in self._ids and self._gap(name, x, y, z) < CLEARANCE_CAP_M:
+        if gaps.get(name, math.inf) < CLEARANCE_CAP_M:
             points = self._closest(self._body, self._ids[name], CLEARANCE_CAP_M, physicsClientId=self._client)
             clearance_m = min((point[8] for point in points), default=CLEARANCE_CAP_M)
         if name in self._touched:
@@ -158,10 +162,11 @@ class Observer:
         # Bullet's margin may overlap by less than it takes for a touch; only a touch counts.
         return max(clearance_m, -TOUCH_M)
 
-    def _gap(self, name: str, x: float, y: float, z: float) -> float:
-        """From a ball about the hull to the surface's bounding box [m]: no clearance is smaller."""
-        x0, y0, z0, x1, y1, z1 = self._bounds[name]
-        return math.hypot(max(x0 - x, 0.0, x - x1), max(y0 - y, 0.0, y - y1), max(z0 - z, 0.0, z - z1)) - self._radius_m
+    def _gaps(self, x: float, y: float, z: float) -> dict[str, float]:
+        """From a ball about the hull to each surface's bounding box [m]: no clearance is smaller."""
+        distances = np.empty(len(self._boxes))
+        outside(self._boxes, x, y, z, distances)
+        return {name: d - self._radius_m for name, d in zip(self._names, distances.tolist(), strict=True)}
 
     def _person(self, state: Array) -> tuple[float, float]:
         """Range of the nearest person's surface, and of the nearest one in sight [m]."""

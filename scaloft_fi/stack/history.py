@@ -31,28 +31,45 @@ class History:
                 self._rows = np.empty((2 * len(self._rows), 5))
             self._rows[: len(kept)] = kept
             self._first, self._end = 0, len(kept)
-        self._rows[self._end] = (now_s, *position.tolist(), yaw_rad)
+        self._first = _add(self._rows, self._first, self._end, now_s, position, yaw_rad, self._span_s)
         self._end += 1
-        while now_s - self._rows[self._first, 0] > self._span_s:
-            self._first += 1
 
     def at(self, stamp_s: float) -> tuple[Array, float]:
         """Position (3,) and heading at `stamp_s`, interpolated; the newest (or oldest) ones outside the history."""
-        i = self._end - 1
-        while i > self._first and not self._rows[i, 0] <= stamp_s:
-            i -= 1
-        begin_s, *position, yaw_rad = self._rows[i].tolist()
-        if not begin_s <= stamp_s:
-            return np.array(position), yaw_rad
-        end_s, *later, later_rad = self._rows[min(i + 1, self._end - 1)].tolist()
-        span_s = end_s - begin_s
-        share = min(1.0, (stamp_s - begin_s) / span_s) if span_s > 0.0 else 0.0
-        turned = math.remainder(later_rad - yaw_rad, 2.0 * math.pi)
-        return np.array([p + share * (q - p) for p, q in zip(position, later, strict=True)]), yaw_rad + share * turned
+        position = np.empty(3)
+        share, yaw_rad, later_rad = _at(self._rows, self._first, self._end, stamp_s, position)
+        if share > 0.0:
+            yaw_rad += share * math.remainder(later_rad - yaw_rad, 2.0 * math.pi)
+        return position, yaw_rad
 
     def shift(self, position: Array, yaw_rad: float) -> None:
         """A correction applies to the recent past as well, or late fixes would correct the same error twice."""
         _shift(self._rows, self._first, self._end, position, yaw_rad)
+
+
+@jit
+def _add(rows: Array, first: int, end: int, now_s: float, position: Array, yaw_rad: float, span_s: float) -> int:
+    """Write row `end`; returns the first row that is not older than the span."""
+    rows[end, 0], rows[end, 4] = now_s, yaw_rad
+    for k in range(3):
+        rows[end, 1 + k] = position[k]
+    while now_s - rows[first, 0] > span_s:
+        first += 1
+    return first
+
+
+@jit
+def _at(rows: Array, first: int, end: int, stamp_s: float, position: Array) -> tuple[float, float, float]:
+    """Interpolate `position` (3,); returns the share of the later one of two rows, and their headings."""
+    i = end - 1
+    while i > first and not rows[i, 0] <= stamp_s:
+        i -= 1
+    later = min(i + 1, end - 1)
+    span_s = rows[later, 0] - rows[i, 0]
+    share = min(1.0, (stamp_s - rows[i, 0]) / span_s) if span_s > 0.0 and rows[i, 0] <= stamp_s else 0.0
+    for k in range(1, 4):
+        position[k - 1] = rows[i, k] + share * (rows[later, k] - rows[i, k]) if share > 0.0 else rows[i, k]
+    return share, rows[i, 4], rows[later, 4]
 
 
 @jit

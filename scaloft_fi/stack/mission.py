@@ -69,10 +69,11 @@ class Mission:
         if self.phase != "fly" or self.index >= len(self._route):
             return None
         point = self._route[self.index]
-        dx, dy, dz = (float(point[i] - pose.position[i]) for i in range(3))
+        x, y, z = pose.position.tolist()
+        vx, vy, _ = pose.velocity.tolist()
+        dx, dy, dz = float(point[0] - x), float(point[1] - y), float(point[2] - z)
         distance_m = (dx * dx + dy * dy) ** 0.5
-        v = pose.velocity
-        closing_mps = float(dx * v[0] + dy * v[1]) / distance_m if distance_m > 1e-6 else 0.0
+        closing_mps = (dx * vx + dy * vy) / distance_m if distance_m > 1e-6 else 0.0
         return GoalCheck(self.index, (dx, dy, dz), self.config.goal_axes, self.config.goal_radius_m, closing_mps)
 
     def settle(self, check: GoalCheck | None) -> None:

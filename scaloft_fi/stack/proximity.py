@@ -66,9 +66,10 @@ class ProximityMonitor:
         """
         if proximity is None:
             return None
-        ranges = [
-            r if w else math.inf for r, w in zip(proximity.sectors.tolist(), proximity.watched.tolist(), strict=True)
-        ]
+        ranges = proximity.sectors.tolist()
+        if not proximity.touched and min(ranges) >= proximity.trigger_m:
+            return None
+        ranges = [r if w else math.inf for r, w in zip(ranges, proximity.watched.tolist(), strict=True)]
         near = [r for r in ranges if r < proximity.trigger_m]
         if not near:
             if not proximity.touched:
