@@ -77,10 +77,10 @@ class Physics:
             first = study.grid.situations[0]
             with flight.physics_server() as client:
                 trial = flight.Flight(client, study.sim, study.scenario(first), 0, PlainWire())
+                trial.step()
                 for _ in range(round(KERNELS_S * TICK_HZ)):
                     trial.tick()
-                    for _ in range(flight.STEPS_PER_TICK):
-                        trial.step()
+                    trial.advance()
                 judged(study, Flight(None, first, 0), trial.log())
         finally:
             notice.cancel()

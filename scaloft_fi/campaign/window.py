@@ -39,8 +39,7 @@ def fly_in_window(study: Study, flight: Flight) -> FlightLog:
         while under_way.tick():
             follow = under_way.body.state[:3].tolist()
             pybullet.resetDebugVisualizerCamera(DISTANCE_M, TURN_DEG, TILT_DEG, follow, physicsClientId=client)
-            for _ in range(flying.STEPS_PER_TICK):
-                under_way.step()
+            under_way.advance()
             due_s += 0.05
             time.sleep(max(0.0, due_s - time.monotonic()))
         return under_way.log()

@@ -34,6 +34,10 @@ class WatchingWire:
         self._taken: TappedWire | None = None
         self._sort()
 
+    def listens(self, seam: str) -> bool:
+        """Whether a watched wire, or the taken one, has a tap on `seam`."""
+        return bool(self._by_seam.get(seam)) if self._taken is None else self._taken.listens(seam)
+
     def cross(self, seam: str, t_s: float, sample: S | None) -> S | None:
         """Return `sample` in the trunk, what the taken wire makes of it in a branch.
 

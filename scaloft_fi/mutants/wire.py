@@ -66,6 +66,10 @@ class TappedWire:
     def __init__(self, taps: Mapping[str, Tap]) -> None:
         self._tallies = {name: _Tally(SEAMS[name], tap) for name, tap in taps.items()}
 
+    def listens(self, seam: str) -> bool:
+        """Whether there is a tap on `seam`."""
+        return seam in self._tallies
+
     def cross(self, seam: str, t_s: float, sample: S | None) -> S | None:
         """Return what the seam's tap makes of `sample`.
 

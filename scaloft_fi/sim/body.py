@@ -8,7 +8,7 @@ import struct
 import numpy as np
 
 from scaloft_fi.sim.build import VEHICLE_GROUP, WORLD_GROUP
-from scaloft_fi.sim.vehicle import STATE_SIZE, Array, Vehicle, actuate
+from scaloft_fi.sim.vehicle import NUMBERS, STATE_SIZE, Array, Vehicle, actuate, parts_of
 from scaloft_fi.sim.world import Point
 
 _STATE = struct.Struct(f"{STATE_SIZE}d")
@@ -28,6 +28,7 @@ class Body:
         truth: the 13 numbers of the state after the last step, laid out as `sim.vehicle` says.
         state: (13,) the same as an array, which the next step overwrites.
         thrusts: (4,) thrust of each rotor [N].
+        numbers: (46,) state, thrusts and what `actuate` works on, see `vehicle.parts_of`.
     """
 
     def __init__(self, client: int, vehicle: Vehicle, position: Point, yaw_rad: float) -> None:
@@ -39,16 +40,19 @@ class Body:
         self._push, self._turn = pybullet.applyExternalForce, pybullet.applyExternalTorque
         self._world_frame = pybullet.WORLD_FRAME
         self._client = client
-        self._lag, self._effect = vehicle.lag(), vehicle.effect()
-        self._pushed = np.zeros(6)
+        self.numbers = np.zeros(NUMBERS)
+        self.state, self.thrusts, self._pushed, self._lag, self._effect = parts_of(self.numbers)
+        self._lag[:], self._effect[:] = vehicle.lag(), vehicle.effect()
         self.number = spawn(client, vehicle, position, yaw_rad)
-        self.thrusts = np.zeros(4)
-        self.state: Array = np.zeros(STATE_SIZE)
         self.read()
 
     def step(self, order: Array) -> None:
         """One 240 Hz step with rotor thrusts `order` (4,) [N]."""
         actuate(self.thrusts, order, self._lag, self._effect, self.state, self._pushed)
+        self.move()
+
+    def move(self) -> None:
+        """The step itself, under the force and torque that `numbers` has."""
         pushed = self._pushed.tolist()
         self._push(self.number, -1, pushed[:3], self._position, self._world_frame, self._client)
         self._turn(self.number, -1, pushed[3:], self._world_frame, self._client)

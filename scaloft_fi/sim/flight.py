@@ -23,6 +23,7 @@ from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.sensors import Sensors
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.sim.stacks import STACKS
+from scaloft_fi.sim.tight_loop import TightLoop
 from scaloft_fi.stack.camera import DepthCamera
 from scaloft_fi.stack.config import ConfigError
 from scaloft_fi.stack.messages import SensorFrames
@@ -60,8 +61,7 @@ def fly(config: SimConfig, situation: Situation, seed: int, wire: Wire, enough: 
     with physics_server() as client:
         flight = Flight(client, config, scenario, seed, wire)
         while flight.tick():
-            for _ in range(STEPS_PER_TICK):
-                flight.step()
+            flight.advance()
             if enough is not None and flight.ticks % ASK_TICKS == 0 and enough(flight.log()):
                 flight.cut()
         return flight.log()
@@ -126,6 +126,8 @@ class Flight:
         self._observer = Observer(client, ids, self.body.number, vehicle, scenario, config.sensors.depth.max_m)
         self._feeler = Feeler(client, self.body.number, vehicle, ids.name_of)
         self._truth, self._beliefs = Recorder(self._observer.names), Recorder(BELIEFS)
+        inner = getattr(self.stack, "inner", None)
+        self._tight = TightLoop(inner, self.sensors.inertial, self.body, wire) if inner is not None else None
         self.ticks = self._steps = 0
         self._cut = False
         self._companion_alive = self._autopilot_alive = True
@@ -149,20 +151,37 @@ class Flight:
         """End it at the next sample, unless it ends there by itself."""
         self._cut = True
 
+    def advance(self) -> None:
+        """Step up to the next sample."""
+        tight = self._tight
+        if tight is None or not self._autopilot_alive or not tight.free:
+            for _ in range(STEPS_PER_TICK):
+                self.step()
+            return
+        tight.begin()
+        for _ in range(STEPS_PER_TICK):
+            tight.step(self._steps)
+            self._watch()
+        tight.end()
+
     def step(self) -> None:
         """One physics step with the thrust that flight control orders."""
-        body = self.body
         order = NO_THRUST
         if self._autopilot_alive:
             now_s = self._steps / 240
             try:
-                thrust = self.stack.step(now_s, self.sensors.imu(self._steps, body.state))
+                thrust = self.stack.step(now_s, self.sensors.imu(self._steps, self.body.state))
                 order = NO_THRUST if thrust is None else thrust.rotors
             except HARNESS:
                 raise
             except Exception as error:  # noqa: BLE001 - whatever the stack under test raises
                 self._autopilot_fails(now_s, error)
-        body.step(order)
+        self.body.step(order)
+        self._watch()
+
+    def _watch(self) -> None:
+        """Let touch sensor and observer look at the step just made."""
+        body = self.body
         self._steps += 1
         touched = self._feeler.feel(body.truth, body.state)
         if touched:

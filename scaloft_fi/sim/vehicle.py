@@ -20,6 +20,9 @@ POSITION, ATTITUDE, VELOCITY, RATE = slice(0, 3), slice(3, 7), slice(7, 10), sli
 velocity [m/s, world], angular rate [rad/s, world]."""
 STATE_SIZE = 13
 
+# Layout of what a step changes and depends on: state, thrusts, force and torque, lag, effect.
+_THRUSTS, _PUSHED, _LAG, _EFFECT, NUMBERS = 13, 17, 23, 26, 46
+
 
 @dataclass(frozen=True, eq=False)
 class Vehicle:
@@ -110,6 +113,13 @@ def read_vehicle(item: Item) -> Vehicle:
     )
     item.close()
     return vehicle
+
+
+@jit
+def parts_of(numbers: Array) -> tuple[Array, Array, Array, Array, Array]:
+    """State (13,), thrusts (4,), force and torque (6,), lag (3,), effect (5, 4) as views of `numbers` (46,)."""
+    effect = numbers[_EFFECT:NUMBERS].reshape((5, 4))
+    return numbers[:_THRUSTS], numbers[_THRUSTS:_PUSHED], numbers[_PUSHED:_LAG], numbers[_LAG:_EFFECT], effect
 
 
 @jit

@@ -20,6 +20,11 @@ VELOCITY_MODE, HOLD_MODE, LAND_MODE, LEVEL_MODE = 0, 1, 2, 3
 # Layout of the controller's memory: slewed velocity setpoint, integrators, slewed heading setpoint.
 SETPOINT, INTEGRAL, HEADING, MEMORY_SIZE = 0, 3, 6, 7
 
+# Layout of what it is given and keeps: velocity, hold, memory, gains, allocation, thrust.
+_HOLD, _MEMORY, _GAINS = 3, 6, 6 + MEMORY_SIZE
+_ALLOCATION = _GAINS + 19
+_THRUST, NUMBERS = _ALLOCATION + 16, _ALLOCATION + 20
+
 
 @dataclass(frozen=True)
 class ControlConfig:
@@ -84,6 +89,19 @@ class ControlConfig:
         x, y = np.array(self.rotors).T
         effect = np.vstack([np.ones(4), y, -x, self.moment_m * np.array(self.spins)])
         return np.ascontiguousarray(np.linalg.inv(effect))
+
+
+@jit
+def parts_of(numbers: Array) -> tuple[Array, Array, Array, Array, Array, Array]:
+    """Velocity and hold (3,), memory (7,), gains (19,), allocation (4, 4), thrust (4,) as views of `numbers` (52,)."""
+    return (
+        numbers[:_HOLD],
+        numbers[_HOLD:_MEMORY],
+        numbers[_MEMORY:_GAINS],
+        numbers[_GAINS:_ALLOCATION],
+        numbers[_ALLOCATION:_THRUST].reshape((4, 4)),
+        numbers[_THRUST:NUMBERS],
+    )
 
 
 @jit

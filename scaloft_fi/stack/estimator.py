@@ -16,16 +16,20 @@ from scaloft_fi.stack.history import History
 from scaloft_fi.stack.messages import Array, Fix, Imu, PoseEstimate
 from scaloft_fi.stack.strapdown import (
     ATTITUDE,
+    NUMBERS,
     POSITION,
     RATE_BIAS,
-    STATE_SIZE,
     VELOCITY,
     correct,
+    parts_of,
     propagate,
     rotation,
     turn,
     yaw_of,
 )
+
+IMU_GAP_S = 0.1
+"""An inertial sample so long after the one before is not integrated [s]."""
 
 
 @dataclass(frozen=True)
@@ -61,28 +65,29 @@ class Estimator:
     """The running estimate.
 
     Attributes:
+        numbers: (31,) state, rotation, world_force and rate in one piece; these four are views of it.
         state: (16,) nominal state, see `strapdown.propagate`.
         rate: (3,) last angular rate, bias removed [rad/s, body].
         rotation: (3, 3) attitude as a matrix, body to world.
-        last_imu_s: time of the last inertial sample [s].
+        world_force: (3,) specific force integrated since the last prediction [m/s, world].
+        stamp_s: stamp of the last inertial sample [s].
+        last_imu_s: time of the last inertial sample that was used [s].
         last_fix_s: own time at which a fix was last accepted [s].
     """
 
     def __init__(self, config: EstimatorConfig, position: Array, yaw_rad: float) -> None:
         self.config = config
-        self.state = np.zeros(STATE_SIZE)
+        self.numbers = np.zeros(NUMBERS)
+        self.state, self.rotation, self.world_force, self.rate = parts_of(self.numbers)
         self.state[POSITION:VELOCITY] = position
         self.state[8], self.state[9] = math.sin(0.5 * yaw_rad), math.cos(0.5 * yaw_rad)
-        self.rate = np.zeros(3)
         self.last_imu_s = 0.0
         self.last_fix_s = 0.0
-        self._imu_stamp_s = 0.0
+        self.stamp_s = 0.0
         self._fix_stamp_s = 0.0
         self._refused_since_s: float | None = None
         self._predicted_s = 0.0
-        self.rotation = np.eye(3)
         rotation(self.state[ATTITUDE:RATE_BIAS], self.rotation)
-        self._world_force = np.zeros(3)
         self._history = History(config.history_s)
         self._filter = error_filter(
             config.force_noise,
@@ -95,12 +100,12 @@ class Estimator:
 
     def inertial(self, now_s: float, imu: Imu) -> None:
         """Integrate one inertial sample."""
-        dt_s = imu.stamp_s - self._imu_stamp_s
-        self._imu_stamp_s = imu.stamp_s
-        if not 0.0 < dt_s < 0.1:
+        dt_s = imu.stamp_s - self.stamp_s
+        self.stamp_s = imu.stamp_s
+        if not 0.0 < dt_s < IMU_GAP_S:
             return
         self.last_imu_s = now_s
-        propagate(self.state, imu.rate, imu.force, dt_s, self.rotation, self._world_force, self.rate)
+        propagate(self.state, imu.rate, imu.force, dt_s, self.rotation, self.world_force, self.rate)
 
     def tick(self, now_s: float, fix: Fix | None) -> PoseEstimate:
         """Predict the error's covariance, correct by `fix` if there is one; returns the estimate."""
@@ -122,8 +127,8 @@ class Estimator:
         self._predicted_s = now_s
         if dt_s <= 0.0:
             return
-        transition(self._filter.F, dt_s, self._world_force, self.rotation)
-        self._world_force[:] = 0.0
+        transition(self._filter.F, dt_s, self.world_force, self.rotation)
+        self.world_force[:] = 0.0
         self._filter.predict()
 
     def _correct(self, now_s: float, fix: Fix) -> None:

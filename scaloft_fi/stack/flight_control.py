@@ -11,10 +11,11 @@ from scaloft_fi.stack.control import (
     HOLD_MODE,
     LAND_MODE,
     LEVEL_MODE,
-    MEMORY_SIZE,
+    NUMBERS,
     VELOCITY_MODE,
     ControlConfig,
     control,
+    parts_of,
 )
 from scaloft_fi.stack.estimator import Estimator
 from scaloft_fi.stack.messages import Imu, Thrust, VelocityCommand
@@ -42,6 +43,8 @@ class FlightControl:
 
     Attributes:
         mode: what it does now, one of "takeoff", "offboard", "hold", "land", "level", "stopped".
+        kernel_mode, yaw_rad, accel_mps2: what `control` is given.
+        numbers: (52,) and all the rest of it, see `control.parts_of`.
     """
 
     def __init__(self, config: ControlConfig, failsafe: FailsafeConfig, estimator: Estimator, yaw_rad: float) -> None:
@@ -49,15 +52,14 @@ class FlightControl:
         self.failsafe = failsafe
         self.estimator = estimator
         self.mode = "takeoff"
-        self._gains = config.gains()
-        self._allocation = config.allocation()
-        self._memory = np.zeros(MEMORY_SIZE)
+        self.numbers = np.zeros(NUMBERS)
+        self._velocity, self._hold, self._memory, self._gains, self._allocation, _ = parts_of(self.numbers)
+        self._gains[:], self._allocation[:] = config.gains(), config.allocation()
         self._memory[HEADING] = yaw_rad
-        self._hold = estimator.state[:3].copy()
-        self._velocity = np.zeros(3)
-        self._yaw_rad = yaw_rad
-        self._accel_mps2 = config.accel_mps2
-        self._kernel_mode = HOLD_MODE
+        self._hold[:] = estimator.state[:3]
+        self.yaw_rad = yaw_rad
+        self.accel_mps2 = config.accel_mps2
+        self.kernel_mode = HOLD_MODE
         self._commanded_s = 0.0
         self._stopped = np.zeros(4)
 
@@ -77,9 +79,9 @@ class FlightControl:
             return
         self._commanded_s = now_s
         self._velocity[:] = order.velocity
-        self._yaw_rad = order.yaw_rad
-        self._accel_mps2 = accel_mps2
-        self.mode, self._kernel_mode = "offboard", VELOCITY_MODE
+        self.yaw_rad = order.yaw_rad
+        self.accel_mps2 = accel_mps2
+        self.mode, self.kernel_mode = "offboard", VELOCITY_MODE
 
     def watch(self, now_s: float) -> None:
         """Check the time-outs, at 20 Hz."""
@@ -105,11 +107,11 @@ class FlightControl:
             estimator.state,
             estimator.rotation,
             estimator.rate,
-            self._kernel_mode,
+            self.kernel_mode,
             self._velocity,
             self._hold,
-            self._yaw_rad,
-            self._accel_mps2,
+            self.yaw_rad,
+            self.accel_mps2,
             dt_s,
             self._gains,
             self._allocation,
@@ -126,6 +128,6 @@ class FlightControl:
         self._velocity[:] = 0.0, 0.0, -min(limit_mps, self.config.land_mps)
 
     def _enter(self, mode: str, kernel_mode: int) -> None:
-        self.mode, self._kernel_mode = mode, kernel_mode
-        self._hold = self.estimator.state[:3].copy()
-        self._accel_mps2 = self.config.accel_mps2
+        self.mode, self.kernel_mode = mode, kernel_mode
+        self._hold[:] = self.estimator.state[:3]
+        self.accel_mps2 = self.config.accel_mps2

@@ -16,6 +16,7 @@ from scaloft_fi.stack.control import ControlConfig
 from scaloft_fi.stack.estimator import Estimator, EstimatorConfig
 from scaloft_fi.stack.exposure import ExposureConfig, ExposureControl
 from scaloft_fi.stack.flight_control import FailsafeConfig, FlightControl
+from scaloft_fi.stack.inner_loop import InnerLoop
 from scaloft_fi.stack.memory import MemoryConfig, ObstacleMemory
 from scaloft_fi.stack.messages import Array, Exposure, Imu, Point, Route, SensorFrames, Stamps, Thrust
 from scaloft_fi.stack.mission import Mission, MissionConfig
@@ -118,7 +119,11 @@ class ReferenceConfig:
 
 
 class ReferenceStack:
-    """Estimator and flight control below, companion computer above."""
+    """Estimator and flight control below, companion computer above.
+
+    Attributes:
+        inner: the same as `step`, compiled, for steps whose seams nobody listens on.
+    """
 
     def __init__(self, task: Task, wire: Wire) -> None:
         config = build(ReferenceConfig, task.settings)
@@ -142,6 +147,7 @@ class ReferenceStack:
             task.yaw_rad,
         )
         self._control.take_off(task.altitude_m)
+        self.inner = InnerLoop(self._estimator, self._control)
         self._pose = self._estimator.tick(0.0, None)
         self._last_stamps = Stamps(0.0, 0.0, 0.0)
 

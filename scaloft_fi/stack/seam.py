@@ -16,6 +16,10 @@ S = TypeVar("S")
 class Wire(Protocol):
     """What carries samples over the seams."""
 
+    def listens(self, seam: str) -> bool:
+        """Whether it matters that samples cross `seam`; where not, they need not be sent."""
+        ...
+
     def cross(self, seam: str, t_s: float, sample: S | None) -> S | None:
         """Carry `sample` (None = nothing is sent at this tick) over `seam`; returns what arrives."""
         ...
@@ -23,6 +27,10 @@ class Wire(Protocol):
 
 class PlainWire:
     """Carries every sample as it is."""
+
+    def listens(self, seam: str) -> bool:
+        """Nowhere."""
+        return False
 
     def cross(self, seam: str, t_s: float, sample: S | None) -> S | None:
         """Return `sample`."""

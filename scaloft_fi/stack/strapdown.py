@@ -12,6 +12,16 @@ GRAVITY_MPS2 = 9.81
 # Layout of the nominal state.
 POSITION, VELOCITY, ATTITUDE, RATE_BIAS, FORCE_BIAS, STATE_SIZE = 0, 3, 6, 10, 13, 16
 
+# Layout of what a sample changes: the state, its rotation matrix, the integrated force, the last rate.
+_ROTATION, _FORCE, _RATE, NUMBERS = STATE_SIZE, STATE_SIZE + 9, STATE_SIZE + 12, STATE_SIZE + 15
+
+
+@jit
+def parts_of(numbers: Array) -> tuple[Array, Array, Array, Array]:
+    """State (16,), rotation (3, 3), integrated force (3,) and rate (3,) as views of `numbers` (31,)."""
+    turned = numbers[_ROTATION:_FORCE].reshape((3, 3))
+    return numbers[:STATE_SIZE], turned, numbers[_FORCE:_RATE], numbers[_RATE:NUMBERS]
+
 
 @jit
 def rotation(q: Array, r: Array) -> None:

@@ -25,6 +25,9 @@ class CutWire(PlainWire):
     def __init__(self, seam, from_s):
         self.seam, self.from_s = seam, from_s
 
+    def listens(self, seam):
+        return seam == self.seam
+
     def cross(self, seam, t_s, sample):
         return None if seam == self.seam and t_s >= self.from_s else sample
 

@@ -12,6 +12,8 @@ from scaloft_fi.sim.streams import Array, Table, generator
 from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.messages import Imu
 
+NUMBERS = 21
+
 
 @dataclass(frozen=True)
 class ImuConfig:
@@ -41,23 +43,41 @@ class ImuConfig:
 
 
 class ImuSensor:
-    """Measures rate and specific force; the acceleration is the change of velocity over the last step."""
+    """Measures rate and specific force; the acceleration is the change of velocity over the last step.
+
+    Attributes:
+        noise: of each sample.
+        numbers: (21,) what `inertial` works on, see `parts_of`.
+    """
 
     def __init__(self, config: ImuConfig, *stream: object) -> None:
-        self._noise = Table(6, *stream, "imu")
+        self.noise = Table(6, *stream, "imu")
         bias = np.repeat(np.array([config.rate_bias_radps, config.force_bias_mps2], np.float64), 3)
         bias *= generator(*stream, "imu bias").standard_normal(6)
         sigma = np.repeat(np.array([config.rate_sigma_radps, config.force_sigma_mps2], np.float64), 3)
-        self._errors = np.array([bias, sigma])
-        self._velocity: Array | None = None
+        self.numbers = np.zeros(NUMBERS)
+        self._before, self._errors, _ = parts_of(self.numbers)
+        self._errors[:] = bias, sigma
+        self._measured = False
+
+    def begin(self, state: Array) -> None:
+        """Before the first sample: take the velocity of `state` (13,) for that of one step earlier."""
+        if not self._measured:
+            self._measured = True
+            self._before[:] = state[7:10]
 
     def measure(self, step: int, state: Array) -> Imu:
         """The sample of physics step `step` from the vehicle's true `state` (13,)."""
-        if self._velocity is None:
-            self._velocity = state[7:10].copy()
+        self.begin(state)
         reading = np.empty((2, 3))
-        inertial(state, self._velocity, self._noise.row(step), self._errors, reading)
+        inertial(state, self._before, self.noise.row(step), self._errors, reading)
         return Imu(step * STEP_S, reading[0], reading[1])
+
+
+@jit
+def parts_of(numbers: Array) -> tuple[Array, Array, Array]:
+    """Velocity one step earlier (3,), errors (2, 6), reading (2, 3) as views of `numbers` (21,); see `inertial`."""
+    return numbers[:3], numbers[3:15].reshape((2, 6)), numbers[15:NUMBERS].reshape((2, 3))
 
 
 @jit

@@ -85,6 +85,7 @@ class Sensors:
         seed: number of the flight; both name the noise.
 
     Attributes:
+        inertial: the inertial sensor.
         view: the camera's last picture, drawn at the last tick.
     """
 
@@ -95,7 +96,7 @@ class Sensors:
         self.view: View | None = None
         self._scene = scene
         self._camera = config.depth.camera
-        self._imu = ImuSensor(config.imu, *stream)
+        self.inertial = ImuSensor(config.imu, *stream)
         self._positioning = Positioning(config.positioning, *stream)
         self._depth = DepthSensor(config.depth, scene.reflectivity, light, *stream)
         self._meter = LightMeter(config.metering, light, *stream)
@@ -109,7 +110,7 @@ class Sensors:
 
     def imu(self, step: int, state: Array) -> Imu:
         """The inertial sample of physics step `step` (240 Hz)."""
-        return self._imu.measure(step, state)
+        return self.inertial.measure(step, state)
 
     def feel(self, contacts: Iterable[Contact]) -> None:
         """Let the bumper feel the touches of one physics step."""
