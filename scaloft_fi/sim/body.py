@@ -11,7 +11,7 @@ from scaloft_fi.sim.build import VEHICLE_GROUP, WORLD_GROUP
 from scaloft_fi.sim.vehicle import NUMBERS, STATE_SIZE, Array, Vehicle, actuate, parts_of
 from scaloft_fi.sim.world import Point
 
-_STATE = struct.Struct(f"{STATE_SIZE}d")
+_pack = struct.Struct(f"{STATE_SIZE}d").pack_into
 
 
 class Body:
@@ -26,6 +26,7 @@ class Body:
     Attributes:
         number: of the body in the server.
         truth: the 13 numbers of the state after the last step, laid out as `sim.vehicle` says.
+        velocity: (3,) of the same [m/s, world].
         state: (13,) the same as an array, which the next step overwrites.
         thrusts: (4,) thrust of each rotor [N].
         numbers: (46,) state, thrusts and what `actuate` works on, see `vehicle.parts_of`.
@@ -42,6 +43,7 @@ class Body:
         self._client = client
         self.numbers = np.zeros(NUMBERS)
         self.state, self.thrusts, self._pushed, self._lag, self._effect = parts_of(self.numbers)
+        self._buffer = self.state.data
         self._lag[:], self._effect[:] = vehicle.lag(), vehicle.effect()
         self.number = spawn(client, vehicle, position, yaw_rad)
         self.read()
@@ -53,18 +55,19 @@ class Body:
 
     def move(self) -> None:
         """The step itself, under the force and torque that `numbers` has."""
-        pushed = self._pushed.tolist()
-        self._push(self.number, -1, pushed[:3], self._position, self._world_frame, self._client)
-        self._turn(self.number, -1, pushed[3:], self._world_frame, self._client)
-        self._step(self._client)
+        pushed, number, client = self._pushed.tolist(), self.number, self._client
+        self._push(number, -1, pushed[:3], self._position, self._world_frame, client)
+        self._turn(number, -1, pushed[3:], self._world_frame, client)
+        self._step(client)
         self.read()
 
     def read(self) -> None:
         """Read the true state."""
-        self._position, attitude = self._pose(self.number, self._client)
-        velocity, rate = self._motion(self.number, self._client)
-        self.truth: tuple[float, ...] = (*self._position, *attitude, *velocity, *rate)
-        _STATE.pack_into(self.state.data, 0, *self.truth)
+        number, client = self.number, self._client
+        self._position, attitude = self._pose(number, client)
+        self.velocity, rate = self._motion(number, client)
+        self.truth: tuple[float, ...] = (*self._position, *attitude, *self.velocity, *rate)
+        _pack(self._buffer, 0, *self.truth)
 
 
 def spawn(client: int, vehicle: Vehicle, position: Point, yaw_rad: float) -> int:

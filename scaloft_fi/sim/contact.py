@@ -12,6 +12,9 @@ GEAR_SHARE = 0.8
 """A touch below this share of the hull's half height is one of the landing gear, not of the hull."""
 SPARE_M = 0.05
 """More than Bullet's margins, and than a step's way between detecting a touch and telling it [m]."""
+TICK_S = 0.05
+GAIN_MPS = 4.0
+"""More than the speed that rotors and weight can add in a tick [m/s]: 8 g."""
 
 
 class Contact(NamedTuple):
@@ -73,6 +76,11 @@ class Feeler:
         self._x, self._y, self._z = position
         free_m = room_m - self._needed_m
         self._free_square = free_m * free_m if free_m > 0.0 else -1.0
+
+    def out_of_reach(self, velocity: Sequence[float]) -> bool:
+        """Whether nothing can be touched in the tick after `look`, at `velocity` (3,) [m/s] then."""
+        free_m = TICK_S * (math.hypot(*velocity) + GAIN_MPS)
+        return free_m * free_m < self._free_square
 
     def feel(self, truth: Sequence[float], state: Array) -> tuple[Contact, ...]:
         """The touches of the last physics step.

@@ -159,9 +159,14 @@ class Flight:
                 self.step()
             return
         tight.begin()
-        for _ in range(STEPS_PER_TICK):
-            tight.step(self._steps)
-            self._watch()
+        if self._feeler.out_of_reach(self.body.velocity):
+            top_square = tight.steps(self._steps, STEPS_PER_TICK)
+            self._steps += STEPS_PER_TICK
+            self._observer.pass_by(top_square, self.body.truth)
+        else:
+            for _ in range(STEPS_PER_TICK):
+                tight.step(self._steps)
+                self._watch()
         tight.end()
 
     def step(self) -> None:

@@ -95,6 +95,16 @@ class Observer:
         # How it moved before the next step's contacts stop it.
         self._before = state
 
+    def pass_by(self, top_square: float, state: Sequence[float]) -> None:
+        """The same for a tick in which nothing can be touched.
+
+        Args:
+            top_square: greatest square of the speed after a step [m2/s2].
+            state: as `step` has it, after the last one.
+        """
+        self._top_square = max(self._top_square, top_square)
+        self._before = state
+
     def _excused(self, x: float, y: float) -> bool:
         """Whether touching the ground at (x, y) is no collision: near home, or in a landing."""
         if math.hypot(x - self._home[0], y - self._home[1]) <= PASS_M:
