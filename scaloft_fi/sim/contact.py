@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from scaloft_fi.sim.build import GRAVITY_MPS2
 from scaloft_fi.sim.vehicle import Array, Vehicle
 
 GEAR_SHARE = 0.8
@@ -13,8 +14,6 @@ GEAR_SHARE = 0.8
 SPARE_M = 0.05
 """More than Bullet's margins, and than a step's way between detecting a touch and telling it [m]."""
 TICK_S = 0.05
-GAIN_MPS = 4.0
-"""More than the speed that rotors and weight can add in a tick [m/s]: 8 g."""
 
 
 class Contact(NamedTuple):
@@ -68,6 +67,8 @@ class Feeler:
         self._half_height_m = vehicle.half_height_m
         # However the hull turns, it stays in a ball about its centre, and a smaller ball stays in it.
         self._needed_m = 0.5 * math.hypot(*vehicle.hull_m) - 0.5 * min(vehicle.hull_m) + SPARE_M
+        # Rotors and weight together cannot add more speed than this in a tick.
+        self._gain_mps = TICK_S * (4.0 * vehicle.max_thrust_n / vehicle.mass_kg + GRAVITY_MPS2)
         self._x = self._y = self._z = 0.0
         self._free_square = -1.0
 
@@ -79,8 +80,8 @@ class Feeler:
 
     def out_of_reach(self, velocity: Sequence[float]) -> bool:
         """Whether nothing can be touched in the tick after `look`, at `velocity` (3,) [m/s] then."""
-        free_m = TICK_S * (math.hypot(*velocity) + GAIN_MPS)
-        return free_m * free_m < self._free_square
+        way_m = TICK_S * (math.hypot(*velocity) + self._gain_mps)
+        return way_m * way_m < self._free_square
 
     def feel(self, truth: Sequence[float], state: Array) -> tuple[Contact, ...]:
         """The touches of the last physics step.

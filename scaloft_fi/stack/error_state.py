@@ -17,6 +17,7 @@ from scaloft_fi.stack.messages import Array
 
 TICK_S = 0.05
 _MEASURED = np.array([0, 1, 2, 8])  # what of the error a fix tells
+_IDENTITY = np.eye(4)
 
 
 class ErrorFilter(KalmanFilter):  # type: ignore[misc]
@@ -25,6 +26,8 @@ class ErrorFilter(KalmanFilter):  # type: ignore[misc]
     The same matrices as filterpy's, bit for bit, without the products with zeros and the copies for inspection, which
     cost it half the time.
     """
+
+    P: Array
 
     def predict(self) -> None:
         """Carry the covariance over one step; an error of zero stays zero."""
@@ -54,9 +57,6 @@ def _inverse(matrix: Array) -> Array:
     if singular:
         raise np.linalg.LinAlgError("Singular matrix")
     return np.ascontiguousarray(inverse)
-
-
-_IDENTITY = np.eye(4)
 
 
 def error_filter(

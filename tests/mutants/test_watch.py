@@ -130,3 +130,23 @@ def test_whatever_is_sent_each_branch_is_the_flight_from_take_off(
         assert _fly(branch, sent) == _fly(whole, sent)
         assert (name in trunk.asked) == whole.altered
         assert (branch.counts if whole.altered else watching.silent[name]) == whole.counts
+
+
+def test_it_listens_where_a_watched_wire_does_and_in_a_branch_where_that_one_does() -> None:
+    taps = {**_taps(), "shaky": {"imu": lambda _t_s, sample: sample}}
+    trunk, branch = _watching(Fork(), taps), _watching(Fork("early"), taps)
+    for wire in (trunk, branch):
+        assert wire.listens("imu")
+        assert wire.listens("target")
+        assert not wire.listens("thrust")
+        _fly(wire)
+    assert trunk.listens("imu")
+    assert branch.listens("target")
+    assert not branch.listens("imu")
+
+
+def test_nobody_listens_where_all_have_left() -> None:
+    wire = _watching(Fork(), {"early": {"imu": lambda _t_s, _sample: None}})
+    assert wire.listens("imu")
+    wire.cross("imu", 0.0, (0.0,))
+    assert not wire.listens("imu")

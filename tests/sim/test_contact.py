@@ -36,11 +36,13 @@ def test_feeling_only_where_something_is_near_finds_every_touch(client, config, 
         if step % 12 == 0:
             observer.sample(step / 240, body.state, None)
             feeler.look(body.truth[:3], observer.room_m)
+            out_of_reach = feeler.out_of_reach(body.velocity)
         body.step(np.zeros(4))
         touches = feeler.feel(body.truth, body.state)
         assert touches == contacts(client, body.number, ids.name_of, body.state, vehicle.half_height_m)
         observer.step((step + 1) / 240, body.truth, touches)
         felt += touches
+        assert not (out_of_reach and touches)
     assert felt
 
 
@@ -54,3 +56,14 @@ def test_it_asks_again_once_the_vehicle_may_have_come_near(client, config):
     for place in ((0.0, 4.0 + free_m + 1e-6, 1.65), (math.nan, 4.0, 1.65)):
         with pytest.raises(Exception, match="Not connected"):
             feeler.feel(place, body.state)
+
+
+def test_in_the_middle_of_the_corridor_all_is_out_of_reach_unless_it_flies_fast(client, config):
+    build(client, config.world)
+    feeler = Feeler(client, Body(client, config.vehicle, (0, 4, 1.65), 0.0).number, config.vehicle, {})
+    feeler.look((0.0, 4.0, 1.65), 1.0)
+    assert feeler.out_of_reach((0.0, 0.5, 0.0))
+    assert not feeler.out_of_reach((0.0, 20.0, 0.0))
+    assert not feeler.out_of_reach((0.0, math.nan, 0.0))
+    feeler.look((0.0, 4.0, 1.65), 0.1)
+    assert not feeler.out_of_reach((0.0, 0.0, 0.0))

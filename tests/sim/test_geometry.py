@@ -7,7 +7,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from scaloft_fi.sim import mesh
-from scaloft_fi.sim.geometry import blocked, nearest
+from scaloft_fi.sim.geometry import blocked, nearest, outside
 
 points = st.tuples(*[st.floats(-2, 2)] * 3).map(np.array)
 FORM = mesh.join([mesh.box((0.5, 0.6, 0.7)), mesh.capsule(0.2, 1.0).moved((0.9, 0.2, 0.1))])
@@ -54,3 +54,12 @@ def test_a_line_is_blocked_where_solving_for_each_triangle_says_so(start, end):
         inside = [crosses(start, end, t) for t, owner in zip(FORM.triangles, OWNER, strict=True) if owner != spared]
         assume(all(abs(margin) > 1e-9 for margin in inside))  # through an edge is neither
         assert blocked(FORM.vertices, FORM.faces, OWNER, spared, start, end) == (max(inside, default=-1.0) > 0)
+
+
+@given(st.tuples(*[st.floats(-3, 3)] * 3), st.tuples(*[st.floats(0.1, 2)] * 3))
+def test_a_box_is_as_far_as_the_nearest_of_its_points(point, size):
+    box, found = np.array([[0.0, 0.0, 0.0, *size], [-9.0, -9.0, -9.0, 9.0, 9.0, 9.0]]), np.empty(2)
+    outside(box, *point, found)
+    nearest_point = np.clip(point, 0.0, size)
+    assert math.isclose(found[0], float(np.linalg.norm(nearest_point - point)), abs_tol=1e-12)
+    assert found[1] == 0.0

@@ -1,4 +1,6 @@
 import numpy as np
+import pytest
+from filterpy.kalman import KalmanFilter
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -31,3 +33,30 @@ def test_the_gate_is_so_many_standard_deviations_of_each_part(error, gate_sigma)
 def test_what_is_no_number_is_not_plausible():
     kf = error_filter(0.02, 0.001, 0.0001, 0.002, 0.01, 0.02)
     assert not plausible(np.array([0.0, np.nan, 0.0, 0.0]), kf.P, kf.R, 8.0)
+
+
+@given(st.integers(0, 2**32 - 1), st.lists(st.booleans(), min_size=1, max_size=60))
+def test_the_filter_is_filterpys_bit_for_bit(seed, fixes):
+    rng = np.random.default_rng(seed)
+    ours, theirs = error_filter(0.02, 0.001, 0.0001, 0.002, 0.01, 0.02), KalmanFilter(15, 4)
+    for name in ("x", "P", "Q", "H", "R", "F"):
+        setattr(theirs, name, getattr(ours, name).copy())
+    for fix in fixes:
+        transition(ours.F, rng.uniform(0.01, 0.2), rng.normal(size=3), rng.normal(size=(3, 3)))
+        theirs.F = ours.F.copy()
+        ours.predict()
+        theirs.predict()
+        if fix:
+            z = rng.normal(size=4)
+            ours.update(z)
+            theirs.update(z)
+            assert ours.x.tobytes() == theirs.x.tobytes()
+            ours.x[:] = theirs.x[:] = 0.0
+        assert ours.P.tobytes() == theirs.P.tobytes()
+
+
+def test_a_singular_innovation_is_refused_as_by_numpy():
+    kf = error_filter(0.02, 0.001, 0.0001, 0.002, 0.01, 0.02)
+    kf.P, kf.R = np.zeros((15, 15)), np.zeros((4, 4))
+    with pytest.raises(np.linalg.LinAlgError, match="Singular"):
+        kf.update(np.zeros(4))

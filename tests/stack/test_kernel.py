@@ -1,7 +1,7 @@
 import numba
 import pytest
 
-from scaloft_fi.stack.kernel import jit
+from scaloft_fi.stack.kernel import jit, joined
 
 
 def test_a_kernel_computes_what_its_function_says():
@@ -44,3 +44,21 @@ def test_another_error_of_the_compiler_is_not_hidden(monkeypatch):
     monkeypatch.setattr(numba, "njit", broken)
     with pytest.raises(TypeError, match="broken"):
         jit(lambda x: x)
+
+
+def test_machine_code_of_joined_kernels_has_a_name_that_changes_with_their_sources(tmp_path):
+    def name_when_a_part_is(text):
+        source = tmp_path / "part.py"
+        source.write_text(text)
+        space = {}
+        exec(compile(text, str(source), "exec"), space)
+
+        @joined(space["part"])
+        def whole():
+            pass
+
+        return whole.__qualname__
+
+    plain = name_when_a_part_is("def part(x):\n    return x\n")
+    assert name_when_a_part_is("def part(x):\n    return x\n") == plain
+    assert name_when_a_part_is("STEP = 2\ndef part(x):\n    return x\n") != plain
