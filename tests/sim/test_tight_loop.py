@@ -78,4 +78,4 @@ def test_what_was_lost_while_somebody_listened_is_the_same_afterwards(lost_s):
         flown("T0O0W0D0H0", 0, LeaningWire(listening, (5.0, 5.0 + lost_s)), 160) for listening in (gap, set(range(160)))
     ]
     assert ends[0] == ends[1]
-    assert np.isfinite(ends[0][3]).all()
+    assert np.isfinite(ends[0][4]).all()
