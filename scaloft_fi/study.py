@@ -249,11 +249,17 @@ def _sources(path: Path) -> list[Path]:
 def _meaning(path: Path) -> str:
     """The syntax tree of a source without its docstrings, hashed."""
     tree = ast.parse(path.read_bytes(), path)
-    for node in ast.walk(tree):
-        body = getattr(node, "body", None)
-        if isinstance(body, list):  # a string that stands alone does nothing, wherever it stands
-            node.body = [entry for entry in body if not _is_text(entry)]  # type: ignore[attr-defined]
+    blocks: list[Any] = [tree]
+    while blocks:  # not `ast.walk`, which looks into every expression too
+        block = blocks.pop()
+        if hasattr(block, "body"):  # a string that stands alone does nothing, wherever it stands
+            block.body = [entry for entry in block.body if not _is_text(entry)]
+        blocks += [inner for name in _BLOCKS for inner in getattr(block, name, ())]
     return hashlib.sha256(ast.dump(tree).encode()).hexdigest()
+
+
+_BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")
+"""Where statements have statements in them."""
 
 
 def _is_text(statement: ast.stmt) -> bool:

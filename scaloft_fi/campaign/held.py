@@ -75,9 +75,7 @@ def held_in(study: Study, store: Store, folder: Path) -> Held:
 
 def _whole(store: Store, now: _Now) -> tuple[Outcome, ...]:
     """The outcomes of whole flights that stand."""
-    stand = [flight for flight in store.sorts() if not flight.truncated and now.stands(flight)]
-    origins = {flight.origin for flight in stand if flight.origin is not None}
-    return store.made_from(origins, {flight.key for flight in stand if flight.origin is None})
+    return store.that(lambda flight: not flight.truncated and now.stands(flight))
 
 
 def current(study: Study, campaign: str) -> tuple[Outcome, ...]:

@@ -24,19 +24,20 @@ def status_command(study_folder: Path | None, campaign: str, style: str) -> None
     """Print how many flights a campaign holds, by status, and why those are stale that do not count any more."""
     from scaloft_fi.campaign.held import held
     from scaloft_fi.results.outcome import BASELINE
-    from scaloft_fi.results.telling.export import export_rows
+    from scaloft_fi.results.status import baseline_status, flights_of
+    from scaloft_fi.results.telling.export import ordered
     from scaloft_fi.results.telling.table import Format, Table, render
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
     found = held(study, campaign)
-    rows = export_rows(found.current, study.roster, study.space)
-    baselines = Counter(f"{BASELINE} {row['status']}" for row in rows if row["mutant"] == BASELINE)
-    home = {(row["situation"], row["seed"]) for row in rows if row["mutant"] == BASELINE}
+    flown = ordered(found.current, study.roster, study.space)
+    clean = [outcome for outcome in flown if outcome.mutant == BASELINE]
+    baselines = Counter(f"{BASELINE} {baseline_status(outcome)}" for outcome in clean)
+    home = {(outcome.situation, outcome.seed) for outcome in clean}
     mutants = Counter(
-        row["status"] if (row["situation"], row["seed"]) in home else WAITING
-        for row in rows
-        if row["mutant"] != BASELINE
+        flight.status.value if (flight.outcome.situation, flight.outcome.seed) in home else WAITING
+        for flight in flights_of(flown)
     )
     table = Table(
         f"Campaign {found.folder}",
@@ -44,12 +45,12 @@ def status_command(study_folder: Path | None, campaign: str, style: str) -> None
         (
             *baselines.items(),
             *mutants.items(),
-            ("all", len(rows)),
+            ("all", len(flown)),
             ("planned, not flown", found.owed),
             *((("cut before their end, not counted", found.truncated),) if found.truncated else ()),
             ("stale, not counted", found.stale),
         ),
-        (f"{len({row['mutant'] for row in rows})} subjects in {len({row['situation'] for row in rows})} situations.",),
+        (f"{len({o.mutant for o in flown})} subjects in {len({o.situation for o in flown})} situations.",),
     )
     stale = Table("Stale flights", ("why", "number"), tuple(found.why.items()), (AGAIN,))
     click.echo(render((table, stale) if found.stale else (table,), Format(style)), nl=False)

@@ -37,7 +37,7 @@ class Subject:
         return cls(mutant.id, mutant.guideword, mutant.parameter, mutant.magnitude)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Violation:
     """First violation of a requirement in a flight: when [s], where [m, world], and the body struck at that moment."""
 
@@ -50,7 +50,7 @@ class Violation:
     struck: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Outcome:
     """One flight.
 

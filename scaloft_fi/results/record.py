@@ -6,9 +6,11 @@ import base64
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields
+from itertools import groupby, repeat
 from sys import intern
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
+from scaloft_fi.bulk import bulk
 from scaloft_fi.results.outcome import Outcome, Subject, Violation
 from scaloft_fi.results.requirement import Kind, Reading
 
@@ -68,74 +70,101 @@ class Reader:
     """Makes outcomes of rows; what is equal in them is one object."""
 
     def __init__(self) -> None:
-        self._subjects: dict[Row, Subject] = {}
-        self._readings = _Lines(_reading)
-        self._violations = _Lines(_violation)
+        self._subjects = _Subjects()
+        self._readings = _Lines(_readings)
+        self._violations = _Lines(_violations)
         self._realised = _Lines(_came_true)
 
-    def __call__(self, row: Row, track: bytes = b"") -> Outcome:
-        """The outcome whose `to_row` this is."""
-        subject = self._subjects.get(row[:4])
-        if subject is None:
-            subject = self._subjects[row[:4]] = Subject(*map(intern, row[:4]))
-        situation, seed, ending, invalid, truncated, carried, altered, infected_at_s, struck, duration_s = row[4:14]
-        digest, perceived_digest, stack_error, readings, violations, realised = row[14:]
-        return Outcome(
-            subject,
-            intern(situation),
-            seed,
-            intern(ending),
-            invalid,
-            self._readings.of(readings),
-            self._violations.of(violations),
-            carried,
-            altered,
-            infected_at_s,
-            intern(struck),
-            duration_s,
-            digest,
-            perceived_digest,
-            stack_error,
-            truncated,
-            self._realised.of(realised),
-            track,
+    def __call__(self, rows: Sequence[Row], tracks: Iterable[bytes] = repeat(b"")) -> list[Outcome]:
+        """The outcomes of rows that begin as `to_row` makes them, with their tracks."""
+        if not rows:
+            return []
+        columns = list(zip(*rows, strict=True))
+        subjects, rest = columns[: len(_SUBJECT)], columns[len(_SUBJECT) : len(COLUMNS)]
+        situation, seed, ending, invalid, truncated, carried, altered, infected_at_s, struck, duration_s = rest[:10]
+        digest, perceived_digest, stack_error, readings, violations, realised = rest[10:]
+        return bulk(
+            Outcome,
+            (
+                map(self._subjects.__getitem__, zip(*subjects, strict=True)),
+                map(intern, situation),
+                seed,
+                map(intern, ending),
+                invalid,
+                self._readings.of(readings),
+                self._violations.of(violations),
+                carried,
+                altered,
+                infected_at_s,
+                map(intern, struck),
+                duration_s,
+                digest,
+                perceived_digest,
+                stack_error,
+                truncated,
+                self._realised.of(realised),
+                tracks,
+            ),
         )
+
+
+class _Subjects(dict[Row, Subject]):
+    """Subjects by their columns, each made when it is first asked for."""
+
+    def __missing__(self, row: Row) -> Subject:
+        subject = self[row] = Subject(*map(intern, row))
+        return subject
 
 
 T = TypeVar("T")
 
 
-class _Lines(dict[str, T]):
-    """Entries by their lines, each read when it is first asked for."""
+class _Lines(Generic[T]):
+    """Entries by their lines, each read once.
 
-    def __init__(self, read: Callable[[str], T]) -> None:
+    Args:
+        read: makes entries of the columns of their fields.
+    """
+
+    def __init__(self, read: Callable[..., Iterable[T]]) -> None:
         self._read = read
+        self._lines: dict[str, T] = {}
 
-    def __missing__(self, line: str) -> T:
-        entry = self[line] = self._read(line)
-        return entry
+    def of(self, column: Sequence[str]) -> Iterable[tuple[T, ...]]:
+        """The entries of each text of a column; a text that stands there often is taken apart once."""
+        read: dict[str, tuple[T, ...]] = {"": ()}
+        for breaks, group in groupby(sorted(set(column).difference(read), key=_breaks), key=_breaks):
+            texts = list(group)
+            lines = "\n".join(texts).split("\n")
+            self._learn(list(set(lines).difference(self._lines)))
+            entries = map(self._lines.__getitem__, lines)
+            read.update(zip(texts, zip(*repeat(entries, breaks + 1), strict=True), strict=True))
+        return map(read.__getitem__, column)
 
-    def of(self, text: str) -> tuple[T, ...]:
-        """The entries of a column."""
-        return tuple(map(self.__getitem__, text.split("\n"))) if text else ()
-
-
-def _reading(line: str) -> Reading:
-    name, kind, *rest = _DECODER.raw_decode(line)[0]
-    return Reading(intern(name), _KINDS[kind], *rest)
-
-
-def _violation(line: str) -> Violation:
-    name, kind, t_s, x, y, z, struck = _DECODER.raw_decode(line)[0]
-    return Violation(intern(name), _KINDS[kind], t_s, x, y, z, intern(struck))
-
-
-def _came_true(line: str) -> tuple[str, bool]:
-    axis, came_true = _DECODER.raw_decode(line)[0]
-    return intern(axis), came_true
+    def _learn(self, lines: Sequence[str]) -> None:
+        if lines:
+            # one text for the decoder, which takes longer to begin than to read a line
+            columns = zip(*json.loads(f"[{','.join(lines)}]"), strict=True)
+            self._lines.update(zip(lines, self._read(*columns), strict=True))
 
 
-_DECODER = json.JSONDecoder()
+def _breaks(text: str) -> int:
+    return text.count("\n")
+
+
+def _readings(names: Iterable[str], kinds: Iterable[str], *rest: Iterable[Any]) -> list[Reading]:
+    return bulk(Reading, (map(intern, names), map(_KINDS.__getitem__, kinds), *rest))
+
+
+def _violations(names: Iterable[str], kinds: Iterable[str], *rest: Iterable[Any]) -> list[Violation]:
+    *place, struck = rest
+    return bulk(Violation, (map(intern, names), map(_KINDS.__getitem__, kinds), *place, map(intern, struck)))
+
+
+def _came_true(axes: Iterable[str], came_true: Iterable[bool]) -> Iterable[tuple[str, bool]]:
+    return zip(map(intern, axes), came_true, strict=True)
+
+
 _KINDS = {kind.value: kind for kind in Kind}
 
 

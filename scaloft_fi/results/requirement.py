@@ -70,7 +70,7 @@ class Requirement:
     source: str = ""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Reading:
     """What a flight says about a requirement.
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cache
 
+from scaloft_fi.bulk import bulk
 from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.requirement import Kind, Reading
 
@@ -47,13 +49,11 @@ _RUNGS = {status: rung for rung, status in enumerate(Status)}
 _INFECTED = frozenset(status for status, rung in _RUNGS.items() if rung >= _RUNGS[Status.MASKED])
 
 
-@dataclass(frozen=True)
-class Flight:
-    """A flight beside its baseline.
+@dataclass(frozen=True, slots=True, eq=False)
+class Ruling:
+    """What a flight beside its baseline comes to.  Few differ, and equal ones are one object, so they can be counted.
 
     Attributes:
-        outcome: the flight.
-        baseline: of the same situation and seed; None when there is none that counts.
         status: where the fault stopped.
         kills: safety requirements by which it is killed, earliest first.
         operability_kills: the same for operability requirements.
@@ -61,16 +61,59 @@ class Flight:
         operability_eligible: infected, and the baseline held an operability requirement to its end.
         tested: requirements that the fault was put to the test of: of a kind that kills, held by the baseline to its
             end.
+        violated: requirements that the flight violates, whatever the baseline does; of a flight that counts.
     """
 
-    outcome: Outcome
-    baseline: Outcome | None
     status: Status
     kills: tuple[str, ...] = ()
     operability_kills: tuple[str, ...] = ()
     eligible: bool = False
     operability_eligible: bool = False
     tested: tuple[str, ...] = ()
+    violated: tuple[str, ...] = ()
+
+
+_ruling = cache(Ruling)
+
+
+@dataclass(frozen=True, slots=True)
+class Flight:
+    """A flight beside its baseline.
+
+    Attributes:
+        outcome: the flight.
+        baseline: of the same situation and seed; None when there is none that counts.
+        ruling: what it comes to.
+    """
+
+    outcome: Outcome
+    baseline: Outcome | None
+    ruling: Ruling
+
+    @property
+    def status(self) -> Status:
+        """Where the fault stopped."""
+        return self.ruling.status
+
+    @property
+    def kills(self) -> tuple[str, ...]:
+        """Safety requirements by which it is killed, earliest first."""
+        return self.ruling.kills
+
+    @property
+    def operability_kills(self) -> tuple[str, ...]:
+        """The same for operability requirements."""
+        return self.ruling.operability_kills
+
+    @property
+    def eligible(self) -> bool:
+        """Whether it is infected, and the baseline held a safety requirement to its end."""
+        return self.ruling.eligible
+
+    @property
+    def operability_eligible(self) -> bool:
+        """Whether it is infected, and the baseline held an operability requirement to its end."""
+        return self.ruling.operability_eligible
 
     @property
     def killed_at_s(self) -> float | None:
@@ -81,48 +124,48 @@ class Flight:
 
 def flight_of(outcome: Outcome, baseline: Outcome | None) -> Flight:
     """Judge a mutant's flight by the baseline of the same situation and seed; without one that counts it is invalid."""
-    return _beside(outcome, _Clean.of(baseline))
+    clean = _clean(baseline)
+    ruling = _ruled(outcome, clean)
+    return Flight(outcome, None if ruling.status is Status.INVALID else baseline, ruling)
 
 
-@dataclass(frozen=True)
 class _Clean:
     """What there is to know of a baseline, found once for all the flights beside it."""
 
-    outcome: Outcome
-    eligible: bool
-    operability_eligible: bool
-    tested: tuple[str, ...]
-
-    @classmethod
-    def of(cls, baseline: Outcome | None) -> _Clean | None:
-        """The same of a baseline that counts."""
-        if baseline is None or baseline.invalid:
-            return None
-        tested = tuple(
+    def __init__(self, baseline: Outcome) -> None:
+        self.outcome = baseline
+        self.eligible = held_to_end(baseline, Kind.SAFETY)
+        self.operability_eligible = held_to_end(baseline, Kind.OPERABILITY)
+        self.tested = tuple(
             reading.requirement
             for reading in baseline.readings
             if reading.kind is not Kind.REPORTED and not (reading.violated or reading.open)
         )
-        return cls(baseline, held_to_end(baseline, Kind.SAFETY), held_to_end(baseline, Kind.OPERABILITY), tested)
+        self.readings = {reading.requirement: reading for reading in baseline.readings}
 
 
-def _beside(outcome: Outcome, clean: _Clean | None) -> Flight:
+def _clean(baseline: Outcome | None) -> _Clean | None:
+    """The same of a baseline that counts."""
+    return None if baseline is None or baseline.invalid else _Clean(baseline)
+
+
+def _ruled(outcome: Outcome, clean: _Clean | None) -> Ruling:
     if outcome.invalid or clean is None:
-        return Flight(outcome, None, Status.INVALID)
-    baseline = clean.outcome
-    if outcome.altered == 0:
-        return Flight(outcome, baseline, Status.NOT_INFECTED if outcome.carried else Status.NOT_REACHED)
-    infected = clean.eligible, clean.operability_eligible, clean.tested
-    if outcome.digest == baseline.digest:
-        return Flight(outcome, baseline, Status.MASKED, (), (), *infected)
+        return _ruling(Status.INVALID)
     broken = [reading for reading in outcome.readings if reading.violated_at_s is not None]
-    if not broken:
-        return Flight(outcome, baseline, Status.SURVIVED, (), (), *infected)
+    violated = tuple([reading.requirement for reading in broken])
+    if outcome.altered == 0:
+        status = Status.NOT_INFECTED if outcome.carried else Status.NOT_REACHED
+        return _ruling(status, (), (), False, False, (), violated)
+    infected = clean.eligible, clean.operability_eligible, clean.tested, violated
+    if outcome.digest == clean.outcome.digest:
+        return _ruling(Status.MASKED, (), (), *infected)
     unsafe = [reading for reading in broken if reading.kind is Kind.SAFETY]
-    kills = _killed_by(outcome, baseline, unsafe)
     inoperable = [reading for reading in broken if reading.kind is Kind.OPERABILITY]
+    kills = _killed_by(outcome, clean, unsafe) if unsafe else ()
+    operability_kills = _killed_by(outcome, clean, inoperable) if inoperable else ()
     status = Status.KILLED if kills else Status.BASELINE_RED if unsafe else Status.SURVIVED
-    return Flight(outcome, baseline, status, kills, _killed_by(outcome, baseline, inoperable), *infected)
+    return _ruling(status, kills, operability_kills, *infected)
 
 
 def held_to_end(baseline: Outcome, kind: Kind) -> bool:
@@ -132,20 +175,21 @@ def held_to_end(baseline: Outcome, kind: Kind) -> bool:
 
 def killed_by(outcome: Outcome, baseline: Outcome, kind: Kind) -> tuple[str, ...]:
     """The requirements of a kind by whose violation the flight is told from its baseline, earliest first."""
-    return _killed_by(outcome, baseline, [reading for reading in outcome.readings if reading.kind is kind])
+    broken = [r for r in outcome.readings if r.kind is kind and r.violated_at_s is not None]
+    return _killed_by(outcome, _Clean(baseline), broken)
 
 
-def _killed_by(outcome: Outcome, baseline: Outcome, readings: Iterable[Reading]) -> tuple[str, ...]:
-    """The same of some of its readings."""
+def _killed_by(outcome: Outcome, clean: _Clean, broken: Iterable[Reading]) -> tuple[str, ...]:
+    """The same of some of the readings that it violates."""
     found: list[tuple[float, str]] = []
-    for reading in readings:
+    for reading in broken:
         name, at_s = reading.requirement, reading.violated_at_s
-        clean = None if at_s is None else baseline.reading(name)
-        if at_s is not None and clean is not None:
-            same = _struck(outcome, name) == _struck(baseline, name)
-            if _held_until(clean, at_s, baseline.duration_s, same=same):
-                found.append((at_s, name))
-    return tuple(name for _, name in sorted(found, key=lambda pair: pair[0]))
+        held = clean.readings.get(name)
+        if held is not None and at_s is not None and _held_until(held, at_s, outcome, clean.outcome):
+            found.append((at_s, name))
+    if len(found) > 1:
+        found.sort(key=lambda pair: pair[0])
+    return tuple([name for _, name in found])
 
 
 def _struck(flight: Outcome, requirement: str) -> str:
@@ -156,15 +200,16 @@ def _struck(flight: Outcome, requirement: str) -> str:
     return ""
 
 
-def _held_until(clean: Reading, t_s: float, end_s: float, *, same: bool) -> bool:
-    """Whether the baseline held up to `t_s` what a flight violates then.
+def _held_until(held: Reading, t_s: float, outcome: Outcome, baseline: Outcome) -> bool:
+    """Whether the baseline, which read `held`, held up to `t_s` what a flight violates then.
 
-    To violate sooner what the baseline violates too, on the `same` body, proves nothing: any change of the flight
+    To violate sooner what the baseline violates too, on the same body, proves nothing: any change of the flight
     moves that moment.  Of a baseline that was cut short only what it flew counts.
     """
-    if clean.violated_at_s is not None:
-        return not same and t_s < clean.violated_at_s
-    return not clean.open or t_s <= end_s
+    if held.violated_at_s is None:
+        return not held.open or t_s <= baseline.duration_s
+    name = held.requirement
+    return t_s < held.violated_at_s and _struck(outcome, name) != _struck(baseline, name)
 
 
 def baseline_status(baseline: Outcome) -> str:
@@ -176,14 +221,14 @@ def baseline_status(baseline: Outcome) -> str:
 
 def baselines_of(outcomes: Iterable[Outcome]) -> dict[tuple[str, int], Outcome]:
     """The baseline of each situation and seed."""
-    return {(outcome.situation, outcome.seed): outcome for outcome in outcomes if outcome.mutant == BASELINE}
+    return {(outcome.situation, outcome.seed): outcome for outcome in outcomes if outcome.subject.id == BASELINE}
 
 
 def baseline_pool(outcomes: Iterable[Outcome]) -> dict[str, list[Outcome]]:
     """The baselines of each situation, over all seeds."""
     found: dict[str, list[Outcome]] = {}
     for outcome in outcomes:
-        if outcome.mutant == BASELINE:
+        if outcome.subject.id == BASELINE:
             found.setdefault(outcome.situation, []).append(outcome)
     return found
 
@@ -196,15 +241,19 @@ def whole(outcomes: Iterable[Outcome]) -> list[Outcome]:
 def flights_of(outcomes: Iterable[Outcome]) -> list[Flight]:
     """Every flight of a mutant (PLACEBO among them) beside its baseline, in the order given."""
     listed = list(outcomes)
-    clean = {draw: _Clean.of(baseline) for draw, baseline in baselines_of(listed).items()}
-    return [
-        _beside(outcome, clean.get((outcome.situation, outcome.seed)))
-        for outcome in listed
-        if outcome.mutant != BASELINE
+    clean = {draw: _clean(baseline) for draw, baseline in baselines_of(listed).items()}
+    flown = [outcome for outcome in listed if outcome.subject.id != BASELINE]
+    beside = [clean.get((outcome.situation, outcome.seed)) for outcome in flown]
+    rulings = list(map(_ruled, flown, beside))
+    invalid = _ruling(Status.INVALID)
+    baselines = [
+        None if known is None or ruling is invalid else known.outcome
+        for known, ruling in zip(beside, rulings, strict=True)
     ]
+    return bulk(Flight, (flown, baselines, rulings))
 
 
-def mutant_status(flights: Iterable[Flight]) -> Status:
+def mutant_status(flights: Iterable[Flight | Ruling]) -> Status:
     """The highest rung over a mutant's eligible flights.
 
     A mutant without one shows how far its fault came: a flight that infects where the baseline holds no safety

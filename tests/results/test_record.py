@@ -30,7 +30,7 @@ def test_outcomes_survive_their_rows(flown: list[Outcome], track: bytes, truncat
     read = Reader()
     for kept in flown:
         kept = replace(kept, track=track, truncated=truncated, stack_error="it's \u26a0")
-        again = read(_stored(to_row(kept)), track)
+        (again,) = read([_stored(to_row(kept))], [track])
         assert again == kept
         assert hash(again) == hash(kept)
         assert all(isinstance(reading.kind, Kind) for reading in again.readings)
@@ -40,7 +40,13 @@ def test_outcomes_survive_their_rows(flown: list[Outcome], track: bytes, truncat
 def test_numbers_survive_to_the_bit(number: float) -> None:
     kept = outcome("LATE-human@3s", violated={"SR1": number})
     kept = replace(kept, duration_s=number, infected_at_s=number)
-    assert Reader()(_stored(to_row(kept))) == kept
+    assert Reader()([_stored(to_row(kept))]) == [kept]
+
+
+@given(campaigns())
+def test_many_rows_are_read_as_each_of_them(flown: list[Outcome]) -> None:
+    rows = [to_row(kept) for kept in flown]
+    assert Reader()(rows) == [outcome for row in rows for outcome in Reader()([row])] == flown
 
 
 def test_a_number_that_is_none_is_refused() -> None:
@@ -50,7 +56,7 @@ def test_a_number_that_is_none_is_refused() -> None:
 
 def test_what_two_flights_have_in_common_is_kept_once() -> None:
     read = Reader()
-    one, other = (read(to_row(outcome("LATE-human@3s", seed=seed, violated={"SR2": 3.0}))) for seed in (0, 1))
+    one, other = read([to_row(outcome("LATE-human@3s", seed=seed, violated={"SR2": 3.0})) for seed in (0, 1)])
     assert one.subject is other.subject
     assert all(r is s for r, s in zip(one.readings + one.violations, other.readings + other.violations, strict=True))
 

@@ -50,8 +50,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
-from functools import cache
+from functools import cache, cached_property
 from itertools import pairwise
+from operator import attrgetter
 
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.requirement import Kind
@@ -155,7 +156,7 @@ def decide(flights: Iterable[Flight], rates: PoolRates) -> dict[str, Decided]:
         due = [sample for sample in samples if sample.reached >= look and sample.situation not in settled]
         killed = _killed(due, number, family)
         family -= sum(len(sample.family) for sample in due if sample.situation in killed)
-        said = {sample.situation: sample.survival(number) or sample.nearest(number, family) for sample in due} | killed
+        said = {sample.situation: told for sample in due if (told := sample.told(number, family))} | killed
         settled |= {key: decided for key, decided in said.items() if decided.decision is not Decision.UNDECIDED}
         latest |= said
     nothing = Decided(Decision.UNDECIDED)
@@ -184,52 +185,41 @@ def _killed(due: Iterable[_Sample], number: int, family: int) -> dict[str, Decid
 
 @dataclass(frozen=True)
 class _Test:
+    """A 2 x 2 table; of each there is one object, which keeps what follows from it."""
+
     k: int
     n: int
     b: int
     n0: int
 
-    @property
+    @cached_property
     def p(self) -> Fraction:
         return fisher(self.k, self.n, self.b, self.n0)
 
-    @property
+    @cached_property
     def order(self) -> tuple[float, Fraction]:
         """Sorts as p does, but faster: rounding keeps the order, and fractions are only compared where it left none."""
-        return _order(self.k, self.n, self.b, self.n0)
+        return float(self.p), self.p
 
     def adjusted(self, family: int) -> float:
         """P in a family of so many tests over all looks, at most 1."""
         return _adjusted(self.k, self.n, self.b, self.n0, family)
 
-    @property
+    @cached_property
     def differs(self) -> bool:
         """Whether the rates differ by the floor."""
-        return _differs(self.k, self.n, self.b, self.n0)
+        return self.n0 > 0 and Fraction(self.k, self.n) - Fraction(self.b, self.n0) >= FLOOR
 
-    @property
+    @cached_property
     def possible(self) -> bool:
         """Whether it would kill in a family of its own."""
-        return _possible(self.k, self.n, self.b, self.n0)
+        return self.differs and self.p * len(LOOKS) <= ALPHA
 
     def decided(self, decision: Decision, requirement: str, p: float, look: int) -> Decided:
         return Decided(decision, requirement, p, self.k, self.n, self.b, self.n0, look)
 
 
-@cache
-def _order(k: int, n: int, b: int, n0: int) -> tuple[float, Fraction]:
-    p = fisher(k, n, b, n0)
-    return float(p), p
-
-
-@cache
-def _differs(k: int, n: int, b: int, n0: int) -> bool:
-    return n0 > 0 and Fraction(k, n) - Fraction(b, n0) >= FLOOR
-
-
-@cache
-def _possible(k: int, n: int, b: int, n0: int) -> bool:
-    return _differs(k, n, b, n0) and fisher(k, n, b, n0) * len(LOOKS) <= ALPHA
+_test = cache(_Test)
 
 
 @cache
@@ -257,7 +247,12 @@ class _Sample:
     kills: tuple[tuple[int, int], ...]
     eligible: bool
 
-    def survival(self, number: int) -> Decided | None:
+    def told(self, number: int, family: int) -> Decided | None:
+        """What this look says where nothing kills, with so many tests left; None where a later one will say more."""
+        survival = self._survival(number)
+        return self._nearest(number, family) if survival is None and self.reached == LOOKS[number] else survival
+
+    def _survival(self, number: int) -> Decided | None:
         """The survival at this look, if it is one."""
         kills, eligible = self.kills[number]
         spent, p = FUTILITY[number], at_most(kills, eligible)
@@ -265,7 +260,7 @@ class _Sample:
             return None
         return Decided(Decision.SURVIVED, "", float(p * ALPHA / spent), kills, eligible, look=LOOKS[number])
 
-    def nearest(self, number: int, family: int) -> Decided:
+    def _nearest(self, number: int, family: int) -> Decided:
         """The test that came nearest to a kill at this look, in a family of so many that are left."""
         name = min(self.family, key=lambda name: self.tests[number][name].order, default=None)
         if name is None:
@@ -275,27 +270,28 @@ class _Sample:
 
 
 def _sample(situation: str, flights: Sequence[Flight], rates: PoolRates) -> _Sample:
-    listed = sorted(flights, key=lambda flight: flight.outcome.seed)
+    listed = sorted(flights, key=attrgetter("outcome.seed"))
+    rulings = [flight.ruling for flight in listed]
     reached = [look for look in LOOKS if look <= len(listed)]
     safety = [reading.requirement for reading in listed[0].outcome.readings if reading.kind is Kind.SAFETY]
+    pool = [rates.of(situation, name) for name in safety]
     violated: Counter[str] = Counter()
     kills = eligible = 0
     tests, paired = [], []
     for start, look in pairwise((0, *reached)):
-        for flight in listed[start:look]:
-            for reading in flight.outcome.readings:
-                if reading.violated_at_s is not None:
-                    violated[reading.requirement] += 1
-            kills += flight.eligible and flight.status is Status.KILLED
-            eligible += flight.eligible
-        tests.append({name: _Test(violated[name], look, *rates.of(situation, name)) for name in safety})
+        for ruling in rulings[start:look]:
+            for name in ruling.violated:
+                violated[name] += 1
+            kills += ruling.eligible and ruling.status is Status.KILLED
+            eligible += ruling.eligible
+        tests.append({name: _test(violated[name], look, *rate) for name, rate in zip(safety, pool, strict=True)})
         paired.append((kills, eligible))
-    first = listed[: LOOKS[0]]
+    tested = set().union(*(ruling.tested for ruling in rulings[: LOOKS[0]]))
     return _Sample(
         situation=situation,
         reached=max(reached, default=0),
-        family=tuple(name for name in safety if not reached or any(name in flight.tested for flight in first)),
+        family=tuple(name for name in safety if not reached or name in tested),
         tests=tuple(tests),
         kills=tuple(paired),
-        eligible=any(flight.eligible for flight in listed),
+        eligible=any(ruling.eligible for ruling in rulings),
     )

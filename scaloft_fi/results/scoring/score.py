@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -14,7 +14,7 @@ from scaloft_fi.results.scoring.decision import Decided, Decision, Pool, PoolRat
 from scaloft_fi.results.scoring.ratio import Ratio
 from scaloft_fi.results.scoring.redraw import Redraw, redraw
 from scaloft_fi.results.space import Space
-from scaloft_fi.results.status import Flight, Status, baseline_pool, flights_of, mutant_status, whole
+from scaloft_fi.results.status import Flight, Ruling, Status, baseline_pool, flights_of, mutant_status, whole
 
 
 @dataclass(frozen=True)
@@ -176,11 +176,11 @@ def score(outcomes: Iterable[Outcome], roster: Roster, space: Space, pool: Pool 
     listed = whole(outcomes)
     baselines = baseline_pool(listed) if pool is None else pool
     rates = PoolRates(baselines)
-    flights: dict[Subject, list[Flight]] = {}
+    flights: dict[str, list[Flight]] = {}
     for flight in flights_of(listed):
-        flights.setdefault(flight.outcome.subject, []).append(flight)
-    subjects = sorted(flights, key=lambda subject: roster.rank(subject.id))
-    scored = [mutant_score(subject, flights[subject], space, rates) for subject in subjects]
+        flights.setdefault(flight.outcome.subject.id, []).append(flight)
+    ids = sorted(flights, key=roster.rank)
+    scored = [mutant_score(flights[id_][0].outcome.subject, flights[id_], space, rates) for id_ in ids]
     mutants = tuple(m for m in scored if m.subject.id != PLACEBO and not roster.is_control(m.subject))
     counted = [mutant for mutant in mutants if roster.counts(mutant.subject) and mutant.flown]
     killed = sum(mutant.killed for mutant in counted)
@@ -207,62 +207,72 @@ def score(outcomes: Iterable[Outcome], roster: Roster, space: Space, pool: Pool 
 def mutant_score(subject: Subject, flights: Sequence[Flight], space: Space, rates: PoolRates) -> MutantScore:
     """Score the flights of one mutant; `rates` are what its decisions compare with."""
     decided = decide(flights, rates)
-    by_situation: dict[str, list[Flight]] = {}
+    by_situation: dict[str, list[Ruling]] = {}
     for flight in flights:
-        by_situation.setdefault(flight.outcome.situation, []).append(flight)
-    results = tuple(_result(key, by_situation[key], decided.get(key)) for key in sorted(by_situation, key=space.rank))
-    operable = {flight.outcome.situation for flight in flights if flight.operability_eligible}
-    inoperable = {f.outcome.situation for f in flights if f.operability_eligible and f.operability_kills}
-    rungs = Counter(flight.status for flight in flights)
-    requirements = _by_requirement(flights)
+        by_situation.setdefault(flight.outcome.situation, []).append(flight.ruling)
+    # few rulings differ, so they are counted and each looked at once
+    counted = {key: Counter(by_situation[key]) for key in sorted(by_situation, key=space.rank)}
+    every = Counter(flight.ruling for flight in flights)
+    results = tuple(_result(key, rulings, decided.get(key)) for key, rulings in counted.items())
+    operable = [rulings for rulings in counted.values() if any(r.operability_eligible for r in rulings)]
+    inoperable = sum(any(r.operability_eligible and r.operability_kills for r in rulings) for rulings in operable)
+    rungs = Counter[Status]()
+    for ruling, number in every.items():
+        rungs[ruling.status] += number
+    requirements = _by_requirement(every, counted.values())
     return MutantScore(
         subject=subject,
-        status=mutant_status(flights),
+        status=mutant_status(every),
         results=results,
         kill_rate=Ratio(sum(r.kills > 0 for r in results), sum(r.eligible > 0 for r in results)),
         kill_rate_flown=Ratio(sum(r.killed for r in results), sum(r.flown > 0 for r in results)),
         requirements=tuple((name, ratio) for name, ratio in requirements if ratio.part),
         tested=tuple(name for name, ratio in requirements if ratio.whole),
-        operability=Ratio(len(inoperable), len(operable)),
-        earliest=min(
-            (k for f in flights if f.kills for k in _kills(f)),
-            key=lambda k: (k.t_s, space.rank(k.situation), k.seed),
-            default=None,
-        ),
+        operability=Ratio(inoperable, len(operable)),
+        earliest=_earliest(flights, space),
         rungs=tuple((status, rungs[status]) for status in Status if rungs[status]),
-        infected=any(flight.status.infected for flight in flights),
+        infected=any(ruling.status.infected for ruling in every),
     )
 
 
-def _result(situation: str, flights: Sequence[Flight], decided: Decided | None) -> Result:
-    valid = [flight for flight in flights if flight.status is not Status.INVALID]
-    eligible = [flight for flight in valid if flight.eligible]
+def _result(situation: str, rulings: Counter[Ruling], decided: Decided | None) -> Result:
+    valid = [(ruling, number) for ruling, number in rulings.items() if ruling.status is not Status.INVALID]
+    eligible = [(ruling.status, number) for ruling, number in valid if ruling.eligible]
     return Result(
         situation=situation,
-        status=mutant_status(flights),
-        kills=sum(flight.status is Status.KILLED for flight in eligible),
-        eligible=len(eligible),
-        flown=len(valid),
-        killed=any(flight.status is Status.KILLED for flight in valid),
-        harmless=not any(flight.status.infected for flight in valid),
+        status=mutant_status(rulings),
+        kills=sum(number for status, number in eligible if status is Status.KILLED),
+        eligible=sum(number for _, number in eligible),
+        flown=sum(number for _, number in valid),
+        killed=any(ruling.status is Status.KILLED for ruling, _ in valid),
+        harmless=not any(ruling.status.infected for ruling, _ in valid),
         decided=decided,
     )
 
 
-def _kills(flight: Flight) -> list[Kill]:
-    outcome = flight.outcome
-    return [
-        Kill(v.requirement, v.t_s, outcome.situation, outcome.seed, (v.x, v.y, v.z), v.struck)
-        for v in outcome.violations
-        if v.requirement in flight.kills
+def _earliest(flights: Iterable[Flight], space: Space) -> Kill | None:
+    kills = [
+        (v, f.outcome) for f in flights if f.ruling.kills for v in f.outcome.violations if v.requirement in f.kills
     ]
+    if not kills:
+        return None
+    first_s = min(violation.t_s for violation, _ in kills)
+    first = [(violation, outcome) for violation, outcome in kills if violation.t_s == first_s]
+    violation, outcome = min(first, key=lambda kill: (space.rank(kill[1].situation), kill[1].seed))
+    position = violation.x, violation.y, violation.z
+    return Kill(violation.requirement, first_s, outcome.situation, outcome.seed, position, violation.struck)
 
 
-def _by_requirement(flights: Sequence[Flight]) -> tuple[tuple[str, Ratio], ...]:
-    """Per requirement: situations it killed in, of those the fault infects and the baseline held it in to its end."""
+def _by_requirement(every: Iterable[Ruling], situations: Collection[Iterable[Ruling]]) -> tuple[tuple[str, Ratio], ...]:
+    """Per requirement: situations it killed in, of those the fault infects and the baseline held it in to its end.
+
+    Args:
+        every: ruling, in the order of the flights.
+        situations: the rulings in each of them.
+    """
     found = []
-    for name in dict.fromkeys(name for flight in flights for name in flight.tested):
-        able = [flight for flight in flights if name in flight.tested]
-        killed = {f.outcome.situation for f in able if name in f.kills + f.operability_kills}
-        found.append((name, Ratio(len(killed), len({flight.outcome.situation for flight in able}))))
+    for name in dict.fromkeys(name for ruling in every for name in ruling.tested):
+        able = [rulings for rulings in ([r for r in rulings if name in r.tested] for rulings in situations) if rulings]
+        killed = sum(any(name in r.kills or name in r.operability_kills for r in rulings) for rulings in able)
+        found.append((name, Ratio(killed, len(able))))
     return tuple(found)

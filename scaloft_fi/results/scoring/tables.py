@@ -47,7 +47,8 @@ def tables_of(
 ) -> tuple[Table, ...]:
     """The same of outcomes that were scored already."""
     listed = whole(outcomes)
-    seeds = len({outcome.seed for outcome in listed if not outcome.invalid and outcome.mutant != BASELINE})
+    seeds = len({outcome.seed for outcome in listed if not outcome.invalid and outcome.subject.id != BASELINE})
+    clean = [outcome for outcome in listed if outcome.subject.id == BASELINE]
     where = {m.subject.id: m.condition(space) for m in (*scored.mutants, *scored.controls)}
     tables = [ratio_table(scored, seeds), redraw_table(scored), mutant_table(scored.mutants, where, seeds)]
     if scored.controls:
@@ -57,8 +58,8 @@ def tables_of(
     if by is not None:
         tables.append(group_table(scored, by, roster, space))
     tables += [
-        baseline_table(findings(listed, space)),
-        requirement_table(tallies(listed)),
+        baseline_table(findings(clean, space)),
+        requirement_table(tallies(clean)),
         coverage_table(coverage(listed, space)),
     ]
     return tuple(tables)

@@ -58,8 +58,9 @@ def coverage(outcomes: Iterable[Outcome], space: Space) -> Coverage:
 
     valid = [outcome for outcome in outcomes if not outcome.invalid and outcome.situation in space.point]
     flown = {outcome.situation for outcome in valid}
-    baselines = [outcome for outcome in valid if outcome.mutant == BASELINE]
-    beside = {(outcome.situation, outcome.seed) for outcome in valid if outcome.mutant != BASELINE}
+    baselines = [outcome for outcome in valid if outcome.subject.id == BASELINE]
+    beside = {(outcome.situation, outcome.seed) for outcome in valid if outcome.subject.id != BASELINE}
+    alone = {(outcome.situation, outcome.seed) for outcome in baselines} - beside
     judged = {outcome.situation for outcome in baselines}
     came_true = {(outcome.situation, axis) for outcome in baselines for axis, true in outcome.realised if true}
     whole = {
@@ -68,8 +69,8 @@ def coverage(outcomes: Iterable[Outcome], space: Space) -> Coverage:
     eligible = {outcome.situation for outcome in baselines if held_to_end(outcome, Kind.SAFETY)}
     return Coverage(
         situations=Ratio(len(flown), len(space.points)),
-        draws=len({(outcome.situation, outcome.seed) for outcome in valid}),
-        pool=len({(outcome.situation, outcome.seed) for outcome in baselines} - beside),
+        draws=len(beside) + len(alone),
+        pool=len(alone),
         combinations=t_ways(flown, space, STRENGTHS),
         realised=Ratio(len(whole), len(space.points)),
         eligible=Ratio(len(eligible), len(space.points)),

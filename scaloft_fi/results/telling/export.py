@@ -15,13 +15,14 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
+from functools import cache
 from typing import Any
 
 from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.space import Space
-from scaloft_fi.results.status import baseline_status, baselines_of, flight_of, whole
+from scaloft_fi.results.status import Flight, baseline_status, flights_of, whole
 
 Row = dict[str, Any]
 
@@ -36,7 +37,7 @@ BASIS = (
 def export_rows(
     outcomes: Iterable[Outcome], roster: Roster, space: Space, requirements: Sequence[str] = ()
 ) -> list[Row]:
-    """Rows ordered by mutant (the baseline first, then PLACEBO, then the catalogue's order), situation, seed.
+    """Rows in the order of `ordered`.
 
     Args:
         outcomes: of a campaign.
@@ -44,10 +45,16 @@ def export_rows(
         space: gives the order of the situations.
         requirements: names that have a `rho_` column even when no flight was judged by them.
     """
-    listed = sorted(whole(outcomes), key=lambda o: (roster.rank(o.mutant), space.rank(o.situation), o.seed))
-    baselines = baselines_of(listed)
+    listed = ordered(outcomes, roster, space)
     names = list(dict.fromkeys([*requirements, *(r.requirement for outcome in listed for r in outcome.readings)]))
-    return [_row(outcome, baselines, names) for outcome in listed]
+    flights = iter(flights_of(listed))
+    return [_row(o, None if o.mutant == BASELINE else next(flights), names) for o in listed]
+
+
+def ordered(outcomes: Iterable[Outcome], roster: Roster, space: Space) -> list[Outcome]:
+    """Whole flights by mutant (the baseline first, then PLACEBO, then the catalogue's order), situation, seed."""
+    mutant_rank, situation_rank = cache(roster.rank), cache(space.rank)
+    return sorted(whole(outcomes), key=lambda o: (mutant_rank(o.mutant), situation_rank(o.situation), o.seed))
 
 
 def columns(rows: Sequence[Row], requirements: Sequence[str] = ()) -> list[str]:
@@ -55,12 +62,11 @@ def columns(rows: Sequence[Row], requirements: Sequence[str] = ()) -> list[str]:
     return list(rows[0]) if rows else [*HEAD, *(f"rho_{name}" for name in requirements), *TAIL, *BASIS]
 
 
-def _row(outcome: Outcome, baselines: Mapping[tuple[str, int], Outcome], requirements: Sequence[str]) -> Row:
+def _row(outcome: Outcome, flight: Flight | None, requirements: Sequence[str]) -> Row:
     killed_by: tuple[str, ...] = ()
-    if outcome.mutant == BASELINE:
+    if flight is None:
         status = baseline_status(outcome)
     else:
-        flight = flight_of(outcome, baselines.get((outcome.situation, outcome.seed)))
         status, killed_by = flight.status.value, flight.kills + flight.operability_kills
     violated = [reading for reading in outcome.readings if reading.violated]
     struck = {violation.requirement: violation.struck for violation in outcome.violations}

@@ -8,7 +8,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from functools import lru_cache
+from functools import cache, lru_cache
 from textwrap import fill
 
 from scaloft_fi.results.telling.literal import markdown, printable
@@ -101,21 +101,24 @@ def _longest_word(cell: str) -> int:
 def _narrowed(widths: Sequence[int], least: Sequence[int], rows: Sequence[Sequence[str]]) -> list[int]:
     """`widths` taken in until the table fits the terminal or every column is at its `least`."""
     found = list(widths)
-    heights = [[_lines(cell, width) for cell, width in zip(row, found, strict=True)] for row in rows]
+    columns = list(zip(*rows, strict=True))
+
+    @cache
+    def lines(column: int, width: int) -> list[int]:
+        return [1 if len(cell) <= width else _lines(cell, width) for cell in columns[column]]
+
+    def cost(column: int) -> int:
+        """Lines that the table gains when this column is narrower by one."""
+        narrower = lines(column, found[column] - 1)
+        return sum(now - height for now, height in zip(narrower, heights, strict=True) if now > height)
+
     while sum(found) + 2 * (len(found) - 1) > WIDTH:
         able = [column for column, width in enumerate(found) if width > least[column]]
         if not able:
             break
-        column = min(able, key=lambda able: (_cost(rows, heights, able, found[able] - 1), -found[able], -able))
-        found[column] -= 1
-        for row, height in zip(rows, heights, strict=True):
-            height[column] = _lines(row[column], found[column])
+        heights = [max(row) for row in zip(*map(lines, range(len(found)), found), strict=True)]
+        found[min(able, key=lambda able: (cost(able), -found[able], -able))] -= 1
     return found
-
-
-def _cost(rows: Sequence[Sequence[str]], heights: Sequence[Sequence[int]], column: int, width: int) -> int:
-    """Lines that the table gains when this column is this wide."""
-    return sum(max(0, _lines(row[column], width) - max(height)) for row, height in zip(rows, heights, strict=True))
 
 
 @lru_cache(maxsize=100_000)
