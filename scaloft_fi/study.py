@@ -16,7 +16,7 @@ from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.folder import find_study
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.registry import load_plugins
+from scaloft_fi.registry import load_plugins, plugin_sources
 from scaloft_fi.stack.seam import SEAMS
 
 if TYPE_CHECKING:
@@ -203,7 +203,7 @@ class Study:
         return {
             "sim": _digest([documents, others]),
             "requirements": _digest(judged),
-            "code": _code(FLYING_CODE),
+            "code": _with_plugins(_code(FLYING_CODE)),
             "cutting": _code(CUTTING_CODE),
         }
 
@@ -240,6 +240,12 @@ def _code(names: Iterable[str]) -> str:
     """A hash of what sources of the package say to the interpreter: no comment, docstring or layout is in it."""
     paths = [path for name in names for path in _sources(PACKAGE / name)]
     return _digest({path.relative_to(PACKAGE).as_posix(): _meaning(path) for path in paths})
+
+
+def _with_plugins(code: str) -> str:
+    """The hash `code`, with the sources of third parties in it where there are any."""
+    plugins = plugin_sources()
+    return _digest([code, {name: _meaning(path) for name, path in plugins.items()}]) if plugins else code
 
 
 def _sources(path: Path) -> list[Path]:

@@ -130,6 +130,28 @@ def test_a_mesh_of_the_users_own_is_part_of_the_hash(copy: Path) -> None:
     assert Study(copy).inputs["sim"] != before["sim"]
 
 
+def test_an_edit_of_a_plugin_changes_the_hash_of_the_code_and_a_comment_in_it_does_not(
+    copy: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    alone = Study(copy).inputs
+    site = tmp_path / "site"
+    (site / "mine_faults").mkdir(parents=True)
+    (site / "mine_faults" / "__init__.py").touch()
+    source = site / "mine_faults" / "drift.py"
+    source.write_text("RATE = 0.1\n")
+    (site / "mine_faults-1.dist-info").mkdir()
+    (site / "mine_faults-1.dist-info" / "METADATA").write_text("Name: mine-faults\nVersion: 1\n")
+    entry = "[scaloft_fi.plugins]\nfaults = mine_faults\n"
+    (site / "mine_faults-1.dist-info" / "entry_points.txt").write_text(entry)
+    monkeypatch.syspath_prepend(site)
+    hashes = [alone]
+    for text in ("RATE = 0.1\n", "RATE = 0.1  # a comment\n", "RATE = 0.2\n"):
+        source.write_text(text)
+        hashes.append(Study(copy).inputs)
+    assert hashes[0]["code"] != hashes[1]["code"] == hashes[2]["code"] != hashes[3]["code"]
+    assert all(entry["sim"] == alone["sim"] for entry in hashes)
+
+
 @pytest.mark.parametrize(
     ("edited", "same"),
     [
