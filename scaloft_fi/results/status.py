@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
+from operator import itemgetter
 
 from scaloft_fi.bulk import bulk
 from scaloft_fi.results.outcome import BASELINE, Outcome
@@ -153,17 +154,18 @@ def _ruled(outcome: Outcome, clean: _Clean | None) -> Ruling:
     if outcome.invalid or clean is None:
         return _ruling(Status.INVALID)
     broken = [reading for reading in outcome.readings if reading.violated_at_s is not None]
-    violated = tuple([reading.requirement for reading in broken])
+    violated = tuple([reading.requirement for reading in broken]) if broken else ()
     if outcome.altered == 0:
         status = Status.NOT_INFECTED if outcome.carried else Status.NOT_REACHED
         return _ruling(status, (), (), False, False, (), violated)
     infected = clean.eligible, clean.operability_eligible, clean.tested, violated
     if outcome.digest == clean.outcome.digest:
         return _ruling(Status.MASKED, (), (), *infected)
-    unsafe = [reading for reading in broken if reading.kind is Kind.SAFETY]
-    inoperable = [reading for reading in broken if reading.kind is Kind.OPERABILITY]
-    kills = _killed_by(outcome, clean, unsafe) if unsafe else ()
-    operability_kills = _killed_by(outcome, clean, inoperable) if inoperable else ()
+    if not broken:
+        return _ruling(Status.SURVIVED, (), (), *infected)
+    kills = _killed_by(outcome, clean, broken, Kind.SAFETY)
+    operability_kills = _killed_by(outcome, clean, broken, Kind.OPERABILITY)
+    unsafe = kills or any(reading.kind is Kind.SAFETY for reading in broken)
     status = Status.KILLED if kills else Status.BASELINE_RED if unsafe else Status.SURVIVED
     return _ruling(status, kills, operability_kills, *infected)
 
@@ -175,21 +177,38 @@ def held_to_end(baseline: Outcome, kind: Kind) -> bool:
 
 def killed_by(outcome: Outcome, baseline: Outcome, kind: Kind) -> tuple[str, ...]:
     """The requirements of a kind by whose violation the flight is told from its baseline, earliest first."""
-    broken = [r for r in outcome.readings if r.kind is kind and r.violated_at_s is not None]
-    return _killed_by(outcome, _Clean(baseline), broken)
+    broken = [reading for reading in outcome.readings if reading.violated_at_s is not None]
+    return _killed_by(outcome, _Clean(baseline), broken, kind)
 
 
-def _killed_by(outcome: Outcome, clean: _Clean, broken: Iterable[Reading]) -> tuple[str, ...]:
-    """The same of some of the readings that it violates."""
+def _killed_by(outcome: Outcome, clean: _Clean, broken: Iterable[Reading], kind: Kind) -> tuple[str, ...]:
+    """The same of the readings that it violates.
+
+    To violate sooner what the baseline violates too, on the same body, proves nothing: any change of the flight
+    moves that moment.  Of a baseline that was cut short only what it flew counts.
+    """
     found: list[tuple[float, str]] = []
     for reading in broken:
+        if reading.kind is not kind:
+            continue
         name, at_s = reading.requirement, reading.violated_at_s
         held = clean.readings.get(name)
-        if held is not None and at_s is not None and _held_until(held, at_s, outcome, clean.outcome):
+        if held is None or at_s is None:
+            continue
+        if held.violated_at_s is None:
+            told = not held.open or at_s <= clean.outcome.duration_s
+        else:
+            told = at_s < held.violated_at_s and _struck(outcome, name) != _struck(clean.outcome, name)
+        if told:
             found.append((at_s, name))
+    if not found:
+        return ()
     if len(found) > 1:
-        found.sort(key=lambda pair: pair[0])
+        found.sort(key=_time)
     return tuple([name for _, name in found])
+
+
+_time = itemgetter(0)
 
 
 def _struck(flight: Outcome, requirement: str) -> str:
@@ -198,18 +217,6 @@ def _struck(flight: Outcome, requirement: str) -> str:
         if violation.requirement == requirement:
             return violation.struck
     return ""
-
-
-def _held_until(held: Reading, t_s: float, outcome: Outcome, baseline: Outcome) -> bool:
-    """Whether the baseline, which read `held`, held up to `t_s` what a flight violates then.
-
-    To violate sooner what the baseline violates too, on the same body, proves nothing: any change of the flight
-    moves that moment.  Of a baseline that was cut short only what it flew counts.
-    """
-    if held.violated_at_s is None:
-        return not held.open or t_s <= baseline.duration_s
-    name = held.requirement
-    return t_s < held.violated_at_s and _struck(outcome, name) != _struck(baseline, name)
 
 
 def baseline_status(baseline: Outcome) -> str:
@@ -251,6 +258,14 @@ def flights_of(outcomes: Iterable[Outcome]) -> list[Flight]:
         for known, ruling in zip(beside, rulings, strict=True)
     ]
     return bulk(Flight, (flown, baselines, rulings))
+
+
+def by_situation(flights: Iterable[Flight]) -> dict[str, list[Flight]]:
+    """The flights in each situation, in the order given."""
+    found: dict[str, list[Flight]] = {}
+    for flight in flights:
+        found.setdefault(flight.outcome.situation, []).append(flight)
+    return found
 
 
 def mutant_status(flights: Iterable[Flight | Ruling]) -> Status:

@@ -57,7 +57,7 @@ from operator import attrgetter
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.requirement import Kind
 from scaloft_fi.results.scoring.exact import at_most, fisher
-from scaloft_fi.results.status import Flight, Status, flights_of, whole
+from scaloft_fi.results.status import Flight, Status, by_situation, flights_of, whole
 
 LOOKS = (3, 5, 10)
 """Flights of a situation after which it may be decided."""
@@ -144,11 +144,13 @@ class PoolRates:
 
 def decide(flights: Iterable[Flight], rates: PoolRates) -> dict[str, Decided]:
     """The decisions on one mutant in each situation with an eligible flight."""
-    by_situation: dict[str, list[Flight]] = {}
-    for flight in flights:
-        if flight.status is not Status.INVALID:
-            by_situation.setdefault(flight.outcome.situation, []).append(flight)
-    samples = [_sample(key, by_situation[key], rates) for key in sorted(by_situation)]
+    return decide_in(by_situation(flights), rates)
+
+
+def decide_in(situations: Mapping[str, Sequence[Flight]], rates: PoolRates) -> dict[str, Decided]:
+    """The same of flights that are sorted by situation already."""
+    valid = {key: [f for f in flights if f.ruling.status is not Status.INVALID] for key, flights in situations.items()}
+    samples = [_sample(key, valid[key], rates) for key in sorted(valid) if valid[key]]
     family = sum(len(sample.family) for sample in samples)
     settled: dict[str, Decided] = {}
     latest: dict[str, Decided] = {}

@@ -10,11 +10,20 @@ from functools import lru_cache
 from scaloft_fi.results.kills.condition import condition
 from scaloft_fi.results.outcome import PLACEBO, Outcome, Subject
 from scaloft_fi.results.roster import Roster
-from scaloft_fi.results.scoring.decision import Decided, Decision, Pool, PoolRates, decide
+from scaloft_fi.results.scoring.decision import Decided, Decision, Pool, PoolRates, decide_in
 from scaloft_fi.results.scoring.ratio import Ratio
 from scaloft_fi.results.scoring.redraw import Redraw, redraw
 from scaloft_fi.results.space import Space
-from scaloft_fi.results.status import Flight, Ruling, Status, baseline_pool, flights_of, mutant_status, whole
+from scaloft_fi.results.status import (
+    Flight,
+    Ruling,
+    Status,
+    baseline_pool,
+    by_situation,
+    flights_of,
+    mutant_status,
+    whole,
+)
 
 
 @dataclass(frozen=True)
@@ -206,13 +215,11 @@ def score(outcomes: Iterable[Outcome], roster: Roster, space: Space, pool: Pool 
 
 def mutant_score(subject: Subject, flights: Sequence[Flight], space: Space, rates: PoolRates) -> MutantScore:
     """Score the flights of one mutant; `rates` are what its decisions compare with."""
-    decided = decide(flights, rates)
-    by_situation: dict[str, list[Ruling]] = {}
-    for flight in flights:
-        by_situation.setdefault(flight.outcome.situation, []).append(flight.ruling)
+    situations = by_situation(flights)
+    decided = decide_in(situations, rates)
     # few rulings differ, so they are counted and each looked at once
-    counted = {key: Counter(by_situation[key]) for key in sorted(by_situation, key=space.rank)}
-    every = Counter(flight.ruling for flight in flights)
+    counted = {key: Counter([f.ruling for f in situations[key]]) for key in sorted(situations, key=space.rank)}
+    every = Counter([flight.ruling for flight in flights])
     results = tuple(_result(key, rulings, decided.get(key)) for key, rulings in counted.items())
     operable = [rulings for rulings in counted.values() if any(r.operability_eligible for r in rulings)]
     inoperable = sum(any(r.operability_eligible and r.operability_kills for r in rulings) for rulings in operable)
