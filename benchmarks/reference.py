@@ -3,9 +3,9 @@
     python benchmarks/reference.py [--campaign reference] [--seeds 3] [--baseline-seeds 50] [--pages]
 
 Flies every cell's default mutant, the controls and PLACEBO in all situations, and searches the margins of the paper's
-three faults on seed 0 (what is flown already is not flown again), then writes the campaign's tables and its report into `results/published/reference/`.  `--pages` writes only,
-from what is flown.  With a `chromium` on the path (and the packages of the extra `test`) a picture of
-the report is taken as well.
+three faults on seed 0 (what is flown already is not flown again), then writes the campaign's tables and its report into
+`results/published/reference/`.  `--pages` writes only, from what is flown.  With a `chromium` on the path (and the
+packages of the extra `test`) a picture of the report is taken as well.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ PAGES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("score.json", ("score", "--format", "json")),
     ("coverage.md", ("coverage", "--format", "markdown")),
     ("coverage_against_kills.md", ("coverage", "--against-kills", "--format", "markdown")),
+    ("matrix.md", ("matrix", "--margins", "--format", "markdown")),
     ("kills.md", ("kills", "--format", "markdown")),
     ("survivors.md", ("kills", "--show", "survivors", "--format", "markdown")),
 )

@@ -117,7 +117,8 @@ def test_every_outcome_comes_home_once_and_was_flown_from_the_study_that_was_sen
     home, said = _flown(address, reference, flyer(), flights)
     assert _names(home) == _names(flights)
     assert {outcome.invalid for outcome in home} == {""}
-    assert said == []
+    # on a busy machine the worker may still be on its way
+    assert [line for line in said if not line.startswith("waiting for workers")] == []
     (folder,) = {outcome.digest for outcome in home}
     assert Path(folder) != ROOT
     assert (Path(folder) / "sim" / "world.yaml").read_bytes() == (ROOT / "sim" / "world.yaml").read_bytes()
