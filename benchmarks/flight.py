@@ -27,7 +27,6 @@ from typing import Any
 import numpy as np
 
 from scaloft_fi.results.requirement import judge
-from scaloft_fi.sim import tight_loop
 from scaloft_fi.sim.body import Body, spawn
 from scaloft_fi.sim.build import build
 from scaloft_fi.sim.contact import Feeler
@@ -36,6 +35,7 @@ from scaloft_fi.sim.observer import Observer
 from scaloft_fi.sim.sensors import suite
 from scaloft_fi.sim.sensors.camera import DepthSensor
 from scaloft_fi.sim.sensors.detector import Detector
+from scaloft_fi.sim.tight_loop import TightLoop
 from scaloft_fi.stack import companion
 from scaloft_fi.stack.estimator import Estimator
 from scaloft_fi.stack.memory import ObstacleMemory
@@ -46,7 +46,7 @@ from scaloft_fi.study import Study
 
 # Who is timed: (owner, attribute, part).  Nested parts are taken out of the outer ones.
 PROBES: tuple[tuple[Any, str, str], ...] = (
-    (Body, "move", "physics"),
+    (Body, "moves", "physics"),
     (Feeler, "feel", "physics"),
     (suite, "look", "camera"),
     (DepthSensor, "measure", "camera"),
@@ -58,7 +58,7 @@ PROBES: tuple[tuple[Any, str, str], ...] = (
     (ProximityMonitor, "flag", "perception"),
     (Planner, "plan", "planner"),
     (companion, "shape_velocity", "planner"),
-    (tight_loop, "tight", "inertial sensor, control, rotors"),
+    (TightLoop, "drive", "inertial sensor, control, rotors"),
     (Estimator, "tick", "estimator"),
     (Observer, "step", "oracle"),
     (Observer, "sample", "oracle"),

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Protocol
 from scaloft_fi.campaign.plan import Flight
 from scaloft_fi.campaign.pool import ATTEMPTS
 from scaloft_fi.campaign.task import Task
+from scaloft_fi.collector import uncollected
 from scaloft_fi.errors import InputError
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.requirement import Kind
@@ -66,6 +67,10 @@ class Physics:
         Raises:
             InputError: the settings of the stack do not fit.
         """
+        with uncollected():
+            self._prepare(study, say)
+
+    def _prepare(self, study: Study, say: Callable[[str], None]) -> None:
         with _unheard():
             import pybullet  # noqa: F401 - it greets on standard error when first imported
         from scaloft_fi.sim import flight

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 import os
 import signal
@@ -110,6 +111,7 @@ def _life(work: Work, connection: Connection, inherited: Sequence[Connection], p
     die_with(parent)
     for other in inherited:
         other.close()
+    gc.freeze()  # what was made ready before is no garbage: not looked at again, its pages stay shared
     _serve(work, connection)
 
 

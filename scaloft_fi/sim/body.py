@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
+from collections.abc import Callable
 
 import numpy as np
 
@@ -12,6 +13,10 @@ from scaloft_fi.sim.vehicle import NUMBERS, STATE_SIZE, Array, Vehicle, actuate,
 from scaloft_fi.sim.world import Point
 
 _pack = struct.Struct(f"{STATE_SIZE}d").pack_into
+
+
+Drive = Callable[[int], None]
+"""Called with the number of a physics step before it, to set force and torque."""
 
 
 class Body:
@@ -46,27 +51,52 @@ class Body:
         self._buffer = self.state.data
         self._lag[:], self._effect[:] = vehicle.lag(), vehicle.effect()
         self.number = spawn(client, vehicle, position, yaw_rad)
+        self._position: Point = position
+        self.velocity: Point = (0.0, 0.0, 0.0)
+        self.truth: tuple[float, ...] = ()
         self.read()
 
-    def step(self, order: Array) -> None:
-        """One 240 Hz step with rotor thrusts `order` (4,) [N]."""
+    def actuate(self, order: Array) -> None:
+        """Turn the rotors towards thrusts `order` (4,) [N]: the force and torque of the next step."""
         actuate(self.thrusts, order, self._lag, self._effect, self.state, self._pushed)
-        self.move()
 
-    def move(self) -> None:
-        """The step itself, under the force and torque that `numbers` has."""
-        pushed, number, client = self._pushed.tolist(), self.number, self._client
-        self._push(number, -1, pushed[:3], self._position, self._world_frame, client)
-        self._turn(number, -1, pushed[3:], self._world_frame, client)
-        self._step(client)
-        self.read()
+    def moves(self, drive: Drive, first: int, count: int) -> float:
+        """Physics steps, each under the force and torque that `numbers` has then.
+
+        Args:
+            drive: sets them before each step.
+            first: number of the first step.
+            count: of steps.
+
+        Returns:
+            The greatest square of the speed after a step [m2/s2].
+        """
+        push, turn, step, pose, motion = self._push, self._turn, self._step, self._pose, self._motion
+        number, client, frame = self.number, self._client, self._world_frame
+        pushed, buffer, position, top_square = self._pushed.tolist, self._buffer, self._position, 0.0
+        for i in range(first, first + count):
+            drive(i)
+            fx, fy, fz, tx, ty, tz = pushed()
+            push(number, -1, (fx, fy, fz), position, frame, client)
+            turn(number, -1, (tx, ty, tz), frame, client)
+            step(client)
+            position, attitude = pose(number, client)
+            velocity, rate = motion(number, client)
+            truth = (*position, *attitude, *velocity, *rate)
+            _pack(buffer, 0, *truth)
+            vx, vy, vz = velocity
+            square = vx * vx + vy * vy + vz * vz
+            if square > top_square:
+                top_square = square
+        self._position, self.velocity, self.truth = position, velocity, truth
+        return top_square
 
     def read(self) -> None:
         """Read the true state."""
         number, client = self.number, self._client
         self._position, attitude = self._pose(number, client)
         self.velocity, rate = self._motion(number, client)
-        self.truth: tuple[float, ...] = (*self._position, *attitude, *self.velocity, *rate)
+        self.truth = (*self._position, *attitude, *self.velocity, *rate)
         _pack(self._buffer, 0, *self.truth)
 
 

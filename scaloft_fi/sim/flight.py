@@ -12,7 +12,7 @@ import numpy as np
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.wire import TapError
-from scaloft_fi.sim.body import Body
+from scaloft_fi.sim.body import Body, Drive
 from scaloft_fi.sim.build import STEP_S, build, connect
 from scaloft_fi.sim.contact import Feeler
 from scaloft_fi.sim.events import events_of
@@ -153,41 +153,47 @@ class Flight:
 
     def advance(self) -> None:
         """Step up to the next sample."""
-        tight = self._tight
-        if tight is None or not self._autopilot_alive or not tight.free:
-            for _ in range(STEPS_PER_TICK):
-                self.step()
-            return
-        tight.begin()
+        tight = self._tight if self._autopilot_alive and self._tight is not None and self._tight.free else None
+        if tight is not None:
+            tight.begin()
+        drive = self._drive if tight is None else tight.drive
         if self._feeler.out_of_reach(self.body.velocity):
-            top_square = tight.steps(self._steps, STEPS_PER_TICK)
+            top_square = self.body.moves(drive, self._steps, STEPS_PER_TICK)
             self._steps += STEPS_PER_TICK
             self._observer.pass_by(top_square, self.body.truth)
         else:
             for _ in range(STEPS_PER_TICK):
-                tight.step(self._steps)
-                self._watch()
-        tight.end()
+                self._move(drive)
+        if tight is not None:
+            tight.end()
 
     def step(self) -> None:
         """One physics step with the thrust that flight control orders."""
+        self._move(self._drive)
+
+    def _move(self, drive: Drive) -> None:
+        """One physics step, watched."""
+        self.body.moves(drive, self._steps, 1)
+        self._steps += 1
+        self._watch()
+
+    def _drive(self, step: int) -> None:
+        """Let flight control order the thrust of physics step number `step`."""
         order = NO_THRUST
         if self._autopilot_alive:
-            now_s = self._steps / 240
+            now_s = step / 240
             try:
-                thrust = self.stack.step(now_s, self.sensors.imu(self._steps, self.body.state))
+                thrust = self.stack.step(now_s, self.sensors.imu(step, self.body.state))
                 order = NO_THRUST if thrust is None else thrust.rotors
             except HARNESS:
                 raise
             except Exception as error:  # noqa: BLE001 - whatever the stack under test raises
                 self._autopilot_fails(now_s, error)
-        self.body.step(order)
-        self._watch()
+        self.body.actuate(order)
 
     def _watch(self) -> None:
         """Let touch sensor and observer look at the step just made."""
         body = self.body
-        self._steps += 1
         touched = self._feeler.feel(body.truth, body.state)
         if touched:
             self.sensors.feel(touched)

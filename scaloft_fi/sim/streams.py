@@ -52,11 +52,16 @@ class Table:
 
     def row(self, index: int) -> Array:
         """Row `index` (width,) of the table; not to be written to."""
+        chunk, offset = self.place(index)
+        row: Array = chunk[offset]
+        return row
+
+    def place(self, index: int) -> tuple[Array, int]:
+        """The chunk (CHUNK, width) that has row `index`, not to be written to, and which of its rows that is."""
         block, offset = divmod(index, CHUNK)
         if block != self._block:
             draw = generator(*self._parts, block=block)
             shape = (CHUNK, self._width)
             self._block = block
             self._chunk = draw.random(shape) if self._uniform else draw.standard_normal(shape)
-        row: Array = self._chunk[offset]
-        return row
+        return self._chunk, offset

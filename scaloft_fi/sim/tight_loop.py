@@ -22,7 +22,7 @@ SKIPPED = ("imu", "thrust")
 
 
 class TightLoop:
-    """The physics steps of a flight, tick by tick: `begin`, any number of `step`, `end`.
+    """The physics steps of a flight, tick by tick: `begin`, `drive` before each step, `end`.
 
     Args:
         inner: of the stack.
@@ -46,26 +46,15 @@ class TightLoop:
         sensor.begin(body.state)
         self._arguments = (*inner.orders, sensor.numbers, body.numbers, inner.estimate, inner.control)
 
-    def step(self, step: int) -> None:
-        """Physics step number `step`."""
+    def drive(self, step: int) -> None:
+        """All that physics step number `step` needs: inertial sensor, stack and rotors."""
         stamp_s = step * STEP_S
         dt_s, self._stamp_s = stamp_s - self._stamp_s, stamp_s
         if 0.0 < dt_s < IMU_GAP_S:
             self._heard_s = step / STEP_HZ
-        if not tight(self._sensor.noise.row(step), dt_s, self._mode, *self._arguments):
+        noise, row = self._sensor.noise.place(step)
+        if not tight(noise, row, dt_s, self._mode, *self._arguments):
             self._mode = STOPPED_MODE
-        self._body.move()
-
-    def steps(self, first: int, count: int) -> float:
-        """So many physics steps from number `first` on; returns the greatest square of the speed after one [m2/s2]."""
-        body, top_square = self._body, 0.0
-        for step in range(first, first + count):
-            self.step(step)
-            vx, vy, vz = body.velocity
-            square = vx * vx + vy * vy + vz * vz
-            if square > top_square:
-                top_square = square
-        return top_square
 
     def end(self) -> None:
         """Leave the stack as its own steps would have left it."""
@@ -75,19 +64,19 @@ class TightLoop:
 @jit
 @joined(inertial, strapdown.propagate, control.control, stabilise, actuate)
 def tight(
-    noise: Array, dt_s: float, mode: int, yaw_sp: float, accel_mps2: float,
+    noise: Array, row: int, dt_s: float, mode: int, yaw_sp: float, accel_mps2: float,
     sensor: Array, body: Array, estimate: Array, controlled: Array,
 ) -> bool:  # fmt: skip
     """`inertial`, `stabilise` and `actuate` at once; whether the rotors go on.
 
     Args:
-        noise: (6,) of the inertial sample.
+        noise, row: (N, 6), and which row is the inertial sample's.
         dt_s, mode, yaw_sp, accel_mps2, estimate, controlled: of `stabilise`.
         sensor, body: (21,), (46,) numbers of inertial sensor and vehicle.
     """
     before, errors, reading = imu.parts_of(sensor)
     state, thrusts, pushed, lag, effect = vehicle.parts_of(body)
-    inertial(state, before, noise, errors, reading)
+    inertial(state, before, noise[row], errors, reading)
     goes_on, thrust = stabilise(
         reading[0], reading[1], dt_s, 1.0 / STEP_HZ, mode, yaw_sp, accel_mps2, estimate, controlled
     )

@@ -98,8 +98,16 @@ def _equal(a: Any, b: Any) -> bool:
     if isinstance(a, tuple) and isinstance(b, tuple):
         return len(a) == len(b) and all(map(_equal, a, b))
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
-        return bool(np.array_equal(a, b, equal_nan=True))
+        return _equal_arrays(np.asarray(a), np.asarray(b))
     return bool(a == b)
+
+
+def _equal_arrays(a: np.ndarray[Any, Any], b: np.ndarray[Any, Any]) -> bool:
+    """`numpy.array_equal(a, b, equal_nan=True)` in half the time."""
+    if a.shape != b.shape:
+        return False
+    same = a == b
+    return bool(same.all() or (same | ((a != a) & (b != b))).all())
 
 
 STEP_HZ, TICK_HZ = 240.0, 20.0

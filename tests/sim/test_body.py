@@ -22,7 +22,7 @@ def fly(client, config, steps, thrust, spin=None):
     body.read()
     states = [body.state.copy()]
     for _ in range(steps):
-        body.step(thrust)
+        body.moves(lambda _step: body.actuate(thrust), 0, 1)
         states.append(body.state.copy())
         assert np.array_equal(body.truth, body.state)
     return np.array(states)

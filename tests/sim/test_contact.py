@@ -37,7 +37,7 @@ def test_feeling_only_where_something_is_near_finds_every_touch(client, config, 
             observer.sample(step / 240, body.state, None)
             feeler.look(body.truth[:3], observer.room_m)
             out_of_reach = feeler.out_of_reach(body.velocity)
-        body.step(np.zeros(4))
+        body.moves(lambda _step: body.actuate(np.zeros(4)), 0, 1)
         touches = feeler.feel(body.truth, body.state)
         assert touches == contacts(client, body.number, ids.name_of, body.state, vehicle.half_height_m)
         observer.step((step + 1) / 240, body.truth, touches)
