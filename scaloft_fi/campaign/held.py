@@ -73,13 +73,13 @@ def held_in(study: Study, store: Store, folder: Path) -> Held:
     )
 
 
-def _whole(store: Store, now: _Now) -> tuple[Outcome, ...]:
+def _whole(store: Store, now: _Now, *, brief: bool = False) -> tuple[Outcome, ...]:
     """The outcomes of whole flights that stand."""
-    return store.that(lambda flight: not flight.truncated and now.stands(flight))
+    return store.that(lambda flight: not flight.truncated and now.stands(flight), brief=brief)
 
 
-def current(study: Study, campaign: str) -> tuple[Outcome, ...]:
-    """The outcomes of a campaign that count.
+def current(study: Study, campaign: str, *, brief: bool = False) -> tuple[Outcome, ...]:
+    """The outcomes of a campaign that count; `brief` ones are enough for a score, see `Store.that`.
 
     Raises:
         InputError: there are none.
@@ -87,7 +87,7 @@ def current(study: Study, campaign: str) -> tuple[Outcome, ...]:
     folder = campaign_folder(study, campaign)
     with Store(existing(folder), create=False) as store:
         now = _Now(study, store)
-        found = _whole(store, now)
+        found = _whole(store, now, brief=brief)
         flights = [] if found else store.flights()
     if flights:
         cut = sum(now.stands(flight) for flight in flights)

@@ -62,7 +62,7 @@ def score_command(
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
-    outcomes = current(study, campaign)
+    outcomes = current(study, campaign, brief=True)
     flown = {outcome.situation for outcome in outcomes}
     situations = [key for key, _ in study.space.points if key in flown]
     others = borrowed(study, baseline_from, situations) if baseline_from else ()

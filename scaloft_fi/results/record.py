@@ -58,6 +58,17 @@ def to_row(outcome: Outcome) -> Row:
     )
 
 
+SPARED: Mapping[str, str] = {
+    "ending": "''",
+    "infected_at_s": "NULL",
+    "struck": "''",
+    "perceived_digest": "''",
+    "stack_error": "''",
+    "readings": "''",
+    "realised": "''",
+}
+"""Columns that say nothing about the status of a mutant's flight, and what stands for them where they are left out."""
+
 _READING = [field.name for field in fields(Reading)]
 _VIOLATION = [field.name for field in fields(Violation)]
 

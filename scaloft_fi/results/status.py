@@ -10,7 +10,7 @@ from operator import itemgetter
 
 from scaloft_fi.bulk import bulk
 from scaloft_fi.results.outcome import BASELINE, Outcome
-from scaloft_fi.results.requirement import Kind, Reading
+from scaloft_fi.results.requirement import Kind
 
 
 class Status(StrEnum):
@@ -119,8 +119,7 @@ class Flight:
     @property
     def killed_at_s(self) -> float | None:
         """Time of the earliest kill [s from take-off]."""
-        times = [reading.violated_at_s for reading in self.outcome.readings if reading.requirement in self.kills]
-        return min((time for time in times if time is not None), default=None)
+        return min((v.t_s for v in self.outcome.violations if v.requirement in self.kills), default=None)
 
 
 def flight_of(outcome: Outcome, baseline: Outcome | None) -> Flight:
@@ -153,8 +152,8 @@ def _clean(baseline: Outcome | None) -> _Clean | None:
 def _ruled(outcome: Outcome, clean: _Clean | None) -> Ruling:
     if outcome.invalid or clean is None:
         return _ruling(Status.INVALID)
-    broken = [reading for reading in outcome.readings if reading.violated_at_s is not None]
-    violated = tuple([reading.requirement for reading in broken]) if broken else ()
+    broken = outcome.violations
+    violated = tuple([violation.requirement for violation in broken]) if broken else ()
     if outcome.altered == 0:
         status = Status.NOT_INFECTED if outcome.carried else Status.NOT_REACHED
         return _ruling(status, (), (), False, False, (), violated)
@@ -163,9 +162,9 @@ def _ruled(outcome: Outcome, clean: _Clean | None) -> Ruling:
         return _ruling(Status.MASKED, (), (), *infected)
     if not broken:
         return _ruling(Status.SURVIVED, (), (), *infected)
-    kills = _killed_by(outcome, clean, broken, Kind.SAFETY)
-    operability_kills = _killed_by(outcome, clean, broken, Kind.OPERABILITY)
-    unsafe = kills or any(reading.kind is Kind.SAFETY for reading in broken)
+    kills = _killed_by(outcome, clean, Kind.SAFETY)
+    operability_kills = _killed_by(outcome, clean, Kind.OPERABILITY)
+    unsafe = kills or any(violation.kind is Kind.SAFETY for violation in broken)
     status = Status.KILLED if kills else Status.BASELINE_RED if unsafe else Status.SURVIVED
     return _ruling(status, kills, operability_kills, *infected)
 
@@ -177,28 +176,27 @@ def held_to_end(baseline: Outcome, kind: Kind) -> bool:
 
 def killed_by(outcome: Outcome, baseline: Outcome, kind: Kind) -> tuple[str, ...]:
     """The requirements of a kind by whose violation the flight is told from its baseline, earliest first."""
-    broken = [reading for reading in outcome.readings if reading.violated_at_s is not None]
-    return _killed_by(outcome, _Clean(baseline), broken, kind)
+    return _killed_by(outcome, _Clean(baseline), kind)
 
 
-def _killed_by(outcome: Outcome, clean: _Clean, broken: Iterable[Reading], kind: Kind) -> tuple[str, ...]:
+def _killed_by(outcome: Outcome, clean: _Clean, kind: Kind) -> tuple[str, ...]:
     """The same of the readings that it violates.
 
     To violate sooner what the baseline violates too, on the same body, proves nothing: any change of the flight
     moves that moment.  Of a baseline that was cut short only what it flew counts.
     """
     found: list[tuple[float, str]] = []
-    for reading in broken:
-        if reading.kind is not kind:
+    for violation in outcome.violations:
+        if violation.kind is not kind:
             continue
-        name, at_s = reading.requirement, reading.violated_at_s
+        name, at_s = violation.requirement, violation.t_s
         held = clean.readings.get(name)
-        if held is None or at_s is None:
+        if held is None:
             continue
         if held.violated_at_s is None:
             told = not held.open or at_s <= clean.outcome.duration_s
         else:
-            told = at_s < held.violated_at_s and _struck(outcome, name) != _struck(clean.outcome, name)
+            told = at_s < held.violated_at_s and violation.struck != _struck(clean.outcome, name)
         if told:
             found.append((at_s, name))
     if not found:

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import gzip
 import json
-import random
 from pathlib import Path
 from typing import Any
 
 import recomputation
-from builders import AXES, GRID, KINDS, ROSTER, campaigns, outcome
+from builders import AXES, GRID, KINDS, ROSTER, campaigns, seeded
 from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
+from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.record import from_json
 from scaloft_fi.results.scoring.baseline import findings
 from scaloft_fi.results.scoring.score import score
@@ -58,37 +56,6 @@ def compare(outcomes: list[Outcome]) -> dict[str, Any]:
 @given(campaigns())
 def test_every_figure_of_the_score_follows_from_the_export(outcomes: list[Outcome]) -> None:
     compare(outcomes)
-
-
-@st.composite
-def seeded(draw: st.DrawFn) -> list[Outcome]:
-    """A campaign of several seeds: enough for decisions and REDRAW, with noise, invalid and cut-short flights."""
-    chance = random.Random(draw(st.integers(0, 10**6)))
-    keys = [key for key, _ in GRID.points[: draw(st.integers(1, 4))]]
-    seeds = draw(st.sampled_from([2, 3, 5, 6, 10, 20]))
-    rates = {key: chance.choice([0, 0, 0.1, 0.5, 1]) for key in keys}
-    outcomes = []
-    for mutant in (BASELINE, PLACEBO, *ROSTER.ids):
-        for key in keys:
-            kill = rates[key] if mutant in (BASELINE, PLACEBO) else chance.choice([0, 0.3, 0.9, 1])
-            for seed in range(seeds if mutant == BASELINE else min(seeds, chance.choice([1, 3, 5, 11, 11]))):
-                violated = {name: float(chance.randrange(1, 59)) for name in KINDS if chance.random() < kill}
-                struck = chance.choice(["", "", "wall", "bar"]) if "SR1" in violated else ""
-                if struck:
-                    violated = {n: t for n, t in violated.items() if n == "SR1" or t < violated["SR1"]}
-                    end = min(violated.values())
-                    violated = {n: t for n, t in violated.items() if t == end}
-                outcomes.append(
-                    outcome(
-                        *(mutant, key, seed),
-                        violated=violated,
-                        struck=struck,
-                        altered=chance.choice([0, 5, 5, 5]),
-                        invalid=chance.choice(["", *[""] * 20, "the worker died"]),
-                        digest=chance.choice(["clean", *["other"] * 5]),
-                    )
-                )
-    return outcomes
 
 
 @settings(deadline=None, max_examples=120)

@@ -6,20 +6,28 @@ import signal
 import sqlite3
 import subprocess
 import sys
+import tempfile
 import textwrap
 from contextlib import closing
 from dataclasses import asdict, replace
 from pathlib import Path
 
 import pytest
-from builders import campaigns, outcome
+from builders import GRID, ROSTER, campaigns, outcome, seeded
 from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.results.origin import Origin
-from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.schema import _STEPS, SCHEMA
+from scaloft_fi.results.scoring.grouping import By
+from scaloft_fi.results.scoring.score import score
+from scaloft_fi.results.scoring.score_record import score_json
+from scaloft_fi.results.scoring.tables import score_tables
+from scaloft_fi.results.situations.coverage import coverage
 from scaloft_fi.results.store import Flown, Planned, Store
+from scaloft_fi.results.telling.table import Format, render
 
 M = "LATE-human@3s"
 
@@ -163,6 +171,20 @@ def test_outcomes_are_found_by_what_they_were_made_from(tmp_path: Path) -> None:
         assert [(o.digest, o.seed) for o in store.that(stands)] == [("u", 0), ("u", 1), (M, 7)]
         assert [flight.origin for flight in asked] == [numbers[one], numbers[other], None]
         assert store.flights()[-1] == Flown("k", M, "T0O0W0D0H0", 7, "", None)
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.one_of(campaigns(), seeded()))
+def test_a_score_needs_no_more_than_the_brief_outcomes(flown: list[Outcome]) -> None:
+    with tempfile.TemporaryDirectory() as folder, Store(Path(folder) / "s.sqlite") as store:
+        store.put_all((str(number), one) for number, one in enumerate(flown))
+        whole, brief = store.that(lambda _: True), store.that(lambda _: True, brief=True)
+    assert all(not one.readings for one in brief if one.mutant != BASELINE)
+    for by in (None, *By):
+        texts = [render(score_tables(found, ROSTER, GRID, by), Format.CSV) for found in (whole, brief)]
+        assert texts[0] == texts[1]
+    scores = [score_json(score(found, ROSTER, GRID), coverage(found, GRID), []) for found in (whole, brief)]
+    assert scores[0] == scores[1]
 
 
 def test_there_is_no_campaign_where_none_was_made(tmp_path: Path) -> None:

@@ -275,7 +275,8 @@ def _sample(situation: str, flights: Sequence[Flight], rates: PoolRates) -> _Sam
     listed = sorted(flights, key=attrgetter("outcome.seed"))
     rulings = [flight.ruling for flight in listed]
     reached = [look for look in LOOKS if look <= len(listed)]
-    safety = [reading.requirement for reading in listed[0].outcome.readings if reading.kind is Kind.SAFETY]
+    clean = listed[0].baseline  # a flight that counts has one
+    safety = [reading.requirement for reading in clean.readings if reading.kind is Kind.SAFETY] if clean else []
     pool = [rates.of(situation, name) for name in safety]
     violated: Counter[str] = Counter()
     kills = eligible = 0
