@@ -32,7 +32,7 @@ from scaloft_fi.sim.log import Ending
 
 SCHEMA = 1
 """Version of the JSON in the page."""
-RATIOS = ("exercised", "infected", "mutation_score", "strict_score", "operability")
+RATIOS = ("exercised", "infected", "mutation_score", "strict_score", "decided_score", "operability")
 
 
 def figures(evidence: Evidence) -> dict[str, Any]:

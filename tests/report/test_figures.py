@@ -52,7 +52,8 @@ def test_the_ratios_are_those_of_the_export(told: dict[str, Any], rows: list[dic
     assert ratios["infected"] == (len(infected & DEFAULTS), len(counted))
     assert ratios["mutation_score"] == (killed, eligible)
     assert ratios["strict_score"] == (killed, len(counted))
-    assert all(ratio["population"] and len(ratio["interval"]) == 2 for ratio in told["ratios"])
+    assert ratios["decided_score"] == (0, 0)  # one seed decides nothing
+    assert all(ratio["population"] and (ratio["interval"] is None) == (not ratio["whole"]) for ratio in told["ratios"])
 
 
 def test_the_line_below_the_matrix_counts_default_mutants(told: dict[str, Any], rows: list[dict[str, Any]]) -> None:

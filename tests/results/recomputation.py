@@ -278,7 +278,7 @@ def score(
             flights.setdefault(row["mutant"], []).append(flight)
 
     mutants, eligible = [], dict.fromkeys(order, 0)
-    flown = infect = able = killed = operable = stopped = 0
+    flown = infect = able = killed = operable = stopped = settled = decidable = 0
     for id_, listed in flights.items():
         cell, _, magnitude = id_.partition("@")
         if id_ == "PLACEBO" or cell in controls:
@@ -324,6 +324,8 @@ def score(
             able += bool(safe)
             killed += bool(dead_safe)
             operable += any(flight["operable"] for flight in valid)
+            settled += any(entry["decision"] == "killed" for entry in said.values())
+            decidable += any(entry["look"] for entry in said.values())
             stopped += any(flight["operable"] and flight["stops"] for flight in valid)
             for flight in safe:
                 eligible[flight["row"]["situation"]] += 1
@@ -343,6 +345,7 @@ def score(
         "baseline": [
             {"situation": key, "violated": [name for name in kinds if name in names]} for key, names in violated.items()
         ],
+        "decided_score": ratio(settled, decidable),
         "operability": ratio(stopped, operable),
         "redraw": redrawn(pool, kinds, eligible, order),
     }

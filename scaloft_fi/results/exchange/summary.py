@@ -14,6 +14,11 @@ def summary(dossier: Dossier) -> str:
     ratios = (
         ("mutation score", str(scored.mutation_score), "mutants killed, of those infected in an eligible situation"),
         ("strict score", str(scored.strict_score), "mutants killed, of those flown"),
+        (
+            "decided score",
+            str(scored.decided_score),
+            "mutants decided as killed by repeated flights, of those decidable",
+        ),
         ("exercised", str(scored.exercised), "credible cells of the HAZOP matrix flown, of all"),
         ("situations", covered.situations.plain, "distinct situations flown, of the grid"),
     )

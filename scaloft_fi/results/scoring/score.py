@@ -143,6 +143,8 @@ class Score:
         infected: mutants infected, of those flown.
         mutation_score: mutants killed, of those infected in an eligible situation.
         strict_score: mutants killed, of those flown.
+        decided_score: mutants that repeated flights decide are killed in some situation, of those flown often enough in
+            one to decide anything.
         operability: mutants killed by an operability requirement, of those infected where the baseline held one.
         mutants: every mutant flown, ladders too, in the canonical order.
         controls: every control flown.
@@ -155,6 +157,7 @@ class Score:
     infected: Ratio
     mutation_score: Ratio
     strict_score: Ratio
+    decided_score: Ratio
     operability: Ratio
     mutants: tuple[MutantScore, ...]
     controls: tuple[MutantScore, ...]
@@ -201,6 +204,10 @@ def score(outcomes: Iterable[Outcome], roster: Roster, space: Space, pool: Pool 
         infected=Ratio(sum(mutant.infected for mutant in counted), len(counted)),
         mutation_score=Ratio(killed, sum(mutant.kill_rate.whole > 0 for mutant in counted)),
         strict_score=Ratio(killed, len(counted)),
+        decided_score=Ratio(
+            sum(bool(mutant.decisions(Decision.KILLED)) for mutant in counted),
+            sum(any(result.decided and result.decided.look for result in mutant.results) for mutant in counted),
+        ),
         operability=Ratio(
             sum(mutant.operability.part > 0 for mutant in counted),
             sum(mutant.operability.whole > 0 for mutant in counted),

@@ -20,6 +20,7 @@ def score_json(scored: Score, covered: Coverage, baselines: Sequence[tuple[str, 
         "mutants": [_mutant(mutant) for mutant in scored.mutants],
         "coverage": _coverage(covered),
         "baseline": [{"situation": key, "violated": list(violated)} for key, violated in baselines],
+        "decided_score": ratio_json(scored.decided_score),
         "operability": ratio_json(scored.operability),
         "redraw": _redraw(scored),
     }

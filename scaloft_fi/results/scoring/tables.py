@@ -66,7 +66,7 @@ def tables_of(
 
 
 def ratio_table(scored: Score, seeds: int) -> Table:
-    """The four ratios and the operability score, each with its population."""
+    """The ratios of the score, each with its population."""
     rows = (
         ("exercised", str(scored.exercised), "credible cells whose default mutant was flown, of all credible cells"),
         ("infected", str(scored.infected), "default mutants that changed a sample, of those flown"),
@@ -76,6 +76,11 @@ def ratio_table(scored: Score, seeds: int) -> Table:
             "default mutants killed, of those infected in an eligible situation",
         ),
         ("strict score", str(scored.strict_score), "default mutants killed, of those flown"),
+        (
+            "decided score",
+            str(scored.decided_score),
+            "default mutants that repeated flights decide are killed, of those flown often enough to tell",
+        ),
         ("operability", str(scored.operability), "default mutants that break operability, of those put to that test"),
     )
     return Table("Mutation score", ("ratio", "part/whole", "population"), rows, _notes(seeds))

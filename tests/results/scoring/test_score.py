@@ -97,7 +97,8 @@ def test_the_condition_names_the_killing_situations() -> None:
 
 
 def ratios(found: Score) -> list[Ratio]:
-    return [found.exercised, found.infected, found.mutation_score, found.strict_score, found.operability]
+    first = [found.exercised, found.infected, found.mutation_score]
+    return [*first, found.strict_score, found.decided_score, found.operability]
 
 
 @given(campaigns(), st.randoms())
@@ -121,6 +122,7 @@ def test_the_killed_are_among_the_eligible_and_they_among_the_infected_and_they_
 ) -> None:
     found = score(outcomes, ROSTER, GRID)
     assert found.mutation_score.part == found.strict_score.part
+    assert found.decided_score.part <= found.decided_score.whole <= found.mutation_score.whole
     assert found.mutation_score.whole <= found.infected.part <= found.infected.whole == found.strict_score.whole
     for mutant in found.mutants:
         assert (mutant.status is Status.KILLED) == mutant.killed
@@ -160,7 +162,7 @@ def test_the_json_has_the_keys_of_the_contract() -> None:
     outcomes = campaign()
     baselines = [(finding.situation, finding.violated) for finding in findings(outcomes, GRID)]
     plain = json.loads(json.dumps(score_json(scored(*outcomes), coverage(outcomes, GRID), baselines)))
-    assert list(plain) == ["ratios", "mutants", "coverage", "baseline", "operability", "redraw"]
+    assert list(plain) == ["ratios", "mutants", "coverage", "baseline", "decided_score", "operability", "redraw"]
     assert list(plain["ratios"]) == ["exercised", "infected", "mutation_score", "strict_score"]
     assert plain["ratios"]["mutation_score"] == {
         "part": 1,
@@ -214,5 +216,5 @@ def test_a_flight_cut_at_its_first_kill_enters_no_figure() -> None:
 
 def test_a_campaign_without_flights_scores_nothing_of_nothing() -> None:
     empty = scored()
-    assert ratios(empty) == [Ratio(0, 3), *[Ratio(0, 0)] * 4]
+    assert ratios(empty) == [Ratio(0, 3), *[Ratio(0, 0)] * 5]
     assert score_json(empty, coverage([], GRID), [])["ratios"]["infected"] == {"part": 0, "whole": 0, "interval": None}

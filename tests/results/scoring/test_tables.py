@@ -78,7 +78,8 @@ def test_several_seeds_print_the_rule_that_decides() -> None:
         for s in range(10)
         for name in (BASELINE, LATE)
     ]
-    table = score_tables(flown, ROSTER, GRID)[2]
+    ratios, _, table = score_tables(flown, ROSTER, GRID)[:3]
+    assert [row[1] for row in ratios.rows if row[0] == "decided score"] == ["1/1 = 100 % [21, 100]"]
     assert (table.headers[-2], table.rows[0][-2], DECIDED in table.notes) == ("decided", "1+0", True)
 
 
