@@ -27,10 +27,10 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from scaloft_fi.campaign.fly import Physics, Worker, left_of, lost
-from scaloft_fi.campaign.plan import Flight, plan
-from scaloft_fi.campaign.pool import Pool
-from scaloft_fi.campaign.task import Task, alone, together
+from scaloft_fi.campaign.flights.fly import Physics, Worker, left_of, lost
+from scaloft_fi.campaign.plan.plan import Flight, plan
+from scaloft_fi.campaign.plan.task import Task, alone, together
+from scaloft_fi.campaign.workers.pool import Pool
 from scaloft_fi.mutants.derive import defaults, realise
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.results.outcome import BASELINE, Outcome

@@ -23,11 +23,11 @@ from typing import Any
 
 from campaign import TickCounter
 
-from scaloft_fi.campaign.first_kill import first_kills
-from scaloft_fi.campaign.options import RunOptions
-from scaloft_fi.campaign.plan import plan
-from scaloft_fi.campaign.progress import Silence
-from scaloft_fi.campaign.run import run
+from scaloft_fi.campaign.plan.plan import plan
+from scaloft_fi.campaign.progress.progress import Silence
+from scaloft_fi.campaign.runs.first_kill import first_kills
+from scaloft_fi.campaign.runs.options import RunOptions
+from scaloft_fi.campaign.runs.run import run
 from scaloft_fi.mutants.derive import defaults
 from scaloft_fi.results.scoring.score import score
 from scaloft_fi.study import Study

@@ -20,7 +20,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from scaloft_fi.campaign.fly import facts
+from scaloft_fi.campaign.flights.fly import facts
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.mutants.wire import contexts, wire_for

@@ -32,9 +32,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from scaloft_fi.campaign.folder import STORE_NAME
-from scaloft_fi.campaign.key import Keys
-from scaloft_fi.campaign.plan import Flight
+from scaloft_fi.campaign.held.folder import STORE_NAME
+from scaloft_fi.campaign.held.key import Keys
+from scaloft_fi.campaign.plan.plan import Flight
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.results.fingerprint import fingerprint
 from scaloft_fi.results.outcome import Outcome, Violation

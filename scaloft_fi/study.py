@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 PACKAGE = Path(__file__).resolve().parent
 FLYING_CODE = (
-    *("stack", "sim", "mutants", "campaign/fly.py", "campaign/fork.py", "campaign/share.py"),
+    *("stack", "sim", "mutants", "campaign/flights/fly.py", "campaign/flights/fork.py", "campaign/flights/share.py"),
     *("results/outcome.py", "results/requirement.py", "results/space.py", "results/stl.py", "results/monitor.py"),
     "results/track.py",
 )

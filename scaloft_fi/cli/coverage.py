@@ -14,7 +14,7 @@ from scaloft_fi.cli.options import campaign_option, format_option, study_option
 from scaloft_fi.errors import InputError
 
 if TYPE_CHECKING:
-    from scaloft_fi.campaign.strategy import Remembered
+    from scaloft_fi.campaign.plan.strategy import Remembered
     from scaloft_fi.results.outcome import Outcome
     from scaloft_fi.results.situations.curves import Curves
     from scaloft_fi.results.situations.prediction import Prediction
@@ -70,9 +70,9 @@ def coverage_command(study_folder: Path | None, campaign: str, against: bool, ou
 
 
 def _held(study: Study, campaign: str) -> tuple[Sequence[Outcome], Sequence[Remembered]]:
-    from scaloft_fi.campaign.folder import campaign_folder, existing
-    from scaloft_fi.campaign.held import current
-    from scaloft_fi.campaign.strategy import remembered
+    from scaloft_fi.campaign.held.folder import campaign_folder, existing
+    from scaloft_fi.campaign.held.held import current
+    from scaloft_fi.campaign.plan.strategy import remembered
     from scaloft_fi.results.store import Store
 
     outcomes = current(study, campaign)

@@ -42,7 +42,7 @@ def dispositions_command(
 
     `scaloft-fi score --ratchet` makes a gate of it.
     """
-    from scaloft_fi.campaign.held import current
+    from scaloft_fi.campaign.held.held import current
     from scaloft_fi.results.scoring.score import score
     from scaloft_fi.results.telling.table import Format, render
     from scaloft_fi.results.worksheet.disposition import judge

@@ -38,49 +38,49 @@ def _parquet(study: Study, campaign: str) -> bytes:
 
 
 def _mutation_testing(study: Study, campaign: str) -> bytes:
-    from scaloft_fi.campaign.dossier import dossier
+    from scaloft_fi.campaign.held.dossier import dossier
     from scaloft_fi.results.exchange.mutation_testing import mutation_testing
 
     return _plain(mutation_testing(dossier(study, campaign)))
 
 
 def _junit(study: Study, campaign: str) -> bytes:
-    from scaloft_fi.campaign.dossier import dossier
+    from scaloft_fi.campaign.held.dossier import dossier
     from scaloft_fi.results.exchange.junit import junit
 
     return junit(dossier(study, campaign)).encode()
 
 
 def _sarif(study: Study, campaign: str) -> bytes:
-    from scaloft_fi.campaign.dossier import dossier
+    from scaloft_fi.campaign.held.dossier import dossier
     from scaloft_fi.results.exchange.sarif import sarif
 
     return _plain(sarif(dossier(study, campaign)))
 
 
 def _markdown(study: Study, campaign: str) -> bytes:
-    from scaloft_fi.campaign.dossier import dossier
+    from scaloft_fi.campaign.held.dossier import dossier
     from scaloft_fi.results.exchange.summary import summary
 
     return summary(dossier(study, campaign)).encode()
 
 
 def _gsn(study: Study, campaign: str) -> bytes:
-    from scaloft_fi.campaign.dossier import dossier
+    from scaloft_fi.campaign.held.dossier import dossier
     from scaloft_fi.results.exchange.gsn import gsn
 
     return gsn(dossier(study, campaign)).encode()
 
 
 def _sace(study: Study, campaign: str) -> bytes:
-    from scaloft_fi.campaign.dossier import dossier
+    from scaloft_fi.campaign.held.dossier import dossier
     from scaloft_fi.results.exchange.sace import to_markdown
 
     return to_markdown(dossier(study, campaign)).encode()
 
 
 def _sace_json(study: Study, campaign: str) -> bytes:
-    from scaloft_fi.campaign.dossier import dossier
+    from scaloft_fi.campaign.held.dossier import dossier
     from scaloft_fi.results.exchange.sace import to_json
 
     return _plain(to_json(dossier(study, campaign)))
@@ -129,7 +129,7 @@ def _names(study: Study) -> list[str]:
 
 
 def _rows(study: Study, campaign: str) -> list[dict[str, object]]:
-    from scaloft_fi.campaign.held import current
+    from scaloft_fi.campaign.held.held import current
     from scaloft_fi.results.telling.export import export_rows
 
     return export_rows(current(study, campaign), study.roster, study.space, _names(study))

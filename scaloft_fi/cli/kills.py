@@ -69,7 +69,7 @@ def kills_command(
     if output is not None and output.suffix.lower() not in PICTURES:
         raise InputError(f"--output={str(output)!r} must end in .svg, .png or .dot")
     check_writable(output)
-    from scaloft_fi.campaign.held import current
+    from scaloft_fi.campaign.held.held import current
     from scaloft_fi.results.kills.kill_matrix import kill_matrix
     from scaloft_fi.results.scoring.score import score
     from scaloft_fi.results.telling.table import Format
@@ -126,7 +126,7 @@ def _survivors(
     study: Study, campaign: str, outcomes: Sequence[Outcome], whole: KillMatrix, matrix: KillMatrix
 ) -> tuple[Survivor, ...]:
     """The survivors among `matrix`, judged beside all that the campaign holds."""
-    from scaloft_fi.campaign.tracks import with_tracks
+    from scaloft_fi.campaign.held.tracks import with_tracks
     from scaloft_fi.results.kills.background import backgrounds
     from scaloft_fi.results.kills.survivors import short_units, survivors
     from scaloft_fi.results.outcome import BASELINE

@@ -57,14 +57,14 @@ def margin_command(
     fault by the unit, and a phase by #.  The flights are ordinary flights of the campaign: nothing is flown twice, and
     `scaloft-fi matrix --margins` shows what was found.
     """
-    from scaloft_fi.campaign.hire import cores, one_thread_each
-    from scaloft_fi.campaign.options import RunOptions
+    from scaloft_fi.campaign.runs.options import RunOptions
+    from scaloft_fi.campaign.workers.hire import cores, one_thread_each
 
     one_thread_each()
-    from scaloft_fi.campaign import choose
-    from scaloft_fi.campaign.folder import campaign_folder
-    from scaloft_fi.campaign.margin import find, target
-    from scaloft_fi.campaign.progress import Progress, Silence
+    from scaloft_fi.campaign.held.folder import campaign_folder
+    from scaloft_fi.campaign.plan import choose
+    from scaloft_fi.campaign.progress.progress import Progress, Silence
+    from scaloft_fi.campaign.runs.margin import find, target
     from scaloft_fi.results.requirement import Kind
     from scaloft_fi.results.telling.table import Format
     from scaloft_fi.study import Study

@@ -81,7 +81,7 @@ def _grid(matrix: Matrix, style: str) -> str:
 
 def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: str, *, operability: bool) -> str:
     # a campaign needs numpy, the matrix alone does not
-    from scaloft_fi.campaign.held import current
+    from scaloft_fi.campaign.held.held import current
     from scaloft_fi.results.requirement import Kind
     from scaloft_fi.results.worksheet.margins import LEGEND, cell_margins
     from scaloft_fi.study import Study

@@ -12,7 +12,7 @@ from scaloft_fi.cli.options import campaign_option, study_option
 from scaloft_fi.errors import GateError, InputError
 
 if TYPE_CHECKING:
-    from scaloft_fi.campaign.plan import Flight
+    from scaloft_fi.campaign.plan.plan import Flight
     from scaloft_fi.results.outcome import Outcome
     from scaloft_fi.sim.log import FlightLog
     from scaloft_fi.study import Study
@@ -40,10 +40,10 @@ def replay_command(name: str, study_folder: Path | None, campaign: str, output: 
     if output is not None and output.suffix.lower() not in (*PICTURES, RECORDING):
         raise InputError(f"--output={str(output)!r} must end in .svg, .png or .mcap")
     check_writable(output)
-    from scaloft_fi.campaign.hire import one_thread_each
+    from scaloft_fi.campaign.workers.hire import one_thread_each
 
     one_thread_each()
-    from scaloft_fi.campaign.fly import Physics, fly_log, judged
+    from scaloft_fi.campaign.flights.fly import Physics, fly_log, judged
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
@@ -51,7 +51,7 @@ def replay_command(name: str, study_folder: Path | None, campaign: str, output: 
     study.check((flight.situation,))
     Physics().prepare(study, lambda text: click.echo(text, err=True))
     if gui:
-        from scaloft_fi.campaign.window import fly_in_window
+        from scaloft_fi.campaign.flights.window import fly_in_window
 
         log = fly_in_window(study, flight)
     else:
@@ -69,7 +69,7 @@ def replay_command(name: str, study_folder: Path | None, campaign: str, output: 
 
 
 def _flight(study: Study, name: str) -> Flight:
-    from scaloft_fi.campaign.held import flight_named
+    from scaloft_fi.campaign.held.held import flight_named
 
     parts = name.split("/")
     if len(parts) != 3 or not parts[2].isdecimal():
@@ -97,8 +97,8 @@ def _facts(study: Study, flight: Flight, outcome: Outcome, log: FlightLog) -> st
 
 
 def _draw(study: Study, flight: Flight, outcome: Outcome, log: FlightLog, output: Path) -> None:
-    from scaloft_fi.campaign.fly import fly_log, judged
-    from scaloft_fi.campaign.plan import Flight
+    from scaloft_fi.campaign.flights.fly import fly_log, judged
+    from scaloft_fi.campaign.plan.plan import Flight
     from scaloft_fi.results.outcome import BASELINE
     from scaloft_fi.results.telling.map import draw
     from scaloft_fi.results.telling.picture import png
@@ -122,8 +122,8 @@ def _compared(study: Study, campaign: str, flight: Flight, outcome: Outcome) -> 
     Raises:
         GateError: on the same platform the same flight came out otherwise.
     """
-    from scaloft_fi.campaign.folder import STORE_NAME, campaign_folder
-    from scaloft_fi.campaign.key import flight_key
+    from scaloft_fi.campaign.held.folder import STORE_NAME, campaign_folder
+    from scaloft_fi.campaign.held.key import flight_key
     from scaloft_fi.results.fingerprint import differences, fingerprint
     from scaloft_fi.results.store import Store
 

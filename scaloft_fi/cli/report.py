@@ -26,7 +26,7 @@ NAME = "report.html"
 def report_command(study_folder: Path | None, campaign: str, output: Path | None, today: date | None) -> None:
     """Write one HTML file that opens from disk, without a network: both matrices, every flight, what follows."""
     check_writable(output)
-    from scaloft_fi.campaign.folder import campaign_folder
+    from scaloft_fi.campaign.held.folder import campaign_folder
     from scaloft_fi.report.evidence import gather
     from scaloft_fi.report.page import page
     from scaloft_fi.study import Study

@@ -123,22 +123,22 @@ def run_command(
 
     What the campaign already holds is not flown again: the same command resumes.
     """
-    from scaloft_fi.campaign.hire import one_thread_each
+    from scaloft_fi.campaign.workers.hire import one_thread_each
 
     one_thread_each()
-    from scaloft_fi.campaign import choose, strategy
-    from scaloft_fi.campaign.baseline_pool import borrowed
-    from scaloft_fi.campaign.budget import budget_s
-    from scaloft_fi.campaign.executor import executor_named
-    from scaloft_fi.campaign.first_kill import first_kills
-    from scaloft_fi.campaign.folder import campaign_folder
-    from scaloft_fi.campaign.fork import CAN_FORK
-    from scaloft_fi.campaign.looks import look_table, run_looks
-    from scaloft_fi.campaign.options import RunOptions
-    from scaloft_fi.campaign.plan import plan_draws
-    from scaloft_fi.campaign.progress import Progress, Silence
-    from scaloft_fi.campaign.run import run
-    from scaloft_fi.campaign.unflown import unflown_tables
+    from scaloft_fi.campaign.flights.fork import CAN_FORK
+    from scaloft_fi.campaign.held.folder import campaign_folder
+    from scaloft_fi.campaign.plan import choose, strategy
+    from scaloft_fi.campaign.plan.plan import plan_draws
+    from scaloft_fi.campaign.progress.progress import Progress, Silence
+    from scaloft_fi.campaign.runs.baseline_pool import borrowed
+    from scaloft_fi.campaign.runs.budget import budget_s
+    from scaloft_fi.campaign.runs.first_kill import first_kills
+    from scaloft_fi.campaign.runs.looks import look_table, run_looks
+    from scaloft_fi.campaign.runs.options import RunOptions
+    from scaloft_fi.campaign.runs.run import run
+    from scaloft_fi.campaign.runs.unflown import unflown_tables
+    from scaloft_fi.campaign.workers.executor import executor_named
     from scaloft_fi.cli.score import report
     from scaloft_fi.study import Study
 

@@ -57,8 +57,8 @@ def score_command(
     today: date | None,
 ) -> int:
     """Print the score, the mutants, the baseline's findings and the coverage of a campaign."""
-    from scaloft_fi.campaign.baseline_pool import borrowed
-    from scaloft_fi.campaign.held import current
+    from scaloft_fi.campaign.held.held import current
+    from scaloft_fi.campaign.runs.baseline_pool import borrowed
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
@@ -94,7 +94,7 @@ def report(
         extra: tables that stand behind the others.
         others: baselines of another campaign, to decide by.
     """
-    from scaloft_fi.campaign.baseline_pool import joined
+    from scaloft_fi.campaign.runs.baseline_pool import joined
     from scaloft_fi.results.scoring.score import score
     from scaloft_fi.results.status import whole
 

@@ -37,7 +37,7 @@ def worksheet_command(study_folder: Path | None, campaign: str, style: str, outp
     if style == "xlsx" and output is None:
         raise click.UsageError("--format xlsx goes into a file: name it with --output")
     check_writable(output)
-    from scaloft_fi.campaign.held import current
+    from scaloft_fi.campaign.held.held import current
     from scaloft_fi.results.scoring.score import score
     from scaloft_fi.results.worksheet.worksheet import worksheet
     from scaloft_fi.study import Study

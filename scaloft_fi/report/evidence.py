@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import date
 
-from scaloft_fi.campaign.folder import STORE_NAME
-from scaloft_fi.campaign.held import current, held
-from scaloft_fi.campaign.tracks import with_tracks
+from scaloft_fi.campaign.held.folder import STORE_NAME
+from scaloft_fi.campaign.held.held import current, held
+from scaloft_fi.campaign.held.tracks import with_tracks
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.store import Store
 from scaloft_fi.study import Study

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import Any
 
 from scaloft_fi import __version__
-from scaloft_fi.campaign.gates import check
+from scaloft_fi.campaign.runs.gates import check
 from scaloft_fi.errors import GateError
 from scaloft_fi.report import matrices
 from scaloft_fi.report.accepted import accepted

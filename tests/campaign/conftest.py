@@ -16,9 +16,9 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.fly import invalid, reason_of
-from scaloft_fi.campaign.plan import Flight
-from scaloft_fi.campaign.task import Task
+from scaloft_fi.campaign.flights.fly import invalid, reason_of
+from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.campaign.plan.task import Task
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix

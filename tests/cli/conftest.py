@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from scaloft_fi.campaign.plan import Flight
-from scaloft_fi.campaign.task import Task
+from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.campaign.plan.task import Task
 from scaloft_fi.cli.main import main
 from scaloft_fi.results.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.results.requirement import Reading
@@ -64,7 +64,7 @@ class Paper:
 @pytest.fixture
 def paper(monkeypatch: pytest.MonkeyPatch) -> Paper:
     flyer = Paper()
-    monkeypatch.setattr("scaloft_fi.campaign.crew.Physics", lambda: flyer)
+    monkeypatch.setattr("scaloft_fi.campaign.runs.crew.Physics", lambda: flyer)
     return flyer
 
 

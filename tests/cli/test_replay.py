@@ -21,7 +21,7 @@ from click.testing import Result
 def test_bad_words_are_one_sentence_before_anything_flies(
     call: Callable[..., Result], monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...], said: str
 ) -> None:
-    monkeypatch.setattr("scaloft_fi.campaign.fly.fly_log", lambda *_: pytest.fail("it flew"))
+    monkeypatch.setattr("scaloft_fi.campaign.flights.fly.fly_log", lambda *_: pytest.fail("it flew"))
     result = call("replay", *words)
     assert result.exit_code == 2
     assert said in result.stderr

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 import pytest
 from click.testing import Result
 
-from scaloft_fi.campaign.folder import STORE_NAME
-from scaloft_fi.campaign.strategy import remembered
+from scaloft_fi.campaign.held.folder import STORE_NAME
+from scaloft_fi.campaign.plan.strategy import remembered
 from scaloft_fi.results.store import Store
 
 if TYPE_CHECKING:

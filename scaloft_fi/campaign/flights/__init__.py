@@ -1,0 +1,1 @@
+"""From a planned flight to its outcome."""

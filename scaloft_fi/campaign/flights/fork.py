@@ -1,0 +1,99 @@
+"""Where a mutant's flight leaves its baseline's, the process forks: the child has the whole state, bit for bit."""
+
+from __future__ import annotations
+
+import gc
+import os
+import signal
+from collections.abc import Callable
+from contextlib import suppress
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection
+
+from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.campaign.workers.lifeline import LINUX, cause_of_death, die_with
+from scaloft_fi.campaign.workers.pool import ATTEMPTS, PATIENCE_S
+from scaloft_fi.results.outcome import Outcome
+
+CAN_FORK = LINUX
+"""Elsewhere forking a process with numeric libraries in it is not safe, and every flight is flown whole."""
+
+
+class Fork:
+    """Splits flights off the one that this process flies.
+
+    The trunk waits for each child, so that one process computes at a time.
+
+    Args:
+        home: takes the outcome of each flight that was split off.
+        invalid: the outcome of a flight that the harness could not fly, and why.
+        patience_s: after this a child that says nothing is hung [s, wall].
+
+    Attributes:
+        taken: in a child, the flight that it flies; None in the trunk.
+    """
+
+    def __init__(
+        self,
+        home: Callable[[Outcome], None],
+        invalid: Callable[[Flight, str], Outcome],
+        patience_s: float = PATIENCE_S,
+    ) -> None:
+        self.taken: Flight | None = None
+        self._home, self._invalid, self._patience_s = home, invalid, patience_s
+        self._writer: Connection | None = None
+
+    def __call__(self, flight: Flight) -> bool:
+        """Split `flight` off.  True in the child, which flies on; False in the trunk, when its outcome is home.
+
+        What the harness fails at is tried again from the same state.
+        """
+        attempts = ATTEMPTS
+        while True:
+            attempts -= 1
+            try:
+                outcome = self._split(flight)
+            except OSError as error:
+                outcome = self._invalid(flight, f"its process could not be started: {error.strerror}")
+            if outcome is None:
+                return True
+            if not (outcome.invalid and attempts):
+                self._home(outcome)
+                return False
+
+    def end(self, outcome: Outcome) -> None:
+        """In a child, send its outcome home and end the process; in the trunk, do nothing."""
+        if self._writer is not None:
+            try:
+                with suppress(OSError):  # the trunk is gone, or tired of waiting
+                    self._writer.send(outcome)
+            finally:
+                os._exit(0)
+
+    def _split(self, flight: Flight) -> Outcome | None:
+        """None in the child; in the trunk the child's outcome."""
+        reader, writer = Pipe(duplex=False)
+        trunk = os.getpid()
+        child = os.fork()
+        if not child:
+            die_with(trunk)
+            reader.close()
+            gc.disable()  # a flight is soon over; looking for garbage would copy the trunk's pages
+            self.taken, self._writer = flight, writer
+            return None
+        writer.close()
+        try:
+            outcome, reason = self._listen(reader)
+        finally:
+            os.kill(child, signal.SIGKILL)  # it has sent all it has, is hung, or is dead but not yet buried
+            _, status = os.waitpid(child, 0)
+            reader.close()
+        return outcome or self._invalid(flight, reason or f"its process died: {cause_of_death(status)}")
+
+    def _listen(self, reader: Connection) -> tuple[Outcome | None, str]:
+        if not reader.poll(self._patience_s):
+            return None, f"it hung: no end in {self._patience_s:g} s of wall time"
+        try:
+            return reader.recv(), ""
+        except (EOFError, OSError):
+            return None, ""

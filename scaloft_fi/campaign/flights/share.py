@@ -1,0 +1,61 @@
+"""A baseline flown once with its mutants watched alongside; each is flown only from where it leaves the baseline."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from scaloft_fi.campaign.flights.fly import first_kill, invalid, judged, reason_of, wire_of
+from scaloft_fi.campaign.flights.fork import Fork
+from scaloft_fi.campaign.plan.task import Task
+from scaloft_fi.results.outcome import Outcome, Subject
+from scaloft_fi.study import Study
+
+if TYPE_CHECKING:
+    from scaloft_fi.mutants.wire import SeamCount
+    from scaloft_fi.sim.log import FlightLog
+
+
+def fly_shared(study: Study, task: Task, home: Callable[[Outcome], None]) -> None:
+    """Fly a shared task; every outcome equals that of the flight flown from take-off by itself.
+
+    Raises:
+        Exception: the harness failed over the baseline; what was home before stands.
+    """
+    from scaloft_fi.mutants.watch import WatchingWire
+    from scaloft_fi.mutants.wire import TappedWire
+    from scaloft_fi.sim.flight import fly
+
+    mutants = {flight.name: flight for flight in task.flights if flight.mutant is not None}
+    wires = {name: wire_of(study, flight) for name, flight in mutants.items()}
+    fork = Fork(home, invalid)
+    wire = WatchingWire(
+        {name: tapped for name, tapped in wires.items() if isinstance(tapped, TappedWire)},
+        branch=lambda name: fork(mutants[name]),
+        failed=lambda name, error: home(invalid(mutants[name], reason_of(error))),
+    )
+    carrier, baseline = task.carrier, task.baseline
+
+    def enough(log: FlightLog) -> bool:
+        return fork.taken is not None and baseline is not None and first_kill(study, fork.taken, baseline)(log)
+
+    try:
+        log = fly(study.sim, carrier.situation, carrier.seed, wire, enough if baseline else None)
+        outcome = judged(study, fork.taken or carrier, log)
+    except BaseException as error:
+        if fork.taken is not None:
+            fork.end(invalid(fork.taken, reason_of(error)))
+        raise
+    fork.end(outcome)
+    for flight in task.flights:
+        if flight.mutant is None:
+            home(outcome)
+        elif flight.name in wire.silent:
+            home(as_baseline(outcome, flight.subject, wire.silent[flight.name]))
+
+
+def as_baseline(baseline: Outcome, subject: Subject, counts: Mapping[str, SeamCount]) -> Outcome:
+    """The outcome of a mutant of whose samples none ever differed: its baseline's, but for what its seams carried."""
+    carried = sum(count.carried for count in counts.values())
+    return replace(baseline, subject=subject, carried=carried, altered=0, infected_at_s=None, realised=())

@@ -1,0 +1,1 @@
+"""What a campaign holds, and under which keys."""

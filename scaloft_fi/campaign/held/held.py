@@ -1,0 +1,191 @@
+"""What a campaign holds: the outcomes that the study still stands for, and what it has outgrown, with the reasons."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from scaloft_fi.campaign.held.folder import campaign_folder, existing
+from scaloft_fi.campaign.held.key import Keys
+from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.errors import InputError
+from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.mutant import PLACEBO, Mutant
+from scaloft_fi.results.origin import Origin
+from scaloft_fi.results.outcome import BASELINE, Outcome
+from scaloft_fi.results.store import Flown, Store
+from scaloft_fi.study import Study
+
+if TYPE_CHECKING:
+    from scaloft_fi.sim.situation import Situation
+
+
+@dataclass(frozen=True)
+class Held:
+    """The outcomes of a campaign.
+
+    Attributes:
+        folder: of the campaign.
+        current: outcomes of whole flights as the study describes them now, ordered by mutant, situation, seed.
+        truncated: how many flights as the study describes them now were cut before their end.
+        why: for what is stale, the reason and of how many flights, the commonest first.
+        owed: how many flights were planned as the study describes them now, and have no outcome that counts.
+    """
+
+    folder: Path
+    current: tuple[Outcome, ...]
+    truncated: int = 0
+    why: Mapping[str, int] = field(default_factory=dict)
+    owed: int = 0
+
+    @property
+    def stale(self) -> int:
+        """How many flights were flown with other data or code; `run` flies them again when they are asked for."""
+        return sum(self.why.values())
+
+
+def held(study: Study, campaign: str) -> Held:
+    """What a campaign holds, read without flying.
+
+    Raises:
+        InputError: there is no campaign.
+    """
+    folder = campaign_folder(study, campaign)
+    with Store(existing(folder), create=False) as store:
+        return held_in(study, store, folder)
+
+
+def held_in(study: Study, store: Store, folder: Path) -> Held:
+    """The same of an open store."""
+    now = _Now(study, store)
+    flights = store.flights()
+    planned = store.planned()
+    due = {flight.key for flight in planned if now.origin(flight.mutant, flight.situation) == flight.origin}
+    return Held(
+        folder=folder,
+        current=_whole(store, now),
+        truncated=sum(bool(flight.truncated) and now.stands(flight) for flight in flights),
+        why=dict(Counter(now.why(flight) for flight in flights if not now.stands(flight)).most_common()),
+        owed=len(due - store.known(due)),
+    )
+
+
+def _whole(store: Store, now: _Now, *, brief: bool = False) -> tuple[Outcome, ...]:
+    """The outcomes of whole flights that stand."""
+    return store.that(lambda flight: not flight.truncated and now.stands(flight), brief=brief)
+
+
+def current(study: Study, campaign: str, *, brief: bool = False) -> tuple[Outcome, ...]:
+    """The outcomes of a campaign that count; `brief` ones are enough for a score, see `Store.that`.
+
+    Raises:
+        InputError: there are none.
+    """
+    folder = campaign_folder(study, campaign)
+    with Store(existing(folder), create=False) as store:
+        now = _Now(study, store)
+        found = _whole(store, now, brief=brief)
+        flights = [] if found else store.flights()
+    if flights:
+        cut = sum(now.stands(flight) for flight in flights)
+        reason = f"{cut} flights were cut before their end" if cut else f"all {len(flights)} flights are stale"
+        raise InputError(f"{folder}: nothing to show: {reason} (`scaloft-fi status`); `scaloft-fi run` flies again")
+    if not found:
+        raise InputError(f"{folder}: nothing to show: it holds no flight; `scaloft-fi run` flies what is asked for")
+    return found
+
+
+def latest(study: Study, campaign: str) -> tuple[Outcome, ...]:
+    """One outcome of each whole flight of a campaign: the current one, else one that the study has outgrown.
+
+    Raises:
+        InputError: there is no campaign.
+    """
+    folder = campaign_folder(study, campaign)
+    with Store(existing(folder), create=False) as store:
+        whole = [flight for flight in store.flights() if not flight.truncated]
+        stand_last = sorted(whole, key=_Now(study, store).stands)
+        chosen = {(flight.mutant, flight.situation, flight.seed): flight.key for flight in stand_last}
+        return tuple(store.outcomes(chosen.values()))
+
+
+def flight_named(study: Study, mutant: str, situation: str, seed: int) -> Flight:
+    """The flight of `mutant` (`baseline`, `PLACEBO` or an id) in a situation.
+
+    Raises:
+        InputError: one of them is unknown.
+    """
+    return Flight(_mutant(study, mutant), study.grid.situation(situation), seed)
+
+
+def _mutant(study: Study, name: str) -> Mutant | None:
+    if name == BASELINE:
+        return None
+    return PLACEBO if name == PLACEBO.id else realise(study.matrix, name)
+
+
+class _Now:
+    """What the keys of flights are as the study describes them now; each mutant and situation is looked up once."""
+
+    def __init__(self, study: Study, store: Store) -> None:
+        self._study, self._keys, self._then = study, Keys(study), store.origins()
+        self._mutants: dict[str, Mutant | None] = {}
+        self._situations: dict[str, Situation] = {}
+        self._origins: dict[tuple[str, str, str], Origin | str] = {}
+        self._stand: dict[tuple[str, str, str, int], bool] = {}
+
+    def origin(self, mutant: str, situation: str, truncated: str = "") -> Origin | str:
+        """What enters the flight now, else why there is no such flight any more."""
+        name = mutant, situation, truncated
+        if name not in self._origins:
+            self._origins[name] = self._origin(*name)
+        return self._origins[name]
+
+    def stands(self, flight: Flown) -> bool:
+        """Whether an outcome is of the flight as it is described now."""
+        key, mutant, situation, seed, truncated, number = flight
+        if number is None:
+            now = self.origin(mutant, situation, truncated)
+            return not isinstance(now, str) and now.key(seed, truncated) == key
+        what = mutant, situation, truncated, number
+        known = self._stand.get(what)
+        if known is None:  # the seed apart, the key says no more than what entered it
+            known = self._stand[what] = self.origin(mutant, situation, truncated) == self._then[number]
+        return known
+
+    def why(self, flight: Flown) -> str:
+        """Why an outcome does not stand."""
+        now = self.origin(flight.mutant, flight.situation, flight.truncated)
+        if isinstance(now, str):
+            return now
+        if flight.origin is None:
+            return "flown by an earlier version, which kept no reasons"
+        words = {**_PARTS, "mutant": f"mutant {flight.mutant}"}
+        return f"{' and '.join(words[part] for part in self._then[flight.origin].changed(now))} changed"
+
+    def _origin(self, mutant: str, situation: str, truncated: str) -> Origin | str:
+        if situation not in self._situations:
+            try:
+                self._situations[situation] = self._study.grid.situation(situation)
+            except InputError:
+                return "the situation is not in the grid any more"
+        if mutant not in self._mutants:
+            try:
+                self._mutants[mutant] = _mutant(self._study, mutant)
+            except InputError:
+                return f"mutant {mutant} is not in the matrix any more"
+        return self._keys.origin(Flight(self._mutants[mutant], self._situations[situation], 0), truncated)
+
+
+_PARTS = {
+    "sim": "sim/",
+    "requirements": "the requirements",
+    "code": "the code that flies and judges",
+    "situation": "what the situation sets",
+    "realised": "how the situation's values come true",
+    "cutting": "the code that cuts flights short",
+}
+"""The parts of an origin in words; a mutant is named."""

@@ -1,0 +1,1 @@
+"""What is flown, in which order, in which pieces."""

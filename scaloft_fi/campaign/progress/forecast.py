@@ -1,0 +1,161 @@
+"""How much is still to be flown, in simulated seconds, learnt from what came home.  It enters no result."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass, field
+
+from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.mutants.mutant import PLACEBO
+from scaloft_fi.results.outcome import BASELINE, Outcome
+
+PRIOR_SHARE = 0.78
+"""What is flown of a mutant's flight when it begins where it leaves its baseline, measured over the reference campaign
+as a share of the flight's duration."""
+PRIOR_S = 60.0
+"""What the prior weighs: about one flight of the mutant [s]."""
+
+
+@dataclass
+class _Draw:
+    """A situation and seed.
+
+    Attributes:
+        nominal_s: nominal mission time [s].
+        due: subjects that are expected.
+        home: outcomes that came home whole, and how long they are together [s].
+        reached_s: the latest time at which a mutant left the baseline [s from take-off].
+        costs: what mutants cost that are not yet learnt from, by subject [s].
+    """
+
+    nominal_s: float
+    due: set[str] = field(default_factory=set)
+    home: int = 0
+    home_s: float = 0.0
+    reached_s: float = 0.0
+    costs: list[tuple[str, float]] = field(default_factory=list)
+
+    @property
+    def length_s(self) -> float:
+        """How long a whole flight lasts here [s]."""
+        return self.home_s / self.home
+
+
+class Forecast:
+    """Flown and left [s, simulated].
+
+    A flight is expected to cost its mutant's usual share of what whole flights of its draw last.  That is the mean of
+    those that are home; where none is, the nominal mission time times what begun draws have taken of theirs.  Within a
+    draw those come home first that leave the baseline early, and those that never do come last and cost nothing.  So
+    shares are learnt when a draw's baseline is home, and of a draw under way only what comes after the latest leaving
+    is still expected of each.
+
+    Args:
+        share: whether flights begin where they leave their baseline; else they are whole.
+    """
+
+    def __init__(self, *, share: bool) -> None:
+        self._sharing = share
+        self._draws: dict[tuple[str, int], _Draw] = {}
+        self._begun: dict[tuple[str, int], _Draw] = {}
+        self._fresh_s: dict[str, float] = defaultdict(float)
+        self._costs_s: dict[str, float] = defaultdict(float)
+        self._lengths_s: dict[str, float] = defaultdict(float)
+        self.done_s = 0.0
+
+    def expect(self, flight: Flight, nominal_s: float) -> bool:
+        """A flight is to come, whose mission takes nominally so long [s]; returns whether that is new."""
+        draw, subject = self._draw(flight, nominal_s), flight.subject.id
+        if subject in draw.due:
+            return False
+        draw.due.add(subject)
+        if not draw.home:
+            self._fresh_s[subject] += nominal_s
+        return True
+
+    def drop(self, flight: Flight) -> bool:
+        """A flight is not to come any more; returns whether it was."""
+        draw, subject = self._draws.get(_place(flight)), flight.subject.id
+        if draw is None or subject not in draw.due:
+            return False
+        draw.due.remove(subject)
+        if not draw.home:
+            self._fresh_s[subject] -= draw.nominal_s
+        return True
+
+    def known(self, flight: Flight, outcome: Outcome, nominal_s: float) -> None:
+        """A whole flight was home before: it tells how long flights last there."""
+        self._measure(flight, self._draw(flight, nominal_s), outcome)
+
+    def home(self, flight: Flight, outcome: Outcome, nominal_s: float) -> bool:
+        """A flight came home; returns whether it was expected."""
+        expected = self.drop(flight)
+        draw, cost_s = self._draw(flight, nominal_s), self._cost_s(flight, outcome)
+        self.done_s += cost_s
+        if not outcome.invalid:
+            self._measure(flight, draw, outcome)
+            if _whole(flight):
+                if flight.mutant is None:
+                    self._learn(draw)
+            else:
+                draw.costs.append((flight.subject.id, cost_s))
+                draw.reached_s = max(draw.reached_s, outcome.infected_at_s or 0.0)
+        return expected
+
+    @property
+    def left_s(self) -> float:
+        """What is still to be flown [s]."""
+        begun_s = sum(draw.length_s for draw in self._begun.values())
+        stretch = begun_s / sum(draw.nominal_s for draw in self._begun.values()) if self._begun else 1.0
+        fresh_s = sum(stretch * due_s * self._share(subject) for subject, due_s in self._fresh_s.items())
+        return max(0.0, fresh_s) + sum(self._left_s(draw) for draw in self._begun.values() if draw.due)
+
+    def share(self, flight: Flight) -> float:
+        """What is expected to be flown of a flight, as a share."""
+        return self._share(flight.subject.id)
+
+    def _left_s(self, draw: _Draw) -> float:
+        """Of a draw under way."""
+        ahead_s = max(0.0, draw.length_s - draw.reached_s) if self._sharing else draw.length_s
+        whole = draw.due & {BASELINE, PLACEBO.id}
+        return len(whole) * draw.length_s + ahead_s * sum(self._share(subject) for subject in draw.due - whole)
+
+    def _draw(self, flight: Flight, nominal_s: float) -> _Draw:
+        return self._draws.setdefault(_place(flight), _Draw(nominal_s))
+
+    def _measure(self, flight: Flight, draw: _Draw, outcome: Outcome) -> None:
+        """How long a flight lasts here; one that was cut says nothing of it."""
+        if outcome.truncated:
+            return
+        if not draw.home:
+            self._begun[_place(flight)] = draw
+            for subject in draw.due:
+                self._fresh_s[subject] -= draw.nominal_s
+        draw.home += 1
+        draw.home_s += outcome.duration_s
+
+    def _learn(self, draw: _Draw) -> None:
+        for subject, cost_s in draw.costs:
+            self._costs_s[subject] += cost_s
+            self._lengths_s[subject] += draw.length_s
+        draw.costs.clear()
+
+    def _share(self, subject: str) -> float:
+        if subject in (BASELINE, PLACEBO.id):
+            return 1.0
+        prior, length_s = PRIOR_SHARE if self._sharing else 1.0, self._lengths_s.get(subject, 0.0)
+        return (self._costs_s.get(subject, 0.0) + prior * PRIOR_S) / (length_s + PRIOR_S)
+
+    def _cost_s(self, flight: Flight, outcome: Outcome) -> float:
+        if not self._sharing or _whole(flight):
+            return outcome.duration_s
+        return 0.0 if outcome.infected_at_s is None else outcome.duration_s - outcome.infected_at_s
+
+
+def _whole(flight: Flight) -> bool:
+    """Whether a flight is always flown whole."""
+    return flight.mutant is None or flight.mutant == PLACEBO
+
+
+def _place(flight: Flight) -> tuple[str, int]:
+    return flight.situation.key, flight.seed

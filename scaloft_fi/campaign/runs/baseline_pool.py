@@ -1,0 +1,53 @@
+"""Baselines of another campaign, to decide by: flown on the same platform, from the same data, by the same code."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from scaloft_fi.campaign.held.folder import campaign_folder, existing
+from scaloft_fi.campaign.held.key import Keys
+from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.errors import InputError
+from scaloft_fi.results.fingerprint import differences, fingerprint
+from scaloft_fi.results.outcome import BASELINE, Outcome
+from scaloft_fi.results.status import baseline_pool
+from scaloft_fi.results.store import Store
+from scaloft_fi.study import Study
+
+
+def borrowed(study: Study, campaign: str, situations: Iterable[str]) -> tuple[Outcome, ...]:
+    """The baselines that a campaign has of `situations`; nothing is written there.
+
+    Raises:
+        InputError: there is no such campaign, it is another platform's, some of its baselines were flown with other
+            data or code, or it has none of a situation.
+    """
+    folder = campaign_folder(study, campaign)
+    place, keys = f"--baseline-from={campaign!r}", Keys(study)
+    with Store(existing(folder), create=False) as store:
+        changed = differences(fingerprint(), store.meta())
+        wanted = dict.fromkeys(situations)
+        flown = {f.key: f for f in store.flights() if f.mutant == BASELINE and f.situation in wanted}
+        flights = {
+            (f.situation, f.seed): Flight(None, study.grid.situation(f.situation), f.seed) for f in flown.values()
+        }
+        now = {keys.key(flight): flight for flight in flights.values()}
+        found = tuple(outcome for outcome in store.outcomes(now) if not outcome.invalid)
+    if changed:
+        raise InputError(f"{place} was flown on another platform, its digests may differ: {', '.join(changed)}")
+    stale = [flight for key, flight in now.items() if key not in flown]
+    if stale:
+        raise InputError(f"{place}: {stale[0].name} was flown with other data or code; fly it again there")
+    missing = [situation for situation in wanted if situation not in {outcome.situation for outcome in found}]
+    if missing:
+        raise InputError(f"{place} has no baseline of {missing[0]}; fly it there with `run --baseline-seeds`")
+    return found
+
+
+def joined(own: Iterable[Outcome], others: Iterable[Outcome]) -> dict[str, list[Outcome]]:
+    """Baselines by situation, each situation and seed once."""
+    once: dict[tuple[str, int], Outcome] = {}
+    for outcome in (*own, *others):
+        if outcome.mutant == BASELINE:
+            once.setdefault((outcome.situation, outcome.seed), outcome)
+    return baseline_pool(once[draw] for draw in sorted(once))

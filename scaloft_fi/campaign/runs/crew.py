@@ -1,0 +1,203 @@
+"""The crew of a run: it flies what the store lacks and saves every outcome as it comes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+from scaloft_fi.campaign.flights.fly import Flyer, Physics
+from scaloft_fi.campaign.held.folder import STORE_NAME, promising, writable
+from scaloft_fi.campaign.held.key import Keys
+from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.campaign.plan.task import Task, alone, together
+from scaloft_fi.campaign.progress.lookout import Lookout
+from scaloft_fi.campaign.progress.progress import Progress
+from scaloft_fi.campaign.runs.interrupt import Interrupted, interruptible
+from scaloft_fi.campaign.runs.options import RunOptions
+from scaloft_fi.campaign.workers.executor import Hands, Local
+from scaloft_fi.results.fingerprint import differences, fingerprint
+from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.store import Store
+from scaloft_fi.study import Study
+
+Arrange = Callable[[Sequence[Flight]], Iterable[Task]]
+"""Puts flights together into tasks, in the order in which they are handed out."""
+
+
+class Crew:
+    """Flies what the store lacks.
+
+    Args:
+        study: what is flown.
+        folder: of the campaign.
+        store: what is flown already.
+        hands: who flies.
+        progress: what a person sees.
+        options: how.
+        stopped: whether the user asked to stop.
+
+    Attributes:
+        flown: how many flights are home that the store lacked.
+        repeats: outcomes of flights that it had.
+        lookout: tells a person.
+    """
+
+    def __init__(
+        self,
+        study: Study,
+        folder: Path,
+        store: Store,
+        hands: Hands,
+        progress: Progress,
+        options: RunOptions,
+        stopped: Callable[[], bool],
+    ) -> None:
+        self.study, self.folder, self.store = study, folder, store
+        self.lookout, self.options, self.stopped = Lookout(study, progress, options), options, stopped
+        self._hands = hands
+        self._keys = Keys(study)
+        self.flown = 0
+        self.repeats: list[Outcome] = []
+
+    def plan(self, flights: Iterable[Flight], *, canary: bool = False, truncated: str = "") -> None:
+        """Write down what is to be flown, whole or perhaps cut."""
+        self.store.plan(self._keys.planned(flight, truncated, canary=canary) for flight in flights)
+
+    def arrange(self, flights: Sequence[Flight]) -> list[Task]:
+        """Flights as tasks, the longest first; what shares a baseline's beginning together, if that is wanted."""
+        return together(flights, self.weight_s, self._hands.jobs) if self.options.share else alone(flights)
+
+    def unit(self, flights: Sequence[Flight]) -> list[Task]:
+        """The same for one process."""
+        return together(flights, self.weight_s, 1) if self.options.share else alone(flights)
+
+    def fly(self, flights: Iterable[Flight], arrange: Arrange | None = None, truncated: str = "") -> None:
+        """Fly those of `flights` that the store lacks, and the baselines that they share.
+
+        Args:
+            flights: asked for.
+            arrange: puts them together into tasks; `self.arrange` when None.
+            truncated: why the tasks may cut flights.  All of them are kept apart from whole ones, those too that
+                came to their end: they were flown because nothing had killed their mutant yet, and to count only
+                these would bend every rate.
+        """
+        missing = self._missing(flights, truncated)
+        if not missing:
+            return
+        self.lookout.expect(missing.values())
+        draws = {Flight(None, flight.situation, flight.seed): None for flight in missing.values()}
+        keys = {flight.name: key for key, flight in missing.items()}
+        asked = {flight.name: flight for flight in (*draws, *missing.values())}
+        self.lookout.known((asked[outcome.name], outcome) for outcome in self.outcomes(draws) if not outcome.invalid)
+        due = set(keys)
+        for outcome in self._outcomes((arrange or self.arrange)(tuple(missing.values()))):
+            news = outcome.name in keys and self.store.put(keys[outcome.name], replace(outcome, truncated=truncated))
+            if outcome.name in due:
+                due.remove(outcome.name)
+                self.flown += 1
+            elif not news:
+                self.repeats.append(outcome)
+            self.lookout.home(asked[outcome.name], outcome, news=news)
+
+    def repeat(self, flights: Sequence[Flight]) -> None:
+        """The shortest of `flights` that is home again, when anything was flown: it must be the first one's twin."""
+        missing = set(self.missing(flights))
+        home = [flight for flight in flights if flight not in missing]
+        if self.flown and home:
+            self.repeats += self._outcomes(alone([min(home, key=self.weight_s)]))
+
+    def outcomes(self, flights: Iterable[Flight], truncated: str = "") -> tuple[Outcome, ...]:
+        """What the store has of `flights`: of whole ones, or of those that might be cut."""
+        return tuple(self.store.outcomes(self._keys.key(flight, truncated) for flight in flights))
+
+    def missing(self, flights: Iterable[Flight]) -> tuple[Flight, ...]:
+        """Those of `flights` of which the store has no outcome that counts."""
+        return tuple(self._missing(flights).values())
+
+    def weight_s(self, flight: Flight) -> float:
+        """How long a flight is expected to last [s, simulated]."""
+        return self.study.expected_s(flight.situation)
+
+    def wall_s(self, task: Task) -> float:
+        """How long one process is expected to fly a task at the pace so far [s, wall]; 0 before anything is home."""
+        return self.lookout.wall_s(task.flights) * self._hands.jobs
+
+    def go_on(self, said: str) -> None:
+        """Go on unless the user asked to stop.
+
+        Args:
+            said: what is saved.
+
+        Raises:
+            Interrupted: naming the command that resumes.
+        """
+        if self.stopped():
+            again = f"the same command resumes: {self.options.command}".removesuffix(": ")
+            raise Interrupted(f"interrupted: {said} saved in {self.folder}; {again}")
+
+    def _outcomes(self, tasks: Iterable[Task]) -> Iterator[Outcome]:
+        self._hands.ready()
+        self.lookout.progress.start()
+        return self._hands.map(tasks)
+
+    def _missing(self, flights: Iterable[Flight], truncated: str = "") -> dict[str, Flight]:
+        """The same by key."""
+        keyed = {self._keys.key(flight, truncated): flight for flight in flights}
+        known = self.store.known(keyed)
+        return {key: flight for key, flight in keyed.items() if key not in known}
+
+
+@contextmanager
+def hired(
+    study: Study,
+    folder: Path,
+    options: RunOptions,
+    *,
+    progress: Progress,
+    flyer: Flyer | None,
+    first: Sequence[Flight],
+) -> Iterator[Crew]:
+    """A crew for the campaign in `folder`, which is made when it does not exist.
+
+    Args:
+        study: what is flown.
+        folder: of the campaign.
+        options: how.
+        progress: what a person sees.
+        flyer: what flies; PyBullet when None.
+        first: what is asked for to begin with: when any of it is lacking, the flyer is made ready before anything is
+            written, so that a study that cannot be flown leaves nothing behind.
+
+    Raises:
+        InputError: the folder or the store cannot be written, or the study cannot be flown.
+    """
+    promising(folder)
+    executor = options.executor or Local(options.jobs)
+    with (
+        interruptible() as stopped,
+        executor.hands(study, flyer or Physics(), stop=stopped, say=progress.line) as hands,
+    ):
+        if not _all_flown(study, first, folder / STORE_NAME):
+            hands.ready()
+        with Store(writable(folder) / STORE_NAME) as store:
+            _remember_platform(store, progress)
+            yield Crew(study, folder, store, hands, progress, options, stopped)
+
+
+def _all_flown(study: Study, flights: Iterable[Flight], path: Path) -> bool:
+    """Whether the store at `path`, which need not exist, has all of `flights`."""
+    if not path.is_file():
+        return False
+    with Store(path, create=False) as store:
+        keys = set(map(Keys(study).key, flights))
+        return store.known(keys) == keys
+
+
+def _remember_platform(store: Store, progress: Progress) -> None:
+    """Keep the platform of the campaign's first flight, and say when this one is another: its bits may differ."""
+    ours, theirs = fingerprint(), store.meta()
+    if theirs and (changed := differences(ours, theirs)):
+        progress.line(f"warning: the campaign began on another platform, digests may differ: {', '.join(changed)}")
+    store.set_meta(ours)

@@ -1,0 +1,118 @@
+"""Whether any score may be believed.  A gate that fails is named, and no score is printed."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Sequence
+
+from scaloft_fi.campaign.runs.options import MOST_INVALID
+from scaloft_fi.errors import GateError
+from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
+from scaloft_fi.results.roster import Roster, cell_of
+from scaloft_fi.results.scoring.baseline import holds_somewhere
+from scaloft_fi.results.status import Flight, Status, baselines_of, flights_of
+
+NAMED = 3
+"""How many flights a sentence names before it counts the rest."""
+
+
+def check(
+    outcomes: Iterable[Outcome],
+    roster: Roster,
+    *,
+    canary: str | None,
+    whole_grid: bool,
+    part: bool = False,
+    repeats: Sequence[Outcome] = (),
+    max_invalid: float = MOST_INVALID,
+) -> None:
+    """Hold the gates over the flights of a run.
+
+    Args:
+        outcomes: of the run, baselines among them.
+        roster: tells the controls.
+        canary: id of the control flown to prove that faults reach the drone; None when the study has none.
+        whole_grid: whether every situation was flown, so that every control has had its chance.
+        part: whether others fly the rest of the run, so that what no flight here shows may show there.
+        repeats: flights that were flown a second time.
+        max_invalid: largest share 0..1 of invalid flights.
+
+    Raises:
+        GateError: naming each gate that failed.
+    """
+    listed = list(outcomes)
+    failed = [
+        *_too_many_invalid(listed, max_invalid),
+        *_differ("PLACEBO differs from the baseline", _placebos(listed)),
+        *_differ("a repeated flight differs from the first", _repeated(listed, repeats)),
+    ]
+    if not part:
+        failed += [
+            *_no_green_baseline(listed),
+            *_surviving_controls(flights_of(listed), roster, canary, whole_grid),
+        ]
+    if failed:
+        raise GateError("gate failed: " + "; ".join(failed))
+
+
+def _too_many_invalid(outcomes: Sequence[Outcome], most: float) -> Iterator[str]:
+    broken = [outcome for outcome in outcomes if outcome.invalid]
+    if len(broken) > most * len(outcomes):
+        names = _some([f"{outcome.name} ({outcome.invalid})" for outcome in broken])
+        yield f"{len(broken)} of {len(outcomes)} flights are invalid, more than {most:.0%}: {names}"
+
+
+def _differ(what: str, pairs: Iterable[tuple[Outcome, Outcome]]) -> Iterator[str]:
+    names = [first.name for first, second in pairs if _trace(first) != _trace(second)]
+    if names:
+        yield f"{what}: {_some(names)}"
+
+
+def _trace(outcome: Outcome) -> tuple[str, str]:
+    return outcome.digest, outcome.perceived_digest
+
+
+def _placebos(outcomes: Sequence[Outcome]) -> Iterator[tuple[Outcome, Outcome]]:
+    baselines = baselines_of(outcomes)
+    for outcome in outcomes:
+        baseline = baselines.get((outcome.situation, outcome.seed))
+        if outcome.mutant == PLACEBO and baseline and not (outcome.invalid or baseline.invalid):
+            yield outcome, baseline
+
+
+def _repeated(outcomes: Sequence[Outcome], repeats: Sequence[Outcome]) -> Iterator[tuple[Outcome, Outcome]]:
+    first = {outcome.name: outcome for outcome in outcomes}
+    for repeat in repeats:
+        known = first.get(repeat.name)
+        if known and not (known.invalid or repeat.invalid):
+            yield known, repeat
+
+
+def _no_green_baseline(outcomes: Sequence[Outcome]) -> Iterator[str]:
+    # beside a baseline of the pool nothing is flown that could be revealed
+    draws = {(outcome.situation, outcome.seed) for outcome in outcomes if outcome.mutant != BASELINE}
+    baselines = [o for o in outcomes if o.mutant == BASELINE and ((o.situation, o.seed) in draws or not draws)]
+    if not holds_somewhere(baselines):
+        names = sorted({outcome.situation for outcome in baselines})
+        yield f"no situation flown has a baseline that holds a safety requirement: {_some(names)}"
+
+
+def _surviving_controls(
+    flights: Iterable[Flight], roster: Roster, canary: str | None, whole_grid: bool
+) -> Iterator[str]:
+    by_control: dict[str, list[Flight]] = {}
+    for flight in flights:
+        if cell_of(flight.outcome.mutant) in roster.controls and flight.status is not Status.INVALID:
+            by_control.setdefault(flight.outcome.mutant, []).append(flight)
+    judged: Collection[str] = by_control if whole_grid else by_control.keys() & {canary}
+    names = [name for name in by_control if name in judged and not any(map(_shows, by_control[name]))]
+    if names:
+        yield f"a control survives, so faults may not reach the drone: {_some(names)}"
+
+
+def _shows(flight: Flight) -> bool:
+    return bool(flight.kills or flight.operability_kills)
+
+
+def _some(names: Sequence[str]) -> str:
+    rest = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    return ", ".join(names[:NAMED]) + rest

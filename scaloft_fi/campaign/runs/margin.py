@@ -1,0 +1,190 @@
+"""The search for margins: ask for magnitudes, fly them in all situations at once, ask again until nothing is asked.
+
+What is asked next depends on outcomes alone, and every flight is an ordinary one under an ordinary key.  So a search
+that was interrupted goes on where it stopped, and what any other verb has flown is not flown again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from scaloft_fi.campaign.flights.fly import Flyer
+from scaloft_fi.campaign.held.folder import STORE_NAME
+from scaloft_fi.campaign.held.held import held_in
+from scaloft_fi.campaign.plan import choose
+from scaloft_fi.campaign.plan.bisect import Search
+from scaloft_fi.campaign.plan.plan import Flight, Plan, plan
+from scaloft_fi.campaign.progress.progress import Progress
+from scaloft_fi.campaign.runs.options import RunOptions
+from scaloft_fi.campaign.runs.run import run
+from scaloft_fi.errors import InputError
+from scaloft_fi.hazop.cell import Fault
+from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.severity import mild_to_severe
+from scaloft_fi.mutants.derive import realise, source_of
+from scaloft_fi.mutants.operators import OPERATORS
+from scaloft_fi.results.outcome import BASELINE, Outcome
+from scaloft_fi.results.requirement import Kind
+from scaloft_fi.results.store import Store
+from scaloft_fi.results.worksheet.margin import Margin, Scale, Subject, Tried, margin_of, subject_of, tried_in
+from scaloft_fi.sim.situation import Situation
+from scaloft_fi.study import Study
+
+SHARED_FROM = 2
+"""A beginning is shared from this many mutants a situation on: the baseline has to be flown once more for it."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """A fault whose margin is asked for."""
+
+    subject: Subject
+    fault: Fault
+    search: Search
+
+    def id_of(self, magnitude: float) -> str:
+        """The mutant at a magnitude."""
+        assert self.fault.magnitude is not None
+        return self.subject.at(self.fault.magnitude.text(magnitude))
+
+
+def target(matrix: Matrix, text: str, tolerance: float | None = None) -> Target:
+    """The fault that a cell's name or a mutant's id means; the id's magnitude only picks the fault by its unit.
+
+    Raises:
+        InputError: there is no such mutant, or its magnitudes have no order.
+    """
+    mutant = realise(matrix, text)
+    fault, _ = source_of(matrix, mutant)
+    scale = Scale.of(fault.magnitude) if fault.magnitude else None
+    if fault.magnitude is None or scale is None:
+        has = "no magnitude" if fault.magnitude is None else "magnitudes without an order"
+        raise InputError(f"mutant {text!r} has no margin: {mutant.cell} has {has}; `scaloft-fi run` tells what it does")
+    allowed = OPERATORS[fault.operator].arguments[fault.magnitude.argument].allowed
+    least, most = sorted(bound / fault.magnitude.scale for bound in (allowed.least, allowed.most))
+    subject = subject_of(mutant.cell, fault, mutant.phase_s)
+
+    def accepted(magnitude: float) -> bool:
+        try:
+            realise(matrix, subject.at(fault.magnitude.text(magnitude) if fault.magnitude else ""))
+        except InputError:
+            return False
+        return True
+
+    return Target(subject, fault, Search(scale, mild_to_severe(fault.magnitude), accepted, least, most, tolerance))
+
+
+def find(
+    study: Study,
+    targets: Sequence[Target],
+    situations: Sequence[Situation],
+    seeds: Sequence[int],
+    folder: Path,
+    options: RunOptions | None = None,
+    *,
+    kind: Kind = Kind.SAFETY,
+    progress: Callable[[], Progress],
+    flyer: Flyer | None = None,
+) -> Mapping[Subject, tuple[Margin, ...]]:
+    """The margin of each target in each situation, as finely as is asked; flies what the campaign lacks for it.
+
+    Args:
+        study: what is flown.
+        targets: the faults.
+        situations, seeds: where.
+        folder: of the campaign.
+        options: how it is flown; what shares a beginning is decided here, round by round.
+        kind: of the requirements whose violation kills.
+        progress: makes what a person sees of each round.
+        flyer: what flies; PyBullet when None.
+
+    Raises:
+        GateError, InputError, Interrupted: as `campaign.run.run`; everything flown is saved.
+    """
+    options = options or RunOptions()
+    known = {outcome.name: outcome for outcome in _held(study, folder)}
+    while True:
+        flights = _next(study, targets, situations, seeds, known.values(), kind)
+        if not flights and any(outcome.mutant == BASELINE for outcome in known.values()):
+            break
+        shown = progress()
+        shown.line(_asked(flights))
+        share = options.share and len(flights) >= SHARED_FROM * len({(f.situation.key, f.seed) for f in flights})
+        planned = _with(plan(situations, seeds, [], choose.canary(study)), flights)
+        report = run(study, planned, folder, replace(options, share=share), progress=shown, flyer=flyer)
+        known |= {outcome.name: outcome for outcome in report.outcomes}
+    return _margins(study, targets, situations, seeds, known.values(), kind)
+
+
+def _held(study: Study, folder: Path) -> tuple[Outcome, ...]:
+    """What the campaign holds already; it need not exist."""
+    if not (folder / STORE_NAME).is_file():
+        return ()
+    with Store(folder / STORE_NAME, create=False) as store:
+        return held_in(study, store, folder).current
+
+
+def _with(planned: Plan, flights: Sequence[Flight]) -> Plan:
+    """The plan of a round: PLACEBO and the canary as in every run, and the flights asked for."""
+    asked = {flight.mutant for flight in flights}
+    canary = None if planned.canary in asked else planned.canary
+    return Plan(planned.baselines, (*planned.mutants, *flights), canary)
+
+
+def _next(
+    study: Study,
+    targets: Sequence[Target],
+    situations: Sequence[Situation],
+    seeds: Sequence[int],
+    outcomes: Iterable[Outcome],
+    kind: Kind,
+) -> tuple[Flight, ...]:
+    """The flights that every target asks for in every situation."""
+    tried = _tried(study, seeds, outcomes, kind)
+    asked = [
+        (target.id_of(magnitude), situation)
+        for target in targets
+        for situation in situations
+        for magnitude in target.search.asks(tried.get((target.subject, situation.key), {}))
+    ]
+    mutants = {id_: realise(study.matrix, id_) for id_, _ in asked}
+    return tuple(Flight(mutants[id_], situation, seed) for id_, situation in asked for seed in seeds)
+
+
+def _tried(
+    study: Study, seeds: Sequence[int], outcomes: Iterable[Outcome], kind: Kind
+) -> Mapping[tuple[Subject, str], dict[float, Tried]]:
+    """What counts as tried: flown with every seed asked for, and with no other."""
+    wanted = frozenset(seeds)
+    chosen = [outcome for outcome in outcomes if outcome.seed in wanted]
+    return {
+        key: {entry.magnitude: entry for entry in entries if entry.seeds == wanted}
+        for key, entries in tried_in(chosen, study.matrix, kind).items()
+    }
+
+
+def _margins(
+    study: Study,
+    targets: Sequence[Target],
+    situations: Sequence[Situation],
+    seeds: Sequence[int],
+    outcomes: Iterable[Outcome],
+    kind: Kind,
+) -> Mapping[Subject, tuple[Margin, ...]]:
+    tried = _tried(study, seeds, outcomes, kind)
+    return {
+        target.subject: tuple(
+            margin_of(target.search.scale, tried.get((target.subject, situation.key), {}).values(), situation.key)
+            for situation in situations
+        )
+        for target in targets
+    }
+
+
+def _asked(flights: Sequence[Flight]) -> str:
+    """What a round flies, in a line."""
+    ids = list(dict.fromkeys(flight.subject.id for flight in flights))
+    named = ", ".join(ids[:6]) + (f" and {len(ids) - 6} more" if len(ids) > 6 else "")
+    return f"next: {named or 'the baselines'} ({len(flights)} flight{'s' * (len(flights) != 1)})"

@@ -1,0 +1,115 @@
+"""A run: what the store lacks of the plan is flown, every outcome is saved as it comes, the gates are held."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from scaloft_fi.campaign.flights.fly import Flyer
+from scaloft_fi.campaign.held.folder import LOG_NAME
+from scaloft_fi.campaign.held.held import held_in
+from scaloft_fi.campaign.plan.plan import Flight, Plan, canary_flight
+from scaloft_fi.campaign.progress.progress import Progress
+from scaloft_fi.campaign.runs import gates
+from scaloft_fi.campaign.runs.budget import Budget, fair_order
+from scaloft_fi.campaign.runs.crew import Crew, hired
+from scaloft_fi.campaign.runs.options import RunOptions
+from scaloft_fi.errors import InputError
+from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.telling.mission_log import mission_log, to_json
+from scaloft_fi.study import Study
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a run knows when it ends.
+
+    Attributes:
+        outcomes: all there are of the plan.
+        flown: how many of them it flew itself.
+        left: flights of the plan that have no outcome, because the run ended before.
+    """
+
+    outcomes: tuple[Outcome, ...]
+    flown: int
+    left: tuple[Flight, ...] = ()
+
+
+def run(
+    study: Study,
+    planned: Plan,
+    folder: Path,
+    options: RunOptions | None = None,
+    *,
+    progress: Progress,
+    flyer: Flyer | None = None,
+) -> Report:
+    """Fly what is missing of `planned`, save it, write the mission log, hold the gates.
+
+    Args:
+        study: what is flown.
+        planned: which flights.
+        folder: of the campaign; made when it does not exist.
+        options: how; one process when None.
+        progress: what a person sees meanwhile.
+        flyer: what flies; PyBullet when None.
+
+    Raises:
+        GateError: a gate failed.
+        InputError: the folder or the store cannot be written.
+        Interrupted: the user stopped it.
+    """
+    options = options or RunOptions()
+    budget = Budget(options.budget_s)
+    with hired(study, folder, options, progress=progress, flyer=flyer, first=planned.known) as crew:
+        report = _fly(planned, crew, budget)
+        crew.go_on(f"{len(report.outcomes)} of {planned.flights} flights are")
+        gates.check(
+            report.outcomes,
+            study.roster,
+            canary=planned.canary.id if planned.canary else None,
+            whole_grid={flight.situation.key for flight in planned.baselines} == study.space.point.keys(),
+            part=options.part or bool(report.left),
+            repeats=crew.repeats,
+            max_invalid=options.max_invalid,
+        )
+    return report
+
+
+def _fly(planned: Plan, crew: Crew, budget: Budget) -> Report:
+    """Fly until all is flown, time is up or the user stops it; returns what the plan has now."""
+    flights = planned.known
+    crew.plan(flights)
+    crew.lookout.progress.most_s = lambda: budget.left_s
+    if crew.options.budget_s is None:
+        crew.fly(flights)
+    else:
+        crew.fly(
+            flights,
+            lambda missing: budget.while_it_lasts(fair_order(crew.study, planned, crew.unit, missing), crew.wall_s),
+        )
+    home = {outcome.name for outcome in crew.outcomes(flights)}
+    left = tuple(flight for flight in flights if flight.name not in home)
+    canary = canary_flight(planned, crew.outcomes(planned.baselines)) if not left else None
+    if canary is not None:
+        crew.plan([canary], canary=True)
+        crew.fly([canary])
+    crew.repeat(planned.baselines)
+    crew.lookout.close()
+    outcomes = crew.outcomes((*flights, *([canary] if canary else [])))
+    write_log(crew.study, crew.folder, held_in(crew.study, crew.store, crew.folder).current)
+    return Report(outcomes, crew.flown, left)
+
+
+def write_log(study: Study, folder: Path, outcomes: Sequence[Outcome]) -> None:
+    """Write the campaign's mission log.
+
+    Raises:
+        InputError: it cannot be written.
+    """
+    path = folder / LOG_NAME
+    try:
+        path.write_text(to_json(mission_log(outcomes, study.roster, study.space)), encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror}") from error

@@ -1,0 +1,1 @@
+"""Who flies: processes of this machine, or a cluster."""

@@ -1,0 +1,235 @@
+"""A campaign on a Dask cluster: tasks go out, outcomes stream home as the scheduler's events."""
+
+from __future__ import annotations
+
+import logging
+import pickle
+import tempfile
+import time
+import uuid
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from itertools import islice
+from pathlib import Path
+from queue import Empty, SimpleQueue
+from typing import TYPE_CHECKING, Any
+
+from scaloft_fi.campaign.flights.fly import Flyer, left_of, lost
+from scaloft_fi.campaign.plan.task import Task
+from scaloft_fi.campaign.runs.interrupt import Interrupted
+from scaloft_fi.campaign.workers.bundle import digest_of, packed
+from scaloft_fi.campaign.workers.executor import Hands
+from scaloft_fi.campaign.workers.pool import ATTEMPTS
+from scaloft_fi.campaign.workers.slot import TOPIC, fly_task
+from scaloft_fi.errors import InputError
+from scaloft_fi.results.fingerprint import fingerprint
+from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.study import Study
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+CONNECT_S = 10.0
+"""A scheduler that does not answer for so long cannot be reached [s, wall]."""
+LOOK_UP_S = 0.1
+"""How often it is seen whether tasks have ended [s, wall]."""
+COUNT_S = 1.0
+"""How often the threads of all workers are counted [s, wall]."""
+LEAST_JOBS = 8
+"""The work is cut for at least so many threads, because workers may join."""
+AHEAD = 2
+"""So many tasks a thread are handed out at a time, so that none waits for the next one."""
+
+GONE = "the Dask scheduler is gone; what came home is saved, the same command resumes"
+
+Event = tuple[str, int, str, str, Any]
+"""Run, number of the task, address of the worker, kind, content."""
+
+
+@dataclass(frozen=True)
+class Cluster:
+    """The workers of the scheduler at `address`, as HOST:PORT."""
+
+    address: str
+
+    @contextmanager
+    def hands(
+        self, study: Study, flyer: Flyer, *, stop: Callable[[], bool], say: Callable[[str], None]
+    ) -> Iterator[Hands]:
+        """Join the scheduler, and send every worker the study, whoever joins later too.
+
+        Raises:
+            InputError: `distributed` is not installed, or the scheduler cannot be reached.
+        """
+        try:
+            from distributed import Client
+            from distributed.diagnostics.plugin import UploadFile
+        except ImportError as error:
+            how = "pip install 'scaloft-fi[cluster]'"
+            raise InputError(f"--executor=dask://{self.address} needs the package distributed: {how}") from error
+        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what a user must know is said in sentences
+        bundle = packed(study.folder)
+        digest = digest_of(bundle)
+        try:
+            client = Client(f"tcp://{self.address}", timeout=CONNECT_S, set_as_default=False, name="scaloft-fi")
+        except (OSError, ValueError) as error:
+            reason = f"no Dask scheduler answers there within {CONNECT_S:g} s"
+            raise InputError(f"--executor=dask://{self.address} cannot be reached: {reason}") from error
+        with client:
+            with tempfile.TemporaryDirectory() as folder:
+                path = Path(folder) / digest
+                path.write_bytes(bundle)
+                client.register_plugin(UploadFile(str(path), load=False), name=f"scaloft-fi-{digest}")
+            run = _Run(client, digest, study, flyer, stop, say)
+            try:
+                client.subscribe_topic(TOPIC, run.hear)
+                yield run
+            finally:
+                with suppress(OSError, TimeoutError):  # the scheduler may be gone
+                    client.unregister_worker_plugin(f"scaloft-fi-{digest}")
+
+
+@dataclass
+class _Trial:
+    """A task that was handed out, what came home of it since, and how often it was begun without anything home."""
+
+    task: Task
+    future: Future[None]
+    begun: int
+    home: dict[str, Outcome] = field(default_factory=dict)
+
+
+class _Run:
+    """One run on a cluster."""
+
+    def __init__(
+        self,
+        client: Client,
+        bundle: str,
+        study: Study,
+        flyer: Flyer,
+        stop: Callable[[], bool],
+        say: Callable[[str], None],
+    ) -> None:
+        self._client, self._bundle, self._inputs, self._flyer = client, bundle, dict(study.inputs), flyer
+        self._stop, self._say = stop, say
+        self._id, self._platform = uuid.uuid4().hex, fingerprint()
+        self._inbox: SimpleQueue[Event] = SimpleQueue()
+        self._trials: dict[int, _Trial] = {}
+        self._handed_out = 0
+        self._barred: dict[str, str] = {}
+        self._said: set[str] = set()
+        self._threads, self._counted_s = 0, -COUNT_S
+
+    @property
+    def jobs(self) -> int:
+        """Threads of all workers."""
+        self._count_threads()
+        return max(LEAST_JOBS, self._threads)
+
+    def ready(self) -> None:
+        """Every worker prepares itself."""
+
+    def hear(self, event: tuple[float, Event]) -> None:
+        """Take an event of the topic; called in a thread of the client."""
+        self._inbox.put(event[1])
+
+    def map(self, tasks: Iterable[Task]) -> Iterator[Outcome]:
+        """The outcomes of `tasks`, as they come home; the next task is asked for when a thread may soon be free."""
+        source = iter(tasks)
+        try:
+            while not self._stop():
+                self._count_threads()
+                for task in islice(source, max(0, AHEAD * self.jobs - len(self._trials))):
+                    self._hand_out(task)
+                if not self._trials:
+                    return
+                # those first: all that they told was told before they ended
+                ended = [number for number, trial in self._trials.items() if trial.future.done()]
+                yield from self._heard(0.0 if ended else LOOK_UP_S)
+                for number in ended:
+                    yield from self._end(self._trials.pop(number))
+        finally:
+            with suppress(OSError, TimeoutError):  # the scheduler may be gone
+                self._client.cancel([trial.future for trial in self._trials.values()])
+        yield from self._heard(0.0)
+        self._trials.clear()
+
+    def _hand_out(self, task: Task, begun: int = 0) -> None:
+        number = self._handed_out = self._handed_out + 1
+        barred = self._barred.keys()
+        where = [address for address in self._client.nthreads() if address not in barred] if barred else None
+        if where == []:
+            raise InputError(next(iter(self._barred.values())))
+        work = pickle.dumps((self._flyer, task))
+        future = self._client.submit(
+            fly_task,
+            *(self._id, number, self._bundle, self._inputs, self._platform, work),
+            key=f"scaloft-fi-{self._id}-{number}",
+            workers=where,
+            pure=False,
+        )
+        self._trials[number] = _Trial(task, future, begun)
+
+    def _heard(self, wait_s: float) -> Iterator[Outcome]:
+        """The outcomes among what has come, at most `wait_s` from now."""
+        with suppress(Empty):
+            while True:
+                run, number, worker, kind, content = self._inbox.get(block=wait_s > 0.0, timeout=wait_s)
+                wait_s = 0.0
+                trial = self._trials.get(number)
+                if run != self._id or trial is None:
+                    continue
+                if kind == "outcome":
+                    outcome = pickle.loads(content)
+                    if outcome.name not in trial.home:  # a task is flown again whole when its worker is lost
+                        trial.home[outcome.name] = outcome
+                        yield outcome
+                elif kind == "begun":
+                    trial.begun += 1
+                elif kind == "refused":
+                    self._barred[worker] = f"the worker at {worker} has other code or data and flies nothing: {content}"
+                    self._say_once(f"warning: {self._barred[worker]}")
+                elif kind == "platform":
+                    self._say_once(
+                        f"warning: the worker at {worker} is another platform, digests may differ: {content}"
+                    )
+
+    def _end(self, trial: _Trial) -> Iterator[Outcome]:
+        """A task has ended, well or not: what is lacking is tried again, as long as that may lead anywhere."""
+        from distributed import KilledWorker
+
+        if trial.future.cancelled():
+            raise Interrupted(GONE)
+        error = trial.future.exception()
+        if isinstance(error, ImportError):
+            how = "install the same scaloft-fi on every worker"
+            raise InputError(f"a Dask worker cannot fly: {error}; {how}") from error
+        if error is not None and not isinstance(error, KilledWorker):
+            raise error
+        left = left_of(trial.task, trial.home.values())
+        if left is None:
+            return
+        begun = 0 if trial.home else trial.begun  # Dask gives up tasks, too, that only waited on workers that died
+        if begun < ATTEMPTS:
+            self._hand_out(left, begun)
+        else:
+            yield from lost(left, "died with its Dask worker every time")
+
+    def _count_threads(self) -> None:
+        """Keep count of those who fly, now and then, and say when there is nobody."""
+        if time.monotonic() - self._counted_s < COUNT_S:
+            return
+        try:
+            self._threads = sum(self._client.nthreads().values())
+        except OSError as error:
+            raise Interrupted(GONE) from error
+        self._counted_s = time.monotonic()
+        if not self._threads:
+            self._say_once("waiting for workers: `dask worker` with the address of the scheduler starts some")
+
+    def _say_once(self, line: str) -> None:
+        if line not in self._said:
+            self._said.add(line)
+            self._say(line)

@@ -1,0 +1,144 @@
+"""Worker processes: each is sent tasks, sends back results, is one core, and ends with the process that started it."""
+
+from __future__ import annotations
+
+import gc
+import multiprocessing
+import os
+import signal
+import socket
+import subprocess
+import sys
+import traceback
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from typing import Any, Protocol
+
+from scaloft_fi.campaign.workers.lifeline import die_with
+
+THREAD_SETTINGS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+"""A worker is one core: numeric libraries must not start threads of their own.  Set before numpy is imported."""
+
+Work = Callable[[Any, Callable[[Any], None]], None]
+"""Called with one task and with what takes its results; whatever it raises ends the run."""
+
+
+class Process(Protocol):
+    """What a process must be able to do to be ended."""
+
+    def kill(self) -> None:
+        """End it at once."""
+        ...
+
+    def join(self) -> None:
+        """Wait for its end."""
+        ...
+
+
+@dataclass(frozen=True)
+class Hired:
+    """A process, and the line to it."""
+
+    process: Process
+    connection: Connection
+
+
+Hire = Callable[[Work, Sequence[Connection]], Hired]
+"""Starts a process that serves `work`; the connections are those of others, which it must not keep open."""
+
+
+def one_thread_each() -> None:
+    """Keep the numeric libraries of this process and its children to one thread."""
+    for name in THREAD_SETTINGS:
+        os.environ.setdefault(name, "1")
+
+
+def cores() -> int:
+    """How many processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def forked(work: Work, others: Sequence[Connection]) -> Hired:
+    """A copy of this process, which must have one thread only; where there is no fork, a process started clean."""
+    can_fork = "fork" in multiprocessing.get_all_start_methods()
+    context = multiprocessing.get_context("fork") if can_fork else multiprocessing.get_context("spawn")
+    ours, theirs = context.Pipe()
+    inherited = [ours, *others] if can_fork else []
+    process = context.Process(target=_life, args=(work, theirs, inherited, os.getpid()))
+    process.start()
+    theirs.close()
+    return Hired(process, ours)
+
+
+def started_clean(work: Work, _others: Sequence[Connection]) -> Hired:
+    """A fresh interpreter that imports what this one would, for a process with threads; `work` travels as data.
+
+    `multiprocessing` would refuse: the workers of Dask are daemons, which may have no children of its kind.
+    """
+    ours, theirs = socket.socketpair()
+    with theirs:
+        process = subprocess.Popen(
+            [sys.executable, "-P", "-m", __name__, str(theirs.fileno()), str(os.getpid())],
+            env=os.environ | dict.fromkeys(THREAD_SETTINGS, "1") | {"PYTHONPATH": os.pathsep.join(sys.path)},
+            stdin=subprocess.PIPE,
+            pass_fds=[theirs.fileno()],
+        )
+    connection = Connection(ours.detach())
+    with suppress(OSError):  # it has died already; that is heard when it is listened to
+        connection.send(work)
+    return Hired(_Interpreter(process), connection)
+
+
+@dataclass(frozen=True)
+class _Interpreter:
+    """A `Popen` as a `Process`."""
+
+    popen: subprocess.Popen[bytes]
+
+    def kill(self) -> None:
+        self.popen.kill()
+
+    def join(self) -> None:
+        self.popen.communicate()
+
+
+def _life(work: Work, connection: Connection, inherited: Sequence[Connection], parent: int) -> None:
+    """The life of a worker: it leaves Ctrl-C to its parent, works on what it is sent, and never outlives it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    die_with(parent)
+    for other in inherited:
+        other.close()
+    gc.freeze()  # what was made ready before is no garbage: not looked at again, its pages stay shared
+    _serve(work, connection)
+
+
+def _serve(work: Work, connection: Connection) -> None:
+    while True:
+        try:
+            task = connection.recv()
+        except EOFError:
+            return
+        try:
+            work(task, lambda result: connection.send(("result", result)))
+            connection.send(("done", None))
+        except BrokenPipeError:
+            return
+        except Exception as error:  # noqa: BLE001 - it is raised again where the run is
+            error.add_note(traceback.format_exc())
+            connection.send(("raised", error))
+
+
+def _clean_life(descriptor: int, parent: int) -> None:
+    """The life of a process started clean; its standard input ends with its parent."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    die_with(parent, sys.stdin.fileno())
+    connection = Connection(descriptor)
+    with suppress(EOFError):
+        _serve(connection.recv(), connection)
+
+
+if __name__ == "__main__":
+    _clean_life(*map(int, sys.argv[1:]))

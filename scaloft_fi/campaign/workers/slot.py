@@ -1,0 +1,163 @@
+"""What runs in a worker of Dask: each of its threads has a process of its own that flies, and passes outcomes on."""
+
+from __future__ import annotations
+
+import pickle
+import threading
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+
+from scaloft_fi.campaign.flights.fly import Flyer, Worker, left_of, lost
+from scaloft_fi.campaign.plan.task import Task
+from scaloft_fi.campaign.workers.bundle import digest_of, unpacked
+from scaloft_fi.campaign.workers.hire import started_clean
+from scaloft_fi.campaign.workers.pool import Pool
+from scaloft_fi.errors import ScaloftError
+from scaloft_fi.results.fingerprint import differences, fingerprint
+from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.study import Study
+
+TOPIC = "scaloft-fi"
+"""Under which outcomes are told; one for all runs, because the scheduler keeps the last thousand events of each."""
+IDLE_S = 60.0
+"""A process that has had nothing to fly for so long ends; the run that it flew for is over, or died [s, wall]."""
+ARRIVAL_S = 30.0
+"""So long a worker that has just joined waits for the study [s, wall]."""
+
+_idle: dict[tuple[Path, bytes], list[_Slot]] = defaultdict(list)
+_lock = threading.Lock()
+
+
+def fly_task(
+    run: str, number: int, bundle: str, inputs: Mapping[str, str], platform: dict[str, str], work: bytes
+) -> None:
+    """Fly one task; what comes of it is told as events `(run, number, kind, content)`, each as it is known.
+
+    Args:
+        run, number: whose task, and which.
+        bundle: digest of the study, whose file every worker was sent.
+        inputs: what the study and its code hash to where the run is; where they hash to something else nothing is
+            flown, and the kind is `refused`.
+        platform: the run's; that of this worker is told as `platform` when it differs.
+        work: flyer and task, pickled: another version of the package might not even read them.
+
+    Raises:
+        Exception: the study cannot be flown.
+    """
+    from distributed import get_worker
+
+    worker = get_worker()
+    key = worker.get_current_task()
+
+    def tell(kind: str, content: str | bytes) -> None:
+        worker.log_event(TOPIC, (run, number, worker.address, kind, content))
+
+    folder = _study(Path(worker.local_directory), bundle)
+    ours = _inputs(folder)
+    other = [part for part, digest in inputs.items() if ours.get(part) != digest]
+    if other:
+        tell("refused", ", ".join(f"{part} {ours.get(part, 'none')[:12]}, not {inputs[part][:12]}" for part in other))
+        return
+    changed = differences(platform, fingerprint())
+    if changed:
+        tell("platform", ", ".join(changed))
+
+    def stop() -> bool:  # the run no longer wants the task
+        state = worker.state.tasks.get(key)
+        return state is None or state.state == "cancelled"
+
+    tell("begun", "")
+    flyer, task = pickle.loads(work)
+    with _slot(folder, flyer, stop) as pool:
+        for outcome in pool.map([task]):
+            tell("outcome", pickle.dumps(outcome))
+
+
+@dataclass
+class Hand:
+    """The work of a process that knows nothing yet: it opens the study when the first task comes."""
+
+    study: Path
+    flyer: Flyer
+    _worker: Worker | None = None
+
+    def __call__(self, task: Task, home: Callable[[Outcome], None]) -> None:
+        """Fly one task."""
+        if self._worker is None:
+            study = Study.open(self.study)
+            self.flyer.prepare(study, lambda _text: None)
+            self._worker = Worker(study, self.flyer)
+        self._worker(task, home)
+
+
+@dataclass(eq=False)
+class _Slot:
+    """A process that flies, started when it is first needed, and replaced by its pool when it dies."""
+
+    hand: Hand
+    stop: Callable[[], bool] = lambda: False
+    pool: Pool[Task, Outcome] = field(init=False)
+    expiry: threading.Timer | None = None
+
+    def __post_init__(self) -> None:
+        self.pool = Pool(
+            self.hand, 1, left=left_of, lost=lost, stop=lambda: self.stop(), patient=False, hire=started_clean
+        )
+
+
+@contextmanager
+def _slot(study: Path, flyer: Flyer, stop: Callable[[], bool]) -> Iterator[Pool[Task, Outcome]]:
+    """The pool of an idle slot, else of a new one; whoever leaves in peace leaves it for the next."""
+    slots = _idle[study, pickle.dumps(flyer)]
+    with _lock:
+        slot = slots.pop() if slots else _Slot(Hand(study, flyer))
+        if slot.expiry:
+            slot.expiry.cancel()
+    slot.stop = stop
+    try:
+        yield slot.pool
+    except BaseException:
+        slot.pool.close()
+        raise
+    with _lock:
+        slots.append(slot)
+        slot.expiry = threading.Timer(IDLE_S, _expire, (slots, slot))
+        slot.expiry.daemon = True
+        slot.expiry.start()
+
+
+def _expire(slots: list[_Slot], slot: _Slot) -> None:
+    with _lock:
+        if slot not in slots:
+            return
+        slots.remove(slot)
+    slot.pool.close()
+
+
+@lru_cache
+def _study(scratch: Path, bundle: str) -> Path:
+    """The folder of the study that was sent to `scratch`.
+
+    Raises:
+        ScaloftError: it never came.
+    """
+    due_s = time.monotonic() + ARRIVAL_S
+    while time.monotonic() < due_s:
+        try:
+            content = (scratch / bundle).read_bytes()
+        except FileNotFoundError:
+            content = b""
+        if digest_of(content) == bundle:
+            return unpacked(content, scratch / f"study-{bundle}")
+        time.sleep(0.05)
+    raise ScaloftError(f"the study did not reach the worker in {scratch}")
+
+
+@lru_cache
+def _inputs(folder: Path) -> Mapping[str, str]:
+    return Study.open(folder).inputs

@@ -1,0 +1,98 @@
+"""Flights that share their baseline's beginning against the same flights flown whole."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+from functools import cache
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from scaloft_fi.campaign.flights.fly import Physics, Worker
+from scaloft_fi.campaign.flights.fork import CAN_FORK
+from scaloft_fi.campaign.flights.share import as_baseline
+from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.campaign.plan.task import Task, alone
+from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.mutant import Mutant
+from scaloft_fi.mutants.wire import SeamCount
+from scaloft_fi.results.outcome import Outcome, Subject
+from scaloft_fi.results.status import Status, flight_of
+from scaloft_fi.sim.situation import Situation
+from scaloft_fi.study import Study
+
+ROOT = Path(__file__).parents[3]
+SHORT = ("T0O0W0D0H0", "T0O0W0D0H1", "T0O0W0D1H1")
+"""Situations without a corner: the shortest missions."""
+
+
+def test_what_never_differs_has_its_baselines_outcome_but_for_what_it_carried() -> None:
+    baseline = Outcome(Subject("baseline"), "D0", 1, ending="landed", digest="d", realised=(("D", True),), track=b"t")
+    subject = Subject("LATE-human@3s", "LATE", "human", "3s")
+    assert as_baseline(baseline, subject, {"person": SeamCount(7, 0, None)}) == Outcome(
+        subject, "D0", 1, ending="landed", carried=7, digest="d", track=b"t"
+    )
+
+
+@cache
+def _study() -> Study:
+    """The reference study, ready to fly."""
+    study = Study.open(ROOT)
+    Physics().prepare(study, lambda _text: None)
+    return study
+
+
+def _outcomes(tasks: list[Task]) -> dict[str, Outcome]:
+    home: list[Outcome] = []
+    for task in tasks:
+        Worker(_study(), Physics())(task, home.append)
+    assert len({outcome.name for outcome in home}) == len(home)
+    return {outcome.name: outcome for outcome in home}
+
+
+def _mutants() -> st.SearchStrategy[list[Mutant]]:
+    return st.lists(st.sampled_from(_study().catalogue), min_size=1, max_size=4, unique_by=lambda mutant: mutant.id)
+
+
+@pytest.mark.flight
+@pytest.mark.skipif(not CAN_FORK, reason="this platform flies every flight whole")
+@settings(max_examples=6, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@given(data=st.data(), key=st.sampled_from(SHORT), seed=st.integers(0, 3))
+def test_shared_flights_are_the_whole_flights_digest_for_digest_and_field_for_field(
+    data: st.DataObject, key: str, seed: int
+) -> None:
+    situation: Situation = _study().grid.situation(key)
+    mutants = data.draw(_mutants())
+    flights = tuple(Flight(mutant, situation, seed) for mutant in (None, *mutants))
+    shared, whole = _outcomes([Task(flights, shared=True)]), _outcomes(alone(flights))
+    assert shared.keys() == whole.keys() == {flight.name for flight in flights}
+    assert not any(outcome.invalid for outcome in whole.values())
+    for name, outcome in whole.items():
+        assert asdict(shared[name]) == asdict(outcome)
+
+
+@pytest.mark.flight
+@pytest.mark.skipif(not CAN_FORK, reason="this platform flies every flight whole")
+def test_a_flight_cut_at_its_first_kill_says_of_the_kill_what_the_whole_one_says() -> None:
+    situation: Situation = _study().grid.situation("T0O0W0D0H1")
+    names = ("LATE-human@3s", "LATE-human@0.5s", "REVERSE-goal")
+    flights = tuple(Flight(realise(_study().matrix, name), situation, 0) for name in names)
+    clean = Flight(None, situation, 0)
+    whole = _outcomes([Task((clean, *flights), shared=True)])
+    baseline = whole[clean.name]
+    cut = _outcomes([Task(flights, shared=True, baseline=baseline)])
+    assert cut == _outcomes([replace(task, baseline=baseline) for task in alone(flights)])
+    statuses = set()
+    for flight in flights:
+        short, long = (flight_of(found[flight.name], baseline) for found in (cut, whole))
+        statuses.add(short.status)
+        assert (short.status, short.kills[:1], short.killed_at_s) == (long.status, long.kills[:1], long.killed_at_s)
+        if short.outcome.truncated:
+            assert short.status is Status.KILLED
+            assert short.killed_at_s <= short.outcome.duration_s < long.outcome.duration_s
+        else:
+            assert short.outcome == long.outcome
+    assert statuses == {Status.KILLED, Status.SURVIVED}
+    assert any(outcome.truncated for outcome in cut.values())

@@ -1,0 +1,130 @@
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from scaloft_fi.campaign.held.folder import STORE_NAME
+from scaloft_fi.campaign.plan.strategy import Choice, choose, remember, remembered
+from scaloft_fi.errors import InputError
+from scaloft_fi.results.situations.t_way import t_way
+from scaloft_fi.results.store import Store
+from scaloft_fi.study import Study
+
+STUDY = Study.open(Path(__file__).parents[3])
+GRID, SPACE = STUDY.grid, STUDY.space
+
+
+def chosen(text: str, seeds: tuple[int, ...] = (0,), seed: int = 0, pool: tuple[str, ...] = ()) -> Choice:
+    return choose(text, GRID.select(pool), seeds, seed, SPACE)
+
+
+def keys(choice: Choice) -> list[str]:
+    return [situation.key for situation in choice.situations]
+
+
+def test_all_is_every_situation_with_every_seed() -> None:
+    assert chosen("all", (0, 1)).draws == tuple((s, n) for s in GRID.situations for n in (0, 1))
+
+
+def test_first_are_the_first_of_the_grid() -> None:
+    assert keys(chosen("first:3")) == ["T0O0W0D0H0", "T0O0W0D0H1", "T0O0W0D1H0"]
+
+
+@given(st.integers(1, 32), st.integers(0, 5))
+def test_random_situations_are_distinct_and_a_larger_choice_has_the_smaller_one(count: int, seed: int) -> None:
+    some = keys(chosen(f"random:{count}", seed=seed))
+    assert len(set(some)) == count
+    assert keys(chosen("random:32", seed=seed))[:count] == some
+
+
+def test_random_situations_and_draws_favour_none() -> None:
+    random = Counter(key for seed in range(400) for key in keys(chosen("random:8", seed=seed)))
+    draws = Counter(situation.key for seed in range(100) for situation, _ in chosen("draws:32", seed=seed).draws)
+    for counted in (random, draws):
+        # 3,200 and 100 each expected; 5 standard deviations of the binomial
+        assert set(counted) == set(SPACE.point)
+        assert max(abs(count - 100) for count in counted.values()) < 50
+
+
+@given(st.integers(1, 80), st.integers(0, 3), st.integers(0, 9))
+def test_a_repeated_draw_takes_the_next_seed(count: int, seed: int, first: int) -> None:
+    draws = chosen(f"draws:{count}", (first,), seed).draws
+    assert len(draws) == len(set(draws)) == count
+    for situation in {situation for situation, _ in draws}:
+        seeds = [number for other, number in draws if other == situation]
+        assert seeds == list(range(first, first + len(seeds)))
+
+
+@pytest.mark.parametrize(("share", "distinct"), [("50%", 16), ("90%", 29), ("100%", 32), ("2.5%", 1)])
+def test_draws_stop_when_the_share_is_drawn(share: str, distinct: int) -> None:
+    choice = chosen(f"draws:{share}")
+    assert len(choice.situations) == distinct
+    assert choice.draws == chosen(f"draws:{len(choice.draws)}").draws
+    assert len(chosen(f"draws:{len(choice.draws) - 1}").situations) < distinct if len(choice.draws) > 1 else True
+
+
+def test_a_share_is_exact() -> None:
+    # as floating-point numbers 55 % of 20 would be a little more than 11
+    assert len(choose("draws:55%", GRID.situations[:20], (0,), 0, SPACE).situations) == 11
+
+
+def test_on_average_as_many_draws_are_distinct_as_the_closed_form_says() -> None:
+    mean = sum(len(chosen("draws:23", seed=seed).situations) for seed in range(300)) / 300
+    assert mean == pytest.approx(32 * (1 - (31 / 32) ** 23), abs=0.5)  # 16.6: the paper's 23 draws
+
+
+@pytest.mark.parametrize(("text", "size"), [("1-way", 2), ("2-way", 6), ("3-way", 10), ("4-way", 16), ("5-way", 32)])
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_covering_arrays_of_the_reference_study_are_the_smallest(text: str, size: int, seed: int) -> None:
+    some = keys(chosen(text, seed=seed))
+    assert len(some) == size
+    assert t_way(some, SPACE, int(text[0])).total.value == 1.0
+
+
+def test_a_choice_is_made_among_the_situations_asked_for() -> None:
+    pool = ("T1*",)
+    for text in ("2-way", "random:5", "draws:20", "first:2"):
+        assert all(key.startswith("T1") for key in keys(chosen(text, pool=pool)))
+    assert len(keys(chosen("2-way", pool=pool))) == 5  # the smallest for the four axes left
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("some", "must be all, random:N, draws:N, draws:P%, first:N, or a covering array such as 2-way"),
+        ("random:33", "must ask for at most 32, the situations to choose from"),
+        ("first:0", "must be all"),
+        ("draws:101%", "must be all"),
+        ("draws:0%", "must be all"),
+        ("6-way", "must be 1-way to 5-way, the number of axes"),
+        ("0-way", "must be all"),
+    ],
+)
+def test_a_choice_that_cannot_be_is_refused(text: str, sentence: str) -> None:
+    with pytest.raises(InputError, match=f"--choose='{text}' .*{sentence}"):
+        chosen(text)
+
+
+def test_draws_take_one_seed() -> None:
+    with pytest.raises(InputError, match="gives each draw a seed of its own"):
+        chosen("draws:5", (0, 1))
+
+
+def test_the_choices_of_a_campaign_are_remembered_once_each(tmp_path: Path) -> None:
+    first, second = chosen("draws:7"), chosen("2-way", (0, 1), seed=3)
+    for choice in (first, second, first, chosen("all")):
+        remember(tmp_path, choice)
+    with Store(tmp_path / STORE_NAME, create=False) as store:
+        assert store.meta() == {}
+        found = remembered(store)
+    assert [(one.text, one.seed, one.pool) for one in found] == [("2-way", 3, 32), ("draws:7", 0, 32)]
+    assert found[1].draws == tuple((situation.key, number) for situation, number in first.draws)
+
+
+def test_that_all_are_flown_is_no_choice_to_remember(tmp_path: Path) -> None:
+    remember(tmp_path / "none", chosen("all"))
+    assert not (tmp_path / "none").exists()

@@ -1,0 +1,160 @@
+"""How well the rest of a campaign is foretold, and what the tally and the alarm say meanwhile."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from random import Random
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from scaloft_fi.campaign.plan.plan import Flight, plan
+from scaloft_fi.campaign.progress.alarm import Alarm
+from scaloft_fi.campaign.progress.forecast import PRIOR_SHARE, Forecast
+from scaloft_fi.campaign.progress.tally import Tally
+from scaloft_fi.mutants.derive import defaults, realise
+from scaloft_fi.results.outcome import Outcome
+
+LATE, CONTROL = "LATE-human@3s", "REVERSE-velcmd"
+
+
+def _flights(study: Any, mutants: int = 10) -> list[Flight]:
+    planned = plan(study.grid, (0,), defaults(study.matrix)[:mutants], None)
+    return [*planned.baselines, *planned.mutants]
+
+
+def _flown(log: Any, flight: Flight, share: float) -> Outcome:
+    """A flight that leaves its baseline so late that `share` of it is flown."""
+    outcome: Outcome = log(None, flight)
+    if flight.subject.id in ("baseline", "PLACEBO"):
+        return outcome
+    return replace(outcome, infected_at_s=outcome.duration_s * (1 - share) if share else None)
+
+
+def test_before_anything_is_home_a_mutant_costs_the_prior_share_of_its_mission(study: Any) -> None:
+    forecast = Forecast(share=True)
+    for flight in _flights(study):
+        forecast.expect(flight, flight.situation.nominal_s)
+    missions_s = sum(situation.nominal_s for situation in study.grid)
+    assert forecast.left_s == pytest.approx(missions_s * (2 + 10 * PRIOR_SHARE))
+
+
+@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(random=st.randoms(use_true_random=False))
+def test_when_all_is_home_nothing_is_left_and_the_cost_is_what_was_flown(study: Any, log: Any, random: Random) -> None:
+    planned = plan(study.grid, (0, 1), defaults(study.matrix)[:5], None)
+    flights = [*planned.baselines, *planned.mutants]
+    forecast, cost_s = Forecast(share=True), 0.0
+    for flight in flights:
+        assert forecast.expect(flight, flight.situation.nominal_s)
+    random.shuffle(flights)
+    for flight in flights:
+        outcome = _flown(log, flight, random.choice((0.0, 0.3, 1.0)))
+        whole = flight.subject.id in ("baseline", "PLACEBO")
+        infected_s = outcome.infected_at_s
+        cost_s += outcome.duration_s if whole else 0.0 if infected_s is None else outcome.duration_s - infected_s
+        assert forecast.home(flight, outcome, flight.situation.nominal_s)
+        assert forecast.left_s >= 0.0
+    assert forecast.left_s == pytest.approx(0.0, abs=1e-6)
+    assert forecast.done_s == pytest.approx(cost_s)
+
+
+def _home(forecast: Forecast, log: Any, flights: Sequence[Flight], share: float) -> None:
+    for flight in flights:
+        forecast.home(flight, _flown(log, flight, share), flight.situation.nominal_s)
+
+
+def test_within_a_draw_only_what_comes_after_the_latest_leaving_is_expected(study: Any, log: Any) -> None:
+    flights = [flight for flight in _flights(study) if flight.situation.key == "D0H0"]
+    forecast = Forecast(share=True)
+    for flight in flights:
+        forecast.expect(flight, flight.situation.nominal_s)
+    left_s = [forecast.left_s]
+    for flight, share in zip(flights[2:6], (1.0, 0.5, 0.25, 0.05), strict=True):
+        _home(forecast, log, [flight], share)
+        left_s.append(forecast.left_s)
+    assert left_s == sorted(left_s, reverse=True)
+    whole_s = 2 * flights[0].situation.nominal_s
+    assert left_s[-1] - whole_s < 0.1 * (left_s[0] - whole_s)
+
+
+def test_shares_are_learnt_when_the_draw_is_complete(study: Any, log: Any) -> None:
+    flights = _flights(study)
+    forecast = Forecast(share=True)
+    for flight in flights:
+        forecast.expect(flight, flight.situation.nominal_s)
+    elsewhere_s = sum(situation.nominal_s for situation in study.grid if situation.key != "D0H0")
+    one = [flight for flight in flights if flight.situation.key == "D0H0"]
+    _home(forecast, log, one[1:], 0.0)
+    assert forecast.left_s == pytest.approx(elsewhere_s * (2 + 10 * PRIOR_SHARE) + one[0].situation.nominal_s)
+    _home(forecast, log, one[:1], 0.0)
+    assert forecast.left_s < elsewhere_s * (2 + 10 * PRIOR_SHARE * 0.7)
+
+
+def test_a_baseline_known_before_tells_how_long_flights_last(study: Any, log: Any) -> None:
+    flights = [flight for flight in _flights(study) if flight.situation.key == "D0H0"]
+    forecast = Forecast(share=True)
+    for flight in flights[1:]:
+        forecast.expect(flight, flight.situation.nominal_s)
+    before_s = forecast.left_s
+    forecast.known(flights[0], replace(log(study, flights[0]), duration_s=15.0), 30.0)
+    assert forecast.left_s == pytest.approx(before_s / 2)
+
+
+def test_a_carrier_flown_again_is_flown_but_was_not_expected(study: Any, log: Any) -> None:
+    baseline = _flights(study)[0]
+    forecast = Forecast(share=True)
+    assert not forecast.home(baseline, log(study, baseline), 30.0)
+    assert forecast.done_s == 30.0
+
+
+def test_what_is_dropped_is_left_no_longer(study: Any) -> None:
+    forecast = Forecast(share=True)
+    for flight in _flights(study):
+        forecast.expect(flight, 30.0)
+    assert [forecast.drop(flight) for flight in _flights(study)] == [True] * 48
+    assert not forecast.drop(_flights(study)[0])
+    assert forecast.left_s == 0.0
+
+
+def test_kills_are_counted_by_guideword_once_their_baseline_is_home_and_controls_are_not(study: Any, log: Any) -> None:
+    mutants = [realise(study.matrix, name) for name in (LATE, CONTROL)]
+    planned = plan(study.grid, (0,), mutants, None)
+    tally = Tally(study.roster)
+    for flight in planned.mutants:
+        tally.add(log(study, flight))
+    assert str(tally) == ""
+    for flight in planned.baselines:
+        tally.add(log(study, flight))
+    assert str(tally) == "LATE 1"
+    other = Tally(study.roster)
+    for flight in (*planned.baselines, *planned.mutants):
+        other.add(log(study, flight))
+    assert other.kills == tally.kills
+
+
+def test_a_named_mutant_is_told_in_full_a_whole_campaign_once_a_mutant_and_requirement(study: Any, log: Any) -> None:
+    planned = plan(study.grid, (0,), [realise(study.matrix, CONTROL)], None)
+    outcomes = [log(study, flight) for flight in (*planned.baselines, *planned.mutants)]
+    every, some = Alarm(every=True), Alarm(every=False)
+    in_full = [line for outcome in outcomes for line in every.lines(outcome)]
+    told = [line for outcome in outcomes for line in some.lines(outcome)]
+    violations = sum(len(outcome.violations) for outcome in outcomes)
+    assert len(in_full) == violations
+    assert sum("baseline/" in line for line in told) == sum("baseline/" in line for line in in_full) == 1
+    assert sum(f"{CONTROL}/" in line and "SR1" in line for line in told) == 1
+    assert len(told) + some.untold == violations
+    assert list(some.last()) == [
+        f"warning: {some.untold} more violations by mutants named above are in the mission log"
+    ]
+    assert list(every.last()) == []
+
+
+def test_an_invalid_flight_is_always_told(study: Any, log: Any) -> None:
+    broken = replace(log(study, _flights(study)[0]), invalid="no memory", violations=())
+    alarm = Alarm(every=False)
+    for _ in range(2):
+        assert list(alarm.lines(broken)) == ["warning: invalid, not counted: baseline/D0H0/0: no memory"]

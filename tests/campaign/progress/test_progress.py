@@ -1,0 +1,135 @@
+from __future__ import annotations
+
+import io
+from collections.abc import Callable
+
+import pytest
+
+from scaloft_fi.campaign.progress.progress import LINE_EVERY_S, Progress, Silence, duration
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+class Clock:
+    def __init__(self) -> None:
+        self.now_s = 100.0
+
+    def __call__(self) -> float:
+        return self.now_s
+
+
+def _progress(stream: io.StringIO, make: Callable[..., Progress] = Progress) -> tuple[Progress, Clock]:
+    clock = Clock()
+    progress = make(stream=stream, clock=clock)
+    progress.flights = 10
+    progress.left_s = lambda: 400.0 - progress.done_s
+    return progress, clock
+
+
+def _advance(progress: Progress, flown_s: float) -> None:
+    progress.done_s += flown_s
+    progress.advance()
+
+
+def test_time_left_is_weighted_by_expected_flight_time() -> None:
+    progress, clock = _progress(io.StringIO())
+    clock.now_s += 6.0
+    _advance(progress, 100.0)
+    assert progress.time_left_s == pytest.approx(18.0)
+
+
+def test_the_pace_so_far_says_how_long_more_would_take() -> None:
+    progress, clock = _progress(io.StringIO())
+    assert progress.wall_s(50.0) is None
+    clock.now_s += 6.0
+    _advance(progress, 100.0)
+    assert progress.wall_s(50.0) == pytest.approx(3.0)
+
+
+def test_a_budget_bounds_the_time_left() -> None:
+    progress, clock = _progress(io.StringIO())
+    progress.most_s = lambda: 5.0
+    clock.now_s += 6.0
+    _advance(progress, 100.0)
+    assert progress.time_left_s == 5.0
+
+
+def test_the_clock_starts_with_the_first_flight_and_only_then() -> None:
+    progress, clock = _progress(io.StringIO())
+    clock.now_s += 60.0
+    progress.start()
+    clock.now_s += 6.0
+    _advance(progress, 100.0)
+    progress.start()
+    assert progress.time_left_s == pytest.approx(18.0)
+
+
+def test_time_left_is_unknown_before_the_first_flight() -> None:
+    progress, _ = _progress(io.StringIO())
+    assert progress.time_left_s is None
+
+
+def test_without_a_terminal_there_is_one_line_every_ten_seconds() -> None:
+    stream = io.StringIO()
+    progress, clock = _progress(stream)
+    for number in range(8):
+        clock.now_s += LINE_EVERY_S / 4
+        progress.kills = "LATE 3, NO 5" if number > 4 else ""
+        _advance(progress, 40.0)
+    assert stream.getvalue().splitlines() == [
+        "4/10 flights  0.4/s  15 s left",
+        "8/10 flights  0.4/s  5 s left  kills: LATE 3, NO 5",
+    ]
+
+
+def test_on_a_terminal_the_line_is_live_and_a_warning_stands_above_it() -> None:
+    stream = Terminal()
+    progress, clock = _progress(stream)
+    clock.now_s += 1.0
+    _advance(progress, 200.0)
+    progress.line("warning: SR1 violated")
+    before, after = stream.getvalue().split("warning: SR1 violated\n")
+    assert "\n" not in before
+    assert after.startswith("\r\x1b[K[############............] 1/10 flights")
+
+
+def test_a_live_line_never_wraps(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "60")
+    stream = Terminal()
+    progress, clock = _progress(stream)
+    progress.kills = ", ".join(f"GUIDEWORD{number} 99" for number in range(12))
+    clock.now_s += 1.0
+    _advance(progress, 200.0)
+    assert len(stream.getvalue().removeprefix("\r\x1b[K")) == 59
+
+
+def test_the_end_leaves_a_summary() -> None:
+    stream = io.StringIO()
+    progress, clock = _progress(stream)
+    clock.now_s += 4.0
+    _advance(progress, 40.0)
+    progress.close()
+    assert stream.getvalue() == "1 of 10 flights flown in 4 s, 0.2 a second\n"
+
+
+def test_nothing_to_fly_says_nothing() -> None:
+    stream = io.StringIO()
+    Progress(stream=stream).close()
+    assert stream.getvalue() == ""
+
+
+def test_quiet_shows_nothing_at_all() -> None:
+    stream = Terminal()
+    progress, clock = _progress(stream, Silence)
+    clock.now_s += 60.0
+    _advance(progress, 40.0)
+    progress.line("warning: SR1 violated")
+    progress.close()
+    assert stream.getvalue() == ""
+
+
+def test_a_long_time_is_told_in_hours() -> None:
+    assert duration(7260) == "2 h 01 min"

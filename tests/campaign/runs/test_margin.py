@@ -1,0 +1,207 @@
+"""The search without physics: what is flown for it, what it finds, and that it disturbs nothing."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from scaloft_fi.campaign.held.folder import STORE_NAME
+from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.campaign.progress.progress import Progress
+from scaloft_fi.campaign.runs.margin import find, target
+from scaloft_fi.campaign.runs.options import RunOptions
+from scaloft_fi.campaign.runs.run import run
+from scaloft_fi.errors import InputError
+from scaloft_fi.mutants.mutant import PLACEBO
+from scaloft_fi.results.outcome import BASELINE, Outcome, Violation
+from scaloft_fi.results.scoring.score import score
+from scaloft_fi.results.store import Store
+from scaloft_fi.results.worksheet.margin import Margin, Subject, lowest, margins
+from scaloft_fi.results.worksheet.margins import cell_margins
+from scaloft_fi.study import Study
+
+LATE = Subject("LATE-human", "s")
+THRESHOLDS = {"D0H0": 1e9, "D0H1": 1.3, "D1H0": 2.2, "D1H1": 0.0}
+"""From which delay LATE-human is too fast [s]; D1H1 is red without it."""
+
+
+def delayed(flight: Flight, flown: Outcome) -> Outcome:
+    """LATE-human violates SR2 from each situation's threshold on, and infects."""
+    if flight.mutant is None or flight.mutant.cell != "LATE-human" or flight.situation.key == "D1H1":
+        return flown
+    kills = float(flight.mutant.arguments["delay_s"]) >= THRESHOLDS[flight.situation.key]
+    readings = tuple(
+        replace(reading, rho=-1.0, violated_at_s=7.0) if kills and reading.requirement == "SR2" else reading
+        for reading in (replace(reading, rho=1.0, violated_at_s=None) for reading in flown.readings)
+    )
+    violation = Violation("SR2", readings[1].kind, 7.0, 0.1, 1.0, 1.6, "")
+    return replace(
+        flown,
+        readings=readings,
+        violations=(violation,) if kills else (),
+        altered=3,
+        infected_at_s=1.0,
+        digest=flight.name,
+    )
+
+
+@pytest.fixture
+def late(log: Any) -> Any:
+    log.change = delayed
+    return log
+
+
+def search(study: Any, flyer: Any, *texts: str, seeds: tuple[int, ...] = (0,), **more: Any) -> dict[str, Margin]:
+    targets = [target(study.matrix, text, more.get("tolerance")) for text in texts or ("LATE-human",)]
+    rounds = [more.get("rounds", 1000)]
+
+    def say() -> Progress:
+        rounds[0] -= 1
+        if rounds[0] < 0:
+            raise RuntimeError("the power failed")
+        return Progress(stream=io.StringIO())
+
+    options = RunOptions(jobs=1)
+    found = find(study, targets, study.grid, seeds, study.folder / "c", options, progress=say, flyer=flyer)
+    return {margin.situations[0]: margin for margin in found[targets[0].subject]}
+
+
+def test_each_situation_has_its_own_threshold_between_what_survives_and_what_kills(study: Any, late: Any) -> None:
+    found = search(study, late)
+    for key in ("D0H1", "D1H0"):
+        survives, kills = found[key].survives, found[key].kills
+        assert survives is not None
+        assert kills is not None
+        assert survives < THRESHOLDS[key] <= kills
+        assert kills - survives <= 0.1 * kills
+    assert str(found["D0H0"]) == "> 40 s"
+    assert str(lowest(found.values())) == str(found["D0H1"])
+
+
+def test_where_the_baseline_is_red_nothing_is_searched_beyond_the_ladder(study: Any, late: Any) -> None:
+    found = search(study, late)
+    assert str(found["D1H1"]) == "?"
+    ladder = {f"LATE-human@{rung}s/D1H1/0" for rung in ("0.5", "1", "3", "5")}
+    assert {name for name in late.flown if name.startswith("LATE") and "D1H1" in name} == ladder
+
+
+def test_a_tolerance_in_seconds_is_kept(study: Any, late: Any) -> None:
+    found = search(study, late, tolerance=0.02)["D0H1"]
+    assert found.kills is not None
+    assert found.survives is not None
+    assert found.kills - found.survives == pytest.approx(0.02)
+
+
+def test_the_same_search_again_flies_nothing_and_finds_the_same(study: Any, late: Any) -> None:
+    first = search(study, late)
+    flown = len(late.flown)
+    assert search(study, late) == first
+    assert len(late.flown) == flown
+
+
+def test_what_another_verb_has_flown_is_not_flown_again(study: Any, late: Any) -> None:
+    from scaloft_fi.campaign.plan.plan import plan
+    from scaloft_fi.mutants.derive import realise
+
+    planned = plan(study.grid, (0,), [realise(study.matrix, "LATE-human@3s")], None)
+    run(study, planned, study.folder / "c", progress=Progress(stream=io.StringIO()), flyer=late)
+    search(study, late)
+    assert late.flown.count("LATE-human@3s/D0H1/0") == 1
+
+
+def test_a_search_that_dies_goes_on_where_it_stopped(study: Any, late: Any) -> None:
+    whole = search(study, late)
+    flown = sorted(name for name in late.flown if name.startswith("LATE"))
+    (study.folder / "c" / STORE_NAME).unlink()
+    late.path.unlink()
+    with pytest.raises(RuntimeError, match="the power failed"):
+        search(study, late, rounds=3)
+    before = [name for name in late.flown if name.startswith("LATE")]
+    assert 0 < len(before) < len(flown)
+    assert search(study, late) == whole
+    assert sorted(name for name in late.flown if name.startswith("LATE")) == flown
+
+
+def test_every_seed_counts_and_one_kill_is_a_kill(study: Any, late: Any) -> None:
+    def seeded(flight: Flight, flown: Outcome) -> Outcome:
+        done = delayed(flight, flown)
+        calm = flight.seed == 1 and flight.mutant is not None and flight.mutant.cell == "LATE-human"
+        return replace(flown, altered=3, digest=flight.name) if calm and flight.situation.key != "D1H1" else done
+
+    late.change = seeded
+    found = search(study, late, seeds=(0, 1))["D0H1"]
+    (kill,) = [entry for entry in found.tried if entry.magnitude == found.kills]
+    assert (kill.kills, kill.flown) == (1, 2)
+
+
+def test_magnitudes_off_the_ladder_are_in_no_ratio(study: Any, late: Any) -> None:
+    from scaloft_fi.campaign.held.held import held_in
+
+    search(study, late)
+    with Store(study.folder / "c" / STORE_NAME) as store:
+        outcomes = held_in(study, store, study.folder / "c").current
+    scored = score(outcomes, study.roster, study.space)
+    only = [outcome for outcome in outcomes if outcome.mutant in (BASELINE, PLACEBO.id, "LATE-human@3s")]
+    bare = score(only, study.roster, study.space)
+    assert len({outcome.mutant for outcome in outcomes}) > 8
+    for name in ("exercised", "infected", "mutation_score", "strict_score", "operability"):
+        assert getattr(scored, name) == getattr(bare, name)
+
+
+def test_the_matrix_shows_the_margin_from_the_store_alone(study: Any, late: Any) -> None:
+    from scaloft_fi.campaign.held.held import held_in
+
+    found = search(study, late)
+    with Store(study.folder / "c" / STORE_NAME) as store:
+        outcomes = held_in(study, store, study.folder / "c").current
+    told = cell_margins(outcomes, study.matrix)
+    assert told["LATE-human"] == str(lowest(found.values()))
+    assert told["REVERSE-human"] == "CONTROL"
+    assert told["EARLY-collision"] == "-"
+    assert told["MORE-goal"] == "?"
+    assert {margin.situations[0]: margin for margin in margins(outcomes, study.matrix)[LATE]} == found
+
+
+def test_a_phase_has_a_margin_of_its_own(study: Any) -> None:
+    shifted = target(study.matrix, "UNINTENDED-human@20s#5s")
+    assert shifted.id_of(30.0) == "UNINTENDED-human@30s#5s"
+    assert shifted.subject == Subject("UNINTENDED-human", "s", 5.0)
+
+
+def test_the_unit_picks_the_fault(study: Any) -> None:
+    assert target(study.matrix, "NO-depth").subject.unit == "s"
+    assert target(study.matrix, "NO-depth@90%").subject.unit == "%"
+    assert target(study.matrix, "NO-depth@90%").search.most == 100.0
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("PARTOF-goal", "magnitudes without an order"),
+        ("BEFORE-goal", "magnitudes without an order"),
+        ("NO-waypoint", "has no magnitude"),
+        ("LATE-humna", "did you mean 'LATE-human'?"),
+    ],
+)
+def test_a_fault_without_an_order_is_refused_in_a_sentence(study: Any, text: str, says: str) -> None:
+    with pytest.raises(InputError) as error:
+        target(study.matrix, text)
+    assert says in str(error.value)
+
+
+@pytest.mark.flight
+def test_the_margin_of_late_human_in_flight_lies_between_its_rungs(tmp_path: Path) -> None:
+    """Delays of the detection beyond the time that SR2 allows kill, delays within the drone's slack do not."""
+    study = Study.open(Path(__file__).parents[3])
+    goal = target(study.matrix, "LATE-human", tolerance=0.5)
+    (situation,) = study.grid.select(["T0O0W0D0H1"])
+    found = find(study, [goal], [situation], (0,), tmp_path, progress=lambda: Progress(stream=io.StringIO()))
+    (margin,) = found[goal.subject]
+    assert margin.survives is not None
+    assert margin.kills is not None
+    assert margin.kills - margin.survives <= 0.5
+    assert margin.kills <= 3.0

@@ -1,0 +1,50 @@
+"""The campaign on the reference study in PyBullet."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[3]
+pytestmark = pytest.mark.flight
+
+WORDS = ("--mutant", "LATE-human", "--mutant", "UNINTENDED-collision@20s", "--situation", "T0O0W0D0H1", "--quiet")
+
+
+def _call(*words: str | Path) -> subprocess.CompletedProcess[str]:
+    call = [sys.executable, "-m", "scaloft_fi", *map(str, words)]
+    done = subprocess.run(call, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("one") / "c"
+    _call("run", *WORDS, "--jobs", "1", "--campaign", folder)
+    return folder
+
+
+def test_placebo_is_the_baseline_bit_for_bit(campaign: Path) -> None:
+    rows = {row["mutant"]: row for row in json.loads(_call("export", "--campaign", campaign).stdout)}
+    assert rows["PLACEBO"]["digest"] == rows["baseline"]["digest"]
+    assert rows["PLACEBO"]["status"] == "not_infected"
+    assert rows["LATE-human@3s"]["digest"] != rows["baseline"]["digest"]
+
+
+def test_the_person_reported_late_kills_by_sr2(campaign: Path) -> None:
+    rows = {row["mutant"]: row for row in json.loads(_call("export", "--campaign", campaign).stdout)}
+    assert rows["baseline"]["status"] == "held"
+    assert rows["LATE-human@3s"]["status"] == "killed"
+    assert "SR2" in rows["LATE-human@3s"]["violated"]
+
+
+def test_a_replay_is_bit_for_bit_the_campaigns_flight_and_draws_it(campaign: Path, tmp_path: Path) -> None:
+    picture = tmp_path / "map.png"
+    done = _call("replay", "LATE-human@3s/T0O0W0D0H1/0", "--campaign", campaign, "--output", picture)
+    assert "bit for bit" in done.stdout
+    assert picture.read_bytes().startswith(b"\x89PNG")

@@ -1,0 +1,283 @@
+"""Runs on a real Dask scheduler and real workers, without physics: who flies, who is refused, what is told."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from importlib import import_module
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import distributed
+import pytest
+
+from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.campaign.plan.task import Task
+from scaloft_fi.campaign.runs.interrupt import Interrupted
+from scaloft_fi.campaign.workers.cluster import Cluster
+from scaloft_fi.campaign.workers.executor import Local, executor_named
+from scaloft_fi.errors import InputError
+from scaloft_fi.mutants.derive import realise
+from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.study import Study
+
+ROOT = Path(__file__).parents[3]
+LATE, MORE = "LATE-human@3s", "MORE-goal@1m"
+FLYER = """
+import os, signal, time
+from dataclasses import dataclass
+from scaloft_fi.results.outcome import Outcome
+
+@dataclass(frozen=True)
+class Flyer:
+    deadly: str = ""  # over this flight the Dask worker dies
+    slow_s: float = 0.0
+    mark: str = ""  # a file for the number of the process that flies
+
+    def prepare(self, study, say):
+        pass
+
+    def __call__(self, study, flight, baseline=None):
+        if self.mark:
+            with open(self.mark, "w") as file:
+                file.write(f"{os.getpid()}\\n")
+        time.sleep(self.slow_s)
+        if flight.name == self.deadly:
+            os.kill(os.getppid(), signal.SIGKILL)
+            time.sleep(60.0)
+        return Outcome(flight.subject, flight.situation.key, flight.seed, ending="landed", digest=str(study.folder))
+
+    def share(self, study, task, home):
+        for flight in task.flights:
+            home(self(study, flight))
+"""
+
+
+@pytest.fixture(scope="module")
+def flyer(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    """The class of a flyer that workers can import."""
+    folder = tmp_path_factory.mktemp("flyer")
+    (folder / "cluster_flyer.py").write_text(FLYER)
+    sys.path.insert(0, str(folder))
+    yield import_module("cluster_flyer").Flyer
+    sys.path.remove(str(folder))
+
+
+@pytest.fixture(scope="module")
+def reference() -> Study:
+    return Study.open(ROOT)
+
+
+@pytest.fixture(scope="module")
+def address(dask: Any, flyer: Any) -> str:
+    """A scheduler with a worker."""
+    address = dask.scheduler()
+    dask.worker(address, "--no-nanny")
+    with distributed.Client(address) as client:
+        client.wait_for_workers(1)  # on a busy machine it may still be on its way
+    return str(address)
+
+
+def _flights(study: Study, *mutants: str) -> list[Flight]:
+    subjects = [None, *(realise(study.matrix, name) for name in mutants)]
+    return [Flight(subject, situation, 0) for situation in study.grid.situations[:3] for subject in subjects]
+
+
+def _tasks(flights: list[Flight]) -> list[Task]:
+    keys = dict.fromkeys(flight.situation.key for flight in flights)
+    return [Task(tuple(f for f in flights if f.situation.key == key), shared=True) for key in keys]
+
+
+def _flown(
+    address: str,
+    study: Study,
+    flyer: Any,
+    flights: list[Flight],
+    stop: Callable[[list[Outcome]], bool] = lambda _home: False,
+) -> tuple[list[Outcome], list[str]]:
+    """What comes home, and what was said."""
+    home: list[Outcome] = []
+    said: list[str] = []
+    with Cluster(address).hands(study, flyer, stop=lambda: stop(home), say=said.append) as hands:
+        home.extend(hands.map(_tasks(flights)))
+    return home, said
+
+
+def _names(things: Any) -> list[str]:
+    return sorted(thing.name for thing in things)
+
+
+def test_every_outcome_comes_home_once_and_was_flown_from_the_study_that_was_sent(
+    address: str, reference: Study, flyer: Any
+) -> None:
+    flights = _flights(reference, LATE, MORE)
+    home, said = _flown(address, reference, flyer(), flights)
+    assert _names(home) == _names(flights)
+    assert {outcome.invalid for outcome in home} == {""}
+    assert said == []
+    (folder,) = {outcome.digest for outcome in home}
+    assert Path(folder) != ROOT
+    assert (Path(folder) / "sim" / "world.yaml").read_bytes() == (ROOT / "sim" / "world.yaml").read_bytes()
+
+
+def test_outcomes_come_home_before_their_task_is_done(address: str, reference: Study, flyer: Any) -> None:
+    times_s: list[float] = []
+    task = Task(tuple(_flights(reference, LATE, MORE)[:3]), shared=True)
+    with Cluster(address).hands(reference, flyer(slow_s=0.5), stop=lambda: False, say=print) as hands:
+        times_s.extend(time.monotonic() for _ in hands.map([task]))
+    assert min(later - sooner for sooner, later in pairwise(times_s)) > 0.25
+
+
+def test_once_stopped_what_is_queued_is_cancelled(address: str, reference: Study, flyer: Any) -> None:
+    flights = _flights(reference, LATE, MORE)
+    home, _ = _flown(address, reference, flyer(slow_s=0.2), flights, lambda home: len(home) >= 2)
+    assert 2 <= len(home) < len(flights)
+    again, _ = _flown(address, reference, flyer(), flights)
+    assert _names(again) == _names(flights)
+
+
+def test_what_flies_for_a_run_that_is_killed_ends_with_it(
+    address: str, reference: Study, flyer: Any, tmp_path: Path
+) -> None:
+    program = (
+        "import cluster_flyer\n"
+        "from scaloft_fi.campaign.workers.cluster import Cluster\n"
+        "from scaloft_fi.campaign.plan.plan import Flight\n"
+        "from scaloft_fi.campaign.plan.task import Task\n"
+        "from scaloft_fi.study import Study\n"
+        f"study, flyer = Study.open({str(ROOT)!r}), cluster_flyer.Flyer(slow_s=300.0, mark={str(tmp_path / 'pid')!r})\n"
+        f"with Cluster({address!r}).hands(study, flyer, stop=lambda: False, say=print) as hands:\n"
+        "    list(hands.map([Task((Flight(None, study.grid.situations[0], 0),))]))\n"
+    )
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    run = subprocess.Popen([sys.executable, "-c", program], env=environment)
+    flying = _written(tmp_path / "pid")
+    os.kill(flying, 0)
+    run.kill()
+    run.wait()
+    _wait_for(lambda: not Path(f"/proc/{flying}").exists())
+
+
+def test_another_platform_is_said(address: str, reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("scaloft_fi.campaign.workers.cluster.fingerprint", lambda: {"machine": "PDP-11"})
+    home, said = _flown(address, reference, flyer(), _flights(reference))
+    assert len(home) == 3
+    assert len(said) == 1
+    assert "is another platform, digests may differ" in said[0]
+    assert "PDP-11" in said[0]
+
+
+def test_a_worker_with_other_code_flies_nothing_while_others_do(
+    dask: Any, reference: Study, flyer: Any, tmp_path: Path
+) -> None:
+    shutil.copytree(ROOT / "scaloft_fi", tmp_path / "scaloft_fi", ignore=shutil.ignore_patterns("__pycache__", ".*"))
+    with (tmp_path / "scaloft_fi" / "sim" / "flight.py").open("a") as file:
+        file.write("\nANSWER = 42\n")
+    address = dask.scheduler()
+    dask.worker(address, "--no-nanny", PYTHONPATH=os.pathsep.join([str(tmp_path), *sys.path]))
+    with pytest.raises(InputError, match="has other code or data and flies nothing: code"):
+        _flown(address, reference, flyer(), _flights(reference))
+    dask.worker(address, "--no-nanny")
+    _wait_for_workers(address, 2)
+    flights = _flights(reference, LATE, MORE)
+    home, said = _flown(address, reference, flyer(), flights)
+    assert _names(home) == _names(flights)
+    assert ["has other code" in line for line in said] == [True]
+
+
+def test_a_flight_over_which_every_worker_dies_is_invalid_with_the_reason(
+    dask: Any, reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("scaloft_fi.campaign.workers.cluster.ATTEMPTS", 1)  # a worker takes seconds to come back
+    address = dask.scheduler(DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES="0")
+    dask.worker(address, "--nanny")
+    flights = _flights(reference, LATE, MORE)
+    deadly = next(flight.name for flight in flights if flight.subject.id == MORE)
+    home, _ = _flown(address, reference, flyer(deadly=deadly, slow_s=0.1), flights)
+    assert _names(home) == _names(flights)
+    reasons = {outcome.name: outcome.invalid for outcome in home if outcome.invalid}
+    assert reasons == {deadly: "its worker process died with its Dask worker every time"}
+
+
+def test_a_run_waits_for_workers_and_takes_those_that_join(dask: Any, reference: Study, flyer: Any) -> None:
+    address = dask.scheduler()
+    said: list[str] = []
+    flights = _flights(reference)
+
+    def say(line: str) -> None:
+        said.append(line)
+        dask.worker(address, "--no-nanny")
+
+    with Cluster(address).hands(reference, flyer(), stop=lambda: False, say=say) as hands:
+        assert _names(hands.map(_tasks(flights))) == _names(flights)
+    assert len(said) == 1
+    assert said[0].startswith("waiting for workers")
+
+
+def test_a_scheduler_that_ends_interrupts_the_run(
+    dask: Any, reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("scaloft_fi.campaign.workers.cluster.CONNECT_S", 2.0)
+    address = dask.scheduler()
+    scheduler = dask.last
+    dask.worker(address, "--no-nanny")
+
+    def kill(home: list[Outcome]) -> bool:
+        if len(home) == 1:
+            scheduler.send_signal(signal.SIGKILL)
+        return False
+
+    with pytest.raises(Interrupted, match="the Dask scheduler is gone; what came home is saved"):
+        _flown(address, reference, flyer(slow_s=0.2), _flights(reference, LATE, MORE), kill)
+
+
+def test_a_scheduler_that_does_not_answer_is_one_sentence(
+    reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("scaloft_fi.campaign.workers.cluster.CONNECT_S", 0.3)
+    with pytest.raises(InputError, match=r"^--executor=dask://127.0.0.1:9 cannot be reached: no Dask scheduler"):
+        _flown("127.0.0.1:9", reference, flyer(), _flights(reference))
+
+
+def test_without_distributed_it_is_said_how_to_install_it(
+    reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(InputError, match=r"pip install 'scaloft-fi\[cluster\]'"):
+        _flown("127.0.0.1:9", reference, flyer(), _flights(reference))
+
+
+def test_an_executor_is_local_or_the_address_of_a_scheduler() -> None:
+    assert executor_named("local", 3) == Local(3)
+    assert executor_named("dask://head-node:8786", None) == Cluster("head-node:8786")
+    assert executor_named("dask://[::1]:8786/", None) == Cluster("[::1]:8786")
+    for name in ("dask", "dask://", "dask://host", "ray://host:1", "tcp://host:8786", "dask://host:port"):
+        with pytest.raises(InputError, match=r"must be 'local' or 'dask://HOST:PORT'"):
+            executor_named(name, None)
+    with pytest.raises(InputError, match="--jobs=2 is for --executor=local"):
+        executor_named("dask://host:1", 2)
+
+
+def _wait_for(fact: Callable[[], bool]) -> None:
+    deadline_s = time.monotonic() + 60.0
+    while not fact():
+        assert time.monotonic() < deadline_s
+        time.sleep(0.05)
+
+
+def _written(path: Path) -> int:
+    _wait_for(lambda: path.exists() and path.read_text().endswith("\n"))
+    return int(path.read_text())
+
+
+def _wait_for_workers(address: str, count: int) -> None:
+    from distributed import Client
+
+    with Client(f"tcp://{address}", set_as_default=False) as client:
+        client.wait_for_workers(count, timeout=60)

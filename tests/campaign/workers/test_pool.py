@@ -1,0 +1,215 @@
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterable
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from scaloft_fi.campaign.workers.hire import cores, started_clean
+from scaloft_fi.campaign.workers.pool import ATTEMPTS, Pool
+
+
+def _square(number: int, home: Callable[[Any], None]) -> None:
+    home((number, number * number))
+
+
+def _die_on_three(number: int, home: Callable[[Any], None]) -> None:
+    if number == 3:
+        os.kill(os.getpid(), signal.SIGKILL)
+    home(number)
+
+
+def _die_once(folder: str, home: Callable[[Any], None]) -> None:
+    mark = Path(folder) / "was here"
+    if not mark.exists():
+        mark.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    home("done")
+
+
+def _slow(number: int, home: Callable[[Any], None]) -> None:
+    time.sleep(0.05)
+    home(number)
+
+
+def _letters(word: str, home: Callable[[Any], None]) -> None:
+    """Dies before each `x`, which nobody can take away."""
+    for letter in word:
+        if letter == "x":
+            os.kill(os.getpid(), signal.SIGKILL)
+        home(letter)
+
+
+def _sleep_on_three(number: int, home: Callable[[Any], None]) -> None:
+    if number == 3:
+        time.sleep(60.0)
+    home(number)
+
+
+def _refuse(task: Any, home: Callable[[Any], None]) -> None:
+    raise TypeError(f"no {task}")
+
+
+def _process(task: Any, home: Callable[[Any], None]) -> None:
+    home(os.getpid())
+
+
+def _map(
+    work: Callable[[Any, Callable[[Any], None]], None], tasks: Iterable[Any], jobs: int = 1, **options: Any
+) -> Any:
+    """What comes home of `tasks`."""
+    with Pool(work, jobs, left=lambda task, _home: task, lost=lambda _task, how: [how], **options) as pool:
+        return list(pool.map(tasks))
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_every_result_comes_home_once(jobs: int) -> None:
+    assert sorted(_map(_square, range(20), jobs)) == [(n, n * n) for n in range(20)]
+
+
+def test_a_task_that_kills_its_worker_is_lost_and_no_other() -> None:
+    results = _map(_die_on_three, range(8), 2)
+    assert sorted(map(str, results)) == sorted([*"0124567", "died every time it was flown"])
+
+
+def test_a_task_whose_worker_dies_once_is_tried_again(tmp_path: Path) -> None:
+    assert ATTEMPTS > 1
+    assert _map(_die_once, [str(tmp_path)]) == ["done"]
+
+
+def test_what_is_home_when_a_worker_dies_is_not_done_again() -> None:
+    pool: Pool[str, str] = Pool(
+        _letters, 1, left=lambda word, home: word[len(home) :] or None, lost=lambda word, how: [how, *word[1:]]
+    )
+    with pool:
+        assert list(pool.map(["abxcd"])) == ["a", "b", "died every time it was flown", "c", "d"]
+
+
+def test_a_worker_that_hangs_is_lost_and_no_other_task() -> None:
+    results = _map(_sleep_on_three, range(5), 2, patience_s=0.2)
+    assert sorted(map(str, results)) == sorted([*"0124", "hung every time it was flown"])
+
+
+def _stopped_after(most: int, work: Any, tasks: Iterable[Any], jobs: int = 1) -> list[Any]:
+    home: list[Any] = []
+    pool: Pool[Any, Any] = Pool(
+        work, jobs, left=lambda task, _home: task, lost=lambda _task, how: [how], stop=lambda: len(home) >= most
+    )
+    with pool:
+        home.extend(pool.map(tasks))
+    return home
+
+
+def test_once_stopped_no_task_is_handed_out_and_those_in_the_air_come_home() -> None:
+    assert 3 <= len(_stopped_after(3, _slow, range(100), 2)) < 12
+
+
+def test_once_stopped_a_long_task_is_left_after_its_next_result() -> None:
+    assert 2 <= len(_stopped_after(2, _letters, ["abcdefgh" * 1000])) <= 3
+
+
+def test_an_impatient_pool_does_not_wait_for_what_is_in_the_air() -> None:
+    begin_s = time.monotonic()
+    assert _map(_sleep_on_three, [3], stop=lambda: time.monotonic() > begin_s + 0.2, patient=False) == []
+    assert time.monotonic() - begin_s < 10.0
+
+
+def test_no_worker_outlives_the_pool() -> None:
+    _map(_square, range(4), 2)
+    assert multiprocessing.active_children() == []
+
+
+def test_a_pool_keeps_its_workers_from_one_map_to_the_next() -> None:
+    with Pool(_process, 1, left=lambda task, _home: task, lost=lambda _task, how: [how]) as pool:
+        first, second = list(pool.map([0])), list(pool.map([0]))
+    assert first == second != [os.getpid()]
+
+
+def test_a_worker_that_died_between_two_maps_is_replaced() -> None:
+    with Pool(_process, 1, left=lambda task, _home: task, lost=lambda _task, how: [how]) as pool:
+        (first,) = pool.map([0])
+        os.kill(first, signal.SIGKILL)
+        (second,) = pool.map([0])
+    assert isinstance(second, int)
+    assert second != first
+
+
+def test_what_the_work_raises_reaches_the_caller() -> None:
+    with pytest.raises(TypeError, match="no a"):
+        _map(_refuse, ["a"])
+
+
+CLEAN = """
+import os
+
+def work(task, home):
+    kind, number = task
+    if kind == "threads":
+        home((number, os.environ["OMP_NUM_THREADS"]))
+    elif kind == "raise":
+        raise TypeError(f"no {number}")
+    elif number == 3:
+        os._exit(1)
+    else:
+        home((number, os.getpid()))
+"""
+
+
+@pytest.fixture
+def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Work that another interpreter can import."""
+    (tmp_path / "clean_work.py").write_text(CLEAN)
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), *sys.path]))
+    monkeypatch.syspath_prepend(tmp_path)
+    return import_module("clean_work").work
+
+
+def test_a_worker_started_clean_works_on_one_thread(work: Any) -> None:
+    results = _map(work, [("threads", n) for n in range(3)], 2, hire=started_clean)
+    assert sorted(results) == [(n, "1") for n in range(3)]
+
+
+def test_a_worker_started_clean_that_dies_is_replaced(work: Any) -> None:
+    results = _map(work, [("die", n) for n in range(5)], hire=started_clean)
+    assert "died every time it was flown" in results
+    assert len({result[1] for result in results if isinstance(result, tuple)}) == 2
+
+
+def test_what_raises_in_a_worker_started_clean_reaches_the_caller(work: Any) -> None:
+    with pytest.raises(TypeError, match="no 7"):
+        _map(work, [("raise", 7)], hire=started_clean)
+
+
+def test_a_worker_started_clean_ends_with_the_process_that_started_it(work: Any) -> None:
+    program = (
+        "import os, clean_work; from scaloft_fi.campaign.workers.hire import started_clean\n"
+        "hired = started_clean(clean_work.work, ()); hired.connection.send(('pid', 1))\n"
+        "print(hired.connection.recv()[1][1], flush=True); os.kill(os.getpid(), 9)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert done.returncode == -signal.SIGKILL, done.stderr
+    deadline_s = time.monotonic() + 10.0
+    while _runs(int(done.stdout)) and time.monotonic() < deadline_s:
+        time.sleep(0.02)
+    assert not _runs(int(done.stdout))
+
+
+def _runs(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    state = Path(f"/proc/{process}/stat")
+    return not state.exists() or state.read_text().rsplit(")", 1)[1].split()[0] != "Z"
+
+
+def test_there_is_at_least_one_core() -> None:
+    assert cores() >= 1
