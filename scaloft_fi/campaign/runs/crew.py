@@ -10,10 +10,11 @@ from pathlib import Path
 from scaloft_fi.campaign.flights.fly import Flyer, Physics
 from scaloft_fi.campaign.held.folder import STORE_NAME, promising, writable
 from scaloft_fi.campaign.held.key import Keys
-from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.campaign.plan.plan import Flight, Plan
 from scaloft_fi.campaign.plan.task import Task, alone, together
 from scaloft_fi.campaign.progress.lookout import Lookout
 from scaloft_fi.campaign.progress.progress import Progress
+from scaloft_fi.campaign.runs import gates
 from scaloft_fi.campaign.runs.interrupt import Interrupted, interruptible
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.workers.executor import Hands, Local
@@ -123,6 +124,22 @@ class Crew:
     def wall_s(self, task: Task) -> float:
         """How long one process is expected to fly a task at the pace so far [s, wall]; 0 before anything is home."""
         return self.lookout.wall_s(task.flights) * self._hands.jobs
+
+    def hold_gates(self, asked: Plan, outcomes: Sequence[Outcome], *, part: bool = False) -> None:
+        """Hold the gates over the outcomes of what was `asked`; `part` of it when not all of it was flown.
+
+        Raises:
+            GateError: one failed.
+        """
+        gates.check(
+            outcomes,
+            self.study.roster,
+            canary=asked.canary.id if asked.canary else None,
+            whole_grid={flight.situation.key for flight in asked.baselines} == self.study.space.point.keys(),
+            part=part or self.options.part,
+            repeats=self.repeats,
+            max_invalid=self.options.max_invalid,
+        )
 
     def go_on(self, said: str) -> None:
         """Go on unless the user asked to stop.

@@ -11,7 +11,6 @@ from scaloft_fi.campaign.held.held import held_in
 from scaloft_fi.campaign.plan.plan import Flight, Plan, canary_flight, subject_of
 from scaloft_fi.campaign.plan.task import Task
 from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.runs import gates
 from scaloft_fi.campaign.runs.crew import Crew, hired
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.rounds import Draw, can_kill, ordered
@@ -64,15 +63,7 @@ def first_kills(
         write_log(study, folder, held_in(study, crew.store, folder).current)
         found = hunt.found()
         crew.go_on(f"{found.flown} flights are")
-        gates.check(
-            hunt.outcomes,
-            study.roster,
-            canary=planned.canary.id if planned.canary else None,
-            whole_grid={flight.situation.key for flight in planned.baselines} == study.space.point.keys(),
-            part=options.part,
-            repeats=crew.repeats,
-            max_invalid=options.max_invalid,
-        )
+        crew.hold_gates(planned, hunt.outcomes)
     return found
 
 

@@ -12,7 +12,6 @@ from scaloft_fi.campaign.flights.fly import Flyer
 from scaloft_fi.campaign.held.held import held_in
 from scaloft_fi.campaign.plan.plan import Flight, Plan, canary_flight, plan
 from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.runs import gates
 from scaloft_fi.campaign.runs.baseline_pool import joined
 from scaloft_fi.campaign.runs.crew import Crew, hired
 from scaloft_fi.campaign.runs.options import RunOptions
@@ -97,15 +96,7 @@ def run_looks(
         write_log(study, folder, held_in(study, crew.store, folder).current)
         outcomes = crew.outcomes([*rounds.flights, *([canary] if canary else [])])
         crew.go_on(f"{len(outcomes)} flights are")
-        gates.check(
-            outcomes,
-            study.roster,
-            canary=question.canary.id if question.canary else None,
-            whole_grid={situation.key for situation in situations} == study.space.point.keys(),
-            part=options.part,
-            repeats=crew.repeats,
-            max_invalid=options.max_invalid,
-        )
+        crew.hold_gates(question, outcomes)
     return Report(outcomes, crew.flown), looks
 
 

@@ -11,7 +11,6 @@ from scaloft_fi.campaign.held.folder import LOG_NAME
 from scaloft_fi.campaign.held.held import held_in
 from scaloft_fi.campaign.plan.plan import Flight, Plan, canary_flight
 from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.runs import gates
 from scaloft_fi.campaign.runs.budget import Budget, fair_order
 from scaloft_fi.campaign.runs.crew import Crew, hired
 from scaloft_fi.campaign.runs.options import RunOptions
@@ -65,15 +64,7 @@ def run(
     with hired(study, folder, options, progress=progress, flyer=flyer, first=planned.known) as crew:
         report = _fly(planned, crew, budget)
         crew.go_on(f"{len(report.outcomes)} of {planned.flights} flights are")
-        gates.check(
-            report.outcomes,
-            study.roster,
-            canary=planned.canary.id if planned.canary else None,
-            whole_grid={flight.situation.key for flight in planned.baselines} == study.space.point.keys(),
-            part=options.part or bool(report.left),
-            repeats=crew.repeats,
-            max_invalid=options.max_invalid,
-        )
+        crew.hold_gates(planned, report.outcomes, part=bool(report.left))
     return report
 
 
