@@ -39,9 +39,7 @@ def read(text: str) -> list[Row]:
 
 def killers(row: Row, base: Row, kinds: dict[str, str], kind: str) -> list[str]:
     found = []
-    for name, (t_s, body) in row["at"].items():
-        if kinds[name] != kind:
-            continue
+    for name, (t_s, body) in ((name, seen) for name, seen in row["at"].items() if kinds[name] == kind):
         if name in base["at"]:
             base_t_s, base_body = base["at"][name]
             told = body != base_body and t_s < base_t_s
