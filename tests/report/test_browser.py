@@ -7,11 +7,12 @@ from typing import Any
 
 import pytest
 from browsing import Opened
-from papers import HOSTILE
+from papers import HOSTILE, campaign, evidence_of
 from reading import embedded, unpacked
 
 from scaloft_fi.report.evidence import Evidence
 from scaloft_fi.report.page import page as page_of
+from scaloft_fi.study import Study
 
 FLIGHT = "#flight=LATE-human%403s/T0O0W0D0H1/1"
 
@@ -37,6 +38,19 @@ def test_the_ratios_are_printed_as_they_are_in_the_figures(visit: Opened, text: 
     for ratio in embedded(text, "figures")["ratios"]:
         assert page.get_by_text(f"{ratio['part']}/{ratio['whole']}", exact=True).count()
         assert page.get_by_text(ratio["population"], exact=True).count() == 1
+
+
+def test_the_answer_says_how_many_kills_are_more_than_chance_where_seeds_can_tell(
+    visit: Opened, study: Study, tmp_path: Path
+) -> None:
+    leads = []
+    for seeds in (2, 10):
+        file = tmp_path / f"{seeds}.html"
+        flown = campaign(study, ("LATE-human@3s", "MORE-goal@0.6m"), range(seeds))
+        file.write_text(page_of(evidence_of(study, flown)), encoding="utf-8")
+        leads.append(visit(file=file).page.locator(".lead").inner_text())
+    assert leads[0].endswith(" %).")
+    assert leads[1].endswith("; repeated flights decide of 1 that more than chance kills them.")
 
 
 def test_a_click_on_a_result_shows_its_flight_and_back_returns(visit: Opened, text: str) -> None:

@@ -1,12 +1,14 @@
 /* The top of the page: what was asked, the answer, its ratios, whether it may be believed. */
 function masthead() {
   const ratio = DATA.ratios.find((entry) => entry.name === "mutation_score");
+  const decided = DATA.ratios.find((entry) => entry.name === "decided_score");
   const cells = DATA.ratios.find((entry) => entry.name === "exercised");
   const flown = DATA.coverage.situations;
   const range = ratio.interval ? `, 95 % interval ${Math.round(100 * ratio.interval[0])} to ${Math.round(100 * ratio.interval[1])} %` : "";
   const answer = ratio.whole
     ? [`If one of these faults were in the drone, would the tests have shown it?  Of ${plural(ratio.whole, "fault")} that could have been shown, the tests show `,
-      h("b", {}, `${ratio.part} (${percent(share(ratio))}${range})`), "."]
+      h("b", {}, `${ratio.part} (${percent(share(ratio))}${range})`),
+      decided.whole ? `; repeated flights decide of ${decided.part} that more than chance kills them.` : "."]
     : "No fault of this campaign reached a situation where it could have been shown: there is no score.";
   return h("header", { class: "masthead" },
     h("p", { class: "kicker" }, "Fault-injection mutation testing of an autonomous drone"),
