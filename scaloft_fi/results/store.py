@@ -213,7 +213,7 @@ class Store:
         Args:
             stand: asked once for each origin, which belongs to one mutant in one situation, and of each flight without
                 one.
-            brief: leave out of mutants' flights what no status follows from (`record.SPARED`); it takes half the time.
+            brief: leave out of mutants' flights what no status follows from (`record.SPARED`).
         """
         said: dict[Row, bool] = {}
 

@@ -53,6 +53,8 @@ def test_a_log_becomes_its_readings_violations_and_counts() -> None:
         0.05,
     )
     struck, fast = flown.violations
+    broken = [(r.requirement, r.kind, r.violated_at_s) for r in flown.readings if r.violated]
+    assert broken == [(v.requirement, v.kind, v.t_s) for v in flown.violations]  # statuses follow from these
     assert (struck.requirement, struck.t_s, struck.x, struck.y, struck.z, struck.struck) == (
         "SR1",
         0.1,

@@ -59,6 +59,7 @@ class Flyer(Protocol):
 class Physics:
     """Flies in PyBullet."""
 
+    @uncollected()
     def prepare(self, study: Study, say: Callable[[str], None]) -> None:
         """Build the stack, compile its kernels and parse the formulas by flying and judging a few seconds.
 
@@ -67,10 +68,6 @@ class Physics:
         Raises:
             InputError: the settings of the stack do not fit.
         """
-        with uncollected():
-            self._prepare(study, say)
-
-    def _prepare(self, study: Study, say: Callable[[str], None]) -> None:
         with _unheard():
             import pybullet  # noqa: F401 - it greets on standard error when first imported
         from scaloft_fi.sim import flight

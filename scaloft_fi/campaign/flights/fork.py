@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import os
 import signal
 from collections.abc import Callable
@@ -78,7 +77,6 @@ class Fork:
         if not child:
             die_with(trunk)
             reader.close()
-            gc.disable()  # a flight is soon over; looking for garbage would copy the trunk's pages
             self.taken, self._writer = flight, writer
             return None
         writer.close()

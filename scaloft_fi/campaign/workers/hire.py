@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import multiprocessing
 import os
 import signal
@@ -111,7 +110,6 @@ def _life(work: Work, connection: Connection, inherited: Sequence[Connection], p
     die_with(parent)
     for other in inherited:
         other.close()
-    gc.freeze()  # what was made ready before is no garbage: not looked at again, its pages stay shared
     _serve(work, connection)
 
 
