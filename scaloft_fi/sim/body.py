@@ -1,4 +1,7 @@
-"""The vehicle's body in the physics server: pushed by its rotors, stepped, and read."""
+"""The vehicle's body in the physics server: pushed by its rotors, stepped, and read.
+
+Steps in which it can touch nothing may be computed outside the server, which is then told where they led.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +12,15 @@ from collections.abc import Callable
 import numpy as np
 
 from scaloft_fi.sim.build import VEHICLE_GROUP, WORLD_GROUP
+from scaloft_fi.sim.free_flight import attitude_of, inertia_of, turn_through
 from scaloft_fi.sim.vehicle import NUMBERS, STATE_SIZE, Array, Vehicle, actuate, parts_of
 from scaloft_fi.sim.world import Point
 
 _pack = struct.Struct(f"{STATE_SIZE}d").pack_into
 
+
+UNTURNED = 1200
+"""So many rates are kept before `turned` is brought up to date: those of 5 s."""
 
 Drive = Callable[[int], None]
 """Called with the number of a physics step before it, to set force and torque."""
@@ -34,7 +41,9 @@ class Body:
         velocity: (3,) of the same [m/s, world].
         state: (13,) the same as an array, which the next step overwrites.
         thrusts: (4,) thrust of each rotor [N].
+        pushed: (6,) force [N, world] and torque [N m, world] of the next step.
         numbers: (46,) state, thrusts and what `actuate` works on, see `vehicle.parts_of`.
+        inertia: (5,) what `free_step` reads.
     """
 
     def __init__(self, client: int, vehicle: Vehicle, position: Point, yaw_rad: float) -> None:
@@ -44,21 +53,24 @@ class Body:
         self._step = pybullet.stepSimulation
         self._pose, self._motion = pybullet.getBasePositionAndOrientation, pybullet.getBaseVelocity
         self._push, self._turn = pybullet.applyExternalForce, pybullet.applyExternalTorque
+        self._put, self._throw = pybullet.resetBasePositionAndOrientation, pybullet.resetBaseVelocity
         self._world_frame = pybullet.WORLD_FRAME
         self._client = client
         self.numbers = np.zeros(NUMBERS)
-        self.state, self.thrusts, self._pushed, self._lag, self._effect = parts_of(self.numbers)
+        self.state, self.thrusts, self.pushed, self._lag, self._effect = parts_of(self.numbers)
         self._buffer = self.state.data
         self._lag[:], self._effect[:] = vehicle.lag(), vehicle.effect()
         self.number = spawn(client, vehicle, position, yaw_rad)
         self._position: Point = position
         self.velocity: Point = (0.0, 0.0, 0.0)
         self.truth: tuple[float, ...] = ()
+        self.inertia = inertia_of(vehicle)
+        self._turned, self._rates = inverse_at(yaw_rad), list[tuple[float, ...]]()
         self.read()
 
     def actuate(self, order: Array) -> None:
         """Turn the rotors towards thrusts `order` (4,) [N]: the force and torque of the next step."""
-        actuate(self.thrusts, order, self._lag, self._effect, self.state, self._pushed)
+        actuate(self.thrusts, order, self._lag, self._effect, self.state, self.pushed)
 
     def moves(self, drive: Drive, first: int, count: int) -> float:
         """Physics steps, each under the force and torque that `numbers` has then.
@@ -73,7 +85,8 @@ class Body:
         """
         push, turn, step, pose, motion = self._push, self._turn, self._step, self._pose, self._motion
         number, client, frame = self.number, self._client, self._world_frame
-        pushed, buffer, position, top_square = self._pushed.tolist, self._buffer, self._position, 0.0
+        pushed, buffer, position, top_square = self.pushed.tolist, self._buffer, self._position, 0.0
+        turns = self._rates.append
         for i in range(first, first + count):
             drive(i)
             fx, fy, fz, tx, ty, tz = pushed()
@@ -82,6 +95,7 @@ class Body:
             step(client)
             position, attitude = pose(number, client)
             velocity, rate = motion(number, client)
+            turns(rate)
             truth = (*position, *attitude, *velocity, *rate)
             _pack(buffer, 0, *truth)
             vx, vy, vz = velocity
@@ -89,7 +103,25 @@ class Body:
             if square > top_square:
                 top_square = square
         self._position, self.velocity, self.truth = position, velocity, truth
+        if len(self._rates) > UNTURNED:
+            self.turned()
         return top_square
+
+    def turned(self) -> Array:
+        """The quaternion from world to body (4,) to the bit as the server has it, which it does not tell."""
+        if self._rates:
+            turn_through(self._turned, np.array(self._rates))
+            self._rates.clear()
+        return self._turned
+
+    def follow(self) -> None:
+        """Tell the server of `state` and `turned`, which were advanced without it."""
+        number, client = self.number, self._client
+        x, y, z, w = self._turned.tolist()
+        self.truth = truth = tuple(self.state.tolist())
+        self._position, self.velocity = truth[:3], truth[7:10]
+        self._put(number, self._position, (-x, -y, -z, w), client)
+        self._throw(number, self.velocity, truth[10:], client)
 
     def read(self) -> None:
         """Read the true state."""
@@ -98,6 +130,14 @@ class Body:
         self.velocity, rate = self._motion(number, client)
         self.truth = (*self._position, *attitude, *self.velocity, *rate)
         _pack(self._buffer, 0, *self.truth)
+
+
+def inverse_at(yaw_rad: float) -> Array:
+    """What the server makes of the attitude of a body that is put upright at `yaw_rad`: (4,) from world to body."""
+    turned, attitude = np.array([0.0, 0.0, -math.sin(0.5 * yaw_rad), math.cos(0.5 * yaw_rad)]), np.empty(4)
+    attitude_of(turned, attitude)  # it takes it by way of a matrix, as it tells it
+    turned[:3], turned[3] = -attitude[:3], attitude[3]
+    return turned
 
 
 def spawn(client: int, vehicle: Vehicle, position: Point, yaw_rad: float) -> int:

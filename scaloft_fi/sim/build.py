@@ -37,6 +37,14 @@ def connect() -> int:
     return int(pybullet.connect(pybullet.DIRECT))
 
 
+def set_up(client: int) -> None:
+    """Gravity, step and a fixed order of pairs, in an empty physics server."""
+    import pybullet
+
+    pybullet.setGravity(0.0, 0.0, -GRAVITY_MPS2, physicsClientId=client)
+    pybullet.setPhysicsEngineParameter(fixedTimeStep=STEP_S, deterministicOverlappingPairs=1, physicsClientId=client)
+
+
 def build(client: int, world: World) -> BodyIds:
     """Put the world into an empty physics server.
 
@@ -46,8 +54,7 @@ def build(client: int, world: World) -> BodyIds:
     """
     import pybullet
 
-    pybullet.setGravity(0.0, 0.0, -GRAVITY_MPS2, physicsClientId=client)
-    pybullet.setPhysicsEngineParameter(fixedTimeStep=STEP_S, deterministicOverlappingPairs=1, physicsClientId=client)
+    set_up(client)
     ground = world.mine.ground
     ids = {
         WALL: _fixed(client, pybullet, _triangles(client, pybullet, world.mine.wall)),

@@ -12,6 +12,7 @@ import numpy as np
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.wire import TapError
+from scaloft_fi.sim.agreement import agrees
 from scaloft_fi.sim.body import Body, Drive
 from scaloft_fi.sim.build import STEP_S, build, connect
 from scaloft_fi.sim.contact import Feeler
@@ -158,7 +159,10 @@ class Flight:
             tight.begin()
         drive = self._drive if tight is None else tight.drive
         if self._feeler.out_of_reach(self.body.velocity):
-            top_square = self.body.moves(drive, self._steps, STEPS_PER_TICK)
+            if tight is not None and agrees():
+                top_square = tight.run(self._steps, STEPS_PER_TICK)
+            else:
+                top_square = self.body.moves(drive, self._steps, STEPS_PER_TICK)
             self._steps += STEPS_PER_TICK
             self._observer.pass_by(top_square, self.body.truth)
         else:

@@ -1,6 +1,7 @@
-"""Physics steps with inertial sensor, stack and rotors in one compiled call each, while nobody listens between them.
+"""Physics steps with inertial sensor, stack and rotors in compiled calls, while nobody listens between them.
 
-A tapped seam is served by the stack's own `step`; a flight has the same bits either way.
+One call a step where the server steps, one for many where the vehicle can touch nothing.  A tapped seam is served by
+the stack's own `step`, and then the server steps; a flight has the same bits either way.
 """
 
 from __future__ import annotations
@@ -8,6 +9,7 @@ from __future__ import annotations
 from scaloft_fi.sim import vehicle
 from scaloft_fi.sim.body import Body
 from scaloft_fi.sim.build import STEP_S
+from scaloft_fi.sim.free_flight import free_step
 from scaloft_fi.sim.sensors import imu
 from scaloft_fi.sim.sensors.imu import ImuSensor, inertial
 from scaloft_fi.sim.vehicle import Array, actuate
@@ -22,7 +24,7 @@ SKIPPED = ("imu", "thrust")
 
 
 class TightLoop:
-    """The physics steps of a flight, tick by tick: `begin`, `drive` before each step, `end`.
+    """The physics steps of a flight, tick by tick: `begin`, `drive` before each step or `run` for all, `end`.
 
     Args:
         inner: of the stack.
@@ -56,6 +58,26 @@ class TightLoop:
         if not tight(noise, row, dt_s, self._mode, *self._arguments):
             self._mode = STOPPED_MODE
 
+    def run(self, first: int, count: int) -> float:
+        """Fly `count` steps from number `first` on, in which nothing can be touched.
+
+        Returns:
+            The greatest square of the speed after a step [m2/s2].
+        """
+        body, top_square = self._body, 0.0
+        turned, last = body.turned(), first + count
+        while first < last:
+            noise, row = self._sensor.noise.place(first)
+            steps = min(last - first, len(noise) - row)
+            self._stamp_s, self._heard_s, self._mode, square = free(
+                noise, row, first, steps, self._stamp_s, self._heard_s, self._mode, *self._arguments,
+                turned, body.inertia,
+            )  # fmt: skip
+            top_square = max(top_square, square)
+            first += steps
+        body.follow()
+        return top_square
+
     def end(self) -> None:
         """Leave the stack as its own steps would have left it."""
         self._inner.note(self._stamp_s, self._heard_s, self._mode)
@@ -82,3 +104,37 @@ def tight(
     )
     actuate(thrusts, thrust, lag, effect, state, pushed)
     return goes_on
+
+
+@jit
+@joined(inertial, strapdown.propagate, control.control, stabilise, actuate, free_step)
+def free(
+    noise: Array, row: int, first: int, count: int, stamp_s: float, heard_s: float, mode: int,
+    yaw_sp: float, accel_mps2: float, sensor: Array, body: Array, estimate: Array, controlled: Array,
+    turned: Array, inertia: Array,
+) -> tuple[float, float, int, float]:  # fmt: skip
+    """`count` times `tight` and `free_step`, from step number `first` on.
+
+    Args:
+        noise, row: (N, 6), and which row is the first step's.
+        stamp_s, heard_s: stamp of the last inertial sample, and when one was last used [s].
+        mode, yaw_sp, accel_mps2, sensor, body, estimate, controlled: of `tight`.
+        turned, inertia: (4,), (5,) of `free_step`.
+
+    Returns:
+        stamp_s, heard_s and mode afterwards, and the greatest square of the speed after a step [m2/s2].
+    """
+    state, _thrusts, pushed, _lag, _effect = vehicle.parts_of(body)
+    top_square = 0.0
+    for i in range(count):
+        now_s = (first + i) * STEP_S
+        dt_s, stamp_s = now_s - stamp_s, now_s
+        if 0.0 < dt_s < IMU_GAP_S:
+            heard_s = (first + i) / STEP_HZ
+        if not tight(noise, row + i, dt_s, mode, yaw_sp, accel_mps2, sensor, body, estimate, controlled):
+            mode = STOPPED_MODE
+        free_step(state, turned, pushed, inertia)
+        square = state[7] * state[7] + state[8] * state[8] + state[9] * state[9]
+        if square > top_square:
+            top_square = square
+    return stamp_s, heard_s, mode, top_square

@@ -1,0 +1,61 @@
+"""Whether compiled free flight and the physics server have the same bits here: asked once, before it is used.
+
+They may differ on a processor that fuses multiplication and addition, or with another version of the server; then every
+step is the server's.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from scaloft_fi.sim.body import Body
+from scaloft_fi.sim.build import connect, set_up
+from scaloft_fi.sim.free_flight import free_step
+from scaloft_fi.sim.vehicle import Vehicle
+
+STEPS = 240
+"""Tried, a second's."""
+BLOCK = Vehicle(
+    mass_kg=1.3,
+    inertia=(0.011, 0.017, 0.023),
+    hull_m=(0.4, 0.3, 0.1),
+    rotors=np.zeros((4, 2)),
+    spins=np.ones(4),
+    moment_m=0.01,
+    max_thrust_n=8.0,
+    spin_up_s=0.05,
+    spin_down_s=0.05,
+    drag=0.0,
+)
+"""What is thrown, with no two moments alike."""
+
+
+@cache
+def agrees() -> bool:
+    """Whether a block that tumbles under changing forces does so to the same bits in both."""
+    import pybullet
+
+    client = connect()
+    try:
+        set_up(client)
+        return _tumbles_alike(Body(client, BLOCK, (0.1, -0.2, 5.0), 0.3))
+    finally:
+        pybullet.disconnect(physicsClientId=client)
+
+
+def _tumbles_alike(body: Body) -> bool:
+    state, turned = body.state.copy(), body.turned().copy()
+    pushes = np.random.default_rng(0).normal(0.0, (9.0, 9.0, 9.0, 0.3, 0.3, 0.3), (STEPS, 6))
+    pushed = body.pushed
+
+    def drive(step: int) -> None:
+        pushed[:] = pushes[step]
+
+    for step in range(STEPS):
+        body.moves(drive, step, 1)
+        free_step(state, turned, pushes[step], body.inertia)
+        if state.tobytes() != body.state.tobytes():
+            return False
+    return turned.tobytes() == body.turned().tobytes()
