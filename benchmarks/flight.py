@@ -5,6 +5,7 @@
 `sim_s_per_cpu_s`: simulated seconds per CPU second of one core: scenario, flight and requirements, kernels compiled.
 `bare_pybullet_sim_s_per_cpu_s`: a loop that only reads the state, pushes, steps at 240 Hz and renders with TinyRenderer
 as many frames as the flights rendered, over the same simulated time, in the same run.
+`server_only_sim_s_per_cpu_s`: the flights once more, with every physics step taken by the physics server.
 `ms_per_sim_s`: where the time goes, from a second, instrumented pass; the probes themselves cost time, so the parts are
 scaled to the total of the first pass.
 """
@@ -27,6 +28,7 @@ from typing import Any
 import numpy as np
 
 from scaloft_fi.results.requirement import judge
+from scaloft_fi.sim import flight as flight_module
 from scaloft_fi.sim.body import Body, spawn
 from scaloft_fi.sim.build import build
 from scaloft_fi.sim.contact import Feeler
@@ -59,6 +61,7 @@ PROBES: tuple[tuple[Any, str, str], ...] = (
     (Planner, "plan", "planner"),
     (companion, "shape_velocity", "planner"),
     (TightLoop, "drive", "inertial sensor, control, rotors"),
+    (TightLoop, "run", "free flight"),
     (Estimator, "tick", "estimator"),
     (Observer, "step", "oracle"),
     (Observer, "sample", "oracle"),
@@ -101,6 +104,17 @@ def instrumented(clock: Clock) -> Iterator[None]:
     finally:
         for owner, name, original in originals:
             setattr(owner, name, original)
+
+
+@contextmanager
+def server_only() -> Iterator[None]:
+    """Let the physics server take every step."""
+    original = flight_module.agrees
+    flight_module.agrees = lambda: False  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        flight_module.agrees = original
 
 
 def flights(study: Study, situations: list[Any], clock: Clock | None = None) -> tuple[float, float]:
@@ -181,6 +195,8 @@ def main() -> None:
     situations = list(study.sim.grid.select(options.situation))
     flights(study, situations[:1])
     simulated_s, cpu_s = flights(study, situations)
+    with server_only():
+        server_simulated_s, server_s = flights(study, situations)
     clock = Clock()
     with instrumented(clock):
         _, probed_s = flights(study, situations, clock)
@@ -193,6 +209,7 @@ def main() -> None:
         "simulated_s": round(simulated_s, 2),
         "cpu_s": round(cpu_s, 2),
         "sim_s_per_cpu_s": round(simulated_s / cpu_s, 1),
+        "server_only_sim_s_per_cpu_s": round(server_simulated_s / server_s, 1),
         "bare_pybullet_sim_s_per_cpu_s": round(bare_simulated_s / bare_s, 1),
         "ms_per_sim_s": {part: round(spent * scale, 2) for part, spent in sorted(parts.items(), key=lambda p: -p[1])},
     }
