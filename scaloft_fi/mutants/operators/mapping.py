@@ -55,12 +55,16 @@ def lose_points(_context: TapContext, *, share: Share, bearing_deg: Degrees = 90
 
 def _free_cells(occupied: Array, origin: Array, cell_m: float, radius_m: float) -> Array:
     """Centres (N, 3) [m, world] of the cells around `origin` without one of `occupied` (M, 3) in them."""
-    steps = np.arange(-math.ceil(radius_m / cell_m), math.ceil(radius_m / cell_m) + 1)
-    grid = np.stack(np.meshgrid(steps, steps, [-1, 0, 1], indexing="ij"), axis=-1).reshape(-1, 3)
-    grid = grid[np.hypot(grid[:, 0], grid[:, 1]) * cell_m <= radius_m] + np.floor(origin / cell_m).astype(int)
-    taken = {(i, j, k) for i, j, k in np.floor(occupied / cell_m).astype(int).tolist()}
-    free = [cell for cell in grid.tolist() if tuple(cell) not in taken]
-    return (np.array(free, dtype=float).reshape(-1, 3) + 0.5) * cell_m
+    reach = math.ceil(radius_m / cell_m)
+    steps = np.arange(-reach, reach + 1)
+    grid = np.stack(np.meshgrid(steps, steps, [-1, 0, 1], indexing="ij"), axis=-1)
+    here = np.floor(origin / cell_m).astype(int)
+    free = np.hypot(grid[..., 0], grid[..., 1]) * cell_m <= radius_m
+    taken = np.floor(occupied / cell_m).astype(int) - here + (reach, reach, 1)
+    within = ((taken >= 0) & (taken < free.shape)).all(axis=1)
+    free[tuple(taken[within].T)] = False
+    centres: Array = (grid[free] + here + 0.5) * cell_m
+    return centres
 
 
 def _swaps_free_and_occupied(before: Samples, after: Samples) -> bool:
