@@ -86,8 +86,17 @@ class Cluster:
                 client.subscribe_topic(TOPIC, run.hear)
                 yield run
             finally:
-                with suppress(OSError, TimeoutError):  # the scheduler may be gone
+                with _parting():
                     client.unregister_worker_plugin(f"scaloft-fi-{digest}")
+
+
+@contextmanager
+def _parting() -> Iterator[None]:
+    """Take leave of a scheduler that may be gone; a client that gave it up has closed itself and has no scheduler."""
+    from distributed.client import ClosedClientError
+
+    with suppress(OSError, TimeoutError, ClosedClientError, AttributeError):
+        yield
 
 
 @dataclass
@@ -151,7 +160,7 @@ class _Run:
                 for number in ended:
                     yield from self._end(self._trials.pop(number))
         finally:
-            with suppress(OSError, TimeoutError):  # the scheduler may be gone
+            with _parting():
                 self._client.cancel([trial.future for trial in self._trials.values()])
         yield from self._heard(0.0)
         self._trials.clear()
@@ -221,6 +230,8 @@ class _Run:
         """Keep count of those who fly, now and then, and say when there is nobody."""
         if time.monotonic() - self._counted_s < COUNT_S:
             return
+        if self._client.status == "closed":  # it gives up by itself
+            raise Interrupted(GONE)
         try:
             self._threads = sum(self._client.nthreads().values())
         except OSError as error:

@@ -220,8 +220,9 @@ def test_a_run_waits_for_workers_and_takes_those_that_join(dask: Any, reference:
     assert said[0].startswith("waiting for workers")
 
 
+@pytest.mark.parametrize("until_the_client_gives_up_s", [0.0, 5.0])
 def test_a_scheduler_that_ends_interrupts_the_run(
-    dask: Any, reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch
+    dask: Any, reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch, until_the_client_gives_up_s: float
 ) -> None:
     monkeypatch.setattr("scaloft_fi.campaign.workers.cluster.CONNECT_S", 2.0)
     address = dask.scheduler()
@@ -229,8 +230,10 @@ def test_a_scheduler_that_ends_interrupts_the_run(
     dask.worker(address, "--no-nanny")
 
     def kill(home: list[Outcome]) -> bool:
-        if len(home) == 1:
+        if len(home) == 1 and scheduler.poll() is None:
             scheduler.send_signal(signal.SIGKILL)
+            scheduler.wait()
+            time.sleep(until_the_client_gives_up_s)
         return False
 
     with pytest.raises(Interrupted, match="the Dask scheduler is gone; what came home is saved"):
