@@ -38,7 +38,6 @@ class Body:
     Attributes:
         number: of the body in the server.
         truth: the 13 numbers of the state after the last step, laid out as `sim.vehicle` says.
-        velocity: (3,) of the same [m/s, world].
         state: (13,) the same as an array, which the next step overwrites.
         thrusts: (4,) thrust of each rotor [N].
         pushed: (6,) force [N, world] and torque [N m, world] of the next step.
@@ -62,7 +61,6 @@ class Body:
         self._lag[:], self._effect[:] = vehicle.lag(), vehicle.effect()
         self.number = spawn(client, vehicle, position, yaw_rad)
         self._position: Point = position
-        self.velocity: Point = (0.0, 0.0, 0.0)
         self.truth: tuple[float, ...] = ()
         self.inertia = inertia_of(vehicle)
         self._turned, self._rates = inverse_at(yaw_rad), list[tuple[float, ...]]()
@@ -102,7 +100,7 @@ class Body:
             square = vx * vx + vy * vy + vz * vz
             if square > top_square:
                 top_square = square
-        self._position, self.velocity, self.truth = position, velocity, truth
+        self._position, self.truth = position, truth
         if len(self._rates) > UNTURNED:
             self.turned()
         return top_square
@@ -119,16 +117,16 @@ class Body:
         number, client = self.number, self._client
         x, y, z, w = self._turned.tolist()
         self.truth = truth = tuple(self.state.tolist())
-        self._position, self.velocity = truth[:3], truth[7:10]
+        self._position = truth[:3]
         self._put(number, self._position, (-x, -y, -z, w), client)
-        self._throw(number, self.velocity, truth[10:], client)
+        self._throw(number, truth[7:10], truth[10:], client)
 
     def read(self) -> None:
         """Read the true state."""
         number, client = self.number, self._client
         self._position, attitude = self._pose(number, client)
-        self.velocity, rate = self._motion(number, client)
-        self.truth = (*self._position, *attitude, *self.velocity, *rate)
+        velocity, rate = self._motion(number, client)
+        self.truth = (*self._position, *attitude, *velocity, *rate)
         _pack(self._buffer, 0, *self.truth)
 
 

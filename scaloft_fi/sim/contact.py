@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from scaloft_fi.sim.build import GRAVITY_MPS2
+from scaloft_fi.sim.reach import Reach
 from scaloft_fi.sim.vehicle import Array, Vehicle
 
 GEAR_SHARE = 0.8
 """A touch below this share of the hull's half height is one of the landing gear, not of the hull."""
 SPARE_M = 0.05
 """More than Bullet's margins, and than a step's way between detecting a touch and telling it [m]."""
-TICK_S = 0.05
 
 
 class Contact(NamedTuple):
@@ -60,28 +58,31 @@ class Feeler:
         number: the vehicle's body number.
         vehicle: what flies.
         name_of: names of the world's bodies by number.
+
+    Attributes:
+        out_of_reach: whether nothing can be touched in the tick after `look`.
     """
 
     def __init__(self, client: int, number: int, vehicle: Vehicle, name_of: Mapping[int, str]) -> None:
+        self.out_of_reach = False
         self._client, self._number, self._name_of = client, number, name_of
         self._half_height_m = vehicle.half_height_m
-        # However the hull turns, it stays in a ball about its centre, and a smaller ball stays in it.
-        self._needed_m = 0.5 * math.hypot(*vehicle.hull_m) - 0.5 * min(vehicle.hull_m) + SPARE_M
-        # Rotors and weight together cannot add more speed than this in a tick.
-        self._gain_mps = TICK_S * (4.0 * vehicle.max_thrust_n / vehicle.mass_kg + GRAVITY_MPS2)
+        self._reach = Reach(vehicle)
         self._x = self._y = self._z = 0.0
         self._free_square = -1.0
 
-    def look(self, position: Sequence[float], room_m: float) -> None:
-        """Take note that at `position` (3,) [m, world] nothing is nearer to the hull than `room_m` [m]."""
-        self._x, self._y, self._z = position
-        free_m = room_m - self._needed_m
-        self._free_square = free_m * free_m if free_m > 0.0 else -1.0
+    def look(self, truth: Sequence[float], room_m: float) -> None:
+        """Before a tick, take note that nothing is nearer to the hull than `room_m` [m].
 
-    def out_of_reach(self, velocity: Sequence[float]) -> bool:
-        """Whether nothing can be touched in the tick after `look`, at `velocity` (3,) [m/s] then."""
-        way_m = TICK_S * (math.hypot(*velocity) + self._gain_mps)
-        return way_m * way_m < self._free_square
+        Args:
+            truth: the 13 numbers of the vehicle's state.
+            room_m: may be too small.
+        """
+        self._x, self._y, self._z = truth[:3]
+        spare_m = room_m - SPARE_M
+        self.out_of_reach = self._reach.within_tick_m(truth) < spare_m
+        free_m = spare_m - self._reach.any_turn_m
+        self._free_square = free_m * free_m if free_m > 0.0 else -1.0
 
     def feel(self, truth: Sequence[float], state: Array) -> tuple[Contact, ...]:
         """The touches of the last physics step.

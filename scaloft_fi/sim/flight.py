@@ -138,7 +138,7 @@ class Flight:
         """Record a sample; unless the flight is over, let sensors and companion work.  Returns whether it goes on."""
         now_s = self.ticks / 20
         self._truth.add(self._observer.sample(now_s, self.body.state, self.sensors.view))
-        self._feeler.look(self.body.truth[:3], self._observer.room_m)
+        self._feeler.look(self.body.truth, self._observer.room_m)
         self._beliefs.add(self.stack.beliefs(now_s))
         if self._ending(now_s) is not None:
             return False
@@ -158,7 +158,7 @@ class Flight:
         if tight is not None:
             tight.begin()
         drive = self._drive if tight is None else tight.drive
-        if self._feeler.out_of_reach(self.body.velocity):
+        if self._feeler.out_of_reach:
             if tight is not None and agrees():
                 top_square = tight.run(self._steps, STEPS_PER_TICK)
             else:

@@ -6,13 +6,14 @@ Nothing here reaches the stack under test.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from scaloft_fi.sim.build import BodyIds
+from scaloft_fi.sim.clearance import Clearances
 from scaloft_fi.sim.contact import Contact
-from scaloft_fi.sim.geometry import blocked, nearest, outside
+from scaloft_fi.sim.geometry import blocked, nearest
 from scaloft_fi.sim.log import NEVER_S
 from scaloft_fi.sim.raster import View, pixels_of
 from scaloft_fi.sim.scenario import Scenario
@@ -46,25 +47,20 @@ class Observer:
     def __init__(
         self, client: int, ids: BodyIds, body: int, vehicle: Vehicle, scenario: Scenario, range_m: float
     ) -> None:
-        import pybullet
-
         world = scenario.world
         self.names = tuple(signal.name for signal in truth_signals(world.surfaces))
         self.struck = ""
         self.struck_at_s = NEVER_S
         self.landed = False
-        self._client, self._ids, self._body, self._closest = client, ids.by_name, body, pybullet.getClosestPoints
+        self._clearances = Clearances(client, ids, body, vehicle, world)
         self._scenario, self._scene, self._surfaces = scenario, world.scene, world.surfaces
         self.room_m = 0.0
-        self._radius_m = 0.5 * math.hypot(*vehicle.hull_m)
         self._range_m = range_m
         owners = {name: number for number, name in enumerate(self._scene.names)}
         self._persons = [(owners[name], _axis_points(world.bodies[name].mesh.vertices)) for name in scenario.persons]
         obstacles = world.role_names(OBSTACLE)
         self._obstacles = np.array([name in obstacles for name in self._scene.names])
         self._any_obstacle = bool(self._obstacles.any())
-        meshes = {WALL: world.mine.wall, GROUND: world.mine.ground, **{body.name: body.mesh for body in world.present}}
-        self._names, self._boxes = tuple(meshes), np.array([_bounds(mesh.vertices) for mesh in meshes.values()])
         self._waypoints = tuple((x, y) for x, y, _ in scenario.route[:-1])
         self._home = scenario.home
         self._passed = 0
@@ -125,12 +121,12 @@ class Observer:
         self._airborne |= z - self._home[2] > AIRBORNE_M
         home_m = math.hypot(x - self._home[0], y - self._home[1])
         excused = self._excused(x, y)
-        gaps = self._gaps(x, y, z)
-        clearances = {name: self._clearance(name, gaps, excused) for name in self._surfaces}
+        self._clearances.look((x, y, z, qx, qy, qz, qw))
+        clearances = {name: self._clearance(name, excused) for name in self._surfaces}
         person_range_m, person_sight_m = self._person(state)
         clearance_m = self.room_m = min(clearances.values())
         if excused:
-            self.room_m = min(clearance_m, gaps[GROUND])
+            self.room_m = min(clearance_m, self._clearances.gaps_m[GROUND])
         self._pass_waypoints(x, y)
         row = [
             t_s,
@@ -156,27 +152,18 @@ class Observer:
     def _near_waypoint(self, x: float, y: float) -> bool:
         return any(math.hypot(x - wx, y - wy) <= PASS_M for wx, wy in self._waypoints)
 
-    def _clearance(self, name: str, gaps: Mapping[str, float], excused: bool) -> float:
+    def _clearance(self, name: str, excused: bool) -> float:
         """Hull to a surface [m], at most 1; a contact since the last sample makes it negative.
 
         Ground that may be touched as things stand counts as far, or every landing would end at clearance 0.
         """
         if name == GROUND and excused:
             return CLEARANCE_CAP_M if name not in self._touched else TOUCH_M
-        clearance_m = CLEARANCE_CAP_M
-        if gaps.get(name, math.inf) < CLEARANCE_CAP_M:
-            points = self._closest(self._body, self._ids[name], CLEARANCE_CAP_M, physicsClientId=self._client)
-            clearance_m = min((point[8] for point in points), default=CLEARANCE_CAP_M)
+        clearance_m = self._clearances.measure(name)
         if name in self._touched:
             return min(clearance_m, TOUCH_M)
         # Bullet's margin may overlap by less than it takes for a touch; only a touch counts.
         return max(clearance_m, -TOUCH_M)
-
-    def _gaps(self, x: float, y: float, z: float) -> dict[str, float]:
-        """From a ball about the hull to each surface's bounding box [m]: no clearance is smaller."""
-        distances = np.empty(len(self._boxes))
-        outside(self._boxes, x, y, z, distances)
-        return {name: d - self._radius_m for name, d in zip(self._names, distances.tolist(), strict=True)}
 
     def _person(self, state: Array) -> tuple[float, float]:
         """Range of the nearest person's surface, and of the nearest one in sight [m]."""
@@ -203,11 +190,6 @@ class Observer:
         if view is None or not self._any_obstacle:
             return 0.0
         return float(pixels_of(view.segments, view.depth, self._obstacles, self._range_m))
-
-
-def _bounds(vertices: Array) -> tuple[float, ...]:
-    """Least x, y, z, then greatest [m]."""
-    return tuple(map(float, (*vertices.min(axis=0), *vertices.max(axis=0))))
 
 
 def _axis_points(vertices: Array) -> list[Array]:
