@@ -35,15 +35,18 @@ def test_feeling_only_where_something_is_near_finds_every_touch(client, config, 
     for step in range(240):
         if step % 12 == 0:
             observer.sample(step / 240, body.state, None)
-            feeler.look(body.truth[:3], observer.room_m)
-            out_of_reach = feeler.out_of_reach(body.velocity)
+            feeler.look(body.truth, observer.room_m)
         body.moves(lambda _step: body.actuate(np.zeros(4)), 0, 1)
         touches = feeler.feel(body.truth, body.state)
         assert touches == contacts(client, body.number, ids.name_of, body.state, vehicle.half_height_m)
         observer.step((step + 1) / 240, body.truth, touches)
         felt += touches
-        assert not (out_of_reach and touches)
+        assert not (feeler.out_of_reach and touches)
     assert felt
+
+
+def truth_at(y=4.0, velocity=(0.0, 0.0, 0.0), rate=(0.0, 0.0, 0.0)):
+    return (0.0, y, 1.65, 0.0, 0.0, 0.0, 1.0, *velocity, *rate)
 
 
 def test_it_asks_again_once_the_vehicle_may_have_come_near(client, config):
@@ -51,19 +54,26 @@ def test_it_asks_again_once_the_vehicle_may_have_come_near(client, config):
     body = Body(client, config.vehicle, (0, 4, 1.65), 0.0)
     feeler = Feeler(-1, body.number, config.vehicle, {})
     free_m = 1.0 - 0.5 * math.hypot(*config.vehicle.hull_m) + 0.5 * min(config.vehicle.hull_m) - 0.05
-    feeler.look((0.0, 4.0, 1.65), 1.0)
+    feeler.look(truth_at(), 1.0)
     assert feeler.feel((0.0, 4.0 + free_m - 1e-6, 1.65), body.state) == ()
     for place in ((0.0, 4.0 + free_m + 1e-6, 1.65), (math.nan, 4.0, 1.65)):
         with pytest.raises(Exception, match="Not connected"):
             feeler.feel(place, body.state)
 
 
-def test_in_the_middle_of_the_corridor_all_is_out_of_reach_unless_it_flies_fast(client, config):
-    build(client, config.world)
-    feeler = Feeler(client, Body(client, config.vehicle, (0, 4, 1.65), 0.0).number, config.vehicle, {})
-    feeler.look((0.0, 4.0, 1.65), 1.0)
-    assert feeler.out_of_reach((0.0, 0.5, 0.0))
-    assert not feeler.out_of_reach((0.0, 20.0, 0.0))
-    assert not feeler.out_of_reach((0.0, math.nan, 0.0))
-    feeler.look((0.0, 4.0, 1.65), 0.1)
-    assert not feeler.out_of_reach((0.0, 0.0, 0.0))
+@pytest.mark.parametrize(
+    ("truth", "room_m", "out_of_reach"),
+    [
+        (truth_at(velocity=(0.0, 0.5, 0.0)), 1.0, True),
+        (truth_at(velocity=(0.0, 20.0, 0.0)), 1.0, False),
+        (truth_at(velocity=(0.0, math.nan, 0.0)), 1.0, False),
+        (truth_at(rate=(0.0, 0.0, math.nan)), 0.3, False),
+        (truth_at(), 0.1, False),
+        (truth_at(), 0.2, True),
+        (truth_at(rate=(0.0, 0.0, 8.0)), 0.2, False),
+    ],
+)
+def test_near_fast_or_whirling_it_may_touch_something_within_a_tick(client, config, truth, room_m, out_of_reach):
+    feeler = Feeler(client, 0, config.vehicle, {})
+    feeler.look(truth, room_m)
+    assert feeler.out_of_reach is out_of_reach
