@@ -62,12 +62,12 @@ class Clearances:
         """From the hull to the surface `name` [m], at most 1; a little below 0 where Bullet's margins overlap."""
         if self.gaps_m.get(name, math.inf) >= CLEARANCE_CAP_M:
             return CLEARANCE_CAP_M
-        clearance_m = CLEARANCE_CAP_M
         known_m = self._before.get(name, math.inf) + self._moved_m + SLACK_M
         for within_m in {min(CLEARANCE_CAP_M, known_m): None, CLEARANCE_CAP_M: None}:
             points = self._closest(self._body, self._ids[name], within_m, physicsClientId=self._client)
-            if points:
-                clearance_m = min(point[8] for point in points)
+            clearance_m = min((point[8] for point in points), default=CLEARANCE_CAP_M)
+            # How deep bodies overlap depends on how far the server is asked to look.
+            if points and clearance_m > 0.0:
                 break
         self._measured[name] = clearance_m
         return clearance_m
