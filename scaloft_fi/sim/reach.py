@@ -24,17 +24,19 @@ class Reach:
 
     Attributes:
         any_turn_m: no turn about the centre brings the hull nearer to anything by more than this [m].
+        gained_m, gained_rad: way and turn of a tick that rotors and weight can add to those it is flying with.
+        tumble: by this factor its rate may grow by itself.
     """
 
     def __init__(self, vehicle: Vehicle) -> None:
         self._radius_m = 0.5 * math.hypot(*vehicle.hull_m)
         # However the hull turns, it stays in a ball about its centre, and a smaller ball stays in it.
         self.any_turn_m = self._radius_m - 0.5 * min(vehicle.hull_m)
-        self._gained_m = _GAINED_S2 * (4.0 * vehicle.max_thrust_n / vehicle.mass_kg + GRAVITY_MPS2)
+        self.gained_m = _GAINED_S2 * (4.0 * vehicle.max_thrust_n / vehicle.mass_kg + GRAVITY_MPS2)
         most, least = max(vehicle.inertia), min(vehicle.inertia)
-        # Without torque the energy of rotation is kept, so that the rate grows at most by the root of this ratio.
-        self._tumble = math.sqrt(most / least)
-        self._turned_rad = _GAINED_S2 * _greatest_torque(vehicle) / least
+        # Without torque the energy of rotation is kept, whichever axis it is about.
+        self.tumble = math.sqrt(most / least)
+        self.gained_rad = _GAINED_S2 * _greatest_torque(vehicle) / least
 
     def within_tick_m(self, truth: Sequence[float]) -> float:
         """How much less any clearance can be at any moment of the tick that begins [m]; NaN when `truth` is.
@@ -42,8 +44,8 @@ class Reach:
         Args:
             truth: the 13 numbers of the vehicle's state, as `sim.vehicle` lays them out.
         """
-        turn_m = self._radius_m * (TICK_S * self._tumble * math.hypot(*truth[RATE]) + self._turned_rad)
-        return TICK_S * math.hypot(*truth[VELOCITY]) + self._gained_m + min(turn_m, self.any_turn_m)
+        turn_m = self._radius_m * (TICK_S * self.tumble * math.hypot(*truth[RATE]) + self.gained_rad)
+        return TICK_S * math.hypot(*truth[VELOCITY]) + self.gained_m + min(turn_m, self.any_turn_m)
 
 
 def _greatest_torque(vehicle: Vehicle) -> float:
