@@ -28,6 +28,15 @@ def cells_at(points: Array, voxel_m: float) -> Cells:
 
 
 @jit
+def _centre(cell, voxel_m):  # type: ignore[no-untyped-def]
+    """Where the middle of `cell` is: x, y, z [m]."""
+    low = (1 << _BITS) - 1
+    # Vector units before AVX-512 turn integers into floating point numbers only from 32 bits.
+    i, j, k = np.int32(cell >> 2 * _BITS), np.int32((cell >> _BITS) & low), np.int32(cell & low)
+    return (i - _HALF + 0.5) * voxel_m, (j - _HALF + 0.5) * voxel_m, (k - _HALF + 0.5) * voxel_m
+
+
+@jit
 def _start(cell, mask):  # type: ignore[no-untyped-def]
     """Where the search for `cell` starts in a table of mask + 1 slots."""
     mixed = (np.uint64(cell) ^ (np.uint64(cell) >> np.uint64(23))) * _MIX
@@ -118,13 +127,10 @@ def _near_view(cells, eye, turn, column, row, shape, ranges, voxel_m):  # type: 
     near, far = ranges[0] - voxel_m, ranges[1] + voxel_m
     steepest = max(max(abs(low_y), abs(high_y)), max(abs(low_z), abs(high_z)))
     pad = 0.87 * voxel_m * math.sqrt(1.0 + steepest * steepest)  # half a cell's diagonal, against a slope
-    low = (1 << _BITS) - 1
     seen = np.empty(len(cells), np.bool_)
     for i in range(len(cells)):
-        cell = cells[i]
-        x = (np.int32(cell >> 2 * _BITS) - _HALF + 0.5) * voxel_m - eye[0]
-        y = (np.int32((cell >> _BITS) & low) - _HALF + 0.5) * voxel_m - eye[1]
-        z = (np.int32(cell & low) - _HALF + 0.5) * voxel_m - eye[2]
+        x, y, z = _centre(cells[i], voxel_m)
+        x, y, z = x - eye[0], y - eye[1], z - eye[2]
         ahead = x * a[0] + y * b[0] + z * c[0]
         side = x * a[1] + y * b[1] + z * c[1]
         up = x * a[2] + y * b[2] + z * c[2]
@@ -145,14 +151,11 @@ def _near_view(cells, eye, turn, column, row, shape, ranges, voxel_m):  # type: 
 def _projected(cells, eye, turn, column, row, shape, ranges, voxel_m):  # type: ignore[no-untyped-def]
     """Pixel that shows the centre of each of `cells`, row by row, or -1, and its depth [m] (vectorised as above)."""
     a, b, c = turn
-    low = (1 << _BITS) - 1
     pixels, depths = np.empty(len(cells), np.int64), np.empty(len(cells))
     height, width = shape
     for i in range(len(cells)):
-        cell = cells[i]
-        x = (np.int32(cell >> 2 * _BITS) - _HALF + 0.5) * voxel_m - eye[0]
-        y = (np.int32((cell >> _BITS) & low) - _HALF + 0.5) * voxel_m - eye[1]
-        z = (np.int32(cell & low) - _HALF + 0.5) * voxel_m - eye[2]
+        x, y, z = _centre(cells[i], voxel_m)
+        x, y, z = x - eye[0], y - eye[1], z - eye[2]
         ahead = x * a[0] + y * b[0] + z * c[0]
         k = ((x * a[1] + y * b[1] + z * c[1]) / ahead - column[0]) / column[1] + 0.5
         r = ((x * a[2] + y * b[2] + z * c[2]) / ahead - row[0]) / row[1] + 0.5
@@ -245,14 +248,10 @@ def update(cells, seen_s, forget, fresh, places, stamp_s):  # type: ignore[no-un
 @jit
 def centres(cells, position, voxel_m, radius_m):  # type: ignore[no-untyped-def]
     """Centres (N, 3) [m, world] of the cells within `radius_m` of `position`."""
-    low = (1 << _BITS) - 1
     size = len(cells)
     x, y, z, near = np.empty(size), np.empty(size), np.empty(size), np.empty(size, np.bool_)
     for i in range(size):  # a loop without branches, which is vectorised
-        cell = cells[i]
-        x[i] = (np.int32(cell >> 2 * _BITS) - _HALF + 0.5) * voxel_m
-        y[i] = (np.int32((cell >> _BITS) & low) - _HALF + 0.5) * voxel_m
-        z[i] = (np.int32(cell & low) - _HALF + 0.5) * voxel_m
+        x[i], y[i], z[i] = _centre(cells[i], voxel_m)
         dx, dy, dz = x[i] - position[0], y[i] - position[1], z[i] - position[2]
         near[i] = dx * dx + dy * dy + dz * dz < radius_m * radius_m
     out = np.empty((size, 3))
