@@ -104,9 +104,10 @@ def find(
         GateError, InputError, Interrupted: as `campaign.run.run`; everything flown is saved.
     """
     options = options or RunOptions()
+    question = _Question(study, targets, situations, seeds, kind)
     known = {outcome.name: outcome for outcome in _held(study, folder)}
     while True:
-        flights = _next(study, targets, situations, seeds, known.values(), kind)
+        flights = question.next(known.values())
         if not flights and any(outcome.mutant == BASELINE for outcome in known.values()):
             break
         shown = progress()
@@ -115,7 +116,7 @@ def find(
         planned = _with(plan(situations, seeds, [], choose.canary(study)), flights)
         report = run(study, planned, folder, replace(options, share=share), progress=shown, flyer=flyer)
         known |= {outcome.name: outcome for outcome in report.outcomes}
-    return _margins(study, targets, situations, seeds, known.values(), kind)
+    return question.margins(known.values())
 
 
 def _held(study: Study, folder: Path) -> tuple[Outcome, ...]:
@@ -133,54 +134,47 @@ def _with(planned: Plan, flights: Sequence[Flight]) -> Plan:
     return Plan(planned.baselines, (*planned.mutants, *flights), canary)
 
 
-def _next(
-    study: Study,
-    targets: Sequence[Target],
-    situations: Sequence[Situation],
-    seeds: Sequence[int],
-    outcomes: Iterable[Outcome],
-    kind: Kind,
-) -> tuple[Flight, ...]:
-    """The flights that every target asks for in every situation."""
-    tried = _tried(study, seeds, outcomes, kind)
-    asked = [
-        (target.id_of(magnitude), situation)
-        for target in targets
-        for situation in situations
-        for magnitude in target.search.asks(tried.get((target.subject, situation.key), {}))
-    ]
-    mutants = {id_: realise(study.matrix, id_) for id_, _ in asked}
-    return tuple(Flight(mutants[id_], situation, seed) for id_, situation in asked for seed in seeds)
+@dataclass(frozen=True)
+class _Question:
+    """Which margins are asked for, where, and by requirements of which kind; all answers follow from outcomes."""
 
+    study: Study
+    targets: Sequence[Target]
+    situations: Sequence[Situation]
+    seeds: Sequence[int]
+    kind: Kind
 
-def _tried(
-    study: Study, seeds: Sequence[int], outcomes: Iterable[Outcome], kind: Kind
-) -> Mapping[tuple[Subject, str], dict[float, Tried]]:
-    """What counts as tried: flown with every seed asked for, and with no other."""
-    wanted = frozenset(seeds)
-    chosen = [outcome for outcome in outcomes if outcome.seed in wanted]
-    return {
-        key: {entry.magnitude: entry for entry in entries if entry.seeds == wanted}
-        for key, entries in tried_in(chosen, study.matrix, kind).items()
-    }
+    def next(self, outcomes: Iterable[Outcome]) -> tuple[Flight, ...]:
+        """The flights that every target asks for in every situation."""
+        tried = self._tried(outcomes)
+        asked = [
+            (target.id_of(magnitude), situation)
+            for target in self.targets
+            for situation in self.situations
+            for magnitude in target.search.asks(tried.get((target.subject, situation.key), {}))
+        ]
+        mutants = {id_: realise(self.study.matrix, id_) for id_, _ in asked}
+        return tuple(Flight(mutants[id_], situation, seed) for id_, situation in asked for seed in self.seeds)
 
+    def margins(self, outcomes: Iterable[Outcome]) -> Mapping[Subject, tuple[Margin, ...]]:
+        """The margin of each target in each situation."""
+        tried = self._tried(outcomes)
+        return {
+            target.subject: tuple(
+                margin_of(target.search.scale, tried.get((target.subject, place.key), {}).values(), place.key)
+                for place in self.situations
+            )
+            for target in self.targets
+        }
 
-def _margins(
-    study: Study,
-    targets: Sequence[Target],
-    situations: Sequence[Situation],
-    seeds: Sequence[int],
-    outcomes: Iterable[Outcome],
-    kind: Kind,
-) -> Mapping[Subject, tuple[Margin, ...]]:
-    tried = _tried(study, seeds, outcomes, kind)
-    return {
-        target.subject: tuple(
-            margin_of(target.search.scale, tried.get((target.subject, situation.key), {}).values(), situation.key)
-            for situation in situations
-        )
-        for target in targets
-    }
+    def _tried(self, outcomes: Iterable[Outcome]) -> Mapping[tuple[Subject, str], dict[float, Tried]]:
+        """What counts as tried: flown with every seed asked for, and with no other."""
+        wanted = frozenset(self.seeds)
+        chosen = [outcome for outcome in outcomes if outcome.seed in wanted]
+        return {
+            key: {entry.magnitude: entry for entry in entries if entry.seeds == wanted}
+            for key, entries in tried_in(chosen, self.study.matrix, self.kind).items()
+        }
 
 
 def _asked(flights: Sequence[Flight]) -> str:
