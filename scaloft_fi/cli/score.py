@@ -63,9 +63,10 @@ def score_command(
 
     study = Study.open(study_folder)
     outcomes = current(study, campaign, brief=True)
-    flown = {outcome.situation for outcome in outcomes}
-    situations = [key for key, _ in study.space.points if key in flown]
-    others = borrowed(study, baseline_from, situations) if baseline_from else ()
+    others: Sequence[Outcome] = ()
+    if baseline_from:
+        flown = {outcome.situation for outcome in outcomes}
+        others = borrowed(study, baseline_from, [key for key, _ in study.space.points if key in flown])
     code = report(study, outcomes, grouping, style, fail_under, others=others)
     if not ratcheting:
         return code

@@ -238,6 +238,15 @@ def baseline_pool(outcomes: Iterable[Outcome]) -> dict[str, list[Outcome]]:
     return found
 
 
+def apart(outcomes: Iterable[Outcome]) -> tuple[list[Outcome], list[Outcome]]:
+    """The baselines and the flights of mutants (PLACEBO among them), each in the order given."""
+    clean: list[Outcome] = []
+    flown: list[Outcome] = []
+    for outcome in outcomes:
+        (clean if outcome.subject.id == BASELINE else flown).append(outcome)
+    return clean, flown
+
+
 def whole(outcomes: Iterable[Outcome]) -> list[Outcome]:
     """Without flights cut at their first kill: what else they would have done nobody knows."""
     return [outcome for outcome in outcomes if not outcome.truncated]
@@ -245,17 +254,16 @@ def whole(outcomes: Iterable[Outcome]) -> list[Outcome]:
 
 def flights_of(outcomes: Iterable[Outcome]) -> list[Flight]:
     """Every flight of a mutant (PLACEBO among them) beside its baseline, in the order given."""
-    listed = list(outcomes)
-    clean = {draw: _clean(baseline) for draw, baseline in baselines_of(listed).items()}
-    flown = [outcome for outcome in listed if outcome.subject.id != BASELINE]
+    baselines, flown = apart(outcomes)
+    clean = {(baseline.situation, baseline.seed): _clean(baseline) for baseline in baselines}
     beside = [clean.get((outcome.situation, outcome.seed)) for outcome in flown]
     rulings = list(map(_ruled, flown, beside))
     invalid = _ruling(Status.INVALID)
-    baselines = [
+    counting = [
         None if known is None or ruling is invalid else known.outcome
         for known, ruling in zip(beside, rulings, strict=True)
     ]
-    return bulk(Flight, (flown, baselines, rulings))
+    return bulk(Flight, (flown, counting, rulings))
 
 
 def by_situation(flights: Iterable[Flight]) -> dict[str, list[Flight]]:

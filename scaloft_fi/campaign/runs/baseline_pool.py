@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import chain
 
 from scaloft_fi.campaign.held.folder import campaign_folder, existing
 from scaloft_fi.campaign.held.key import Keys
@@ -47,7 +48,7 @@ def borrowed(study: Study, campaign: str, situations: Iterable[str]) -> tuple[Ou
 def joined(own: Iterable[Outcome], others: Iterable[Outcome]) -> dict[str, list[Outcome]]:
     """Baselines by situation, each situation and seed once."""
     once: dict[tuple[str, int], Outcome] = {}
-    for outcome in (*own, *others):
-        if outcome.mutant == BASELINE:
+    for outcome in chain(own, others):
+        if outcome.subject.id == BASELINE:
             once.setdefault((outcome.situation, outcome.seed), outcome)
     return baseline_pool(once[draw] for draw in sorted(once))

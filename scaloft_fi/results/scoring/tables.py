@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
-from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
+from scaloft_fi.results.outcome import PLACEBO, Outcome
 from scaloft_fi.results.requirement import Verdict
 from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.scoring.baseline import Finding, Tally, findings, tallies
@@ -16,7 +16,7 @@ from scaloft_fi.results.scoring.redraw import NO_PAIRS
 from scaloft_fi.results.scoring.score import MutantScore, Score, score
 from scaloft_fi.results.situations.coverage import Coverage, coverage
 from scaloft_fi.results.space import Space
-from scaloft_fi.results.status import Status, whole
+from scaloft_fi.results.status import Status, apart, whole
 from scaloft_fi.results.telling.table import Table
 
 ONE_SEED = "One seed: one flight per mutant and situation decides nothing statistically; fly more with --seeds."
@@ -38,17 +38,16 @@ DECIDED = (
 
 def score_tables(outcomes: Iterable[Outcome], roster: Roster, space: Space, by: By | None = None) -> tuple[Table, ...]:
     """All tables that `run` and `score` print; `by` adds the score part by part."""
-    listed = list(outcomes)
+    listed = whole(outcomes)
     return tables_of(score(listed, roster, space), listed, roster, space, by)
 
 
 def tables_of(
-    scored: Score, outcomes: Iterable[Outcome], roster: Roster, space: Space, by: By | None = None
+    scored: Score, outcomes: Collection[Outcome], roster: Roster, space: Space, by: By | None = None
 ) -> tuple[Table, ...]:
-    """The same of outcomes that were scored already."""
-    listed = whole(outcomes)
-    seeds = len({outcome.seed for outcome in listed if not outcome.invalid and outcome.subject.id != BASELINE})
-    clean = [outcome for outcome in listed if outcome.subject.id == BASELINE]
+    """The same of outcomes that were scored already, none of them cut at its first kill."""
+    clean, flown = apart(outcomes)
+    seeds = len({outcome.seed for outcome in flown if not outcome.invalid})
     where = {m.subject.id: m.condition(space) for m in (*scored.mutants, *scored.controls)}
     tables = [ratio_table(scored, seeds), redraw_table(scored), mutant_table(scored.mutants, where, seeds)]
     if scored.controls:
@@ -60,7 +59,7 @@ def tables_of(
     tables += [
         baseline_table(findings(clean, space)),
         requirement_table(tallies(clean)),
-        coverage_table(coverage(listed, space)),
+        coverage_table(coverage(outcomes, space)),
     ]
     return tuple(tables)
 

@@ -6,11 +6,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.results.outcome import BASELINE, Outcome
+from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.requirement import Kind, Verdict
 from scaloft_fi.results.scoring.ratio import Ratio
 from scaloft_fi.results.space import Space
-from scaloft_fi.results.status import held_to_end
+from scaloft_fi.results.status import apart, held_to_end
 
 if TYPE_CHECKING:
     from scaloft_fi.results.situations.t_way import TWay
@@ -56,12 +56,13 @@ def coverage(outcomes: Iterable[Outcome], space: Space) -> Coverage:
     """Coverage by the flights that count; a flight outside the grid or an invalid one covers nothing."""
     from scaloft_fi.results.situations.t_way import t_ways
 
-    valid = [outcome for outcome in outcomes if not outcome.invalid and outcome.situation in space.point]
-    flown = {outcome.situation for outcome in valid}
-    baselines = [outcome for outcome in valid if outcome.subject.id == BASELINE]
-    beside = {(outcome.situation, outcome.seed) for outcome in valid if outcome.subject.id != BASELINE}
+    clean, mutants = apart(outcomes)
+    baselines = [outcome for outcome in clean if not outcome.invalid and outcome.situation in space.point]
+    draws = {(outcome.situation, outcome.seed) for outcome in mutants if not outcome.invalid}
+    beside = {draw for draw in draws if draw[0] in space.point}
     alone = {(outcome.situation, outcome.seed) for outcome in baselines} - beside
     judged = {outcome.situation for outcome in baselines}
+    flown = judged | {situation for situation, _ in beside}
     came_true = {(outcome.situation, axis) for outcome in baselines for axis, true in outcome.realised if true}
     whole = {
         outcome.situation for outcome in baselines if outcome.realised and all(true for _, true in outcome.realised)

@@ -68,8 +68,10 @@ def _one(table: Table, how: Format) -> str:
 
     literal = markdown if how is Format.MARKDOWN else printable
     rows = [["" if cell is None else literal(str(cell)) for cell in row] for row in table.rows]
-    limits = _limits(table.headers, rows) if how is Format.TABLE and rows else None
-    body = tabulate(rows, table.headers, _TABULATE[how], disable_numparse=True, maxcolwidths=limits)
+    if how is Format.TABLE and rows:
+        limits = _limits(table.headers, rows)
+        rows = [list(map(_wrapped, row, limits)) for row in rows]
+    body = tabulate(rows, table.headers, _TABULATE[how], disable_numparse=True)
     if how is Format.LATEX:
         notes = "".join(f"% {note}\n" for note in table.notes)
         return f"% {table.title}\n{body}\n{notes}"
@@ -77,6 +79,10 @@ def _one(table: Table, how: Format) -> str:
         return f"### {markdown(table.title)}\n\n{body}\n" + "".join(f"\n{note}\n" for note in table.notes)
     notes = "".join(fill(note, WIDTH) + "\n" for note in table.notes)
     return f"{table.title}\n\n{body}\n{notes}"
+
+
+def _wrapped(cell: str, limit: int | None) -> str:
+    return cell if limit is None or len(cell) <= limit else fill(cell, limit)
 
 
 def _limits(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> list[int | None]:
