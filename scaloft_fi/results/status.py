@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
-from operator import itemgetter
+from operator import attrgetter
 
 from scaloft_fi.bulk import bulk
-from scaloft_fi.results.outcome import BASELINE, Outcome
+from scaloft_fi.results.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.results.requirement import Kind
 
 
@@ -75,6 +75,7 @@ class Ruling:
 
 
 _ruling = cache(Ruling)
+_INVALID, _NOT_REACHED, _NOT_INFECTED = map(_ruling, (Status.INVALID, Status.NOT_REACHED, Status.NOT_INFECTED))
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,6 +143,15 @@ class _Clean:
             if reading.kind is not Kind.REPORTED and not (reading.violated or reading.open)
         )
         self.readings = {reading.requirement: reading for reading in baseline.readings}
+        infected = self.eligible, self.operability_eligible, self.tested
+        self._masked = _ruling(Status.MASKED, (), (), *infected, ())
+        self._survived = _ruling(Status.SURVIVED, (), (), *infected, ())
+
+    def beside(self, outcome: Outcome) -> Ruling:
+        """The ruling of a flight that violates nothing."""
+        if outcome.altered == 0:
+            return _NOT_INFECTED if outcome.carried else _NOT_REACHED
+        return self._masked if outcome.digest == self.outcome.digest else self._survived
 
 
 def _clean(baseline: Outcome | None) -> _Clean | None:
@@ -151,19 +161,19 @@ def _clean(baseline: Outcome | None) -> _Clean | None:
 
 def _ruled(outcome: Outcome, clean: _Clean | None) -> Ruling:
     if outcome.invalid or clean is None:
-        return _ruling(Status.INVALID)
+        return _INVALID
     broken = outcome.violations
-    violated = tuple([violation.requirement for violation in broken]) if broken else ()
+    if not broken:
+        return clean.beside(outcome)
+    violated = tuple([violation.requirement for violation in broken])
     if outcome.altered == 0:
         status = Status.NOT_INFECTED if outcome.carried else Status.NOT_REACHED
         return _ruling(status, (), (), False, False, (), violated)
     infected = clean.eligible, clean.operability_eligible, clean.tested, violated
     if outcome.digest == clean.outcome.digest:
         return _ruling(Status.MASKED, (), (), *infected)
-    if not broken:
-        return _ruling(Status.SURVIVED, (), (), *infected)
-    kills = _killed_by(outcome, clean, Kind.SAFETY)
-    operability_kills = _killed_by(outcome, clean, Kind.OPERABILITY)
+    told = _told(outcome, clean)
+    kills, operability_kills = _named(told, Kind.SAFETY), _named(told, Kind.OPERABILITY)
     unsafe = kills or any(violation.kind is Kind.SAFETY for violation in broken)
     status = Status.KILLED if kills else Status.BASELINE_RED if unsafe else Status.SURVIVED
     return _ruling(status, kills, operability_kills, *infected)
@@ -176,19 +186,17 @@ def held_to_end(baseline: Outcome, kind: Kind) -> bool:
 
 def killed_by(outcome: Outcome, baseline: Outcome, kind: Kind) -> tuple[str, ...]:
     """The requirements of a kind by whose violation the flight is told from its baseline, earliest first."""
-    return _killed_by(outcome, _Clean(baseline), kind)
+    return _named(_told(outcome, _Clean(baseline)), kind)
 
 
-def _killed_by(outcome: Outcome, clean: _Clean, kind: Kind) -> tuple[str, ...]:
-    """The same of the readings that it violates.
+def _told(outcome: Outcome, clean: _Clean) -> list[Violation]:
+    """The violations by which the flight is told from its baseline, earliest first.
 
     To violate sooner what the baseline violates too, on the same body, proves nothing: any change of the flight
     moves that moment.  Of a baseline that was cut short only what it flew counts.
     """
-    found: list[tuple[float, str]] = []
+    found = []
     for violation in outcome.violations:
-        if violation.kind is not kind:
-            continue
         name, at_s = violation.requirement, violation.t_s
         held = clean.readings.get(name)
         if held is None:
@@ -198,15 +206,18 @@ def _killed_by(outcome: Outcome, clean: _Clean, kind: Kind) -> tuple[str, ...]:
         else:
             told = at_s < held.violated_at_s and violation.struck != _struck(clean.outcome, name)
         if told:
-            found.append((at_s, name))
-    if not found:
-        return ()
+            found.append(violation)
     if len(found) > 1:
         found.sort(key=_time)
-    return tuple([name for _, name in found])
+    return found
 
 
-_time = itemgetter(0)
+def _named(told: Sequence[Violation], kind: Kind) -> tuple[str, ...]:
+    """Their requirements, of one kind."""
+    return tuple([violation.requirement for violation in told if violation.kind is kind]) if told else ()
+
+
+_time = attrgetter("t_s")
 
 
 def _struck(flight: Outcome, requirement: str) -> str:
@@ -258,9 +269,8 @@ def flights_of(outcomes: Iterable[Outcome]) -> list[Flight]:
     clean = {(baseline.situation, baseline.seed): _clean(baseline) for baseline in baselines}
     beside = [clean.get((outcome.situation, outcome.seed)) for outcome in flown]
     rulings = list(map(_ruled, flown, beside))
-    invalid = _ruling(Status.INVALID)
     counting = [
-        None if known is None or ruling is invalid else known.outcome
+        None if known is None or ruling is _INVALID else known.outcome
         for known, ruling in zip(beside, rulings, strict=True)
     ]
     return bulk(Flight, (flown, counting, rulings))
