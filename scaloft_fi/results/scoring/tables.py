@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from scaloft_fi.results.outcome import PLACEBO, Outcome
 from scaloft_fi.results.requirement import Verdict
@@ -14,7 +14,7 @@ from scaloft_fi.results.scoring.grouping import By, groups
 from scaloft_fi.results.scoring.ratio import Ratio
 from scaloft_fi.results.scoring.redraw import NO_PAIRS
 from scaloft_fi.results.scoring.score import MutantScore, Score, score
-from scaloft_fi.results.situations.coverage import Coverage, coverage
+from scaloft_fi.results.situations.coverage import Coverage, coverage_of, draws_of
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.status import Status, apart, whole
 from scaloft_fi.results.telling.table import Table
@@ -43,11 +43,12 @@ def score_tables(outcomes: Iterable[Outcome], roster: Roster, space: Space, by: 
 
 
 def tables_of(
-    scored: Score, outcomes: Collection[Outcome], roster: Roster, space: Space, by: By | None = None
+    scored: Score, outcomes: Iterable[Outcome], roster: Roster, space: Space, by: By | None = None
 ) -> tuple[Table, ...]:
     """The same of outcomes that were scored already, none of them cut at its first kill."""
     clean, flown = apart(outcomes)
-    seeds = len({outcome.seed for outcome in flown if not outcome.invalid})
+    draws = draws_of(flown)
+    seeds = len({seed for _, seed in draws})
     where = {m.subject.id: m.condition(space) for m in (*scored.mutants, *scored.controls)}
     tables = [ratio_table(scored, seeds), redraw_table(scored), mutant_table(scored.mutants, where, seeds)]
     if scored.controls:
@@ -59,7 +60,7 @@ def tables_of(
     tables += [
         baseline_table(findings(clean, space)),
         requirement_table(tallies(clean)),
-        coverage_table(coverage(outcomes, space)),
+        coverage_table(coverage_of(clean, draws, space)),
     ]
     return tuple(tables)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -54,11 +54,20 @@ class Coverage:
 
 def coverage(outcomes: Iterable[Outcome], space: Space) -> Coverage:
     """Coverage by the flights that count; a flight outside the grid or an invalid one covers nothing."""
+    clean, flown = apart(outcomes)
+    return coverage_of(clean, draws_of(flown), space)
+
+
+def draws_of(outcomes: Iterable[Outcome]) -> set[tuple[str, int]]:
+    """The situations and seeds of flights that count."""
+    return {(outcome.situation, outcome.seed) for outcome in outcomes if not outcome.invalid}
+
+
+def coverage_of(clean: Iterable[Outcome], draws: Collection[tuple[str, int]], space: Space) -> Coverage:
+    """The same of the baselines `clean` and of the `draws` in which mutants were flown."""
     from scaloft_fi.results.situations.t_way import t_ways
 
-    clean, mutants = apart(outcomes)
     baselines = [outcome for outcome in clean if not outcome.invalid and outcome.situation in space.point]
-    draws = {(outcome.situation, outcome.seed) for outcome in mutants if not outcome.invalid}
     beside = {draw for draw in draws if draw[0] in space.point}
     alone = {(outcome.situation, outcome.seed) for outcome in baselines} - beside
     judged = {outcome.situation for outcome in baselines}
