@@ -24,9 +24,9 @@ from scaloft_fi.campaign.flights.fly import facts
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.mutants.wire import contexts, wire_for
+from scaloft_fi.results.flights import flight_of
 from scaloft_fi.results.outcome import Outcome, Subject, outcome_of
 from scaloft_fi.results.requirement import Kind
-from scaloft_fi.results.status import flight_of
 from scaloft_fi.sim.flight import fly
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.log import FlightLog

@@ -14,7 +14,7 @@ from scaloft_fi.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from scaloft_fi.results.outcome import Outcome
+    from scaloft_fi.results.scoring.score import Score
     from scaloft_fi.results.telling.table import Table
     from scaloft_fi.results.worksheet.disposition import Judged
     from scaloft_fi.study import Study
@@ -42,26 +42,24 @@ def dispositions_command(
 
     `scaloft-fi score --ratchet` makes a gate of it.
     """
-    from scaloft_fi.campaign.held.held import current
-    from scaloft_fi.results.scoring.score import score
+    from scaloft_fi.campaign.held.held import current_rulings
+    from scaloft_fi.results.scoring.score import score_of
     from scaloft_fi.results.telling.table import Format, render
     from scaloft_fi.results.worksheet.disposition import judge
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
-    scored = score(current(study, campaign), study.roster, study.space)
+    scored = score_of(current_rulings(study, campaign), study.roster, study.space)
     judged = judge(scored, study.roster, study.dispositions, today or date.today())  # noqa: DTZ011 - the user's own day
     click.echo(render((_table(judged),), Format(style)), nl=False)
     if writing:
         _append(study, judged)
 
 
-def ratchet(study: Study, outcomes: Sequence[Outcome], today: date | None) -> int:
+def ratchet(study: Study, scored: Score, today: date | None) -> int:
     """Say on standard error what does not pass and what can go; returns the exit code."""
-    from scaloft_fi.results.scoring.score import score
     from scaloft_fi.results.worksheet.disposition import State, at_stake, judge, told
 
-    scored = score(outcomes, study.roster, study.space)
     judged = judge(scored, study.roster, study.dispositions, today or date.today())  # noqa: DTZ011 - the user's own day
     for entry in judged:
         if entry.state is State.STALE:

@@ -19,7 +19,10 @@ from scaloft_fi.cli.options import (
 from scaloft_fi.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from scaloft_fi.results.scoring.first_kills import FirstKills
+    from scaloft_fi.results.telling.table import Table
 
 
 @click.command("run")
@@ -139,7 +142,8 @@ def run_command(
     from scaloft_fi.campaign.runs.run import run
     from scaloft_fi.campaign.runs.unflown import unflown_tables
     from scaloft_fi.campaign.workers.executor import executor_named
-    from scaloft_fi.cli.score import report
+    from scaloft_fi.cli.score import report, score_beside
+    from scaloft_fi.results.rulings import rulings_of
     from scaloft_fi.study import Study
 
     if first_kill:
@@ -177,9 +181,12 @@ def run_command(
         return 0
     if sequential:
         flown, looks = run_looks(study, planned, folder, options, others=others, progress=progress)
-        return report(study, flown.outcomes, None, style, fail_under, (look_table(looks),), others)
-    flown = run(study, planned, folder, options, progress=progress)
-    return report(study, flown.outcomes, None, style, fail_under, unflown_tables(planned, flown.left), others)
+        extra: Sequence[Table] = (look_table(looks),)
+    else:
+        flown = run(study, planned, folder, options, progress=progress)
+        extra = unflown_tables(planned, flown.left)
+    rulings = rulings_of(flown.outcomes)
+    return report(study, rulings, score_beside(study, rulings, others), None, style, fail_under, extra)
 
 
 def _alone(option: str, **others: object) -> None:

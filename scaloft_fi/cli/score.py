@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,6 +21,7 @@ from scaloft_fi.collector import uncollected
 
 if TYPE_CHECKING:
     from scaloft_fi.results.outcome import Outcome
+    from scaloft_fi.results.rulings import Rulings
     from scaloft_fi.results.scoring.score import Score
     from scaloft_fi.results.telling.table import Table
     from scaloft_fi.study import Study
@@ -57,51 +58,54 @@ def score_command(
     today: date | None,
 ) -> int:
     """Print the score, the mutants, the baseline's findings and the coverage of a campaign."""
-    from scaloft_fi.campaign.held.held import current
+    from scaloft_fi.campaign.held.held import current_rulings
     from scaloft_fi.campaign.runs.baseline_pool import borrowed
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
-    outcomes = current(study, campaign, brief=True)
+    rulings = current_rulings(study, campaign)
     others: Sequence[Outcome] = ()
     if baseline_from:
-        flown = {outcome.situation for outcome in outcomes}
+        flown = rulings.situations
         others = borrowed(study, baseline_from, [key for key, _ in study.space.points if key in flown])
-    code = report(study, outcomes, grouping, style, fail_under, others=others)
+    scored = score_beside(study, rulings, others)
+    code = report(study, rulings, scored, grouping, style, fail_under)
     if not ratcheting:
         return code
     from scaloft_fi.cli.dispositions import ratchet
 
-    return ratchet(study, outcomes, today) or code
+    return ratchet(study, scored, today) or code
+
+
+def score_beside(study: Study, rulings: Rulings, others: Iterable[Outcome]) -> Score:
+    """The score of a campaign that is decided by the baselines of another campaign too."""
+    from scaloft_fi.campaign.runs.baseline_pool import joined
+    from scaloft_fi.results.scoring.score import score_of
+
+    return score_of(rulings, study.roster, study.space, joined(rulings.baselines, others))
 
 
 def report(
     study: Study,
-    outcomes: Sequence[Outcome],
+    rulings: Rulings,
+    scored: Score,
     grouping: str | None,
     style: str,
     fail_under: float | None,
     extra: Sequence[Table] = (),
-    others: Sequence[Outcome] = (),
 ) -> int:
-    """Print the tables of `outcomes`; returns the exit code.
+    """Print the tables of a campaign; returns the exit code.
 
     Args:
         study: what was flown.
-        outcomes: of the campaign.
+        rulings: of the campaign.
+        scored: its score.
         grouping: `--by`.
         style: `--format`.
         fail_under: `--fail-under`.
         extra: tables that stand behind the others.
-        others: baselines of another campaign, to decide by.
     """
-    from scaloft_fi.campaign.runs.baseline_pool import joined
-    from scaloft_fi.results.scoring.score import score
-    from scaloft_fi.results.status import whole
-
-    outcomes = whole(outcomes)
-    scored = score(outcomes, study.roster, study.space, joined(outcomes, others))
-    click.echo(_text(study, outcomes, scored, grouping, style, extra), nl=False)
+    click.echo(_text(study, rulings, scored, grouping, style, extra), nl=False)
     ratio = scored.mutation_score
     if fail_under is None or (ratio.value is not None and ratio.value >= fail_under):
         return 0
@@ -111,7 +115,7 @@ def report(
 
 def _text(
     study: Study,
-    outcomes: Sequence[Outcome],
+    rulings: Rulings,
     scored: Score,
     grouping: str | None,
     style: str,
@@ -121,16 +125,16 @@ def _text(
     from scaloft_fi.results.scoring.grouping import By
     from scaloft_fi.results.scoring.score_record import score_json
     from scaloft_fi.results.scoring.tables import tables_of
-    from scaloft_fi.results.situations.coverage import coverage
+    from scaloft_fi.results.situations.coverage import coverage_of
     from scaloft_fi.results.telling.table import Format, render
 
     by = By(grouping) if grouping else None
     if style != Format.JSON:
-        return render((*tables_of(scored, outcomes, study.roster, study.space, by), *extra), Format(style))
+        return render((*tables_of(scored, rulings, study.roster, study.space, by), *extra), Format(style))
     import json
 
-    violated = [(finding.situation, finding.violated) for finding in findings(outcomes, study.space)]
-    values = score_json(scored, coverage(outcomes, study.space), violated)
+    violated = [(finding.situation, finding.violated) for finding in findings(rulings.baselines, study.space)]
+    values = score_json(scored, coverage_of(rulings.baselines, rulings.draws, study.space), violated)
     for table in extra:
         values[table.title.lower().replace(",", "").replace(" ", "_")] = table.records()
     return json.dumps(values, indent=2, allow_nan=False) + "\n"

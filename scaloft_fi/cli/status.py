@@ -23,8 +23,9 @@ WAITING = "waiting for their baseline"
 def status_command(study_folder: Path | None, campaign: str, style: str) -> None:
     """Print how many flights a campaign holds, by status, and why those are stale that do not count any more."""
     from scaloft_fi.campaign.held.held import held
+    from scaloft_fi.results.flights import flights_of
     from scaloft_fi.results.outcome import BASELINE
-    from scaloft_fi.results.status import baseline_status, flights_of
+    from scaloft_fi.results.status import baseline_status
     from scaloft_fi.results.telling.export import ordered
     from scaloft_fi.results.telling.table import Format, Table, render
     from scaloft_fi.study import Study

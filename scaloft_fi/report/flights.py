@@ -12,8 +12,9 @@ from itertools import pairwise
 from typing import Any
 
 from scaloft_fi.report.tracks import Whole, coded, quantised, quantum, shared, thinned
+from scaloft_fi.results.flights import Flight, flight_of
 from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
-from scaloft_fi.results.status import Flight, baseline_status, flight_of
+from scaloft_fi.results.status import baseline_status
 from scaloft_fi.results.track import TRACK_COLUMNS, unpack_track
 
 EVERYTHING = 1 << 30

@@ -14,7 +14,7 @@ from typing import Any
 from scaloft_fi.report.evidence import Evidence
 from scaloft_fi.report.figures import figures
 from scaloft_fi.report.flights import DETAILS, columns, packs
-from scaloft_fi.results.status import whole
+from scaloft_fi.results.flights import whole
 
 MOST_BYTES = 5_000_000
 """The page fits into an e-mail."""

@@ -17,7 +17,8 @@ from scaloft_fi.results.requirement import Kind, Reading
 Row = tuple[Any, ...]
 """Values of `COLUMNS`."""
 
-_SUBJECT = {"mutant": "TEXT", "guideword": "TEXT", "parameter": "TEXT", "magnitude": "TEXT"}
+SUBJECT: Mapping[str, str] = {"mutant": "TEXT", "guideword": "TEXT", "parameter": "TEXT", "magnitude": "TEXT"}
+"""The columns of what was flown."""
 _FACTS = {
     "situation": "TEXT",
     "seed": "INTEGER",
@@ -34,7 +35,7 @@ _FACTS = {
     "stack_error": "TEXT",
 }
 _LINES = {"readings": "TEXT", "violations": "TEXT", "realised": "TEXT"}
-COLUMNS: Mapping[str, str] = {**_SUBJECT, **_FACTS, **_LINES}
+COLUMNS: Mapping[str, str] = {**SUBJECT, **_FACTS, **_LINES}
 """The columns and their types, all of an outcome but its track.
 
 The last three hold one entry a line, each a JSON list of its fields in their order: most lines are the same in many
@@ -58,17 +59,6 @@ def to_row(outcome: Outcome) -> Row:
     )
 
 
-SPARED: Mapping[str, str] = {
-    "ending": "''",
-    "infected_at_s": "NULL",
-    "struck": "''",
-    "perceived_digest": "''",
-    "stack_error": "''",
-    "readings": "''",
-    "realised": "''",
-}
-"""Columns that say nothing about the status of a mutant's flight, and what stands for them where they are left out."""
-
 _READING = [field.name for field in fields(Reading)]
 _VIOLATION = [field.name for field in fields(Violation)]
 
@@ -82,16 +72,16 @@ class Reader:
 
     def __init__(self) -> None:
         self._subjects = _Subjects()
-        self._readings = _Lines(_readings)
-        self._violations = _Lines(_violations)
-        self._realised = _Lines(_came_true)
+        self._readings = Lines(_readings)
+        self._violations = violation_lines()
+        self._realised = Lines(_came_true)
 
     def __call__(self, rows: Sequence[Row], tracks: Iterable[bytes] = repeat(b"")) -> list[Outcome]:
         """The outcomes of rows that begin as `to_row` makes them, with their tracks."""
         if not rows:
             return []
         columns = list(zip(*rows, strict=True))
-        subjects, rest = columns[: len(_SUBJECT)], columns[len(_SUBJECT) : len(COLUMNS)]
+        subjects, rest = columns[: len(SUBJECT)], columns[len(SUBJECT) : len(COLUMNS)]
         situation, seed, ending, invalid, truncated, carried, altered, infected_at_s, struck, duration_s = rest[:10]
         digest, perceived_digest, stack_error, readings, violations, realised = rest[10:]
         return bulk(
@@ -130,7 +120,7 @@ class _Subjects(dict[Row, Subject]):
 T = TypeVar("T")
 
 
-class _Lines(Generic[T]):
+class Lines(Generic[T]):
     """Entries by their lines, each read once.
 
     Args:
@@ -165,6 +155,11 @@ def _breaks(text: str) -> int:
 
 def _readings(names: Iterable[str], kinds: Iterable[str], *rest: Iterable[Any]) -> list[Reading]:
     return bulk(Reading, (map(intern, names), map(_KINDS.__getitem__, kinds), *rest))
+
+
+def violation_lines() -> Lines[Violation]:
+    """Reads the column of violations."""
+    return Lines(_violations)
 
 
 def _violations(names: Iterable[str], kinds: Iterable[str], *rest: Iterable[Any]) -> list[Violation]:

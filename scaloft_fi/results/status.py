@@ -8,8 +8,7 @@ from enum import StrEnum
 from functools import cache
 from operator import attrgetter
 
-from scaloft_fi.bulk import bulk
-from scaloft_fi.results.outcome import BASELINE, Outcome, Violation
+from scaloft_fi.results.outcome import Outcome, Violation
 from scaloft_fi.results.requirement import Kind
 
 
@@ -75,108 +74,99 @@ class Ruling:
 
 
 _ruling = cache(Ruling)
-_INVALID, _NOT_REACHED, _NOT_INFECTED = map(_ruling, (Status.INVALID, Status.NOT_REACHED, Status.NOT_INFECTED))
+INVALID = _ruling(Status.INVALID)
+"""Of a flight that does not count."""
+_NOT_REACHED, _NOT_INFECTED = _ruling(Status.NOT_REACHED), _ruling(Status.NOT_INFECTED)
 
 
-@dataclass(frozen=True, slots=True)
-class Flight:
-    """A flight beside its baseline.
+class Baseline:
+    """What there is to know of a baseline that counts, found once for all the flights beside it.
 
-    Attributes:
-        outcome: the flight.
-        baseline: of the same situation and seed; None when there is none that counts.
-        ruling: what it comes to.
+    Args:
+        outcome: of the baseline.
     """
 
-    outcome: Outcome
-    baseline: Outcome | None
-    ruling: Ruling
-
-    @property
-    def status(self) -> Status:
-        """Where the fault stopped."""
-        return self.ruling.status
-
-    @property
-    def kills(self) -> tuple[str, ...]:
-        """Safety requirements by which it is killed, earliest first."""
-        return self.ruling.kills
-
-    @property
-    def operability_kills(self) -> tuple[str, ...]:
-        """The same for operability requirements."""
-        return self.ruling.operability_kills
-
-    @property
-    def eligible(self) -> bool:
-        """Whether it is infected, and the baseline held a safety requirement to its end."""
-        return self.ruling.eligible
-
-    @property
-    def operability_eligible(self) -> bool:
-        """Whether it is infected, and the baseline held an operability requirement to its end."""
-        return self.ruling.operability_eligible
-
-    @property
-    def killed_at_s(self) -> float | None:
-        """Time of the earliest kill [s from take-off]."""
-        return min((v.t_s for v in self.outcome.violations if v.requirement in self.kills), default=None)
-
-
-def flight_of(outcome: Outcome, baseline: Outcome | None) -> Flight:
-    """Judge a mutant's flight by the baseline of the same situation and seed; without one that counts it is invalid."""
-    clean = _clean(baseline)
-    ruling = _ruled(outcome, clean)
-    return Flight(outcome, None if ruling.status is Status.INVALID else baseline, ruling)
-
-
-class _Clean:
-    """What there is to know of a baseline, found once for all the flights beside it."""
-
-    def __init__(self, baseline: Outcome) -> None:
-        self.outcome = baseline
-        self.eligible = held_to_end(baseline, Kind.SAFETY)
-        self.operability_eligible = held_to_end(baseline, Kind.OPERABILITY)
-        self.tested = tuple(
+    def __init__(self, outcome: Outcome) -> None:
+        self.outcome = outcome
+        self._eligible = held_to_end(outcome, Kind.SAFETY), held_to_end(outcome, Kind.OPERABILITY)
+        self._tested = tuple(
             reading.requirement
-            for reading in baseline.readings
+            for reading in outcome.readings
             if reading.kind is not Kind.REPORTED and not (reading.violated or reading.open)
         )
-        self.readings = {reading.requirement: reading for reading in baseline.readings}
-        infected = self.eligible, self.operability_eligible, self.tested
-        self._masked = _ruling(Status.MASKED, (), (), *infected, ())
-        self._survived = _ruling(Status.SURVIVED, (), (), *infected, ())
+        self._readings = {reading.requirement: reading for reading in outcome.readings}
+        self._struck = {violation.requirement: violation.struck for violation in outcome.violations}
+        self._masked = self._infected(Status.MASKED)
+        self._survived = self._infected(Status.SURVIVED)
 
-    def beside(self, outcome: Outcome) -> Ruling:
-        """The ruling of a flight that violates nothing."""
-        if outcome.altered == 0:
-            return _NOT_INFECTED if outcome.carried else _NOT_REACHED
-        return self._masked if outcome.digest == self.outcome.digest else self._survived
+    def rule(self, carried: int, altered: int, digest: str, violations: Sequence[Violation]) -> Ruling:
+        """What a flight that counts comes to, by what an outcome has of these names."""
+        if not violations:
+            if altered == 0:
+                return _NOT_INFECTED if carried else _NOT_REACHED
+            return self._masked if digest == self.outcome.digest else self._survived
+        violated = tuple([violation.requirement for violation in violations])
+        if altered == 0:
+            status = Status.NOT_INFECTED if carried else Status.NOT_REACHED
+            return _ruling(status, (), (), False, False, (), violated)
+        if digest == self.outcome.digest:
+            return self._infected(Status.MASKED, violated)
+        told = self.told(violations)
+        kills, operability_kills = named(told, Kind.SAFETY), named(told, Kind.OPERABILITY)
+        unsafe = kills or any(violation.kind is Kind.SAFETY for violation in violations)
+        status = Status.KILLED if kills else Status.BASELINE_RED if unsafe else Status.SURVIVED
+        return self._infected(status, violated, kills, operability_kills)
+
+    def _infected(
+        self,
+        status: Status,
+        violated: tuple[str, ...] = (),
+        kills: tuple[str, ...] = (),
+        operability_kills: tuple[str, ...] = (),
+    ) -> Ruling:
+        return _ruling(status, kills, operability_kills, *self._eligible, self._tested, violated)
+
+    def told(self, violations: Iterable[Violation]) -> list[Violation]:
+        """The violations by which a flight is told from the baseline, earliest first.
+
+        To violate sooner what the baseline violates too, on the same body, proves nothing: any change of the flight
+        moves that moment.  Of a baseline that was cut short only what it flew counts.
+        """
+        found = []
+        for violation in violations:
+            name, at_s = violation.requirement, violation.t_s
+            held = self._readings.get(name)
+            if held is None:
+                continue
+            if held.violated_at_s is None:
+                told = not held.open or at_s <= self.outcome.duration_s
+            else:
+                told = at_s < held.violated_at_s and violation.struck != self._struck.get(name, "")
+            if told:
+                found.append(violation)
+        if len(found) > 1:
+            found.sort(key=_time)
+        return found
 
 
-def _clean(baseline: Outcome | None) -> _Clean | None:
-    """The same of a baseline that counts."""
-    return None if baseline is None or baseline.invalid else _Clean(baseline)
+_time = attrgetter("t_s")
 
 
-def _ruled(outcome: Outcome, clean: _Clean | None) -> Ruling:
-    if outcome.invalid or clean is None:
-        return _INVALID
-    broken = outcome.violations
-    if not broken:
-        return clean.beside(outcome)
-    violated = tuple([violation.requirement for violation in broken])
-    if outcome.altered == 0:
-        status = Status.NOT_INFECTED if outcome.carried else Status.NOT_REACHED
-        return _ruling(status, (), (), False, False, (), violated)
-    infected = clean.eligible, clean.operability_eligible, clean.tested, violated
-    if outcome.digest == clean.outcome.digest:
-        return _ruling(Status.MASKED, (), (), *infected)
-    told = _told(outcome, clean)
-    kills, operability_kills = _named(told, Kind.SAFETY), _named(told, Kind.OPERABILITY)
-    unsafe = kills or any(violation.kind is Kind.SAFETY for violation in broken)
-    status = Status.KILLED if kills else Status.BASELINE_RED if unsafe else Status.SURVIVED
-    return _ruling(status, kills, operability_kills, *infected)
+def named(told: Sequence[Violation], kind: Kind) -> tuple[str, ...]:
+    """The requirements of violations, of one kind."""
+    return tuple([violation.requirement for violation in told if violation.kind is kind]) if told else ()
+
+
+def counting(baseline: Outcome | None) -> Baseline | None:
+    """A baseline to rule by, None when there is none that counts."""
+    return None if baseline is None or baseline.invalid else Baseline(baseline)
+
+
+def rule(outcome: Outcome, baseline: Baseline | None) -> Ruling:
+    """What a mutant's flight comes to beside the baseline of its situation and seed; without one it is invalid."""
+    if outcome.invalid or baseline is None:
+        return INVALID
+    return baseline.rule(outcome.carried, outcome.altered, outcome.digest, outcome.violations)
 
 
 def held_to_end(baseline: Outcome, kind: Kind) -> bool:
@@ -186,46 +176,7 @@ def held_to_end(baseline: Outcome, kind: Kind) -> bool:
 
 def killed_by(outcome: Outcome, baseline: Outcome, kind: Kind) -> tuple[str, ...]:
     """The requirements of a kind by whose violation the flight is told from its baseline, earliest first."""
-    return _named(_told(outcome, _Clean(baseline)), kind)
-
-
-def _told(outcome: Outcome, clean: _Clean) -> list[Violation]:
-    """The violations by which the flight is told from its baseline, earliest first.
-
-    To violate sooner what the baseline violates too, on the same body, proves nothing: any change of the flight
-    moves that moment.  Of a baseline that was cut short only what it flew counts.
-    """
-    found = []
-    for violation in outcome.violations:
-        name, at_s = violation.requirement, violation.t_s
-        held = clean.readings.get(name)
-        if held is None:
-            continue
-        if held.violated_at_s is None:
-            told = not held.open or at_s <= clean.outcome.duration_s
-        else:
-            told = at_s < held.violated_at_s and violation.struck != _struck(clean.outcome, name)
-        if told:
-            found.append(violation)
-    if len(found) > 1:
-        found.sort(key=_time)
-    return found
-
-
-def _named(told: Sequence[Violation], kind: Kind) -> tuple[str, ...]:
-    """Their requirements, of one kind."""
-    return tuple([violation.requirement for violation in told if violation.kind is kind]) if told else ()
-
-
-_time = attrgetter("t_s")
-
-
-def _struck(flight: Outcome, requirement: str) -> str:
-    """The body struck when the flight violated the requirement; "" when none was."""
-    for violation in flight.violations:
-        if violation.requirement == requirement:
-            return violation.struck
-    return ""
+    return named(Baseline(baseline).told(outcome.violations), kind)
 
 
 def baseline_status(baseline: Outcome) -> str:
@@ -235,66 +186,17 @@ def baseline_status(baseline: Outcome) -> str:
     return "violated" if baseline.first_violation else "held"
 
 
-def baselines_of(outcomes: Iterable[Outcome]) -> dict[tuple[str, int], Outcome]:
-    """The baseline of each situation and seed."""
-    return {(outcome.situation, outcome.seed): outcome for outcome in outcomes if outcome.subject.id == BASELINE}
-
-
-def baseline_pool(outcomes: Iterable[Outcome]) -> dict[str, list[Outcome]]:
-    """The baselines of each situation, over all seeds."""
-    found: dict[str, list[Outcome]] = {}
-    for outcome in outcomes:
-        if outcome.subject.id == BASELINE:
-            found.setdefault(outcome.situation, []).append(outcome)
-    return found
-
-
-def apart(outcomes: Iterable[Outcome]) -> tuple[list[Outcome], list[Outcome]]:
-    """The baselines and the flights of mutants (PLACEBO among them), each in the order given."""
-    clean: list[Outcome] = []
-    flown: list[Outcome] = []
-    for outcome in outcomes:
-        (clean if outcome.subject.id == BASELINE else flown).append(outcome)
-    return clean, flown
-
-
-def whole(outcomes: Iterable[Outcome]) -> list[Outcome]:
-    """Without flights cut at their first kill: what else they would have done nobody knows."""
-    return [outcome for outcome in outcomes if not outcome.truncated]
-
-
-def flights_of(outcomes: Iterable[Outcome]) -> list[Flight]:
-    """Every flight of a mutant (PLACEBO among them) beside its baseline, in the order given."""
-    baselines, flown = apart(outcomes)
-    clean = {(baseline.situation, baseline.seed): _clean(baseline) for baseline in baselines}
-    beside = [clean.get((outcome.situation, outcome.seed)) for outcome in flown]
-    rulings = list(map(_ruled, flown, beside))
-    counting = [
-        None if known is None or ruling is _INVALID else known.outcome
-        for known, ruling in zip(beside, rulings, strict=True)
-    ]
-    return bulk(Flight, (flown, counting, rulings))
-
-
-def by_situation(flights: Iterable[Flight]) -> dict[str, list[Flight]]:
-    """The flights in each situation, in the order given."""
-    found: dict[str, list[Flight]] = {}
-    for flight in flights:
-        found.setdefault(flight.outcome.situation, []).append(flight)
-    return found
-
-
-def mutant_status(flights: Iterable[Flight | Ruling]) -> Status:
+def mutant_status(rulings: Iterable[Ruling]) -> Status:
     """The highest rung over a mutant's eligible flights.
 
     A mutant without one shows how far its fault came: a flight that infects where the baseline holds no safety
     requirement to its end proves nothing about it and stands as `baseline_red`.
     """
-    listed = list(flights)
-    statuses = {flight.status for flight in listed if flight.eligible}
+    listed = list(rulings)
+    statuses = {ruling.status for ruling in listed if ruling.eligible}
     if not statuses:
         statuses = {
             Status.BASELINE_RED if status.rung > Status.BASELINE_RED.rung else status
-            for status in {flight.status for flight in listed}
+            for status in {ruling.status for ruling in listed}
         }
     return max(statuses, key=lambda status: status.rung, default=Status.INVALID)

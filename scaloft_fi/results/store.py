@@ -4,56 +4,23 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from itertools import chain
-from operator import itemgetter
 from pathlib import Path
 from types import TracebackType
 from typing import NamedTuple
 
-from scaloft_fi.collector import uncollected
 from scaloft_fi.errors import InputError
 from scaloft_fi.results.origin import Origin
-from scaloft_fi.results.outcome import BASELINE, Outcome
-from scaloft_fi.results.record import COLUMNS, SPARED, Reader, Row
+from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.record import COLUMNS, Reader
+from scaloft_fi.results.rulings import Rulings
 from scaloft_fi.results.schema import SCHEMA, insert, migrate
+from scaloft_fi.results.selection import Flown, Stand, outcomes, rulings, standing, under
 
 _NOTE = "note: "
 BUSY_S = 30.0
 """How long a writer waits for another process [s]."""
-
-
-class Flown(NamedTuple):
-    """What an outcome is of.
-
-    Attributes:
-        key: its content hash.
-        mutant, situation, seed: what was flown, where.
-        truncated: why it was cut; empty for a whole flight.
-        origin: number of what entered the key, by which `origins` has it; None where it was never planned.
-    """
-
-    key: str
-    mutant: str
-    situation: str
-    seed: int
-    truncated: str
-    origin: int | None
-
-
-_COLUMNS = (*COLUMNS, "key", "origin")
-_ALL = f"SELECT {', '.join(_COLUMNS)} FROM outcomes"
-_BRIEF = (
-    f"{_ALL} WHERE mutant = '{BASELINE}' UNION ALL"
-    f" SELECT {', '.join(SPARED.get(name, name) for name in _COLUMNS)} FROM outcomes WHERE mutant != '{BASELINE}'"
-)
-_KEY = _COLUMNS.index("key")
-_flown = itemgetter(*map(_COLUMNS.index, Flown._fields))
-_sort = itemgetter(*map(_COLUMNS.index, ("origin", "truncated")))
-CHUNK = 2000
-"""Rows that become outcomes at once: columns of them are faster than rows, while they fit the processor's cache."""
 
 
 class Planned(NamedTuple):
@@ -204,41 +171,18 @@ class Store:
 
     def keyed(self, keys: Iterable[str] | None = None) -> list[tuple[str, Outcome]]:
         """The same, each with its key."""
-        wanted = None if keys is None else set(keys)
-        return [(key, outcome) for _, key, outcome in self._chosen(lambda row: wanted is None or row[_KEY] in wanted)]
+        with _sentences(self.path):
+            return list(outcomes(self._connection, None if keys is None else under(set(keys))))
 
-    def that(self, stand: Callable[[Flown], bool], *, brief: bool = False) -> tuple[Outcome, ...]:
-        """The same of the flights that `stand`.
+    def that(self, stand: Stand) -> tuple[Outcome, ...]:
+        """The same of the flights that `stand`."""
+        with _sentences(self.path):
+            return tuple([outcome for _, outcome in outcomes(self._connection, standing(stand))])
 
-        Args:
-            stand: asked once for each origin, which belongs to one mutant in one situation, and of each flight without
-                one.
-            brief: leave out of mutants' flights what no status follows from (`record.SPARED`).
-        """
-        said: dict[Row, bool] = {}
-
-        def keep(row: Row) -> bool:
-            sort = _sort(row)
-            known = said.get(sort)
-            if known is None or sort[0] is None:
-                known = said[sort] = stand(Flown(*_flown(row)))
-            return known
-
-        return tuple([outcome for _, _, outcome in self._chosen(keep, _BRIEF if brief else _ALL)])
-
-    def _chosen(self, keep: Callable[[Row], bool], query: str = _ALL) -> Iterator[tuple[int, str, Outcome]]:
-        """The outcomes of the rows of `_COLUMNS` that `keep` lets through, each with its seed and its key."""
-        read = Reader()
-        found = defaultdict[tuple[str, str], list[tuple[int, str, Outcome]]](list)
-        with _sentences(self.path), uncollected():
-            # to sort here is faster than to have the rows looked up in the order of an index
-            cursor = self._connection.execute(query)
-            while rows := cursor.fetchmany(CHUNK):
-                kept = list(filter(keep, rows))
-                for outcome, row in zip(read(kept), kept, strict=True):
-                    found[outcome.subject.id, outcome.situation].append((outcome.seed, row[_KEY], outcome))
-        # keys are distinct
-        return chain.from_iterable(sorted(found[place]) for place in sorted(found))
+    def rulings(self, stand: Stand) -> Rulings:
+        """What the whole flights that `stand` came to."""
+        with _sentences(self.path):
+            return rulings(self._connection, stand)
 
     def plan(self, flights: Iterable[Planned]) -> None:
         """Keep what is to be flown, in one transaction; what was planned before stays planned.

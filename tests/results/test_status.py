@@ -1,11 +1,10 @@
 from __future__ import annotations
 
 import pytest
-from builders import campaigns, outcome
-from hypothesis import given
+from builders import outcome
 
-from scaloft_fi.results.outcome import BASELINE, Outcome
-from scaloft_fi.results.status import Status, baseline_status, flight_of, flights_of, mutant_status
+from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.status import Ruling, Status, baseline_status, counting, mutant_status, rule
 
 M = "LATE-human@3s"
 HELD = outcome()
@@ -13,8 +12,8 @@ HELD = outcome()
 CUT = outcome(violated={"SR1": 30.0}, struck="bar")
 
 
-def status(flight: Outcome, baseline: Outcome | None = HELD) -> Status:
-    return flight_of(flight, baseline).status
+def ruling(flight: Outcome, baseline: Outcome | None = HELD) -> Ruling:
+    return rule(flight, counting(baseline))
 
 
 @pytest.mark.parametrize(
@@ -51,39 +50,37 @@ def status(flight: Outcome, baseline: Outcome | None = HELD) -> Status:
     ],
 )
 def test_the_first_rung_that_fits(flight: Outcome, baseline: Outcome | None, expected: str) -> None:
-    assert status(flight, baseline).value == expected
+    assert ruling(flight, baseline).status.value == expected
 
 
 def test_a_spurious_sample_on_a_silent_seam_infects() -> None:
-    assert status(outcome(M, carried=0, altered=3)) is Status.SURVIVED
+    assert ruling(outcome(M, carried=0, altered=3)).status is Status.SURVIVED
 
 
 def test_a_kill_names_its_requirements_earliest_first() -> None:
-    flight = flight_of(outcome(M, violated={"SR1": 25.0, "SR2": 20.0, "OP1": 50.0}), HELD)
-    assert flight.kills == ("SR2", "SR1")
-    assert flight.operability_kills == ("OP1",)
-    assert flight.killed_at_s == 20.0
+    killed = ruling(outcome(M, violated={"SR1": 25.0, "SR2": 20.0, "OP1": 50.0}))
+    assert killed.kills == ("SR2", "SR1")
+    assert killed.operability_kills == ("OP1",)
 
 
 def test_a_requirement_the_baseline_breaks_too_is_no_part_of_the_kill() -> None:
-    flight = flight_of(outcome(M, violated={"SR1": 25.0, "SR2": 20.0}), outcome(violated={"SR2": 10.0}))
-    assert flight.kills == ("SR1",)
-    assert flight.killed_at_s == 25.0
+    killed = ruling(outcome(M, violated={"SR1": 25.0, "SR2": 20.0}), outcome(violated={"SR2": 10.0}))
+    assert killed.kills == ("SR1",)
 
 
 def test_a_flight_is_eligible_where_it_is_infected_and_the_baseline_held_a_safety_requirement_to_its_end() -> None:
-    assert flight_of(outcome(M), HELD).eligible
-    assert flight_of(outcome(M), outcome(violated={"SR2": 10.0})).eligible
-    assert flight_of(outcome(M, digest="clean"), HELD).eligible
-    assert not flight_of(outcome(M), CUT).eligible
-    assert not flight_of(outcome(M, altered=0), HELD).eligible
-    assert not flight_of(outcome(M, invalid="x"), HELD).eligible
-    assert not flight_of(outcome(M), outcome(violated={"SR1": 9.0, "SR2": 9.0})).eligible
+    assert ruling(outcome(M)).eligible
+    assert ruling(outcome(M), outcome(violated={"SR2": 10.0})).eligible
+    assert ruling(outcome(M, digest="clean")).eligible
+    assert not ruling(outcome(M), CUT).eligible
+    assert not ruling(outcome(M, altered=0)).eligible
+    assert not ruling(outcome(M, invalid="x")).eligible
+    assert not ruling(outcome(M), outcome(violated={"SR1": 9.0, "SR2": 9.0})).eligible
 
 
 def test_a_kill_before_a_cut_short_baselines_end_is_a_kill_that_is_not_eligible() -> None:
-    flight = flight_of(outcome(M, violated={"SR1": 9.0}, struck="wall"), CUT)
-    assert (flight.status, flight.eligible) == (Status.KILLED, False)
+    killed = ruling(outcome(M, violated={"SR1": 9.0}, struck="wall"), CUT)
+    assert (killed.status, killed.eligible) == (Status.KILLED, False)
 
 
 def test_a_baseline_is_held_or_violated_by_its_safety_requirements() -> None:
@@ -94,21 +91,10 @@ def test_a_baseline_is_held_or_violated_by_its_safety_requirements() -> None:
 
 
 def test_a_mutants_status_is_its_highest_rung_over_eligible_flights() -> None:
-    red = flight_of(outcome(M, violated={"SR1": 9.0}, struck="wall"), CUT)
-    masked = flight_of(outcome(M, digest="clean"), HELD)
-    survived = flight_of(outcome(M), HELD)
+    red = ruling(outcome(M, violated={"SR1": 9.0}, struck="wall"), CUT)
+    masked, survived = ruling(outcome(M, digest="clean")), ruling(outcome(M))
     assert mutant_status([red, masked, survived]) is Status.SURVIVED
     assert mutant_status([red, masked]) is Status.MASKED
     assert mutant_status([red]) is Status.BASELINE_RED
-    assert mutant_status([flight_of(outcome(M, altered=0), HELD)]) is Status.NOT_INFECTED
+    assert mutant_status([ruling(outcome(M, altered=0))]) is Status.NOT_INFECTED
     assert mutant_status([]) is Status.INVALID
-
-
-@given(campaigns())
-def test_every_flight_of_a_mutant_has_one_status_and_a_kill_names_a_requirement(outcomes: list[Outcome]) -> None:
-    flights = flights_of(outcomes)
-    assert len(flights) == sum(outcome.mutant != BASELINE for outcome in outcomes)
-    for flight in flights:
-        assert (flight.status is Status.KILLED) == bool(flight.kills)
-        assert not (flight.eligible and not flight.status.infected)
-        assert set(flight.kills) <= {"SR1", "SR2"}

@@ -6,28 +6,20 @@ import signal
 import sqlite3
 import subprocess
 import sys
-import tempfile
 import textwrap
 from contextlib import closing
 from dataclasses import asdict, replace
 from pathlib import Path
 
 import pytest
-from builders import GRID, ROSTER, campaigns, outcome, seeded
+from builders import campaigns, outcome
 from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.results.origin import Origin
-from scaloft_fi.results.outcome import BASELINE, Outcome
+from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.schema import _STEPS, SCHEMA
-from scaloft_fi.results.scoring.grouping import By
-from scaloft_fi.results.scoring.score import score
-from scaloft_fi.results.scoring.score_record import score_json
-from scaloft_fi.results.scoring.tables import score_tables
-from scaloft_fi.results.situations.coverage import coverage
-from scaloft_fi.results.store import Flown, Planned, Store
-from scaloft_fi.results.telling.table import Format, render
+from scaloft_fi.results.store import Planned, Store
 
 M = "LATE-human@3s"
 
@@ -151,40 +143,6 @@ def test_a_track_that_many_flights_have_is_kept_once(tmp_path: Path) -> None:
             store.put(str(seed), replace(outcome(M, seed=seed), track=track))
         assert [flown.track for _, flown in store.rows()] == [b"same", b"same", b"other", b""]
         assert store._connection.execute("SELECT count(*) FROM tracks").fetchone() == (2,)
-
-
-def test_outcomes_are_found_by_what_they_were_made_from(tmp_path: Path) -> None:
-    one, other = (Origin("s", "r", "c", "m", situation) for situation in ("t", "u"))
-    with Store(tmp_path / "s.sqlite") as store:
-        store.plan(Planned(o.key(s), M, "T0O0W0D0H0", s, origin=o) for o in (one, other) for s in (0, 1))
-        for made_from in (one, other):
-            for seed in (1, 0):
-                store.put(made_from.key(seed), outcome(M, seed=seed, digest=made_from.situation))
-        store.put("k", outcome(M, seed=7))
-        numbers = {origin: number for number, origin in store.origins().items()}
-        asked: list[Flown] = []
-
-        def stands(flight: Flown) -> bool:
-            asked.append(flight)
-            return flight.origin != numbers[one]
-
-        assert [(o.digest, o.seed) for o in store.that(stands)] == [("u", 0), ("u", 1), (M, 7)]
-        assert [flight.origin for flight in asked] == [numbers[one], numbers[other], None]
-        assert store.flights()[-1] == Flown("k", M, "T0O0W0D0H0", 7, "", None)
-
-
-@settings(deadline=None, max_examples=40)
-@given(st.one_of(campaigns(), seeded()))
-def test_a_score_needs_no_more_than_the_brief_outcomes(flown: list[Outcome]) -> None:
-    with tempfile.TemporaryDirectory() as folder, Store(Path(folder) / "s.sqlite") as store:
-        store.put_all((str(number), one) for number, one in enumerate(flown))
-        whole, brief = store.that(lambda _: True), store.that(lambda _: True, brief=True)
-    assert all(not one.readings for one in brief if one.mutant != BASELINE)
-    for by in (None, *By):
-        texts = [render(score_tables(found, ROSTER, GRID, by), Format.CSV) for found in (whole, brief)]
-        assert texts[0] == texts[1]
-    scores = [score_json(score(found, ROSTER, GRID), coverage(found, GRID), []) for found in (whole, brief)]
-    assert scores[0] == scores[1]
 
 
 def test_there_is_no_campaign_where_none_was_made(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from scaloft_fi.campaign.held.folder import campaign_folder, existing
 from scaloft_fi.campaign.held.key import Keys
@@ -16,7 +16,9 @@ from scaloft_fi.mutants.derive import realise
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.results.origin import Origin
 from scaloft_fi.results.outcome import BASELINE, Outcome
-from scaloft_fi.results.store import Flown, Store
+from scaloft_fi.results.rulings import Rulings
+from scaloft_fi.results.selection import Flown
+from scaloft_fi.results.store import Store
 from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
@@ -73,13 +75,13 @@ def held_in(study: Study, store: Store, folder: Path) -> Held:
     )
 
 
-def _whole(store: Store, now: _Now, *, brief: bool = False) -> tuple[Outcome, ...]:
+def _whole(store: Store, now: _Now) -> tuple[Outcome, ...]:
     """The outcomes of whole flights that stand."""
-    return store.that(lambda flight: not flight.truncated and now.stands(flight), brief=brief)
+    return store.that(lambda flight: not flight.truncated and now.stands(flight))
 
 
-def current(study: Study, campaign: str, *, brief: bool = False) -> tuple[Outcome, ...]:
-    """The outcomes of a campaign that count; `brief` ones are enough for a score, see `Store.that`.
+def current(study: Study, campaign: str) -> tuple[Outcome, ...]:
+    """The outcomes of a campaign that count.
 
     Raises:
         InputError: there are none.
@@ -87,15 +89,29 @@ def current(study: Study, campaign: str, *, brief: bool = False) -> tuple[Outcom
     folder = campaign_folder(study, campaign)
     with Store(existing(folder), create=False) as store:
         now = _Now(study, store)
-        found = _whole(store, now, brief=brief)
-        flights = [] if found else store.flights()
-    if flights:
-        cut = sum(now.stands(flight) for flight in flights)
-        reason = f"{cut} flights were cut before their end" if cut else f"all {len(flights)} flights are stale"
-        raise InputError(f"{folder}: nothing to show: {reason} (`scaloft-fi status`); `scaloft-fi run` flies again")
-    if not found:
+        return _whole(store, now) or _nothing(store, now, folder)
+
+
+def current_rulings(study: Study, campaign: str) -> Rulings:
+    """The rulings of a campaign that count: all that a score needs, sooner read than outcomes.
+
+    Raises:
+        InputError: there are none.
+    """
+    folder = campaign_folder(study, campaign)
+    with Store(existing(folder), create=False) as store:
+        now = _Now(study, store)
+        return store.rulings(now.stands) or _nothing(store, now, folder)
+
+
+def _nothing(store: Store, now: _Now, folder: Path) -> NoReturn:
+    """Say why a campaign has nothing that counts."""
+    flights = store.flights()
+    if not flights:
         raise InputError(f"{folder}: nothing to show: it holds no flight; `scaloft-fi run` flies what is asked for")
-    return found
+    cut = sum(now.stands(flight) for flight in flights)
+    reason = f"{cut} flights were cut before their end" if cut else f"all {len(flights)} flights are stale"
+    raise InputError(f"{folder}: nothing to show: {reason} (`scaloft-fi status`); `scaloft-fi run` flies again")
 
 
 def latest(study: Study, campaign: str) -> tuple[Outcome, ...]:

@@ -12,8 +12,8 @@ from scaloft_fi.campaign.plan.plan import held_requirements
 from scaloft_fi.campaign.runs.run import write_log
 from scaloft_fi.errors import GateError
 from scaloft_fi.results.fingerprint import differences, fingerprint
+from scaloft_fi.results.flights import baselines_of
 from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.status import baselines_of
 from scaloft_fi.results.store import Planned, Store
 from scaloft_fi.study import Study
 

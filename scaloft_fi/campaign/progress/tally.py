@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 
+from scaloft_fi.results.flights import flight_of
 from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.results.roster import Roster
-from scaloft_fi.results.status import Status, flight_of
+from scaloft_fi.results.status import Status
 
 Draw = tuple[str, int]
 

@@ -10,8 +10,8 @@ from scaloft_fi.campaign.held.key import Keys
 from scaloft_fi.campaign.plan.plan import Flight
 from scaloft_fi.errors import InputError
 from scaloft_fi.results.fingerprint import differences, fingerprint
+from scaloft_fi.results.flights import baseline_pool
 from scaloft_fi.results.outcome import BASELINE, Outcome
-from scaloft_fi.results.status import baseline_pool
 from scaloft_fi.results.store import Store
 from scaloft_fi.study import Study
 

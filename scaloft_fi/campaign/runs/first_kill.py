@@ -16,9 +16,9 @@ from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.rounds import Draw, can_kill, ordered
 from scaloft_fi.campaign.runs.run import write_log
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
+from scaloft_fi.results.flights import baselines_of, flight_of
 from scaloft_fi.results.outcome import FIRST_KILL, Outcome
 from scaloft_fi.results.scoring.first_kills import Answer, FirstKills, answer
-from scaloft_fi.results.status import baselines_of, flight_of
 from scaloft_fi.study import Study
 
 

@@ -6,10 +6,11 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from scaloft_fi.campaign.runs.options import MOST_INVALID
 from scaloft_fi.errors import GateError
+from scaloft_fi.results.flights import Flight, baselines_of, flights_of
 from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.results.roster import Roster, cell_of
 from scaloft_fi.results.scoring.baseline import holds_somewhere
-from scaloft_fi.results.status import Flight, Status, baselines_of, flights_of
+from scaloft_fi.results.status import Status
 
 NAMED = 3
 """How many flights a sentence names before it counts the rest."""

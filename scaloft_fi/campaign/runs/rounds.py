@@ -6,9 +6,10 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
 from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.results.flights import flights_of
 from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.results.requirement import Kind, Verdict
-from scaloft_fi.results.status import Status, flights_of, held_to_end
+from scaloft_fi.results.status import Status, held_to_end
 
 Draw = tuple[str, int]
 """A situation's key and a seed."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from scaloft_fi.results.flights import Flight
 from scaloft_fi.results.requirement import Kind, Reading, Verdict
-from scaloft_fi.results.status import Flight
 from scaloft_fi.results.track import TRACK_COLUMNS, unpack_track
 
 _X, _Y, _Z = (TRACK_COLUMNS.index(name) for name in ("x_m", "y_m", "z_m"))

@@ -13,10 +13,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from scaloft_fi.results.flights import flights_of
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.roster import cell_of
 from scaloft_fi.results.scoring.ratio import Ratio
-from scaloft_fi.results.status import Status, flights_of
+from scaloft_fi.results.status import Status
 
 if TYPE_CHECKING:
     import networkx as nx

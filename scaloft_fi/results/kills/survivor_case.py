@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from scaloft_fi.results.flights import Flight, flights_of
 from scaloft_fi.results.kills.background import Background
 from scaloft_fi.results.kills.condition import condition
 from scaloft_fi.results.kills.kill_matrix import KillMatrix, Row
@@ -14,7 +15,7 @@ from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.requirement import Kind
 from scaloft_fi.results.roster import cell_of
 from scaloft_fi.results.space import Space
-from scaloft_fi.results.status import Flight, Status, flights_of
+from scaloft_fi.results.status import Status
 
 
 @dataclass(frozen=True)

@@ -45,19 +45,19 @@ baseline share their noise seed by seed; the test takes them as independent, whi
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
 from functools import cache, cached_property
 from itertools import pairwise
-from operator import attrgetter
 
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.requirement import Kind
+from scaloft_fi.results.rulings import Situations, rulings_of
 from scaloft_fi.results.scoring.exact import at_most, fisher
-from scaloft_fi.results.status import Flight, Status, by_situation, flights_of, whole
+from scaloft_fi.results.status import INVALID, Ruling, Status
 
 LOOKS = (3, 5, 10)
 """Flights of a situation after which it may be decided."""
@@ -112,14 +112,11 @@ def decisions(outcomes: Iterable[Outcome], pool: Pool) -> Mapping[tuple[str, str
         outcomes: of mutants and of their baselines, paired by situation and seed; only of whole flights.
         pool: baseline outcomes by situation: those among `outcomes`, and whatever more there are.
     """
-    by_mutant: dict[str, list[Flight]] = {}
-    for flight in flights_of(whole(outcomes)):
-        by_mutant.setdefault(flight.outcome.mutant, []).append(flight)
     rates = PoolRates(pool)
     return {
-        (mutant, situation): decided
-        for mutant, flights in by_mutant.items()
-        for situation, decided in decide(flights, rates).items()
+        (mutant.id, situation): decided
+        for mutant, situations in rulings_of(outcomes).mutants.items()
+        for situation, decided in decide(situations, rates).items()
     }
 
 
@@ -127,29 +124,24 @@ class PoolRates:
     """Violations b of n0 in the pool, per situation and safety requirement, counted once."""
 
     def __init__(self, pool: Pool) -> None:
-        self._violated: Counter[tuple[str, str]] = Counter()
-        self._counted: Counter[tuple[str, str]] = Counter()
+        self._rates = defaultdict[str, dict[str, tuple[int, int]]](dict)
         for situation, baselines in pool.items():
             for baseline in baselines:
-                # what a flight cut short has not violated it has not held either
                 for reading in () if baseline.invalid else baseline.readings:
-                    if reading.kind is Kind.SAFETY and not reading.open:
-                        self._counted[situation, reading.requirement] += 1
-                        self._violated[situation, reading.requirement] += reading.violated
+                    if reading.kind is Kind.SAFETY:
+                        violated, counted = self._rates[situation].get(reading.requirement, (0, 0))
+                        # what a flight cut short has not violated it has not held either
+                        rate = violated + reading.violated, counted + (not reading.open)
+                        self._rates[situation][reading.requirement] = rate
 
-    def of(self, situation: str, requirement: str) -> tuple[int, int]:
-        """B and n0."""
-        return self._violated[situation, requirement], self._counted[situation, requirement]
+    def of(self, situation: str) -> Mapping[str, tuple[int, int]]:
+        """B and n0 of each safety requirement, in the study's order."""
+        return self._rates.get(situation, {})
 
 
-def decide(flights: Iterable[Flight], rates: PoolRates) -> dict[str, Decided]:
+def decide(situations: Situations, rates: PoolRates) -> dict[str, Decided]:
     """The decisions on one mutant in each situation with an eligible flight."""
-    return decide_in(by_situation(flights), rates)
-
-
-def decide_in(situations: Mapping[str, Sequence[Flight]], rates: PoolRates) -> dict[str, Decided]:
-    """The same of flights that are sorted by situation already."""
-    valid = {key: [f for f in flights if f.ruling.status is not Status.INVALID] for key, flights in situations.items()}
+    valid = {key: [one.ruling for one in flights if one.ruling is not INVALID] for key, flights in situations.items()}
     samples = [_sample(key, valid[key], rates) for key in sorted(valid) if valid[key]]
     family = sum(len(sample.family) for sample in samples)
     settled: dict[str, Decided] = {}
@@ -256,11 +248,10 @@ class _Sample:
 
     def _survival(self, number: int) -> Decided | None:
         """The survival at this look, if it is one."""
-        kills, eligible = self.kills[number]
-        spent, p = FUTILITY[number], at_most(kills, eligible)
-        if p > spent or any(test.possible for tests in self.tests[: number + 1] for test in tests.values()):
+        survival = _survival(number, *self.kills[number])
+        if survival and any(test.possible for tests in self.tests[: number + 1] for test in tests.values()):
             return None
-        return Decided(Decision.SURVIVED, "", float(p * ALPHA / spent), kills, eligible, look=LOOKS[number])
+        return survival
 
     def _nearest(self, number: int, family: int) -> Decided:
         """The test that came nearest to a kill at this look, in a family of so many that are left."""
@@ -271,13 +262,18 @@ class _Sample:
         return test.decided(Decision.UNDECIDED, name, test.adjusted(family), LOOKS[number])
 
 
-def _sample(situation: str, flights: Sequence[Flight], rates: PoolRates) -> _Sample:
-    listed = sorted(flights, key=attrgetter("outcome.seed"))
-    rulings = [flight.ruling for flight in listed]
-    reached = [look for look in LOOKS if look <= len(listed)]
-    clean = listed[0].baseline  # a flight that counts has one
-    safety = [reading.requirement for reading in clean.readings if reading.kind is Kind.SAFETY] if clean else []
-    pool = [rates.of(situation, name) for name in safety]
+@cache
+def _survival(number: int, kills: int, eligible: int) -> Decided | None:
+    """What so many kills of the eligible flights say at a look, when they speak of survival."""
+    spent, p = FUTILITY[number], at_most(kills, eligible)
+    if p > spent:
+        return None
+    return Decided(Decision.SURVIVED, "", float(p * ALPHA / spent), kills, eligible, look=LOOKS[number])
+
+
+def _sample(situation: str, rulings: Sequence[Ruling], rates: PoolRates) -> _Sample:
+    reached = [look for look in LOOKS if look <= len(rulings)]
+    pool = rates.of(situation)
     violated: Counter[str] = Counter()
     kills = eligible = 0
     tests, paired = [], []
@@ -287,13 +283,13 @@ def _sample(situation: str, flights: Sequence[Flight], rates: PoolRates) -> _Sam
                 violated[name] += 1
             kills += ruling.eligible and ruling.status is Status.KILLED
             eligible += ruling.eligible
-        tests.append({name: _test(violated[name], look, *rate) for name, rate in zip(safety, pool, strict=True)})
+        tests.append({name: _test(violated[name], look, *rate) for name, rate in pool.items()})
         paired.append((kills, eligible))
     tested = set().union(*(ruling.tested for ruling in rulings[: LOOKS[0]]))
     return _Sample(
         situation=situation,
         reached=max(reached, default=0),
-        family=tuple(name for name in safety if not reached or name in tested),
+        family=tuple(name for name in pool if not reached or name in tested),
         tests=tuple(tests),
         kills=tuple(paired),
         eligible=any(ruling.eligible for ruling in rulings),

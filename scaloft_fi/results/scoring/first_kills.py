@@ -6,8 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from scaloft_fi.results.flights import Flight
 from scaloft_fi.results.outcome import Subject
-from scaloft_fi.results.status import Flight, Status, mutant_status
+from scaloft_fi.results.status import Status, mutant_status
 from scaloft_fi.results.telling.table import Table
 
 
@@ -58,7 +59,7 @@ def answer(subject: Subject, flights: Iterable[Flight], possible: int, *, contro
     reading = first.outcome.reading(by) if first else None
     return Answer(
         subject=subject,
-        status=mutant_status(listed) if first is None else Status.KILLED,
+        status=mutant_status(flight.ruling for flight in listed) if first is None else Status.KILLED,
         kill=first,
         requirement=by,
         t_s=reading.violated_at_s if reading else None,

@@ -15,11 +15,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from scaloft_fi.results.flights import flight_of
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.requirement import Kind
+from scaloft_fi.results.rulings import Ruled, facts, ruled
 from scaloft_fi.results.scoring.decision import LOOKS, Decision, Pool, PoolRates, decide
 from scaloft_fi.results.scoring.ratio import Ratio
-from scaloft_fi.results.status import Flight, Status, flight_of, held_to_end
+from scaloft_fi.results.status import Status, counting, held_to_end
 
 NO_PAIRS = "no situation has two baseline seeds"
 
@@ -88,12 +90,14 @@ def _decided(seeds: Mapping[str, Sequence[Outcome]], look: int) -> Ratio:
     for block in range(blocks):
         start, end = block * look, (block + 1) * look
         rest = {key: [*listed[:start], *listed[end:]] for key, listed in enough.items()}
-        flights = [flight for key, listed in enough.items() for flight in _beside(listed[start:end], rest[key])]
-        said = decide(flights, PoolRates(rest))
+        said = decide({key: _beside(listed[start:end], rest[key]) for key, listed in enough.items()}, PoolRates(rest))
         killed += any(decided.decision is Decision.KILLED for decided in said.values())
     return Ratio(killed, blocks)
 
 
-def _beside(left_out: Sequence[Outcome], rest: Sequence[Outcome]) -> list[Flight]:
+def _beside(left_out: Sequence[Outcome], rest: Sequence[Outcome]) -> list[Ruled]:
     """The left-out seeds, each beside a baseline of its own that stays in the pool."""
-    return [flight_of(_infected(flight), baseline) for flight, baseline in zip(left_out, rest, strict=False)]
+    return [
+        ruled(flight.seed, facts(_infected(flight)), counting(baseline))
+        for flight, baseline in zip(left_out, rest, strict=False)
+    ]

@@ -3,27 +3,20 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
+from scaloft_fi.results.flights import baseline_pool
 from scaloft_fi.results.kills.condition import condition
 from scaloft_fi.results.outcome import PLACEBO, Outcome, Subject
 from scaloft_fi.results.roster import Roster
-from scaloft_fi.results.scoring.decision import Decided, Decision, Pool, PoolRates, decide_in
+from scaloft_fi.results.rulings import Rulings, Situations, rulings_of
+from scaloft_fi.results.scoring.decision import Decided, Decision, Pool, PoolRates, decide
 from scaloft_fi.results.scoring.ratio import Ratio
 from scaloft_fi.results.scoring.redraw import Redraw, redraw
 from scaloft_fi.results.space import Space
-from scaloft_fi.results.status import (
-    Flight,
-    Ruling,
-    Status,
-    baseline_pool,
-    by_situation,
-    flights_of,
-    mutant_status,
-    whole,
-)
+from scaloft_fi.results.status import Ruling, Status, mutant_status
 
 
 @dataclass(frozen=True)
@@ -185,14 +178,15 @@ def score(outcomes: Iterable[Outcome], roster: Roster, space: Space, pool: Pool 
         space: the grid.
         pool: baselines that the decisions compare with, and REDRAW with each other; the campaign's by default.
     """
-    listed = whole(outcomes)
-    baselines = baseline_pool(listed) if pool is None else pool
+    return score_of(rulings_of(outcomes), roster, space, pool)
+
+
+def score_of(rulings: Rulings, roster: Roster, space: Space, pool: Pool | None = None) -> Score:
+    """The same of flights that are ruled already."""
+    baselines = baseline_pool(rulings.baselines) if pool is None else pool
     rates = PoolRates(baselines)
-    flights: dict[str, list[Flight]] = {}
-    for flight in flights_of(listed):
-        flights.setdefault(flight.outcome.subject.id, []).append(flight)
-    ids = sorted(flights, key=roster.rank)
-    scored = [mutant_score(flights[id_][0].outcome.subject, flights[id_], space, rates) for id_ in ids]
+    ranked = sorted(rulings.mutants.items(), key=lambda mutant: roster.rank(mutant[0].id))
+    scored = [mutant_score(subject, situations, space, rates) for subject, situations in ranked]
     mutants = tuple(m for m in scored if m.subject.id != PLACEBO and not roster.is_control(m.subject))
     counted = [mutant for mutant in mutants if roster.counts(mutant.subject) and mutant.flown]
     killed = sum(mutant.killed for mutant in counted)
@@ -220,13 +214,14 @@ def score(outcomes: Iterable[Outcome], roster: Roster, space: Space, pool: Pool 
     )
 
 
-def mutant_score(subject: Subject, flights: Sequence[Flight], space: Space, rates: PoolRates) -> MutantScore:
-    """Score the flights of one mutant; `rates` are what its decisions compare with."""
-    situations = by_situation(flights)
-    decided = decide_in(situations, rates)
+def mutant_score(subject: Subject, situations: Situations, space: Space, rates: PoolRates) -> MutantScore:
+    """Score one mutant; `rates` are what its decisions compare with."""
+    decided = decide(situations, rates)
     # few rulings differ, so they are counted and each looked at once
-    counted = {key: Counter([f.ruling for f in situations[key]]) for key in sorted(situations, key=space.rank)}
-    every = Counter([flight.ruling for flight in flights])
+    counted = {key: Counter([one.ruling for one in situations[key]]) for key in sorted(situations, key=space.rank)}
+    every = Counter[Ruling]()
+    for rulings in counted.values():
+        every.update(rulings)
     results = tuple(_result(key, rulings, decided.get(key)) for key, rulings in counted.items())
     operable = [rulings for rulings in counted.values() if any(r.operability_eligible for r in rulings)]
     inoperable = sum(any(r.operability_eligible and r.operability_kills for r in rulings) for rulings in operable)
@@ -243,7 +238,7 @@ def mutant_score(subject: Subject, flights: Sequence[Flight], space: Space, rate
         requirements=tuple((name, ratio) for name, ratio in requirements if ratio.part),
         tested=tuple(name for name, ratio in requirements if ratio.whole),
         operability=Ratio(inoperable, len(operable)),
-        earliest=_earliest(flights, space),
+        earliest=_earliest(situations, space),
         rungs=tuple((status, rungs[status]) for status in Status if rungs[status]),
         infected=any(ruling.status.infected for ruling in every),
     )
@@ -264,17 +259,15 @@ def _result(situation: str, rulings: Counter[Ruling], decided: Decided | None) -
     )
 
 
-def _earliest(flights: Iterable[Flight], space: Space) -> Kill | None:
-    kills = [
-        (v, f.outcome) for f in flights if f.ruling.kills for v in f.outcome.violations if v.requirement in f.kills
-    ]
+def _earliest(situations: Situations, space: Space) -> Kill | None:
+    kills = [(one.kill, key, one.seed) for key, flights in situations.items() for one in flights if one.kill]
     if not kills:
         return None
-    first_s = min(violation.t_s for violation, _ in kills)
-    first = [(violation, outcome) for violation, outcome in kills if violation.t_s == first_s]
-    violation, outcome = min(first, key=lambda kill: (space.rank(kill[1].situation), kill[1].seed))
+    first_s = min([violation.t_s for violation, _, _ in kills])
+    first = [kill for kill in kills if kill[0].t_s == first_s]
+    violation, situation, seed = min(first, key=lambda kill: (space.rank(kill[1]), kill[2]))
     position = violation.x, violation.y, violation.z
-    return Kill(violation.requirement, first_s, outcome.situation, outcome.seed, position, violation.struck)
+    return Kill(violation.requirement, first_s, situation, seed, position, violation.struck)
 
 
 def _by_requirement(every: Iterable[Ruling], situations: Collection[Iterable[Ruling]]) -> tuple[tuple[str, Ratio], ...]:

@@ -8,15 +8,16 @@ from collections.abc import Iterable, Mapping, Sequence
 from scaloft_fi.results.outcome import PLACEBO, Outcome
 from scaloft_fi.results.requirement import Verdict
 from scaloft_fi.results.roster import Roster
+from scaloft_fi.results.rulings import Rulings, rulings_of
 from scaloft_fi.results.scoring.baseline import Finding, Tally, findings, tallies
 from scaloft_fi.results.scoring.decision import Decision
 from scaloft_fi.results.scoring.grouping import By, groups
 from scaloft_fi.results.scoring.ratio import Ratio
 from scaloft_fi.results.scoring.redraw import NO_PAIRS
-from scaloft_fi.results.scoring.score import MutantScore, Score, score
-from scaloft_fi.results.situations.coverage import Coverage, coverage_of, draws_of
+from scaloft_fi.results.scoring.score import MutantScore, Score, score_of
+from scaloft_fi.results.situations.coverage import Coverage, coverage_of
 from scaloft_fi.results.space import Space
-from scaloft_fi.results.status import Status, apart, whole
+from scaloft_fi.results.status import Status
 from scaloft_fi.results.telling.table import Table
 
 ONE_SEED = "One seed: one flight per mutant and situation decides nothing statistically; fly more with --seeds."
@@ -38,16 +39,13 @@ DECIDED = (
 
 def score_tables(outcomes: Iterable[Outcome], roster: Roster, space: Space, by: By | None = None) -> tuple[Table, ...]:
     """All tables that `run` and `score` print; `by` adds the score part by part."""
-    listed = whole(outcomes)
-    return tables_of(score(listed, roster, space), listed, roster, space, by)
+    rulings = rulings_of(outcomes)
+    return tables_of(score_of(rulings, roster, space), rulings, roster, space, by)
 
 
-def tables_of(
-    scored: Score, outcomes: Iterable[Outcome], roster: Roster, space: Space, by: By | None = None
-) -> tuple[Table, ...]:
-    """The same of outcomes that were scored already, none of them cut at its first kill."""
-    clean, flown = apart(outcomes)
-    draws = draws_of(flown)
+def tables_of(scored: Score, rulings: Rulings, roster: Roster, space: Space, by: By | None = None) -> tuple[Table, ...]:
+    """The same of rulings that were scored already."""
+    clean, draws = rulings.baselines, rulings.draws
     seeds = len({seed for _, seed in draws})
     where = {m.subject.id: m.condition(space) for m in (*scored.mutants, *scored.controls)}
     tables = [ratio_table(scored, seeds), redraw_table(scored), mutant_table(scored.mutants, where, seeds)]

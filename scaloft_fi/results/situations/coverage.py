@@ -6,11 +6,12 @@ from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from scaloft_fi.results.flights import apart
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.requirement import Kind, Verdict
 from scaloft_fi.results.scoring.ratio import Ratio
 from scaloft_fi.results.space import Space
-from scaloft_fi.results.status import apart, held_to_end
+from scaloft_fi.results.status import held_to_end
 
 if TYPE_CHECKING:
     from scaloft_fi.results.situations.t_way import TWay
@@ -55,12 +56,7 @@ class Coverage:
 def coverage(outcomes: Iterable[Outcome], space: Space) -> Coverage:
     """Coverage by the flights that count; a flight outside the grid or an invalid one covers nothing."""
     clean, flown = apart(outcomes)
-    return coverage_of(clean, draws_of(flown), space)
-
-
-def draws_of(outcomes: Iterable[Outcome]) -> set[tuple[str, int]]:
-    """The situations and seeds of flights that count."""
-    return {(outcome.situation, outcome.seed) for outcome in outcomes if not outcome.invalid}
+    return coverage_of(clean, {(outcome.situation, outcome.seed) for outcome in flown if not outcome.invalid}, space)
 
 
 def coverage_of(clean: Iterable[Outcome], draws: Collection[tuple[str, int]], space: Space) -> Coverage:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from scaloft_fi.results.flights import flights_of
 from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.space import Space
-from scaloft_fi.results.status import baseline_status, flights_of
+from scaloft_fi.results.status import baseline_status
 from scaloft_fi.results.telling.table import Table
 
 

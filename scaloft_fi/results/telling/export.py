@@ -19,10 +19,11 @@ from collections.abc import Iterable, Sequence
 from functools import cache
 from typing import Any
 
+from scaloft_fi.results.flights import Flight, flights_of, whole
 from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.space import Space
-from scaloft_fi.results.status import Flight, baseline_status, flights_of, whole
+from scaloft_fi.results.status import baseline_status
 
 Row = dict[str, Any]
 

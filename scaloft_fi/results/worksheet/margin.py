@@ -14,9 +14,10 @@ from scaloft_fi.hazop.cell import CellStatus, Fault, Magnitude
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.severity import Worse, neutral, worse
 from scaloft_fi.mutants.mutant import PLACEBO, parse, split_magnitude
+from scaloft_fi.results.flights import Flight, flights_of
 from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.requirement import Kind
-from scaloft_fi.results.status import Flight, Status, flights_of
+from scaloft_fi.results.status import Status
 
 RELATIVE = 0.1
 """An interval no wider than a tenth of its killing end is told as one number, and is what a search ends at."""

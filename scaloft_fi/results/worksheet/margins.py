@@ -9,9 +9,10 @@ from typing import Any
 from scaloft_fi.hazop.cell import Cell, CellStatus, Fault
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.mutants.mutant import parse
+from scaloft_fi.results.flights import Flight, flights_of
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.requirement import Kind, Requirement
-from scaloft_fi.results.status import Flight, Status, flights_of
+from scaloft_fi.results.status import Status
 from scaloft_fi.results.telling.table import Table
 from scaloft_fi.results.worksheet.margin import (
     Answer,

@@ -18,8 +18,9 @@ from scaloft_fi.campaign.plan.task import Task, alone
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.wire import SeamCount
+from scaloft_fi.results.flights import flight_of
 from scaloft_fi.results.outcome import Outcome, Subject
-from scaloft_fi.results.status import Status, flight_of
+from scaloft_fi.results.status import Status
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
 

@@ -12,7 +12,8 @@ from scaloft_fi.campaign.runs.first_kill import first_kills
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import run
 from scaloft_fi.mutants.derive import realise
-from scaloft_fi.results.status import Status, flights_of
+from scaloft_fi.results.flights import flights_of
+from scaloft_fi.results.status import Status
 from scaloft_fi.study import Study
 
 pytestmark = pytest.mark.flight

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from scipy.stats import fisher_exact
 from statsmodels.stats.multitest import multipletests
 
+from scaloft_fi.results.flights import baseline_pool
 from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.results.scoring import decision
 from scaloft_fi.results.scoring.decision import LOOKS, Decided, Decision, decisions
-from scaloft_fi.results.status import baseline_pool
 
 M = "LATE-human@3s"
 KEYS = [key for key, _ in GRID.points]

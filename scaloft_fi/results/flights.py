@@ -1,0 +1,102 @@
+"""Mutants' flights beside their baselines, and outcomes sorted for that."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from scaloft_fi.bulk import bulk
+from scaloft_fi.results.outcome import BASELINE, Outcome
+from scaloft_fi.results.status import INVALID, Ruling, Status, counting, rule
+
+
+@dataclass(frozen=True, slots=True)
+class Flight:
+    """A flight beside its baseline.
+
+    Attributes:
+        outcome: the flight.
+        baseline: of the same situation and seed; None when there is none that counts.
+        ruling: what it comes to.
+    """
+
+    outcome: Outcome
+    baseline: Outcome | None
+    ruling: Ruling
+
+    @property
+    def status(self) -> Status:
+        """Where the fault stopped."""
+        return self.ruling.status
+
+    @property
+    def kills(self) -> tuple[str, ...]:
+        """Safety requirements by which it is killed, earliest first."""
+        return self.ruling.kills
+
+    @property
+    def operability_kills(self) -> tuple[str, ...]:
+        """The same for operability requirements."""
+        return self.ruling.operability_kills
+
+    @property
+    def eligible(self) -> bool:
+        """Whether it is infected, and the baseline held a safety requirement to its end."""
+        return self.ruling.eligible
+
+    @property
+    def operability_eligible(self) -> bool:
+        """Whether it is infected, and the baseline held an operability requirement to its end."""
+        return self.ruling.operability_eligible
+
+    @property
+    def killed_at_s(self) -> float | None:
+        """Time of the earliest kill [s from take-off]."""
+        return min((v.t_s for v in self.outcome.violations if v.requirement in self.kills), default=None)
+
+
+def flight_of(outcome: Outcome, baseline: Outcome | None) -> Flight:
+    """Judge a mutant's flight by the baseline of the same situation and seed; without one that counts it is invalid."""
+    ruling = rule(outcome, counting(baseline))
+    return Flight(outcome, None if ruling is INVALID else baseline, ruling)
+
+
+def flights_of(outcomes: Iterable[Outcome]) -> list[Flight]:
+    """Every flight of a mutant (PLACEBO among them) beside its baseline, in the order given."""
+    baselines, flown = apart(outcomes)
+    known = {(baseline.situation, baseline.seed): counting(baseline) for baseline in baselines}
+    beside = [known.get((outcome.situation, outcome.seed)) for outcome in flown]
+    rulings = list(map(rule, flown, beside))
+    counted = [
+        None if baseline is None or ruling is INVALID else baseline.outcome
+        for baseline, ruling in zip(beside, rulings, strict=True)
+    ]
+    return bulk(Flight, (flown, counted, rulings))
+
+
+def baselines_of(outcomes: Iterable[Outcome]) -> dict[tuple[str, int], Outcome]:
+    """The baseline of each situation and seed."""
+    return {(outcome.situation, outcome.seed): outcome for outcome in outcomes if outcome.subject.id == BASELINE}
+
+
+def baseline_pool(outcomes: Iterable[Outcome]) -> dict[str, list[Outcome]]:
+    """The baselines of each situation, over all seeds."""
+    found: dict[str, list[Outcome]] = {}
+    for outcome in outcomes:
+        if outcome.subject.id == BASELINE:
+            found.setdefault(outcome.situation, []).append(outcome)
+    return found
+
+
+def apart(outcomes: Iterable[Outcome]) -> tuple[list[Outcome], list[Outcome]]:
+    """The baselines and the flights of mutants (PLACEBO among them), each in the order given."""
+    clean: list[Outcome] = []
+    flown: list[Outcome] = []
+    for outcome in outcomes:
+        (clean if outcome.subject.id == BASELINE else flown).append(outcome)
+    return clean, flown
+
+
+def whole(outcomes: Iterable[Outcome]) -> list[Outcome]:
+    """Without flights cut at their first kill: what else they would have done nobody knows."""
+    return [outcome for outcome in outcomes if not outcome.truncated]
