@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +19,7 @@ from scaloft_fi.results.requirement import Reading
 from scaloft_fi.study import Study
 
 STUDY = Path(__file__).parents[2]
+sys.path.insert(0, str(Path(__file__).parent))  # makes `refusal` importable
 
 
 @dataclass
@@ -86,9 +88,3 @@ def copy(tmp_path: Path) -> Path:
     for name in ("hazop", "mutants", "sim"):
         shutil.copytree(STUDY / name, tmp_path / "study" / name)
     return tmp_path / "study"
-
-
-def is_sentence(result: Result) -> bool:
-    """One line on standard error, no traceback, nothing on standard output."""
-    lines = result.stderr.strip().splitlines()
-    return len(lines) == 1 and lines[0].startswith("error: ") and "Traceback" not in lines[0] and not result.stdout

@@ -6,18 +6,10 @@ from pathlib import Path
 
 import pytest
 from click.testing import Result
+from refusal import sentence
 
 Call = Callable[..., Result]
 LATE = "LATE-human@3s"
-
-
-def _sentence(result: Result) -> str:
-    """The one sentence of a refusal: exit code 2, nothing else printed."""
-    assert result.exit_code == 2, result.output
-    assert result.stdout == ""
-    (line,) = result.stderr.strip().splitlines()
-    assert line.startswith("error: ")
-    return line
 
 
 @pytest.fixture
@@ -61,7 +53,7 @@ def test_what_some_situations_kill_is_told(flown: Call) -> None:
     lone = json.loads(flown("kills", "--situation", "T0O0W0D0H0", "--show", "suite", "--format", "json").stdout)
     assert lone["chosen"]["lost"] == [LATE]
     assert "dominator score 1/1 = 100 %" in " ".join(flown("kills", "--situation", "T0O?W0D0H1").stdout.split())
-    assert "situation" in _sentence(flown("kills", "--situation", "T0O0W0D0H7"))
+    assert "situation" in sentence(flown("kills", "--situation", "T0O0W0D0H7"))
 
 
 def test_kills_by_requirement_are_told_apart(flown: Call) -> None:
@@ -92,10 +84,10 @@ def test_all_are_drawn_as_the_subsumption_graph(flown: Call, tmp_path: Path, suf
         (("NO-goal",), "holds no flight of NO-goal"),
     ],
 )
-def test_what_cannot_be_is_refused_in_a_sentence(flown: Call, words: tuple[str, ...], said: str) -> None:
-    assert said in _sentence(flown("kills", *words))
+def test_what_cannot_be_is_refused_in_asentence(flown: Call, words: tuple[str, ...], said: str) -> None:
+    assert said in sentence(flown("kills", *words))
     assert not Path("map.dot").exists()
 
 
 def test_without_a_campaign_it_says_so(call: Call) -> None:
-    assert "no campaign was flown here" in _sentence(call("kills"))
+    assert "no campaign was flown here" in sentence(call("kills"))

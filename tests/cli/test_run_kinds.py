@@ -9,19 +9,12 @@ from typing import TYPE_CHECKING
 
 import pytest
 from click.testing import Result
+from refusal import sentence
 
 if TYPE_CHECKING:
     from conftest import Paper
 
 Call = Callable[..., Result]
-
-
-def _sentence(result: Result) -> str:
-    """The one sentence of a refusal: exit code 2, nothing else printed."""
-    assert (result.exit_code, result.stdout) == (2, ""), result.output
-    (line,) = result.stderr.strip().splitlines()
-    assert line.startswith("error: ")
-    return line
 
 
 def test_first_kill_prints_killed_or_not_and_no_score(call: Call) -> None:
@@ -40,11 +33,11 @@ def test_first_kill_prints_killed_or_not_and_no_score(call: Call) -> None:
 
 @pytest.mark.parametrize("other", [("--budget", "10m"), ("--fail-under", "0.5")])
 def test_first_kill_goes_alone(call: Call, other: tuple[str, str]) -> None:
-    assert "do not go together" in _sentence(call("run", "--mutant", "LATE-human", "--first-kill", *other))
+    assert "do not go together" in sentence(call("run", "--mutant", "LATE-human", "--first-kill", *other))
 
 
 def test_a_budget_that_is_no_time_is_refused(call: Call) -> None:
-    assert "--budget='10'" in _sentence(call("run", "--mutant", "LATE-human", "--budget", "10"))
+    assert "--budget='10'" in sentence(call("run", "--mutant", "LATE-human", "--budget", "10"))
 
 
 def test_a_run_whose_time_is_up_names_what_it_left(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -77,7 +70,7 @@ def test_sequential_looks_fly_on_what_is_undecided_and_print_how_it_went(call: C
 
 @pytest.mark.parametrize("other", [("--seeds", "4"), ("--budget", "10m"), ("--shard", "1/2"), ("--first-kill",)])
 def test_sequential_goes_alone(call: Call, other: tuple[str, ...]) -> None:
-    assert "do not go together" in _sentence(call("run", "--mutant", "LATE-human", "--sequential", *other))
+    assert "do not go together" in sentence(call("run", "--mutant", "LATE-human", "--sequential", *other))
 
 
 def test_a_pool_is_flown_with_the_baseline_alone_and_changes_no_rate(call: Call) -> None:
@@ -96,7 +89,7 @@ def test_a_pool_is_flown_with_the_baseline_alone_and_changes_no_rate(call: Call)
 
 
 def test_bad_baseline_seeds_are_named_as_such(call: Call) -> None:
-    assert "--baseline-seeds='x'" in _sentence(call("run", "--baseline-seeds", "x"))
+    assert "--baseline-seeds='x'" in sentence(call("run", "--baseline-seeds", "x"))
 
 
 def test_another_campaigns_baselines_decide_and_are_only_read(call: Call, tmp_path: Path) -> None:
@@ -112,24 +105,24 @@ def test_another_campaigns_baselines_decide_and_are_only_read(call: Call, tmp_pa
     assert call("export", "--campaign", lender, campaign=False).stdout == before
 
 
-def test_a_lender_that_does_not_fit_is_one_sentence(call: Call, tmp_path: Path, copy: Path) -> None:
+def test_a_lender_that_does_not_fit_is_onesentence(call: Call, tmp_path: Path, copy: Path) -> None:
     lender = str(tmp_path / "lender" / "c")
     words = ("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H0", "--quiet", "--baseline-from", lender)
-    assert "no campaign was flown here" in _sentence(call(*words))
+    assert "no campaign was flown here" in sentence(call(*words))
     call("run", "--mutant", "PLACEBO", "--situation", "T0O0W0D0H1", "--quiet", "--campaign", lender, campaign=False)
-    assert "has no baseline of T0O0W0D0H0" in _sentence(call(*words))
+    assert "has no baseline of T0O0W0D0H0" in sentence(call(*words))
     call("run", "--mutant", "PLACEBO", "--situation", "T0O0W0D0H0", "--quiet", "--campaign", lender, campaign=False)
     world = copy / "sim" / "world.yaml"
     world.write_text(world.read_text().replace("light: 0.9", "light: 0.8", 1))
-    assert "baseline/T0O0W0D0H0/0 was flown with other data or code" in _sentence(call(*words, study=copy))
+    assert "baseline/T0O0W0D0H0/0 was flown with other data or code" in sentence(call(*words, study=copy))
     assert not (tmp_path / "campaign").exists()
 
 
-def test_a_lender_from_another_platform_is_one_sentence(
+def test_a_lender_from_another_platform_is_onesentence(
     call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     lender = str(tmp_path / "lender" / "c")
     where = ("--mutant", "PLACEBO", "--situation", "T0O0W0D0H0", "--quiet")
     call("run", *where, "--campaign", lender, campaign=False)
     monkeypatch.setattr("scaloft_fi.campaign.runs.baseline_pool.fingerprint", lambda: {"machine": "PDP-11"})
-    assert "was flown on another platform" in _sentence(call("run", *where, "--baseline-from", lender))
+    assert "was flown on another platform" in sentence(call("run", *where, "--baseline-from", lender))

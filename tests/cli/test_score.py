@@ -1,0 +1,53 @@
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from click.testing import Result
+from refusal import sentence
+
+Call = Callable[..., Result]
+
+
+def test_score_prints_the_tables_of_the_run_again(call: Call) -> None:
+    flown = call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
+    assert call("score").stdout == flown.stdout
+
+
+@pytest.mark.parametrize("style", ["markdown", "csv", "latex"])
+def test_tables_come_in_other_formats(call: Call, style: str) -> None:
+    call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
+    result = call("score", "--format", style, "--by", "guideword")
+    assert result.exit_code == 0
+    assert "LATE" in result.stdout
+
+
+def test_the_score_as_json_has_the_keys_of_the_contract(call: Call) -> None:
+    call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
+    score = json.loads(call("score", "--format", "json").stdout)
+    assert {"ratios", "mutants", "coverage", "baseline"} <= score.keys()
+    assert score["ratios"]["mutation_score"]["part"] == 1
+    assert score["mutants"][0]["kill_rate_flown"] == {"part": 1, "whole": 2}
+    assert set(score["coverage"]["t_way"]) == {"1", "2", "3", "4", "5"}
+
+
+def test_below_the_asked_score_the_exit_code_is_3(call: Call) -> None:
+    words = ("--mutant", "LATE-human", "--mutant", "NO-human", "--situation", "T0O0W0D0H1", "--quiet")
+    assert call("run", *words, "--fail-under", "1").exit_code == 0
+    call("run", "--mutant", "MORE-goal", "--situation", "T0O0W0D0H0", "--quiet")
+    empty = ("--campaign", "./other/c")
+    below = call("run", "--mutant", "MORE-goal", "--quiet", "--fail-under", "0.1", *empty, campaign=False)
+    assert below.exit_code == 3
+    assert "below --fail-under" in below.stderr
+
+
+def test_a_campaign_without_a_flight_that_counts_has_no_score(call: Call, tmp_path: Path, copy: Path) -> None:
+    assert "no campaign was flown here" in sentence(call("score"))
+    assert list(tmp_path.iterdir()) == [copy]
+    words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--quiet")
+    assert call("run", *words, "--first-kill", study=copy).exit_code == 0
+    world = copy / "sim" / "world.yaml"
+    world.write_text(world.read_text().replace("light: 0.9", "light: 0.8", 1))
+    assert "flights are stale" in sentence(call("score", study=copy))

@@ -1,0 +1,39 @@
+from __future__ import annotations
+
+import json
+import sqlite3
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+
+from click.testing import Result
+from refusal import sentence
+
+from scaloft_fi.campaign.held.folder import STORE_NAME
+
+Call = Callable[..., Result]
+
+
+def test_status_counts_flights(call: Call) -> None:
+    call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
+    out = call("status").stdout
+    assert "killed" in out
+    assert "stale" in out
+
+
+def test_flights_whose_baseline_is_not_home_wait_for_it_and_are_not_called_invalid(call: Call, tmp_path: Path) -> None:
+    call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
+    with closing(sqlite3.connect(tmp_path / "campaign" / STORE_NAME)) as connection:
+        connection.execute("DELETE FROM outcomes WHERE mutant = 'baseline' AND situation = 'T0O0W0D0H1'")
+        connection.commit()
+    counted = {
+        row["flights"]: row["number"] for row in json.loads(call("status", "--format", "json").stdout)[0]["rows"]
+    }
+    rows = json.loads(call("export").stdout)
+    assert counted["waiting for their baseline"] == sum(row["situation"] == "T0O0W0D0H1" for row in rows) >= 2
+    assert "invalid" not in counted
+
+
+def test_there_is_no_status_of_a_campaign_that_was_never_flown(call: Call, tmp_path: Path) -> None:
+    assert "no campaign was flown here" in sentence(call("status"))
+    assert list(tmp_path.iterdir()) == []
