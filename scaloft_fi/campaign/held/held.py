@@ -75,6 +75,11 @@ def held_in(study: Study, store: Store, folder: Path) -> Held:
     )
 
 
+def current_in(study: Study, store: Store) -> tuple[Outcome, ...]:
+    """The outcomes of an open store that count; there may be none."""
+    return _whole(store, _Now(study, store))
+
+
 def _whole(store: Store, now: _Now) -> tuple[Outcome, ...]:
     """The outcomes of whole flights that stand."""
     return store.that(lambda flight: not flight.truncated and now.stands(flight))

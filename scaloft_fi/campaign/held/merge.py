@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from scaloft_fi.campaign.held.folder import STORE_NAME, existing, writable
-from scaloft_fi.campaign.held.held import held_in
+from scaloft_fi.campaign.held.held import current_in
 from scaloft_fi.campaign.plan.plan import held_requirements
 from scaloft_fi.campaign.runs.run import write_log
 from scaloft_fi.errors import GateError
@@ -75,7 +75,7 @@ def merge(study: Study, folder: Path, sources: Sequence[Path]) -> Merged:
             with Store(path, create=False) as source:
                 keys = [key for key, where in taken.items() if where == path and key not in dropped]
                 target.put_all(source.rows(keys))
-        write_log(study, folder, held_in(study, target, folder).current)
+        write_log(study, folder, current_in(study, target))
     added = {key for key, outcome in rows.items() if not outcome.invalid} - before - dropped
     return Merged(len(added), known, tuple(warnings))
 

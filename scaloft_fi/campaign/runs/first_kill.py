@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from scaloft_fi.campaign.flights.fly import Flyer
-from scaloft_fi.campaign.held.held import held_in
+from scaloft_fi.campaign.held.held import current_in
 from scaloft_fi.campaign.plan.plan import Flight, Plan, canary_flight, subject_of
 from scaloft_fi.campaign.plan.task import Task
 from scaloft_fi.campaign.progress.progress import Progress
@@ -60,7 +60,7 @@ def first_kills(
             hunt.fly(draw)
         crew.repeat(planned.baselines)
         crew.lookout.close()
-        write_log(study, folder, held_in(study, crew.store, folder).current)
+        write_log(study, folder, current_in(study, crew.store))
         found = hunt.found()
         crew.go_on(f"{found.flown} flights are")
         crew.hold_gates(planned, hunt.outcomes)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scaloft_fi.campaign.flights.fly import Flyer
-from scaloft_fi.campaign.held.held import held_in
+from scaloft_fi.campaign.held.held import current_in
 from scaloft_fi.campaign.plan.plan import Flight, Plan, canary_flight, plan
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.baseline_pool import joined
@@ -93,7 +93,7 @@ def run_looks(
             crew.fly([canary])
         crew.repeat(first.baselines)
         crew.lookout.close()
-        write_log(study, folder, held_in(study, crew.store, folder).current)
+        write_log(study, folder, current_in(study, crew.store))
         outcomes = crew.outcomes([*rounds.flights, *([canary] if canary else [])])
         crew.go_on(f"{len(outcomes)} flights are")
         crew.hold_gates(question, outcomes)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from scaloft_fi.campaign.flights.fly import Flyer
 from scaloft_fi.campaign.held.folder import STORE_NAME
-from scaloft_fi.campaign.held.held import held_in
+from scaloft_fi.campaign.held.held import current_in
 from scaloft_fi.campaign.plan import choose
 from scaloft_fi.campaign.plan.bisect import Search
 from scaloft_fi.campaign.plan.plan import Flight, Plan, plan
@@ -124,7 +124,7 @@ def _held(study: Study, folder: Path) -> tuple[Outcome, ...]:
     if not (folder / STORE_NAME).is_file():
         return ()
     with Store(folder / STORE_NAME, create=False) as store:
-        return held_in(study, store, folder).current
+        return current_in(study, store)
 
 
 def _with(planned: Plan, flights: Sequence[Flight]) -> Plan:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from scaloft_fi.campaign.flights.fly import Flyer
 from scaloft_fi.campaign.held.folder import LOG_NAME
-from scaloft_fi.campaign.held.held import held_in
+from scaloft_fi.campaign.held.held import current_in
 from scaloft_fi.campaign.plan.plan import Flight, Plan, canary_flight
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.budget import Budget, fair_order
@@ -89,7 +89,7 @@ def _fly(planned: Plan, crew: Crew, budget: Budget) -> Report:
     crew.repeat(planned.baselines)
     crew.lookout.close()
     outcomes = crew.outcomes((*flights, *([canary] if canary else [])))
-    write_log(crew.study, crew.folder, held_in(crew.study, crew.store, crew.folder).current)
+    write_log(crew.study, crew.folder, current_in(crew.study, crew.store))
     return Report(outcomes, crew.flown, left)
 
 
