@@ -114,6 +114,16 @@ class Store:
                     self._connection.execute("ROLLBACK")
                 raise
 
+    @contextmanager
+    def snapshot(self) -> Iterator[None]:
+        """What is read while it lasts is of one moment, whatever others write meanwhile; nothing is written in it."""
+        with _sentences(self.path):
+            self._connection.execute("BEGIN")
+            try:
+                yield
+            finally:
+                self._connection.execute("ROLLBACK")
+
     def put(self, key: str, outcome: Outcome) -> bool:
         """Keep an outcome; one that counts is never replaced, an invalid one gives way to any later.
 

@@ -62,22 +62,24 @@ def held(study: Study, campaign: str) -> Held:
 
 def held_in(study: Study, store: Store, folder: Path) -> Held:
     """The same of an open store."""
-    now = _Now(study, store)
-    flights = store.flights()
-    planned = store.planned()
-    due = {flight.key for flight in planned if now.origin(flight.mutant, flight.situation) == flight.origin}
-    return Held(
-        folder=folder,
-        current=_whole(store, now),
-        truncated=sum(bool(flight.truncated) and now.stands(flight) for flight in flights),
-        why=dict(Counter(now.why(flight) for flight in flights if not now.stands(flight)).most_common()),
-        owed=len(due - store.known(due)),
-    )
+    with store.snapshot():
+        now = _Now(study, store)
+        flights = store.flights()
+        planned = store.planned()
+        due = {flight.key for flight in planned if now.origin(flight.mutant, flight.situation) == flight.origin}
+        return Held(
+            folder=folder,
+            current=_whole(store, now),
+            truncated=sum(bool(flight.truncated) and now.stands(flight) for flight in flights),
+            why=dict(Counter(now.why(flight) for flight in flights if not now.stands(flight)).most_common()),
+            owed=len(due - store.known(due)),
+        )
 
 
 def current_in(study: Study, store: Store) -> tuple[Outcome, ...]:
     """The outcomes of an open store that count; there may be none."""
-    return _whole(store, _Now(study, store))
+    with store.snapshot():
+        return _whole(store, _Now(study, store))
 
 
 def _whole(store: Store, now: _Now) -> tuple[Outcome, ...]:
@@ -92,7 +94,7 @@ def current(study: Study, campaign: str) -> tuple[Outcome, ...]:
         InputError: there are none.
     """
     folder = campaign_folder(study, campaign)
-    with Store(existing(folder), create=False) as store:
+    with Store(existing(folder), create=False) as store, store.snapshot():
         now = _Now(study, store)
         return _whole(store, now) or _nothing(store, now, folder)
 
@@ -104,7 +106,7 @@ def current_rulings(study: Study, campaign: str) -> Rulings:
         InputError: there are none.
     """
     folder = campaign_folder(study, campaign)
-    with Store(existing(folder), create=False) as store:
+    with Store(existing(folder), create=False) as store, store.snapshot():
         now = _Now(study, store)
         return store.rulings(now.stands) or _nothing(store, now, folder)
 
@@ -126,7 +128,7 @@ def latest(study: Study, campaign: str) -> tuple[Outcome, ...]:
         InputError: there is no campaign.
     """
     folder = campaign_folder(study, campaign)
-    with Store(existing(folder), create=False) as store:
+    with Store(existing(folder), create=False) as store, store.snapshot():
         whole = [flight for flight in store.flights() if not flight.truncated]
         stand_last = sorted(whole, key=_Now(study, store).stands)
         chosen = {(flight.mutant, flight.situation, flight.seed): flight.key for flight in stand_last}

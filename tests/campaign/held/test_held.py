@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from scaloft_fi.campaign.held.folder import STORE_NAME
-from scaloft_fi.campaign.held.held import Held, current, held, held_in, latest
+from scaloft_fi.campaign.held.held import Held, current, current_in, current_rulings, held, held_in, latest
 from scaloft_fi.campaign.held.key import Keys
 from scaloft_fi.campaign.plan.plan import Flight, plan
 from scaloft_fi.campaign.progress.progress import Silence
@@ -154,3 +154,45 @@ def test_a_campaign_without_a_flight_that_counts_is_one_sentence(study: Any, fly
         store._connection.execute("DELETE FROM outcomes")
     with pytest.raises(InputError, match="it holds no flight"):
         current(study, f"{study.folder}/c")
+
+
+def test_what_a_run_writes_meanwhile_is_read_the_next_time(
+    study: Any, fly: Callable[..., Held], log: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    there = len(fly().current)
+    campaign, path, read, keys = f"{study.folder}/c", study.folder / "c" / STORE_NAME, Store.origins, Keys(study)
+    planned = [plan(study.grid, (seed,), [realise(study.matrix, CONTROL)], None) for seed in range(1, 6)]
+    meanwhile: list[Any] = []
+    added = len(planned[0].baselines) + len(planned[0].mutants)
+
+    def origins(store: Store) -> Any:
+        """Those there are; then another process plans and flies."""
+        found = read(store)
+        if meanwhile:
+            more = meanwhile.pop()
+            flights = (*more.baselines, *more.mutants)
+            with Store(path) as other:
+                other.plan(map(keys.planned, flights))
+                other.put_all((keys.key(flight), log(study, flight)) for flight in flights)
+        return found
+
+    def opened() -> int:
+        with Store(path) as store:
+            return len(current_in(study, store))
+
+    def told() -> int:
+        found = held(study, campaign)
+        assert (found.stale, found.owed) == (0, 0)
+        return len(found.current)
+
+    def ruled() -> int:
+        found = current_rulings(study, campaign)
+        return len(found.baselines) + sum(len(flights) for s in found.mutants.values() for flights in s.values())
+
+    # the first of these meets origins that were not there when it began
+    monkeypatch.setattr(Store, "origins", origins)
+    for reader in (ruled, told, opened, lambda: len(current(study, campaign)), lambda: len(latest(study, campaign))):
+        meanwhile.append(planned.pop())
+        assert reader() == there
+        there += added
+    assert len(current(study, campaign)) == there
