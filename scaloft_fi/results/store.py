@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -48,10 +49,11 @@ class Store:
     """
 
     def __init__(self, path: Path, *, create: bool = True) -> None:
-        """Open the store, making it and its folder when `create`.
+        """Open the store, making it and its folder when `create`; in a folder that is read only it is only read.
 
         Raises:
-            InputError: it cannot be opened or written, is no store, or is a later version's.
+            InputError: it cannot be opened or written, is no store, is a later version's, or an earlier one's in a
+                folder that is read only.
         """
         self.path = path
         if not create and not path.is_file():
@@ -59,17 +61,26 @@ class Store:
         with _sentences(path):
             if create:
                 path.parent.mkdir(parents=True, exist_ok=True)
+            # SQLite keeps its log beside the file, which where nothing can be written it must be told not to ask for
+            fixed = not create and not os.access(path.parent, os.W_OK) and not _log(path).exists()
+            name = f"{path.absolute().as_uri()}?immutable=1" if fixed else str(path)
             # rows are written one by one in explicit transactions
-            self._connection = sqlite3.connect(path, timeout=BUSY_S, isolation_level=None)
+            self._connection = sqlite3.connect(name, timeout=BUSY_S, isolation_level=None, uri=fixed)
             try:
-                self._prepare()
+                self._prepare(fixed=fixed)
             except BaseException:
                 self._connection.close()
                 raise
 
-    def _prepare(self) -> None:
+    def _prepare(self, *, fixed: bool) -> None:
         run = self._connection.execute
         current = self._schema() == SCHEMA
+        if fixed and not current:
+            raise InputError(
+                f"{self.path}: store of an earlier version in a folder that is read only; read a copy of it"
+            )
+        if fixed:
+            return
         run("PRAGMA journal_mode=WAL")
         run("PRAGMA synchronous=FULL")
         if current:
@@ -267,6 +278,11 @@ class Store:
     def _facts(self) -> list[tuple[str, str]]:
         with _sentences(self.path):
             return list(self._connection.execute("SELECT name, value FROM meta ORDER BY name"))
+
+
+def _log(path: Path) -> Path:
+    """Where SQLite keeps what it has not yet folded into the file."""
+    return path.with_name(f"{path.name}-wal")
 
 
 @contextmanager

@@ -208,3 +208,42 @@ def test_a_store_of_a_later_version_is_refused(tmp_path: Path) -> None:
     connection.close()
     with pytest.raises(InputError, match=f"schema {SCHEMA + 1} must be at most {SCHEMA}"):
         Store(path)
+
+
+@pytest.fixture
+def read_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No folder can be written, as on a medium that is read only; permissions would not stop the superuser."""
+    monkeypatch.setattr("os.access", lambda _path, _mode: False)
+
+
+@pytest.mark.usefixtures("read_only")
+def test_a_campaign_that_can_only_be_read_is_read_and_left_alone(tmp_path: Path) -> None:
+    path = tmp_path / "100% ours?" / "s.sqlite"
+    with Store(path) as store:
+        store.put("k", outcome(M))
+    content = path.read_bytes()
+    with Store(path, create=False) as store:
+        assert list(store.outcomes()) == [outcome(M)]
+        assert store.known(["k"]) == {"k"}
+        with pytest.raises(InputError, match="readonly"):
+            store.put("other", outcome(M, seed=1))
+        assert [file.name for file in path.parent.iterdir()] == ["s.sqlite"]
+    assert path.read_bytes() == content
+
+
+@pytest.mark.usefixtures("read_only")
+def test_a_store_of_an_earlier_version_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "s.sqlite"
+    with Store(path) as store:
+        store._connection.execute(f"PRAGMA user_version={SCHEMA - 1}")
+    with pytest.raises(InputError, match=r"s\.sqlite: store of an earlier version in a folder that is read only"):
+        Store(path, create=False)
+
+
+@pytest.mark.usefixtures("read_only")
+def test_what_a_writer_has_not_folded_into_the_file_is_read_all_the_same(tmp_path: Path) -> None:
+    path = tmp_path / "s.sqlite"
+    with Store(path) as writer:
+        writer.put("k", outcome(M))
+        with Store(path, create=False) as store:
+            assert list(store.outcomes()) == [outcome(M)]
