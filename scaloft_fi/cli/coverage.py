@@ -15,7 +15,7 @@ from scaloft_fi.errors import InputError
 
 if TYPE_CHECKING:
     from scaloft_fi.campaign.plan.strategy import Remembered
-    from scaloft_fi.results.outcome import Outcome
+    from scaloft_fi.results.rulings import Rulings
     from scaloft_fi.results.situations.curves import Curves
     from scaloft_fi.results.situations.prediction import Prediction
     from scaloft_fi.study import Study
@@ -41,7 +41,7 @@ PICTURES = (".svg", ".png")
 @format_option
 def coverage_command(study_folder: Path | None, campaign: str, against: bool, output: Path | None, style: str) -> None:
     """Print the coverage of a campaign's situations, number by number."""
-    from scaloft_fi.results.situations.coverage import coverage, coverage_json
+    from scaloft_fi.results.situations.coverage import coverage_json, coverage_of
     from scaloft_fi.results.situations.coverage_tables import coverage_tables
     from scaloft_fi.results.situations.curve_tables import curve_tables, curves_json
     from scaloft_fi.results.telling.table import Format, render
@@ -51,9 +51,9 @@ def coverage_command(study_folder: Path | None, campaign: str, against: bool, ou
         raise InputError(f"--output={str(output)!r} must end in .svg or .png")
     check_writable(output)
     study = Study.open(study_folder)
-    outcomes, choices = _held(study, campaign)
-    covered = coverage(outcomes, study.space)
-    followed = _followed(study, outcomes) if against or output is not None else None
+    rulings, choices = _held(study, campaign)
+    covered = coverage_of(rulings.baselines, rulings.draws, study.space)
+    followed = _followed(study, rulings) if against or output is not None else None
     if output is not None and followed is not None:
         _draw(followed[0], output)
     if style == Format.JSON:
@@ -69,29 +69,29 @@ def coverage_command(study_folder: Path | None, campaign: str, against: bool, ou
     click.echo(render(tables, Format(style)), nl=False)
 
 
-def _held(study: Study, campaign: str) -> tuple[Sequence[Outcome], Sequence[Remembered]]:
+def _held(study: Study, campaign: str) -> tuple[Rulings, Sequence[Remembered]]:
     from scaloft_fi.campaign.held.folder import campaign_folder, existing
-    from scaloft_fi.campaign.held.held import current
+    from scaloft_fi.campaign.held.held import current_rulings
     from scaloft_fi.campaign.plan.strategy import remembered
     from scaloft_fi.results.store import Store
 
-    outcomes = current(study, campaign)
+    rulings = current_rulings(study, campaign)
     with Store(existing(campaign_folder(study, campaign)), create=False) as store:
-        return outcomes, remembered(store)
+        return rulings, remembered(store)
 
 
-def _followed(study: Study, outcomes: Sequence[Outcome]) -> tuple[Curves, Prediction]:
+def _followed(study: Study, rulings: Rulings) -> tuple[Curves, Prediction]:
     """The curves of a campaign.
 
     Raises:
         InputError: no default mutant was flown.
     """
-    from scaloft_fi.results.scoring.score import score
+    from scaloft_fi.results.scoring.score import score_of
     from scaloft_fi.results.situations.curves import curves
     from scaloft_fi.results.situations.prediction import predict
     from scaloft_fi.results.situations.trial import trial
 
-    flown = trial(score(outcomes, study.roster, study.space), study.roster, study.space)
+    flown = trial(score_of(rulings, study.roster, study.space), study.roster, study.space)
     if flown is None:
         raise InputError("coverage against kills needs default mutants of credible cells: none was flown")
     found = curves(flown)
