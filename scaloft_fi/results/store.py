@@ -67,20 +67,17 @@ class Store:
             # rows are written one by one in explicit transactions
             self._connection = sqlite3.connect(name, timeout=BUSY_S, isolation_level=None, uri=fixed)
             try:
-                self._prepare(fixed=fixed)
+                if not fixed:
+                    self._prepare()
+                elif self._schema() < SCHEMA:
+                    raise InputError(f"{path}: store of an earlier version in a folder that is read only; read a copy")
             except BaseException:
                 self._connection.close()
                 raise
 
-    def _prepare(self, *, fixed: bool) -> None:
+    def _prepare(self) -> None:
         run = self._connection.execute
         current = self._schema() == SCHEMA
-        if fixed and not current:
-            raise InputError(
-                f"{self.path}: store of an earlier version in a folder that is read only; read a copy of it"
-            )
-        if fixed:
-            return
         run("PRAGMA journal_mode=WAL")
         run("PRAGMA synchronous=FULL")
         if current:
