@@ -171,7 +171,7 @@ def main() -> None:
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--situation", action="append", default=[], help="key or glob, repeatable")
     parser.add_argument("--every", type=int, default=4, help="fly every N-th default mutant (default: 4)")
-    parser.add_argument("--whole", action="store_true", help="every default mutant in every situation: an hour and a half")
+    parser.add_argument("--whole", action="store_true", help="every default in every situation: an hour and a half")
     parser.add_argument("--no-rss", action="store_true", help="leave the memory of 1,000 flights out")
     options = parser.parse_args()
     study = Study.open(None)
