@@ -114,7 +114,7 @@ def test_a_writer_killed_in_the_middle_loses_nothing_that_was_put(tmp_path: Path
 
 def test_a_full_disk_is_one_sentence_and_loses_nothing_that_was_put(tmp_path: Path) -> None:
     path = tmp_path / "s.sqlite"
-    flown = [replace(outcome(M, seed=seed), track=os.urandom(4000)) for seed in range(50)]
+    flown = [replace(outcome(M, seed=seed), track=os.urandom(20_000)) for seed in range(50)]
     kept: list[Outcome] = []
     with Store(path) as store:
         (pages,) = store._connection.execute("PRAGMA page_count").fetchone()

@@ -280,7 +280,7 @@ def test_a_disk_that_fills_up_is_one_sentence_and_the_same_command_resumes(
 ) -> None:
     whole = _export(study, _run(study, log, folder="whole"))
     flown = len(log.flown)
-    log.change = lambda _flight, outcome: replace(outcome, track=os.urandom(6000))
+    log.change = lambda _flight, outcome: replace(outcome, track=os.urandom(30_000))
     with monkeypatch.context() as patched:
         open_store = Store._prepare
 
