@@ -115,9 +115,12 @@ class Formula:
         (length,) = lengths
         if length < 2:  # RTAMT needs two samples; one is as good as the same one twice
             columns = {name: column * 2 for name, column in columns.items()}
-        times = [SAMPLE_MS / 1000 * i for i in range(max(2, length))]
+        times = _times_s(max(2, length))
         evaluated = _specification(self.text, self.names).evaluate({"time": times, **columns})
-        return [min(LARGEST, max(-LARGEST, float(value))) for _, value in evaluated[:length]]
+        values = [float(value) for _, value in evaluated[:length]]
+        if math.isfinite(sum(values)) and -LARGEST <= min(values) and max(values) <= LARGEST:
+            return values
+        return [min(LARGEST, max(-LARGEST, value)) for value in values]
 
 
 def tokenize(text: str) -> list[str]:
@@ -190,10 +193,16 @@ def _check_intervals(spaced: str) -> None:
 
 def _column(name: str, samples: Any) -> list[float]:
     column: list[float] = samples.tolist() if hasattr(samples, "tolist") else list(samples)
-    for place, value in enumerate(column):
-        if not math.isfinite(value):
-            raise ValueError(f"signal {name} is {value} at sample {place}")
+    if not all(map(math.isfinite, column)):
+        place, value = next((place, value) for place, value in enumerate(column) if not math.isfinite(value))
+        raise ValueError(f"signal {name} is {value} at sample {place}")
     return column
+
+
+@lru_cache(maxsize=8)
+def _times_s(length: int) -> tuple[float, ...]:
+    """Times of the samples [s]: the same for all formulas of a flight."""
+    return tuple(SAMPLE_MS / 1000 * place for place in range(length))
 
 
 @contextmanager
