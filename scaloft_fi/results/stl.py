@@ -118,7 +118,7 @@ class Formula:
         times = _times_s(max(2, length))
         evaluated = _specification(self.text, self.names).evaluate({"time": times, **columns})
         values = [float(value) for _, value in evaluated[:length]]
-        if math.isfinite(sum(values)) and -LARGEST <= min(values) and max(values) <= LARGEST:
+        if math.isfinite(sum(values)) and min(values) >= -LARGEST and max(values) <= LARGEST:
             return values
         return [min(LARGEST, max(-LARGEST, value)) for value in values]
 
