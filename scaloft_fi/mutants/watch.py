@@ -18,14 +18,15 @@ class WatchingWire:
 
     Args:
         watched: fresh wires by name.
-        branch: called with the name of a wire that differs; returns True in the branch, False in the trunk.
+        branch: called with the name of a wire that differs, and when [s]; returns True in the branch, False in the
+            trunk.
         failed: called with the name of a wire whose tap failed, and why; it is watched no longer.
     """
 
     def __init__(
         self,
         watched: Mapping[str, TappedWire],
-        branch: Callable[[str], bool],
+        branch: Callable[[str, float], bool],
         failed: Callable[[str, TapError], None],
     ) -> None:
         self._watched = dict(watched)
@@ -56,7 +57,7 @@ class WatchingWire:
                 continue
             if wire.altered:
                 self._drop(name)
-                if self._leaves(name):
+                if self._leaves(name, t_s):
                     self._taken = wire
                     self._watched.clear()
                     return delivered
@@ -72,9 +73,9 @@ class WatchingWire:
         """By name, what each wire counted that is still watched: nothing it delivered has differed."""
         return {name: wire.counts for name, wire in self._watched.items()}
 
-    def _leaves(self, name: str) -> bool:
+    def _leaves(self, name: str, t_s: float) -> bool:
         try:
-            return self._branch(name)
+            return self._branch(name, t_s)
         except Exception as error:  # whatever it is, the stack under test did not raise it
             raise TapError(f"branch of {name}: {type(error).__name__}: {error}") from error
 

@@ -42,12 +42,14 @@ class Fork:
     def __init__(self, taken: str = "") -> None:
         self.taken, self.asked = taken, list[str]()
 
-    def __call__(self, name: str) -> bool:
+    def __call__(self, name: str, t_s: float) -> bool:
         self.asked.append(name)
         return name == self.taken
 
 
-def _watching(fork: Callable[[str], bool], taps: dict[str, Any], failures: list[str] | None = None) -> WatchingWire:
+def _watching(
+    fork: Callable[[str, float], bool], taps: dict[str, Any], failures: list[str] | None = None
+) -> WatchingWire:
     wires = {name: TappedWire(seams) for name, seams in taps.items()}
     told: list[str] = [] if failures is None else failures
     return WatchingWire(wires, fork, lambda name, error: told.append(f"{name}: {error}"))
@@ -60,10 +62,8 @@ def test_the_trunk_carries_every_sample_as_it_is_and_counts_nothing() -> None:
 
 
 def test_each_mutant_leaves_once_where_it_first_differs() -> None:
-    fork, seen = Fork(), []
-    wire = _watching(lambda name: seen.append((name, t_s)) or fork(name), _taps())
-    for seam, t_s, sample in POLLS:
-        wire.cross(seam, t_s, sample)
+    seen = []
+    _fly(_watching(lambda name, t_s: bool(seen.append((name, t_s))), _taps()))
     assert seen == [("early", 0.1), ("late", 0.3)]
 
 
@@ -103,7 +103,7 @@ def test_a_tap_that_fails_while_watched_is_that_mutants_failure_alone() -> None:
 
 
 def test_a_flight_that_cannot_branch_is_a_matter_of_the_harness() -> None:
-    def refuse(_name: str) -> bool:
+    def refuse(_name: str, _t_s: float) -> bool:
         raise OSError("no more processes")
 
     with pytest.raises(TapError, match="branch of early: OSError: no more processes"):

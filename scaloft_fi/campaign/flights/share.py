@@ -1,20 +1,38 @@
-"""A baseline flown once with its mutants watched alongside; each is flown only from where it leaves the baseline."""
+"""A baseline flown once with its mutants watched alongside; each is flown only from where it leaves the baseline.
+
+Those that leave it at take-off are flown whole, one after the other in a process of their own.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from scaloft_fi.campaign.flights.fly import first_kill, invalid, judged, reason_of, wire_of
+from scaloft_fi.campaign.flights.fly import (
+    Physics,
+    Worker,
+    first_kill,
+    invalid,
+    judged,
+    left_of,
+    lost,
+    reason_of,
+    wire_of,
+)
 from scaloft_fi.campaign.flights.fork import Fork
-from scaloft_fi.campaign.plan.task import Task
+from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.campaign.plan.task import Task, alone
+from scaloft_fi.campaign.workers.pool import PATIENCE_S, Pool
 from scaloft_fi.results.outcome import Outcome, Subject
 from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
     from scaloft_fi.mutants.wire import SeamCount
     from scaloft_fi.sim.log import FlightLog
+
+SOON_S = 1.0
+"""Who leaves the baseline sooner is flown whole: to be split off takes longer than so much flight [s from take-off]."""
 
 
 def fly_shared(study: Study, task: Task, home: Callable[[Outcome], None]) -> None:
@@ -30,9 +48,17 @@ def fly_shared(study: Study, task: Task, home: Callable[[Outcome], None]) -> Non
     mutants = {flight.name: flight for flight in task.flights if flight.mutant is not None}
     wires = {name: wire_of(study, flight) for name, flight in mutants.items()}
     fork = Fork(home, invalid)
+    whole: list[Flight] = []
+
+    def branch(name: str, t_s: float) -> bool:
+        if t_s < SOON_S:
+            whole.append(mutants[name])
+            return False
+        return fork(mutants[name])
+
     wire = WatchingWire(
         {name: tapped for name, tapped in wires.items() if isinstance(tapped, TappedWire)},
-        branch=lambda name: fork(mutants[name]),
+        branch=branch,
         failed=lambda name, error: home(invalid(mutants[name], reason_of(error))),
     )
     carrier, baseline = task.carrier, task.baseline
@@ -53,6 +79,14 @@ def fly_shared(study: Study, task: Task, home: Callable[[Outcome], None]) -> Non
             home(outcome)
         elif flight.name in wire.silent:
             home(as_baseline(outcome, flight.subject, wire.silent[flight.name]))
+    _fly_apart(study, [replace(one, baseline=baseline) for one in alone(whole)], home)
+
+
+def _fly_apart(study: Study, tasks: Iterable[Task], home: Callable[[Outcome], None]) -> None:
+    """Fly tasks in another process, while this one waits: one that takes its process with it takes no other flight."""
+    with Pool(Worker(study, Physics()), 1, left=left_of, lost=lost, patience_s=PATIENCE_S) as pool:
+        for outcome in pool.map(tasks):
+            home(outcome)
 
 
 def as_baseline(baseline: Outcome, subject: Subject, counts: Mapping[str, SeamCount]) -> Outcome:

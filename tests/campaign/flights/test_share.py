@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import asdict, replace
 from functools import cache
 from pathlib import Path
@@ -97,3 +98,27 @@ def test_a_flight_cut_at_its_first_kill_says_of_the_kill_what_the_whole_one_says
             assert short.outcome == long.outcome
     assert statuses == {Status.KILLED, Status.SURVIVED}
     assert any(outcome.truncated for outcome in cut.values())
+
+
+@pytest.mark.flight
+@pytest.mark.skipif(not CAN_FORK, reason="this platform flies every flight whole")
+def test_a_whole_flight_that_takes_its_process_with_it_takes_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    situation: Situation = _study().grid.situation("T0O0W0D0H1")
+    names = ("MORE-depth@1.25x", "REVERSE-depth", "LATE-human@3s", "LESS-depth@0.9x")
+    from_take_off, deadly, late, last = flights = [
+        Flight(realise(_study().matrix, name), situation, 0) for name in names
+    ]
+    whole, fly_whole = [], Physics.__call__
+
+    def fly(self: Physics, study: Study, flight: Flight, baseline: Outcome | None = None) -> Outcome:
+        whole.append(flight)
+        if flight == deadly:
+            os._exit(1)
+        outcome = fly_whole(self, study, flight, baseline)
+        return replace(outcome, ending=f"after {len(whole)}")
+
+    monkeypatch.setattr(Physics, "__call__", fly)
+    found = _outcomes([Task(tuple(flights), shared=True)])
+    assert found[deadly.name].invalid == "its worker process died every time it was flown"
+    assert not any(found[flight.name].invalid for flight in (from_take_off, late, last))
+    assert (found[from_take_off.name].ending, found[late.name].ending) == ("after 1", "landed")
