@@ -12,26 +12,25 @@ import numpy as np
 from filterpy.kalman import KalmanFilter
 from scipy.linalg.lapack import dgesv
 
+from scaloft_fi.stack.covariance import MEASURED, SIZE, carried, corrected, innovation
 from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.messages import Array
 
 TICK_S = 0.05
-_MEASURED = np.array([0, 1, 2, 8])  # what of the error a fix tells
-_IDENTITY = np.eye(4)
+_IDENTITY = np.eye(len(MEASURED))
 
 
 class ErrorFilter(KalmanFilter):  # type: ignore[misc]
     """`KalmanFilter` for an error that is zero before each correction and of which four parts are measured.
 
-    The same matrices as filterpy's, bit for bit, without the products with zeros and the copies for inspection, which
-    cost it half the time.
+    filterpy's matrices without its copies for inspection, compiled.
     """
 
     P: Array
 
     def predict(self) -> None:
         """Carry the covariance over one step; an error of zero stays zero."""
-        self.P = np.dot(np.dot(self.F, self.P), self.F.T) + self.Q
+        self.P = carried(self.F, self.P, self.Q)
 
     def update(self, z: Array) -> None:
         """Take in how far a fix is off, `z` (4,): x, y, z [m] and heading [rad].
@@ -39,24 +38,11 @@ class ErrorFilter(KalmanFilter):  # type: ignore[misc]
         Raises:
             numpy.linalg.LinAlgError: the covariance of the innovation is singular.
         """
-        cross = self.P.take(_MEASURED, axis=1)
-        self.S = cross.take(_MEASURED, axis=0) + self.R
-        self.K = np.dot(cross, self.inv(self.S))
-        self.x = np.dot(self.K, z)
-        kept = self._I - np.dot(self.K, self.H)
-        self.P = np.dot(np.dot(kept, self.P), kept.T) + np.dot(np.dot(self.K, self.R), self.K.T)
-
-
-def _inverse(matrix: Array) -> Array:
-    """Inverse of `matrix` (4, 4), as `numpy.linalg.inv` has it in a third of the time.
-
-    Raises:
-        numpy.linalg.LinAlgError: it is singular.
-    """
-    *_, inverse, singular = dgesv(matrix, _IDENTITY)
-    if singular:
-        raise np.linalg.LinAlgError("Singular matrix")
-    return np.ascontiguousarray(inverse)
+        self.S = innovation(self.P, self.R)
+        *_, inverse, singular = dgesv(self.S, _IDENTITY)
+        if singular:
+            raise np.linalg.LinAlgError("Singular matrix")
+        self.K, self.x, self.P = corrected(self.P, self.R, inverse, z)
 
 
 def error_filter(
@@ -68,9 +54,8 @@ def error_filter(
     fix_yaw_sigma_rad: float,
 ) -> ErrorFilter:
     """The filter before take-off; the noises are those of `EstimatorConfig`."""
-    kf = ErrorFilter(dim_x=15, dim_z=4)
-    kf.inv = _inverse
-    kf.x = np.zeros(15)
+    kf = ErrorFilter(dim_x=SIZE, dim_z=len(MEASURED))
+    kf.x = np.zeros(SIZE)
     kf.P = np.diag([1e-4] * 3 + [1e-4] * 3 + [1e-4] * 3 + [1e-5] * 3 + [1e-3] * 3)
     kf.Q = np.diag(
         [1e-10] * 3
@@ -79,8 +64,7 @@ def error_filter(
         + [rate_bias_walk**2 * TICK_S] * 3
         + [force_bias_walk**2 * TICK_S] * 3
     )
-    kf.H = np.zeros((4, 15))
-    kf.H[0, 0] = kf.H[1, 1] = kf.H[2, 2] = kf.H[3, 8] = 1.0
+    kf.H = np.eye(SIZE)[list(MEASURED)]
     kf.R = np.diag([fix_sigma_m**2] * 3 + [fix_yaw_sigma_rad**2])
     return kf
 

@@ -36,23 +36,28 @@ def test_what_is_no_number_is_not_plausible():
 
 
 @given(st.integers(0, 2**32 - 1), st.lists(st.booleans(), min_size=1, max_size=60))
-def test_the_filter_is_filterpys_bit_for_bit(seed, fixes):
+def test_the_filter_is_filterpys_but_for_the_rounding(seed, fixes):
     rng = np.random.default_rng(seed)
     ours, theirs = error_filter(0.02, 0.001, 0.0001, 0.002, 0.01, 0.02), KalmanFilter(15, 4)
-    for name in ("x", "P", "Q", "H", "R", "F"):
+    for name in ("x", "Q", "H", "R", "F"):
         setattr(theirs, name, getattr(ours, name).copy())
     for fix in fixes:
         transition(ours.F, rng.uniform(0.01, 0.2), rng.normal(size=3), rng.normal(size=(3, 3)))
-        theirs.F = ours.F.copy()
+        theirs.F, theirs.P = ours.F.copy(), ours.P.copy()
         ours.predict()
         theirs.predict()
         if fix:
             z = rng.normal(size=4)
             ours.update(z)
             theirs.update(z)
-            assert ours.x.tobytes() == theirs.x.tobytes()
+            for name in ("S", "K", "x"):
+                assert _close(getattr(ours, name), getattr(theirs, name))
             ours.x[:] = theirs.x[:] = 0.0
-        assert ours.P.tobytes() == theirs.P.tobytes()
+        assert _close(ours.P, theirs.P)
+
+
+def _close(ours, theirs):
+    return np.abs(ours - theirs).max() <= 1e-11 * np.abs(theirs).max()
 
 
 def test_a_singular_innovation_is_refused_as_by_numpy():
