@@ -1,11 +1,11 @@
 """A baseline flown once with its mutants watched alongside; each is flown only from where it leaves the baseline.
 
-Those that leave it at take-off are flown whole, one after the other in a process of their own.
+Those that leave it at take-off are flown whole, in another process that is the same for all of them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -21,8 +21,7 @@ from scaloft_fi.campaign.flights.fly import (
     wire_of,
 )
 from scaloft_fi.campaign.flights.fork import Fork
-from scaloft_fi.campaign.plan.plan import Flight
-from scaloft_fi.campaign.plan.task import Task, alone
+from scaloft_fi.campaign.plan.task import Task
 from scaloft_fi.campaign.workers.pool import PATIENCE_S, Pool
 from scaloft_fi.results.outcome import Outcome, Subject
 from scaloft_fi.study import Study
@@ -47,46 +46,39 @@ def fly_shared(study: Study, task: Task, home: Callable[[Outcome], None]) -> Non
 
     mutants = {flight.name: flight for flight in task.flights if flight.mutant is not None}
     wires = {name: wire_of(study, flight) for name, flight in mutants.items()}
-    fork = Fork(home, invalid)
-    whole: list[Flight] = []
-
-    def branch(name: str, t_s: float) -> bool:
-        if t_s < SOON_S:
-            whole.append(mutants[name])
-            return False
-        return fork(mutants[name])
-
-    wire = WatchingWire(
-        {name: tapped for name, tapped in wires.items() if isinstance(tapped, TappedWire)},
-        branch=branch,
-        failed=lambda name, error: home(invalid(mutants[name], reason_of(error))),
-    )
-    carrier, baseline = task.carrier, task.baseline
+    fork, carrier, baseline = Fork(home, invalid), task.carrier, task.baseline
 
     def enough(log: FlightLog) -> bool:
         return fork.taken is not None and baseline is not None and first_kill(study, fork.taken, baseline)(log)
 
-    try:
-        log = fly(study.sim, carrier.situation, carrier.seed, wire, enough if baseline else None)
-        outcome = judged(study, fork.taken or carrier, log)
-    except BaseException as error:
-        if fork.taken is not None:
-            fork.end(invalid(fork.taken, reason_of(error)))
-        raise
-    fork.end(outcome)
+    # who takes this other process with it takes no other flight
+    with Pool(Worker(study, Physics()), 1, left=left_of, lost=lost, patience_s=PATIENCE_S) as apart:
+
+        def branch(name: str, t_s: float) -> bool:
+            if t_s >= SOON_S:
+                return fork(mutants[name])
+            for outcome in apart.map([Task((mutants[name],), baseline=baseline)]):
+                home(outcome)
+            return False
+
+        wire = WatchingWire(
+            {name: tapped for name, tapped in wires.items() if isinstance(tapped, TappedWire)},
+            branch=branch,
+            failed=lambda name, error: home(invalid(mutants[name], reason_of(error))),
+        )
+        try:
+            log = fly(study.sim, carrier.situation, carrier.seed, wire, enough if baseline else None)
+            outcome = judged(study, fork.taken or carrier, log)
+        except BaseException as error:
+            if fork.taken is not None:
+                fork.end(invalid(fork.taken, reason_of(error)))
+            raise
+        fork.end(outcome)
     for flight in task.flights:
         if flight.mutant is None:
             home(outcome)
         elif flight.name in wire.silent:
             home(as_baseline(outcome, flight.subject, wire.silent[flight.name]))
-    _fly_apart(study, [replace(one, baseline=baseline) for one in alone(whole)], home)
-
-
-def _fly_apart(study: Study, tasks: Iterable[Task], home: Callable[[Outcome], None]) -> None:
-    """Fly tasks in another process, while this one waits: one that takes its process with it takes no other flight."""
-    with Pool(Worker(study, Physics()), 1, left=left_of, lost=lost, patience_s=PATIENCE_S) as pool:
-        for outcome in pool.map(tasks):
-            home(outcome)
 
 
 def as_baseline(baseline: Outcome, subject: Subject, counts: Mapping[str, SeamCount]) -> Outcome:
