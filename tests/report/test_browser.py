@@ -72,6 +72,25 @@ def test_a_click_on_a_result_shows_its_flight_and_back_returns(visit: Opened, te
     page.wait_for_selector("#sheet .map")
 
 
+def test_back_and_forward_at_once_leave_the_flight_open(visit: Opened) -> None:
+    seen = visit()
+    page = seen.page
+    page.locator('#kills tr[data-mutant="LATE-human@3s"] td.state[data-state="killed"]').first.click()
+    page.wait_for_selector("#sheet .map")
+    flight = seen.hash()
+    # the close event of the sheet comes after both
+    page.evaluate(
+        """(flight) => {
+            history.replaceState(null, "", "#"); dispatchEvent(new PopStateEvent("popstate"));
+            history.replaceState(null, "", flight); dispatchEvent(new PopStateEvent("popstate"));
+        }""",
+        flight,
+    )
+    page.wait_for_timeout(300)
+    assert page.locator("#sheet .map").is_visible()
+    assert seen.hash() == flight
+
+
 def test_the_paths_drawn_are_the_tracks_of_that_flight_and_its_baseline(visit: Opened, text: str) -> None:
     told = embedded(text, "figures")
     quanta = [entry["quantum"] for entry in told["columns"]]

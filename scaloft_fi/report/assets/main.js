@@ -2,6 +2,8 @@
 const SHEETS = /^#(flight|cell|mutant)=/;
 const MAKERS = { cell: (names) => cellSheet(names[0]), mutant: (names) => mutantSheet(names[0]), flight: (names) => flightSheet(names[0], names[1] ?? "", Number(names[2] ?? 0)) };
 let returned = null;
+/* Whether the sheet closes because the fragment left it; its close event comes later, when the fragment may be back. */
+let left = false;
 
 function go(hash, inPlace = false) {
   if (inPlace) history.replaceState(null, "", hash);
@@ -14,7 +16,10 @@ async function follow() {
   const sheet = document.getElementById("sheet");
   const hash = location.hash;
   if (!SHEETS.test(hash)) {
-    if (sheet.open) sheet.close();
+    if (sheet.open) {
+      left = true;
+      sheet.close();
+    }
     return;
   }
   const value = hash.slice(hash.indexOf("=") + 1);
@@ -41,8 +46,11 @@ async function follow() {
 }
 
 function closed() {
+  const followed = left;
+  left = false;
+  if (document.getElementById("sheet").open) return;
   document.body.classList.remove("sheet-open");
-  if (SHEETS.test(location.hash)) history.pushState(null, "", "#");
+  if (!followed && SHEETS.test(location.hash)) history.pushState(null, "", "#");
   if (returned?.isConnected) returned.focus({ preventScroll: true });
 }
 
