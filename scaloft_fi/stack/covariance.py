@@ -1,7 +1,7 @@
 """The compiled work on the covariance of the estimator's error: what a step and a fix do to it.
 
-Sums of products are fused multiply-adds in the order of the terms, one rounding each, so that their bits are the same
-on every processor; those of a BLAS depend on which of its kernels the processor gets.
+Products of matrices are fused multiply-adds in the order of the terms, one rounding each, so that their bits are the
+same on every processor; those of a BLAS depend on which of its kernels the processor gets.
 """
 
 from __future__ import annotations
@@ -99,7 +99,7 @@ def corrected(p: Array, noise: Array, inverse: Array, z: Array) -> tuple[Array, 
                 total = fused(p[i, MEASURED[k]], inverse[k, j], total)
             gain[i, j] = total
             kept[i, MEASURED[j]] -= total
-        # from +0 on, or nothing off would be an error of -0
+        # in pairs, as numpy has it, and from +0 on, or nothing off would be an error of -0
         error[i] = 0.0 + ((gain[i, 0] * z[0] + gain[i, 2] * z[2]) + (gain[i, 1] * z[1] + gain[i, 3] * z[3]))
         for j in range(_TOLD):
             total = 0.0
