@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from scaloft_fi.sim.build import VEHICLE_GROUP, WORLD_GROUP
-from scaloft_fi.sim.free_flight import attitude_of, inertia_of, turn_through
+from scaloft_fi.sim.free_flight import attitude_of, free_step, inertia_of, turn_through
 from scaloft_fi.sim.vehicle import NUMBERS, STATE_SIZE, Array, Vehicle, actuate, parts_of
 from scaloft_fi.sim.world import Point
 
@@ -103,6 +103,15 @@ class Body:
         self._position, self.truth = position, truth
         if len(self._rates) > UNTURNED:
             self.turned()
+        return top_square
+
+    def glides(self, drive: Drive, first: int, count: int) -> float:
+        """The same where nothing can be touched, computed outside the server."""
+        turned, pushed, state, inertia, top_square = self.turned(), self.pushed, self.state, self.inertia, 0.0
+        for i in range(first, first + count):
+            drive(i)
+            top_square = max(top_square, free_step(state, turned, pushed, inertia))
+        self.follow()
         return top_square
 
     def turned(self) -> Array:

@@ -159,10 +159,12 @@ class Flight:
             tight.begin()
         drive = self._drive if tight is None else tight.drive
         if self._feeler.out_of_reach:
-            if tight is not None and agrees():
-                top_square = tight.run(self._steps, STEPS_PER_TICK)
-            else:
+            if not agrees():
                 top_square = self.body.moves(drive, self._steps, STEPS_PER_TICK)
+            elif tight is None:
+                top_square = self.body.glides(drive, self._steps, STEPS_PER_TICK)
+            else:
+                top_square = tight.run(self._steps, STEPS_PER_TICK)
             self._steps += STEPS_PER_TICK
             self._observer.pass_by(top_square, self.body.truth)
         else:

@@ -31,8 +31,8 @@ def inertia_of(vehicle: Vehicle) -> Array:
 
 
 @jit
-def free_step(state: Array, turned: Array, pushed: Array, inertia: Array) -> None:
-    """Advance `state` and `turned` by one step, in place.
+def free_step(state: Array, turned: Array, pushed: Array, inertia: Array) -> float:
+    """Advance `state` and `turned` by one step, in place; returns the square of the speed after it [m2/s2].
 
     Args:
         state: (13,) of the body, as `sim.vehicle` lays it out.
@@ -71,6 +71,8 @@ def free_step(state: Array, turned: Array, pushed: Array, inertia: Array) -> Non
         state[k] += STEP_S * state[7 + k]
     turn_on(turned, state[10:13])
     attitude_of(turned, state[3:7])
+    square: float = state[7] * state[7] + state[8] * state[8] + state[9] * state[9]
+    return square
 
 
 @jit

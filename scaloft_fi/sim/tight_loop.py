@@ -133,8 +133,5 @@ def free(
             heard_s = (first + i) / STEP_HZ
         if not tight(noise, row + i, dt_s, mode, yaw_sp, accel_mps2, sensor, body, estimate, controlled):
             mode = STOPPED_MODE
-        free_step(state, turned, pushed, inertia)
-        square = state[7] * state[7] + state[8] * state[8] + state[9] * state[9]
-        if square > top_square:
-            top_square = square
+        top_square = max(top_square, free_step(state, turned, pushed, inertia))
     return stamp_s, heard_s, mode, top_square

@@ -106,10 +106,18 @@ def _equal_arrays(a: np.ndarray[Any, Any], b: np.ndarray[Any, Any]) -> bool:
     """`numpy.array_equal(a, b, equal_nan=True)` in half the time."""
     if a.shape != b.shape:
         return False
-    same = a == b
-    return bool(same.all() or (same | ((a != a) & (b != b))).all())
+    if a.size <= _FEW:
+        return all(map(_same, a.ravel().tolist(), b.ravel().tolist()))
+    return bool((a == b).all() or _same(a, b).all())
 
 
+def _same(a: Any, b: Any) -> Any:
+    """Whether two numbers, or each pair of those in two arrays, are equal or both none."""
+    return (a == b) | ((a != a) & (b != b))
+
+
+_FEW = 16
+"""So many numbers are sooner compared one by one than as an array."""
 STEP_HZ, TICK_HZ = 240.0, 20.0
 
 SEAMS: dict[str, Seam] = {

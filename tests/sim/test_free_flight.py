@@ -34,13 +34,9 @@ def thrown(client, yaw_rad, pushes, computed):
     def drive(step):
         body.pushed[:] = pushes[step]
 
-    for step, push in enumerate(pushes):
-        if computed[step]:
-            free_step(body.state, body.turned(), push, body.inertia)
-            body.follow()
-        else:
-            body.moves(drive, step, 1)
-        states.append((body.state.tobytes(), body.truth))
+    for step in range(len(pushes)):
+        top_square = (body.glides if computed[step] else body.moves)(drive, step, 1)
+        states.append((body.state.tobytes(), body.truth, top_square))
     pybullet.removeBody(body.number, physicsClientId=client)
     return states
 
@@ -56,6 +52,17 @@ def test_a_step_outside_the_server_has_the_bits_of_one_inside(client, yaw_rad, s
     inside = thrown(client, yaw_rad, pushes, [False] * len(computed))
     assert thrown(client, yaw_rad, pushes, computed) == inside
     assert thrown(client, yaw_rad, pushes, [True] * len(computed)) == inside
+
+
+@given(seed=st.integers(0, 2**31), count=st.integers(1, 40))
+def test_many_steps_at_once_are_as_many_single_ones(client, seed, count):
+    pushes = np.random.default_rng(seed).normal(0.0, (9.0, 9.0, 9.0, 0.3, 0.3, 0.3), (count, 6))
+    *_, (last, truth, _) = steps = thrown(client, 0.3, pushes, [True] * count)
+    body = Body(client, BLOCK, (0.1, -0.2, 5.0), 0.3)
+    top_square = body.glides(lambda step: body.pushed.__setitem__(slice(None), pushes[step]), 0, count)
+    assert (body.state.tobytes(), body.truth) == (last, truth)
+    assert top_square == max(square for _, _, square in steps)
+    pybullet.removeBody(body.number, physicsClientId=client)
 
 
 def test_speeds_end_where_the_server_ends_them(client):
