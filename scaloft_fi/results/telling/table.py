@@ -8,9 +8,9 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from functools import cache, lru_cache
 from textwrap import fill
 
+from scaloft_fi.results.telling.columns import limits
 from scaloft_fi.results.telling.literal import markdown, printable
 
 WIDTH = 120
@@ -69,8 +69,8 @@ def _one(table: Table, how: Format) -> str:
     literal = markdown if how is Format.MARKDOWN else printable
     rows = [["" if cell is None else literal(str(cell)) for cell in row] for row in table.rows]
     if how is Format.TABLE and rows:
-        limits = _limits(table.headers, rows)
-        rows = [list(map(_wrapped, row, limits)) for row in rows]
+        widths = limits(table.headers, rows, WIDTH)
+        rows = [list(map(_wrapped, row, widths)) for row in rows]
     body = tabulate(rows, table.headers, _TABULATE[how], disable_numparse=True)
     if how is Format.LATEX:
         notes = "".join(f"% {note}\n" for note in table.notes)
@@ -83,60 +83,3 @@ def _one(table: Table, how: Format) -> str:
 
 def _wrapped(cell: str, limit: int | None) -> str:
     return cell if limit is None or len(cell) <= limit else fill(cell, limit)
-
-
-def _limits(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> list[int | None]:
-    """What each column may take of the terminal: first to give way is the column that costs the fewest lines.
-
-    The first column names its row and gives way last; words are broken only when nothing else helps.
-    """
-    columns = list(zip(*rows, strict=True))
-    # tabulate keeps a column two wider than its header
-    least = [len(header) + 2 for header in headers]
-    words = [max(low, max(map(_longest_word, column))) for low, column in zip(least, columns, strict=True)]
-    natural = [max(low, *map(len, column)) for low, column in zip(least, columns, strict=True)]
-    words[0] = natural[0]
-    widths = _narrowed(_narrowed(natural, words, rows), least, rows)
-    return [width if width < wanted else None for width, wanted in zip(widths, natural, strict=True)]
-
-
-def _longest_word(cell: str) -> int:
-    return max(map(len, cell.split()), default=0)
-
-
-def _narrowed(widths: Sequence[int], least: Sequence[int], rows: Sequence[Sequence[str]]) -> list[int]:
-    """`widths` taken in until the table fits the terminal or every column is at its `least`."""
-    found = list(widths)
-    columns = list(zip(*rows, strict=True))
-
-    @cache
-    def lines(column: int, width: int) -> list[int]:
-        return [1 if len(cell) <= width else _lines(cell, width) for cell in columns[column]]
-
-    def cost(column: int) -> int:
-        """Lines that the table gains when this column is narrower by one."""
-        narrower = lines(column, found[column] - 1)
-        return sum(now - height for now, height in zip(narrower, heights, strict=True) if now > height)
-
-    while sum(found) + 2 * (len(found) - 1) > WIDTH:
-        able = [column for column, width in enumerate(found) if width > least[column]]
-        if not able:
-            break
-        heights = [max(row) for row in zip(*map(lines, range(len(found)), found), strict=True)]
-        found[min(able, key=lambda able: (cost(able), -found[able], -able))] -= 1
-    return found
-
-
-@lru_cache(maxsize=100_000)
-def _lines(cell: str, width: int) -> int:
-    """Lines that a cell takes, wrapped between its words, and within those that are longer."""
-    lines, left = 1, width
-    for word in cell.split():
-        need = len(word) + (left < width)
-        if need > left:
-            lines += left < width
-            lines += (len(word) - 1) // width
-            left = width - ((len(word) - 1) % width + 1)
-        else:
-            left -= need
-    return lines
