@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from itertools import chain
 from operator import itemgetter
 from typing import NamedTuple
@@ -44,7 +44,9 @@ It is asked once for each origin, which belongs to one mutant in one situation, 
 Keep = Callable[[Row], bool]
 _COLUMNS = (*COLUMNS, "key", "origin")
 _KEY = _COLUMNS.index("key")
-_TRIED = (*Flown._fields, "invalid", "carried", "altered", "digest", "violations")
+_TRIED = ("mutant", "situation", "seed", "invalid", "carried", "altered", "digest", "violations", "origin")
+"""What a whole flight is ruled by; the key follows where there is no origin that would stand for it."""
+_VIOLATIONS = _TRIED.index("violations")
 
 
 def under(keys: set[str]) -> Keep:
@@ -52,20 +54,43 @@ def under(keys: set[str]) -> Keep:
     return lambda row: row[_KEY] in keys
 
 
-def standing(stand: Stand, columns: Sequence[str] = _COLUMNS) -> Keep:
-    """Keeps rows of `columns` whose flights `stand`."""
-    flown = itemgetter(*map(columns.index, Flown._fields))
-    sort = itemgetter(*map(columns.index, ("origin", "truncated")))
-    said: dict[Row, bool] = {}
+def standing(stand: Stand, flown: Callable[[Row], Flown], origin: int) -> Keep:
+    """Keeps rows whose flights `stand`.
+
+    Args:
+        stand: says so of a flight.
+        flown: the flight of a row.
+        origin: where a row has the flight's.
+    """
+    said: dict[int, bool] = {}
 
     def keep(row: Row) -> bool:
-        of = sort(row)
-        known = said.get(of)
-        if known is None or of[0] is None:
-            known = said[of] = stand(Flown(*flown(row)))
+        number = row[origin]
+        known = said.get(number)
+        if known is None:
+            known = stand(flown(row))
+            if number is not None:
+                said[number] = known
         return known
 
     return keep
+
+
+def _flown(row: Row) -> Flown:
+    return Flown(*_pick(row))
+
+
+_pick = itemgetter(*map(_COLUMNS.index, Flown._fields))
+
+
+def _tried(row: Row) -> Flown:
+    mutant, situation, seed, *_, origin, key = row
+    return Flown(key, mutant, situation, seed, "", origin)
+
+
+def those_that(stand: Stand) -> Keep:
+    """Keeps rows of `outcomes` whose flights `stand`."""
+    return standing(stand, _flown, _COLUMNS.index("origin"))
 
 
 def outcomes(
@@ -93,16 +118,16 @@ def outcomes(
 
 def rulings(connection: sqlite3.Connection, stand: Stand) -> Rulings:
     """What the whole flights that `stand` came to, without an outcome for each of them."""
-    baselines = outcomes(connection, standing(stand), f"WHERE mutant = '{BASELINE}' AND truncated = ''")
+    baselines = outcomes(connection, those_that(stand), f"WHERE mutant = '{BASELINE}' AND truncated = ''")
     court = Court(outcome for _, outcome in baselines)
-    keep, lines = standing(stand, _TRIED), violation_lines()
+    keep, lines = standing(stand, _tried, _TRIED.index("origin")), violation_lines()
     with uncollected():
-        where = f"WHERE mutant != '{BASELINE}' AND truncated = ''"
-        cursor = connection.execute(f"SELECT {', '.join(_TRIED)} FROM outcomes {where}")
+        columns = f"{', '.join(_TRIED)}, CASE WHEN origin IS NULL THEN key END"
+        cursor = connection.execute(f"SELECT {columns} FROM outcomes WHERE mutant != '{BASELINE}' AND truncated = ''")
         while rows := cursor.fetchmany(CHUNK):
             kept = list(filter(keep, rows))
-            for row, violations in zip(kept, lines.of([row[-1] for row in kept]), strict=True):
-                _, mutant, situation, seed, _, _, invalid, carried, altered, digest, _ = row
+            for row, violations in zip(kept, lines.of([row[_VIOLATIONS] for row in kept]), strict=True):
+                mutant, situation, seed, invalid, carried, altered, digest, *_ = row
                 court.hear(mutant, situation, seed, (invalid, carried, altered, digest, violations))
     return court.rulings(_subjects(connection))
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
 from operator import attrgetter
+from typing import NamedTuple
 
 from scaloft_fi.results.outcome import Outcome, Violation
-from scaloft_fi.results.requirement import Kind
+from scaloft_fi.results.requirement import Kind, Reading
 
 
 class Status(StrEnum):
@@ -94,8 +96,7 @@ class Baseline:
             for reading in outcome.readings
             if reading.kind is not Kind.REPORTED and not (reading.violated or reading.open)
         )
-        self._readings = {reading.requirement: reading for reading in outcome.readings}
-        self._struck = {violation.requirement: violation.struck for violation in outcome.violations}
+        self._limits = {reading.requirement: _limit(reading, outcome) for reading in outcome.readings}
         self._masked = self._infected(Status.MASKED)
         self._survived = self._infected(Status.SURVIVED)
 
@@ -132,21 +133,35 @@ class Baseline:
         To violate sooner what the baseline violates too, on the same body, proves nothing: any change of the flight
         moves that moment.  Of a baseline that was cut short only what it flew counts.
         """
-        found = []
-        for violation in violations:
-            name, at_s = violation.requirement, violation.t_s
-            held = self._readings.get(name)
-            if held is None:
-                continue
-            if held.violated_at_s is None:
-                told = not held.open or at_s <= self.outcome.duration_s
-            else:
-                told = at_s < held.violated_at_s and violation.struck != self._struck.get(name, "")
-            if told:
-                found.append(violation)
+        limits = self._limits
+        found = [
+            violation
+            for violation in violations
+            if (limit := limits.get(violation.requirement))
+            and violation.t_s <= limit.last_s
+            and violation.struck != limit.struck
+        ]
         if len(found) > 1:
             found.sort(key=_time)
         return found
+
+
+class _Limit(NamedTuple):
+    """By which violations of a requirement a flight is told from its baseline.
+
+    last_s: those until then [s]; struck: but not those on this body, None for on whichever.
+    """
+
+    last_s: float
+    struck: str | None
+
+
+def _limit(reading: Reading, baseline: Outcome) -> _Limit:
+    """What the baseline's reading of a requirement leaves to tell by."""
+    if reading.violated_at_s is not None:
+        struck = next((v.struck for v in baseline.violations if v.requirement == reading.requirement), "")
+        return _Limit(math.nextafter(reading.violated_at_s, -math.inf), struck)
+    return _Limit(baseline.duration_s if reading.open else math.inf, None)
 
 
 _time = attrgetter("t_s")

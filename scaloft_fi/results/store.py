@@ -17,7 +17,7 @@ from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.record import COLUMNS, Reader
 from scaloft_fi.results.rulings import Rulings
 from scaloft_fi.results.schema import SCHEMA, insert, migrate
-from scaloft_fi.results.selection import Flown, Stand, outcomes, rulings, standing, under
+from scaloft_fi.results.selection import Flown, Stand, outcomes, rulings, those_that, under
 
 _NOTE = "note: "
 BUSY_S = 30.0
@@ -198,7 +198,7 @@ class Store:
     def that(self, stand: Stand) -> tuple[Outcome, ...]:
         """The same of the flights that `stand`."""
         with _sentences(self.path):
-            return tuple([outcome for _, outcome in outcomes(self._connection, standing(stand))])
+            return tuple([outcome for _, outcome in outcomes(self._connection, those_that(stand))])
 
     def rulings(self, stand: Stand) -> Rulings:
         """What the whole flights that `stand` came to."""
