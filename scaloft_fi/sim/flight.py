@@ -159,7 +159,8 @@ class Flight:
             tight.begin()
         drive = self._drive if tight is None else tight.drive
         if self._feeler.out_of_reach:
-            if not agrees():
+            # who listens to the rotors has the server's own steps, so that PLACEBO tells whether others have them
+            if self._wire.listens("thrust") or not agrees():
                 top_square = self.body.moves(drive, self._steps, STEPS_PER_TICK)
             elif tight is None:
                 top_square = self.body.glides(drive, self._steps, STEPS_PER_TICK)
