@@ -62,7 +62,7 @@ class Lookout:
 
     def wall_s(self, flights: Iterable[Flight]) -> float:
         """How long all processes together would fly these at the pace so far [s, wall]; 0 before anything is home."""
-        expected_s = sum(self._forecast.share(flight) * self._nominal_s(flight) for flight in flights)
+        expected_s = sum(self._forecast.cost_s(flight, self._nominal_s(flight)) for flight in flights)
         return self.progress.wall_s(expected_s) or 0.0
 
     def close(self) -> None:

@@ -13,11 +13,13 @@ from hypothesis import strategies as st
 
 from scaloft_fi.campaign.plan.plan import Flight, plan
 from scaloft_fi.campaign.progress.alarm import Alarm
-from scaloft_fi.campaign.progress.forecast import PRIOR_SHARE, Forecast
+from scaloft_fi.campaign.progress.forecast import FLIGHT_S, PRIOR_FLOWN, PRIOR_SHARE, Forecast
 from scaloft_fi.campaign.progress.tally import Tally
 from scaloft_fi.mutants.derive import defaults, realise
 from scaloft_fi.results.outcome import Outcome
 
+EACH_S = FLIGHT_S * (2 + 10 * PRIOR_FLOWN)
+"""What baseline, PLACEBO and ten mutants are expected to cost beside their length, in each of four situations [s]."""
 LATE, CONTROL = "LATE-human@3s", "REVERSE-velcmd"
 
 
@@ -39,7 +41,7 @@ def test_before_anything_is_home_a_mutant_costs_the_prior_share_of_its_mission(s
     for flight in _flights(study):
         forecast.expect(flight, flight.situation.nominal_s)
     missions_s = sum(situation.nominal_s for situation in study.grid)
-    assert forecast.left_s == pytest.approx(missions_s * (2 + 10 * PRIOR_SHARE))
+    assert forecast.left_s == pytest.approx(missions_s * (2 + 10 * PRIOR_SHARE) + 4 * EACH_S)
 
 
 @settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -55,7 +57,8 @@ def test_when_all_is_home_nothing_is_left_and_the_cost_is_what_was_flown(study: 
         outcome = _flown(log, flight, random.choice((0.0, 0.3, 1.0)))
         whole = flight.subject.id in ("baseline", "PLACEBO")
         infected_s = outcome.infected_at_s
-        cost_s += outcome.duration_s if whole else 0.0 if infected_s is None else outcome.duration_s - infected_s
+        if whole or infected_s is not None:
+            cost_s += outcome.duration_s - (infected_s or 0.0) + FLIGHT_S
         assert forecast.home(flight, outcome, flight.situation.nominal_s)
         assert forecast.left_s >= 0.0
     assert forecast.left_s == pytest.approx(0.0, abs=1e-6)
@@ -89,9 +92,10 @@ def test_shares_are_learnt_when_the_draw_is_complete(study: Any, log: Any) -> No
     elsewhere_s = sum(situation.nominal_s for situation in study.grid if situation.key != "D0H0")
     one = [flight for flight in flights if flight.situation.key == "D0H0"]
     _home(forecast, log, one[1:], 0.0)
-    assert forecast.left_s == pytest.approx(elsewhere_s * (2 + 10 * PRIOR_SHARE) + one[0].situation.nominal_s)
+    baseline_s = one[0].situation.nominal_s + FLIGHT_S
+    assert forecast.left_s == pytest.approx(elsewhere_s * (2 + 10 * PRIOR_SHARE) + 3 * EACH_S + baseline_s)
     _home(forecast, log, one[:1], 0.0)
-    assert forecast.left_s < elsewhere_s * (2 + 10 * PRIOR_SHARE * 0.7)
+    assert forecast.left_s < elsewhere_s * (2 + 10 * PRIOR_SHARE * 0.7) + 3 * EACH_S * 0.7
 
 
 def test_a_baseline_known_before_tells_how_long_flights_last(study: Any, log: Any) -> None:
@@ -101,14 +105,15 @@ def test_a_baseline_known_before_tells_how_long_flights_last(study: Any, log: An
         forecast.expect(flight, flight.situation.nominal_s)
     before_s = forecast.left_s
     forecast.known(flights[0], replace(log(study, flights[0]), duration_s=15.0), 30.0)
-    assert forecast.left_s == pytest.approx(before_s / 2)
+    beside_s = EACH_S - FLIGHT_S
+    assert forecast.left_s - beside_s == pytest.approx((before_s - beside_s) / 2)
 
 
 def test_a_carrier_flown_again_is_flown_but_was_not_expected(study: Any, log: Any) -> None:
     baseline = _flights(study)[0]
     forecast = Forecast(share=True)
     assert not forecast.home(baseline, log(study, baseline), 30.0)
-    assert forecast.done_s == 30.0
+    assert forecast.done_s == 30.0 + FLIGHT_S
 
 
 def test_what_is_dropped_is_left_no_longer(study: Any) -> None:
