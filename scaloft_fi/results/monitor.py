@@ -1,8 +1,10 @@
-"""RTAMT's discrete-time monitor with one step made fast.  Imported where a formula is first parsed: it is slow."""
+"""RTAMT's discrete-time monitor, its slow steps made fast.  Imported only where a formula is parsed, for it is slow."""
 
 from __future__ import annotations
 
+import math
 import warnings
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 with warnings.catch_warnings():
@@ -22,7 +24,7 @@ _UPPER = (StlComparisonOperator.LESS.value, StlComparisonOperator.LEQ.value)
 
 
 class _Visitor(StlDiscreteTimeOfflineAstVisitor):  # type: ignore[misc]
-    """RTAMT asks anew at every sample which comparison it is: four fifths of the whole evaluation."""
+    """RTAMT asks anew at every sample which comparison it is, and looks at every window as a whole."""
 
     def visitPredicate(self, node: Any, *args: Any, **kwargs: Any) -> list[float]:  # noqa: N802 - RTAMT's name
         left, right = (self.visit(child, *args, **kwargs) for child in node.children)
@@ -30,8 +32,39 @@ class _Visitor(StlDiscreteTimeOfflineAstVisitor):  # type: ignore[misc]
             return [limit - value for value, limit in zip(left, right, strict=True)]
         return [value - limit for value, limit in zip(left, right, strict=True)]
 
+    def visitTimedHistorically(self, node: Any, *args: Any, **kwargs: Any) -> list[float]:  # noqa: N802 - RTAMT's name
+        return self._within(node, min, math.inf, *args, **kwargs)
 
-_Interpreter = discrete_time_offline_interpreter_factory(_Visitor)
+    def visitTimedOnce(self, node: Any, *args: Any, **kwargs: Any) -> list[float]:  # noqa: N802 - RTAMT's name
+        return self._within(node, max, -math.inf, *args, **kwargs)
+
+    def _within(self, node: Any, most: Callable[..., float], before: float, *args: Any, **kwargs: Any) -> list[float]:
+        """At each sample the `most` of those within the node's interval before it; `before` stands for what was not."""
+        (child,) = node.children
+        samples = self.visit(child, *args, **kwargs)
+        begin, end = self.time_unit_transformer(node)
+        return slid(most, [before] * end + samples, end - begin + 1)[: len(samples)]
+
+
+def slid(most: Callable[..., float], samples: list[float], width: int) -> list[float]:
+    """The `most` of `width` neighbours, for each that has so many, by windows that double; of equals the first."""
+    reach = 1
+    while 2 * reach <= width:
+        samples = list(map(most, samples, samples[reach:]))
+        reach *= 2
+    return list(map(most, samples, samples[width - reach :]))
+
+
+class _Interpreter(discrete_time_offline_interpreter_factory(_Visitor)):  # type: ignore[misc]
+    """RTAMT's own looks at the time between any two samples, to keep the last, and makes a pair of each value."""
+
+    def evaluate(self, dataset: Mapping[str, Sequence[float]]) -> list[float]:
+        """The robustness at each sample."""
+        self.exist_ast()
+        self.set_variable_to_ast_from_dataset(dataset)
+        times = self.ast.offline_results["time"] = dataset["time"]
+        *_, values = self.visitAst(self.ast, len(times))
+        return list(map(float, values))
 
 
 def specification(text: str, names: tuple[str, ...], sample_ms: int) -> Any:

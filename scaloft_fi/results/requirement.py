@@ -136,11 +136,10 @@ def judge_signals(requirement: Requirement, signals: Signals, *, cut_short: bool
         known[TRIGGER] = trigger.robustness(known)
         triggered = episodes(known[TRIGGER])
     robustness = body.robustness(known)
-    first = next((sample for sample, value in enumerate(robustness) if value < 0), None)
+    least = min(robustness)
+    first = next(sample for sample, value in enumerate(robustness) if value < 0) if least < 0 else None
     at_s = None if first is None else float(signals["elapsed_s"][first])
-    reading = Reading(
-        requirement.name, requirement.kind, min(robustness), at_s, triggered, open=cut_short and first is None
-    )
+    reading = Reading(requirement.name, requirement.kind, least, at_s, triggered, open=cut_short and first is None)
     return Judgement(reading, first)
 
 
@@ -150,7 +149,8 @@ def episodes(robustness: Sequence[float]) -> int:
     >>> episodes([-1, 0, 2, -1, 3])
     2
     """
-    return sum(now >= 0 and (i == 0 or robustness[i - 1] < 0) for i, now in enumerate(robustness))
+    holds = bytes(map((0.0).__le__, robustness))  # which are searched sooner than numbers are compared in pairs
+    return holds.startswith(b"\1") + holds.count(b"\0\1")
 
 
 Check = Callable[[str, Collection[str]], Formula]

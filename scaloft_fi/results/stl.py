@@ -116,8 +116,7 @@ class Formula:
         if length < 2:  # RTAMT needs two samples; one is as good as the same one twice
             columns = {name: column * 2 for name, column in columns.items()}
         times = _times_s(max(2, length))
-        evaluated = _specification(self.text, self.names).evaluate({"time": times, **columns})
-        values = [float(value) for _, value in evaluated[:length]]
+        values: list[float] = _specification(self.text, self.names).evaluate({"time": times, **columns})[:length]
         if math.isfinite(sum(values)) and min(values) >= -LARGEST and max(values) <= LARGEST:
             return values
         return [min(LARGEST, max(-LARGEST, value)) for value in values]

@@ -156,10 +156,17 @@ def test_always_of_a_formula_is_the_least_of_its_robustness(trace: tuple[list[fl
     assert rho(f"always({body})", **signals)[0] == min(rho(body, **signals))
 
 
-@settings(deadline=None, max_examples=30)
-@given(traces, st.sampled_from(["<", "<=", ">", ">="]))
-def test_the_quick_comparison_is_the_librarys_own(trace: tuple[list[float], list[float]], sign: str) -> None:
-    text = f"historically[0:1](a {sign} b) or b {sign} 2"
+intervals = st.tuples(st.integers(0, 45), st.integers(0, 45)).map(sorted)
+"""First and last sample of an interval."""
+
+
+@settings(deadline=None, max_examples=60)
+@given(traces, st.sampled_from(["<", "<=", ">", ">="]), st.sampled_from(["historically", "once"]), intervals)
+def test_what_was_made_quick_is_to_the_bit_the_librarys_own(
+    trace: tuple[list[float], list[float]], sign: str, operator: str, interval: list[int]
+) -> None:
+    first, last = (place / 20 for place in interval)
+    text = f"{operator}[{first}:{last}](a {sign} b) or b {sign} 2"
     signals = {"a": trace[0] * 2, "b": trace[1] * 2}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -171,7 +178,18 @@ def test_the_quick_comparison_is_the_librarys_own(trace: tuple[list[float], list
     plain.spec = f"out = {text}"
     plain.parse()
     times = [0.05 * i for i in range(len(signals["a"]))]
-    assert rho(text, **signals) == [value for _, value in plain.evaluate({"time": times, **signals})]
+    expected = [min(LARGEST, max(-LARGEST, value)) for _, value in plain.evaluate({"time": times, **signals})]
+    assert list(map(repr, rho(text, **signals))) == list(map(repr, expected))
+
+
+@given(st.lists(st.sampled_from([0.0, -0.0, 1.0, -1.0, 2.0]), min_size=1, max_size=40), st.integers(1, 40))
+def test_a_window_slides_as_if_each_were_looked_at_whole(samples: list[float], width: int) -> None:
+    from scaloft_fi.results.monitor import slid
+
+    width = min(width, len(samples))
+    for most in (min, max):
+        whole = [most(samples[i : i + width]) for i in range(len(samples) - width + 1)]
+        assert list(map(repr, slid(most, samples, width))) == list(map(repr, whole))
 
 
 def test_the_sampling_period_is_that_of_the_flight_log() -> None:
