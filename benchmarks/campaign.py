@@ -5,8 +5,9 @@
 sim_s_shared: seconds simulated when mutants leave their baseline where they first differ, counted in the flight loop of
 every process.  sim_s_unavoidable: baselines and PLACEBO, and of each other flight what comes after its first differing
 sample.  sim_s_brute: every flight whole.  digests_equal: whether both ways give the same outcomes, field for field.
-flights_per_s and efficiency: outcomes per second of wall time with 1 and with 2 processes; cpu_s: what they took of the
-processors, which says on a busy machine what the wall time cannot.  peak_rss_mib: of a worker
+flights_per_s and efficiency: outcomes per second of wall time with 1 and with 2 processes, the quicker of two runs each,
+in turn (with --whole one); cpu_s: what they took of the processors, which says on a busy machine what the wall time
+cannot.  peak_rss_mib: of a worker
 and of the largest process it split off, after 100 and after 1,000 flights.
 """
 
@@ -25,6 +26,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from operator import itemgetter
 from typing import Any
 
 from scaloft_fi.campaign.flights.fly import Physics, Worker, left_of, lost
@@ -45,6 +47,8 @@ QUICK = (
 )
 """Mutants whose flights end within seconds of leaving their baseline: with it ten flights are soon flown."""
 RSS_FLIGHTS = (100, 1000)
+ROUNDS = 2
+"""Whoever else uses the machine can only make a run slower, so of so many the quickest counts."""
 
 
 class TickCounter:
@@ -131,8 +135,8 @@ def peak_mib(who: int) -> float:
     return round(resource.getrusage(who).ru_maxrss / unit, 1)
 
 
-def measure(study: Study, keys: Sequence[str], every: int) -> dict[str, Any]:
-    """All figures."""
+def measure(study: Study, keys: Sequence[str], every: int, rounds: int) -> dict[str, Any]:
+    """All figures; one and two processes fly `rounds` times in turn."""
     planned = plan(study.grid.select(keys), (0,), defaults(study.matrix)[::every], None)
     flights = (*planned.baselines, *planned.mutants)
     weight_s = {flight.name: study.expected_s(flight.situation) for flight in flights}
@@ -142,8 +146,12 @@ def measure(study: Study, keys: Sequence[str], every: int) -> dict[str, Any]:
 
     counter = TickCounter()
     with counter.counting():
-        shared, one_s, one_cpu_s = flown(study, tasks(1), 1)
-    two, two_s, two_cpu_s = flown(study, tasks(2), 2)
+        counted = flown(study, tasks(1), 1)
+    ones, twos = [counted], [flown(study, tasks(2), 2)]
+    for _ in range(rounds - 1):
+        ones.append(flown(study, tasks(1), 1))
+        twos.append(flown(study, tasks(2), 2))
+    (shared, one_s, one_cpu_s), (_, two_s, two_cpu_s) = (min(runs, key=itemgetter(1)) for runs in (ones, twos))
     brute, brute_s, brute_cpu_s = flown(study, alone(flights), 1)
     unavoidable = unavoidable_s(list(brute.values()))
     shared_s = counter.ticks / 20
@@ -157,7 +165,7 @@ def measure(study: Study, keys: Sequence[str], every: int) -> dict[str, Any]:
         "shared_over_unavoidable": round(shared_s / unavoidable, 4),
         "wall_s": {"brute": round(brute_s, 1), "1": round(one_s, 1), "2": round(two_s, 1)},
         "cpu_s": {"brute": round(brute_cpu_s, 1), "1": round(one_cpu_s, 1), "2": round(two_cpu_s, 1)},
-        "digests_equal": shared == brute and two == brute,
+        "digests_equal": all(outcomes == brute for outcomes, _, _ in (*ones, *twos)),
         "not_infected": sum(not outcome.altered for outcome in shared.values()),
         "invalid": sum(bool(outcome.invalid) for outcome in shared.values()),
         "flights_per_s": {jobs: round(rate, 2) for jobs, rate in per_s.items()},
@@ -179,7 +187,8 @@ def main() -> None:
     keys = options.situation or ([] if options.whole else SITUATIONS)
     # before anything else is in the memory that a worker begins with
     memory = {} if options.no_rss else {"peak_rss_mib": peak_rss(study)}
-    figures = measure(study, keys, 1 if options.whole else options.every) | memory
+    every, rounds = (1, 1) if options.whole else (options.every, ROUNDS)
+    figures = measure(study, keys, every, rounds) | memory
     if options.json:
         json.dump(figures, sys.stdout, indent=2)
         print()
