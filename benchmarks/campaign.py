@@ -5,10 +5,9 @@
 sim_s_shared: seconds simulated when mutants leave their baseline where they first differ, counted in the flight loop of
 every process.  sim_s_unavoidable: baselines and PLACEBO, and of each other flight what comes after its first differing
 sample.  sim_s_brute: every flight whole.  digests_equal: whether both ways give the same outcomes, field for field.
-flights_per_s and efficiency: outcomes per second of wall time with 1 and with 2 processes, the quicker of two runs each,
-in turn (with --whole one); cpu_s: what they took of the processors, which says on a busy machine what the wall time
-cannot.  peak_rss_mib: of a worker
-and of the largest process it split off, after 100 and after 1,000 flights.
+flights_per_s and efficiency: outcomes per second of wall time with 1 and with 2 processes, the quicker of two runs
+each, in turn (of one run with --whole); cpu_s: what they took of the processors, which says on a busy machine what the
+wall time cannot.  peak_rss_mib: of a worker and of the largest process it split off, after 100 and after 1,000 flights.
 """
 
 from __future__ import annotations
