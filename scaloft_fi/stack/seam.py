@@ -112,7 +112,7 @@ def _equal_arrays(a: np.ndarray[Any, Any], b: np.ndarray[Any, Any]) -> bool:
 
 
 def _same(a: Any, b: Any) -> Any:
-    """Whether two numbers, or each pair of those in two arrays, are equal or both none."""
+    """Whether two numbers, or each pair of those in two arrays, are equal or both NaN."""
     return (a == b) | ((a != a) & (b != b))
 
 

@@ -12,9 +12,8 @@ from textwrap import wrap
 def limits(headers: Sequence[str], rows: Sequence[Sequence[str]], width: int) -> list[int | None]:
     """What each column may take of a terminal `width` wide, None for all that it wants.
 
-    First to give way is the column that costs the fewest lines.
-
-    The first column names its row and gives way last; words are broken only when nothing else helps.
+    First to give way is the column that costs the fewest lines.  The first column names its row and gives way last;
+    words are broken only when nothing else helps.
     """
     columns = list(zip(*rows, strict=True))
     # tabulate keeps a column two wider than its header
