@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.cell import Value
@@ -160,7 +161,8 @@ def _numeric(hint: Any) -> bool:
         return True
     if get_origin(hint) is tuple:
         return all(entry is float for entry in get_args(hint))
-    return get_origin(hint) is np.ndarray and "float64" in str(hint)
+    # from numpy 2.5 on the origin of `NDArray[...]` is `NDArray` itself
+    return get_origin(hint) in (np.ndarray, NDArray) and "float64" in str(hint)
 
 
 def check_against_field(message: type, field: str, value: Value) -> Value:
