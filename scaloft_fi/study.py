@@ -130,6 +130,23 @@ class Study:
         defaults = {cell.name: default_of(cell).id for cell in credible}
         return Roster(defaults, controls, tuple(mutant.id for mutant in self.catalogue))
 
+    @cached_property
+    def alpha(self) -> float:
+        """Accepted chance that a fault which does nothing is called detected: `hazop/score.yaml`, else 0.01.
+
+        Raises:
+            InputError: naming the place of a number that is not above 0 and at most 0.1.
+        """
+        from scaloft_fi.results.scoring.detection import ALPHA, MOST_ALPHA
+
+        path = self.folder / "hazop" / "score.yaml"
+        if not path.exists():
+            return ALPHA
+        document = load(path)
+        alpha = document.need("alpha").number(above=0.0, most=MOST_ALPHA)
+        document.close()
+        return alpha
+
     @property
     def dispositions_path(self) -> Path:
         """Where the accepted survivors are; the file need not exist."""

@@ -30,29 +30,14 @@ class Flight:
         return self.ruling.status
 
     @property
-    def kills(self) -> tuple[str, ...]:
-        """Safety requirements by which it is killed, earliest first."""
-        return self.ruling.kills
+    def revealed(self) -> tuple[str, ...]:
+        """Safety requirements that it violates and its baseline held up to that moment, earliest first."""
+        return self.ruling.revealed
 
     @property
-    def operability_kills(self) -> tuple[str, ...]:
-        """The same for operability requirements."""
-        return self.ruling.operability_kills
-
-    @property
-    def eligible(self) -> bool:
-        """Whether it is infected, and the baseline held a safety requirement to its end."""
-        return self.ruling.eligible
-
-    @property
-    def operability_eligible(self) -> bool:
-        """Whether it is infected, and the baseline held an operability requirement to its end."""
-        return self.ruling.operability_eligible
-
-    @property
-    def killed_at_s(self) -> float | None:
-        """Time of the earliest kill [s from take-off]."""
-        return min((v.t_s for v in self.outcome.violations if v.requirement in self.kills), default=None)
+    def operability_revealed(self) -> tuple[str, ...]:
+        """The same of operability requirements."""
+        return self.ruling.operability_revealed
 
 
 def flight_of(outcome: Outcome, baseline: Outcome | None) -> Flight:

@@ -19,12 +19,12 @@ class Ruled(NamedTuple):
     Attributes:
         seed: of the noise.
         ruling: what it came to beside its baseline.
-        kill: the earliest violation by which it is killed.
+        violations: the first of each requirement that it violates.
     """
 
     seed: int
     ruling: Ruling
-    kill: Violation | None
+    violations: Sequence[Violation]
 
 
 Situations = Mapping[str, Sequence[Ruled]]
@@ -77,11 +77,8 @@ def ruled(seed: int, said: Facts, baseline: Baseline | None) -> Ruled:
     """A flight beside a baseline that counts; without one it is invalid."""
     invalid, carried, altered, digest, violations = said
     if invalid or baseline is None:
-        return Ruled(seed, INVALID, None)
-    ruling = baseline.rule(carried, altered, digest, violations)
-    if not ruling.kills:
-        return Ruled(seed, ruling, None)
-    return Ruled(seed, ruling, next(violation for violation in violations if violation.requirement == ruling.kills[0]))
+        return Ruled(seed, INVALID, ())
+    return Ruled(seed, baseline.rule(carried, altered, digest, violations), violations)
 
 
 class Court:

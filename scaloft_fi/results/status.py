@@ -15,7 +15,7 @@ from scaloft_fi.results.requirement import Kind, Reading
 
 
 class Status(StrEnum):
-    """Status of a flight or a mutant; `rung` orders them."""
+    """Status of a flight: the rung where the fault stopped; `rung` orders them."""
 
     INVALID = "invalid"
     """The harness failed: never a kill, never a survivor."""
@@ -30,8 +30,9 @@ class Status(StrEnum):
     cut-short baseline's end."""
     SURVIVED = "survived"
     """The rest."""
-    KILLED = "killed"
-    """A safety requirement is violated that the baseline held up to that moment."""
+    REVEALED = "revealed"
+    """A safety requirement is violated that the baseline of the same situation and seed held up to that moment: an
+    observation, which another seed may not repeat."""
 
     __hash__ = str.__hash__
     """As that of its text; statuses are counted by the hundred thousand."""
@@ -57,28 +58,22 @@ class Ruling:
 
     Attributes:
         status: where the fault stopped.
-        kills: safety requirements by which it is killed, earliest first.
-        operability_kills: the same for operability requirements.
-        eligible: infected, and the baseline held a safety requirement to its end.
-        operability_eligible: infected, and the baseline held an operability requirement to its end.
-        tested: requirements that the fault was put to the test of: of a kind that kills, held by the baseline to its
-            end.
+        revealed: safety requirements that it violates and the baseline held up to that moment, earliest first.
+        operability_revealed: the same of operability requirements.
         violated: requirements that the flight violates, whatever the baseline does; of a flight that counts.
     """
 
     status: Status
-    kills: tuple[str, ...] = ()
-    operability_kills: tuple[str, ...] = ()
-    eligible: bool = False
-    operability_eligible: bool = False
-    tested: tuple[str, ...] = ()
+    revealed: tuple[str, ...] = ()
+    operability_revealed: tuple[str, ...] = ()
     violated: tuple[str, ...] = ()
 
 
 _ruling = cache(Ruling)
 INVALID = _ruling(Status.INVALID)
 """Of a flight that does not count."""
-_NOT_REACHED, _NOT_INFECTED = _ruling(Status.NOT_REACHED), _ruling(Status.NOT_INFECTED)
+_PLAIN = {status: _ruling(status) for status in Status}
+"""Of flights that violate nothing."""
 
 
 class Baseline:
@@ -90,42 +85,26 @@ class Baseline:
 
     def __init__(self, outcome: Outcome) -> None:
         self.outcome = outcome
-        self._eligible = held_to_end(outcome, Kind.SAFETY), held_to_end(outcome, Kind.OPERABILITY)
-        self._tested = tuple(
-            reading.requirement
-            for reading in outcome.readings
-            if reading.kind is not Kind.REPORTED and not (reading.violated or reading.open)
-        )
         self._limits = {reading.requirement: _limit(reading, outcome) for reading in outcome.readings}
-        self._masked = self._infected(Status.MASKED)
-        self._survived = self._infected(Status.SURVIVED)
 
     def rule(self, carried: int, altered: int, digest: str, violations: Sequence[Violation]) -> Ruling:
         """What a flight that counts comes to, by what an outcome has of these names."""
-        if not violations:
-            if altered == 0:
-                return _NOT_INFECTED if carried else _NOT_REACHED
-            return self._masked if digest == self.outcome.digest else self._survived
-        violated = tuple([violation.requirement for violation in violations])
         if altered == 0:
             status = Status.NOT_INFECTED if carried else Status.NOT_REACHED
-            return _ruling(status, (), (), False, False, (), violated)
-        if digest == self.outcome.digest:
-            return self._infected(Status.MASKED, violated)
+        else:
+            status = Status.MASKED if digest == self.outcome.digest else Status.SURVIVED
+        if not violations:
+            return _PLAIN[status]
+        violated = tuple([violation.requirement for violation in violations])
+        if status is not Status.SURVIVED:
+            return _ruling(status, (), (), violated)
         told = self.told(violations)
-        kills, operability_kills = named(told, Kind.SAFETY), named(told, Kind.OPERABILITY)
-        unsafe = kills or any(violation.kind is Kind.SAFETY for violation in violations)
-        status = Status.KILLED if kills else Status.BASELINE_RED if unsafe else Status.SURVIVED
-        return self._infected(status, violated, kills, operability_kills)
-
-    def _infected(
-        self,
-        status: Status,
-        violated: tuple[str, ...] = (),
-        kills: tuple[str, ...] = (),
-        operability_kills: tuple[str, ...] = (),
-    ) -> Ruling:
-        return _ruling(status, kills, operability_kills, *self._eligible, self._tested, violated)
+        revealed, operability = named(told, Kind.SAFETY), named(told, Kind.OPERABILITY)
+        if revealed:
+            status = Status.REVEALED
+        elif any(violation.kind is Kind.SAFETY for violation in violations):
+            status = Status.BASELINE_RED
+        return _ruling(status, revealed, operability, violated)
 
     def told(self, violations: Iterable[Violation]) -> list[Violation]:
         """The violations by which a flight is told from the baseline, earliest first.
@@ -184,12 +163,7 @@ def rule(outcome: Outcome, baseline: Baseline | None) -> Ruling:
     return baseline.rule(outcome.carried, outcome.altered, outcome.digest, outcome.violations)
 
 
-def held_to_end(baseline: Outcome, kind: Kind) -> bool:
-    """Whether the baseline violated one requirement of the kind at no time and was not cut short."""
-    return any(not (reading.violated or reading.open) for reading in baseline.readings if reading.kind is kind)
-
-
-def killed_by(outcome: Outcome, baseline: Outcome, kind: Kind) -> tuple[str, ...]:
+def revealed_by(outcome: Outcome, baseline: Outcome, kind: Kind) -> tuple[str, ...]:
     """The requirements of a kind by whose violation the flight is told from its baseline, earliest first."""
     return named(Baseline(baseline).told(outcome.violations), kind)
 
@@ -201,17 +175,6 @@ def baseline_status(baseline: Outcome) -> str:
     return "violated" if baseline.first_violation else "held"
 
 
-def mutant_status(rulings: Iterable[Ruling]) -> Status:
-    """The highest rung over a mutant's eligible flights.
-
-    A mutant without one shows how far its fault came: a flight that infects where the baseline holds no safety
-    requirement to its end proves nothing about it and stands as `baseline_red`.
-    """
-    listed = list(rulings)
-    statuses = {ruling.status for ruling in listed if ruling.eligible}
-    if not statuses:
-        statuses = {
-            Status.BASELINE_RED if status.rung > Status.BASELINE_RED.rung else status
-            for status in {ruling.status for ruling in listed}
-        }
-    return max(statuses, key=lambda status: status.rung, default=Status.INVALID)
+def highest(statuses: Iterable[Status]) -> Status:
+    """The highest rung of the ladder that flights reached; invalid when there is none."""
+    return max(statuses, key=_RUNGS.__getitem__, default=Status.INVALID)

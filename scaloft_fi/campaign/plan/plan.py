@@ -1,14 +1,16 @@
-"""Which flights a campaign flies, in a stable order: the baselines, PLACEBO beside each, then the mutants."""
+"""Which flights a campaign flies, in a stable order: baselines, PLACEBO beside each, mutants, then the baseline pool."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import count, islice
 from typing import TYPE_CHECKING
 
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.results.outcome import BASELINE, Outcome, Subject
 from scaloft_fi.results.requirement import Kind
+from scaloft_fi.results.scoring.pool import LEAST
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.situation import Situation
@@ -47,29 +49,39 @@ class Plan:
         mutants: PLACEBO in the same, then every mutant in the same.
         canary: the control that is flown once, in a situation chosen when the baselines are known; None when the
             controls are among the mutants.
-        pool: baselines with more seeds, to decide by; nothing else is flown there.
+        seeds: of the mutants' flights, over the whole run of which this may be a shard.
+        pool_seeds: of the baseline pool in the situations where a mutant infects; None = enough for a pool.
     """
 
     baselines: tuple[Flight, ...]
     mutants: tuple[Flight, ...]
     canary: Mutant | None
-    pool: tuple[Flight, ...] = ()
+    seeds: tuple[int, ...] = ()
+    pool_seeds: tuple[int, ...] | None = ()
 
     @property
     def known(self) -> tuple[Flight, ...]:
-        """All flights but the canary's, each once."""
-        return *self.baselines, *self.pool, *self.mutants
+        """The flights that are planned before any is flown, each once."""
+        return *self.baselines, *self.mutants
 
-    @property
-    def flights(self) -> int:
-        """How many flights there are, each counted once."""
-        return len(self.known) + (self.canary is not None)
+    def with_pool(self, seeds: Sequence[int] | None = None) -> Plan:
+        """The same with a baseline pool: of these seeds and the mutants' own, by default as many as a pool needs."""
+        return replace(self, pool_seeds=None if seeds is None else tuple(seeds))
 
-    def with_pool(self, seeds: Iterable[int]) -> Plan:
-        """The same with baselines of more seeds in every situation."""
-        situations = dict.fromkeys(flight.situation for flight in self.baselines)
-        more = dict.fromkeys(Flight(None, situation, seed) for situation in situations for seed in seeds)
-        return replace(self, pool=tuple(flight for flight in more if flight not in set(self.baselines)))
+    def pool(self, situation: Situation) -> tuple[Flight, ...]:
+        """The baselines that are flown in a situation once a mutant has infected there."""
+        own = [flight.seed for flight in self.baselines if flight.situation == situation]
+        if self.pool_seeds is None:
+            others = (seed for seed in count() if seed not in own)
+            more = list(islice(others, max(0, LEAST - len(own))))
+        else:
+            more = [seed for seed in self.pool_seeds if seed not in own]
+        return tuple(Flight(None, situation, seed) for seed in more)
+
+    def infected(self, outcomes: Iterable[Outcome]) -> tuple[Situation, ...]:
+        """The situations where a mutant's fault changed a sample, in the plan's order."""
+        keys = {outcome.situation for outcome in outcomes if infects(outcome)}
+        return tuple(dict.fromkeys(flight.situation for flight in self.baselines if flight.situation.key in keys))
 
     def shard(self, number: int, shards: int) -> Plan:
         """Every `shards`-th situation and seed, from the `number`-th (counted from 1) on."""
@@ -78,8 +90,12 @@ class Plan:
         def ours(flights: tuple[Flight, ...]) -> tuple[Flight, ...]:
             return tuple(flight for flight in flights if (flight.situation.key, flight.seed) in own)
 
-        pool = self.pool[number - 1 :: shards]
-        return Plan(ours(self.baselines), ours(self.mutants), self.canary if own else None, pool)
+        return replace(
+            self,
+            baselines=ours(self.baselines),
+            mutants=ours(self.mutants),
+            canary=self.canary if own else None,
+        )
 
 
 def plan(
@@ -96,7 +112,13 @@ def plan_draws(draws: Sequence[tuple[Situation, int]], mutants: Iterable[Mutant]
         baselines=tuple(Flight(None, *draw) for draw in draws),
         mutants=tuple(Flight(mutant, *draw) for mutant in flown for draw in draws),
         canary=None if canary in flown else canary,
+        seeds=tuple(sorted({seed for _, seed in draws})),
     )
+
+
+def infects(outcome: Outcome) -> bool:
+    """Whether a mutant's fault changed a sample in this flight."""
+    return outcome.altered > 0 and outcome.mutant != PLACEBO.id and not outcome.invalid
 
 
 def canary_flight(planned: Plan, baselines: Iterable[Outcome]) -> Flight | None:

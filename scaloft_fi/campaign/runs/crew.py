@@ -6,11 +6,12 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from scaloft_fi.campaign.flights.fly import Flyer, Physics
 from scaloft_fi.campaign.held.folder import STORE_NAME, promising, writable
 from scaloft_fi.campaign.held.key import Keys
-from scaloft_fi.campaign.plan.plan import Flight, Plan
+from scaloft_fi.campaign.plan.plan import Flight, Plan, infects
 from scaloft_fi.campaign.plan.task import Task, alone, together
 from scaloft_fi.campaign.progress.lookout import Lookout
 from scaloft_fi.campaign.progress.progress import Progress
@@ -22,6 +23,9 @@ from scaloft_fi.results.fingerprint import differences, fingerprint
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.store import Store
 from scaloft_fi.study import Study
+
+if TYPE_CHECKING:
+    from scaloft_fi.sim.situation import Situation
 
 Arrange = Callable[[Sequence[Flight]], Iterable[Task]]
 """Puts flights together into tasks, in the order in which they are handed out."""
@@ -59,6 +63,8 @@ class Crew:
         self.lookout, self.options, self.stopped = Lookout(study, progress, options), options, stopped
         self._hands = hands
         self._keys = Keys(study)
+        self._planned: Plan | None = None
+        self._expected: set[Situation] = set()
         self.flown = 0
         self.repeats: list[Outcome] = []
 
@@ -101,6 +107,17 @@ class Crew:
             elif not news:
                 self.repeats.append(outcome)
             self.lookout.home(asked[outcome.name], outcome, news=news)
+            if infects(outcome):
+                self._expect_pool(asked[outcome.name].situation)
+
+    def announce_pool(self, planned: Plan) -> None:
+        """The baseline pool of the plan is expected in each situation as soon as a mutant infects there."""
+        self._planned = planned
+
+    def _expect_pool(self, situation: Situation) -> None:
+        if self._planned is not None and situation not in self._expected:
+            self._expected.add(situation)
+            self.lookout.expect(self.missing(self._planned.pool(situation)))
 
     def repeat(self, flights: Sequence[Flight]) -> None:
         """The shortest of `flights` that is home again, when anything was flown: it must be the first one's twin."""

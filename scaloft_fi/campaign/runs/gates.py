@@ -8,8 +8,9 @@ from scaloft_fi.campaign.runs.options import MOST_INVALID
 from scaloft_fi.errors import GateError
 from scaloft_fi.results.flights import Flight, baselines_of, flights_of
 from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
+from scaloft_fi.results.requirement import Kind, Verdict
 from scaloft_fi.results.roster import Roster, cell_of
-from scaloft_fi.results.scoring.baseline import holds_somewhere
+from scaloft_fi.results.scoring.pool import Pool, State
 from scaloft_fi.results.status import Status
 
 NAMED = 3
@@ -48,8 +49,8 @@ def check(
     ]
     if not part:
         failed += [
-            *_no_green_baseline(listed),
-            *_surviving_controls(flights_of(listed), roster, canary, whole_grid),
+            *_nothing_steady(listed),
+            *_silent_controls(flights_of(listed), roster, canary, whole_grid),
         ]
     if failed:
         raise GateError("gate failed: " + "; ".join(failed))
@@ -88,16 +89,20 @@ def _repeated(outcomes: Sequence[Outcome], repeats: Sequence[Outcome]) -> Iterat
             yield known, repeat
 
 
-def _no_green_baseline(outcomes: Sequence[Outcome]) -> Iterator[str]:
-    # beside a baseline of the pool nothing is flown that could be revealed
-    draws = {(outcome.situation, outcome.seed) for outcome in outcomes if outcome.mutant != BASELINE}
-    baselines = [o for o in outcomes if o.mutant == BASELINE and ((o.situation, o.seed) in draws or not draws)]
-    if not holds_somewhere(baselines):
-        names = sorted({outcome.situation for outcome in baselines})
-        yield f"no situation flown has a baseline that holds a safety requirement: {_some(names)}"
+def _nothing_steady(outcomes: Sequence[Outcome]) -> Iterator[str]:
+    """Whether no fault could be put to the test; where there is no pool, whether no baseline holds what it triggers."""
+    baselines = [outcome for outcome in outcomes if outcome.mutant == BASELINE]
+    states = [pair.state for pair in Pool.of(baselines).pairs.values() if pair.kind is Kind.SAFETY]
+    if State.STEADY in states:
+        return
+    names = _some(sorted({outcome.situation for outcome in baselines}))
+    if any(state is not State.UNKNOWN for state in states):
+        yield f"no situation flown has a steady pair, where the unmutated drone holds a safety requirement: {names}"
+    elif not any(r.kind is Kind.SAFETY and r.verdict is Verdict.HELD for o in baselines for r in o.readings):
+        yield f"no situation flown has a baseline that holds a safety requirement: {names}"
 
 
-def _surviving_controls(
+def _silent_controls(
     flights: Iterable[Flight], roster: Roster, canary: str | None, whole_grid: bool
 ) -> Iterator[str]:
     by_control: dict[str, list[Flight]] = {}
@@ -107,11 +112,11 @@ def _surviving_controls(
     judged: Collection[str] = by_control if whole_grid else by_control.keys() & {canary}
     names = [name for name in by_control if name in judged and not any(map(_shows, by_control[name]))]
     if names:
-        yield f"a control survives, so faults may not reach the drone: {_some(names)}"
+        yield f"a control shows nothing, so faults may not reach the drone: {_some(names)}"
 
 
 def _shows(flight: Flight) -> bool:
-    return bool(flight.kills or flight.operability_kills)
+    return bool(flight.revealed or flight.operability_revealed)
 
 
 def _some(names: Sequence[str]) -> str:

@@ -1,31 +1,32 @@
-"""A sequential run: looks after 3, 5 and 10 seeds; only what a look leaves undecided flies on."""
+"""A sequential run: looks at 1, 3, 5 and 10 seeds; only the mutants that a look leaves undecided fly on."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scaloft_fi.campaign.flights.fly import Flyer
 from scaloft_fi.campaign.held.held import current_in
+from scaloft_fi.campaign.held.spending import remember_seeds, spending_of
 from scaloft_fi.campaign.plan.plan import Flight, Plan, canary_flight, plan
 from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.runs.baseline_pool import joined
 from scaloft_fi.campaign.runs.crew import Crew, hired
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import Report, write_log
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.scoring.decision import LOOKS, Decision, decisions
+from scaloft_fi.results.requirement import Kind
+from scaloft_fi.results.scoring.detection import LOOKS, Verdict
+from scaloft_fi.results.scoring.score import Score, score
 from scaloft_fi.results.telling.table import Table
 from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.situation import Situation
-
-Pair = tuple[Mutant, "Situation"]
 
 
 @dataclass(frozen=True)
@@ -34,15 +35,15 @@ class Look:
 
     Attributes:
         seeds: how many seeds it looks at.
-        pairs: mutants in situations that were flown for it.
+        mutants: how many were judged at it.
         flights: of theirs that it planned.
-        decided: how many of the pairs have each decision; those without an eligible flight have none.
+        fates: how many of them have each verdict.
     """
 
     seeds: int
-    pairs: int
+    mutants: int
     flights: int
-    decided: Counter[Decision]
+    fates: Counter[Verdict]
 
 
 def run_looks(
@@ -55,11 +56,11 @@ def run_looks(
     progress: Progress,
     flyer: Flyer | None = None,
 ) -> tuple[Report, tuple[Look, ...]]:
-    """Fly whole rounds: all flights of a look are home and decided before the next one is planned.
+    """Fly whole rounds: all flights of a look are home and judged before the next one is planned.
 
-    The pool of baselines, of all the seeds that looks may need and of `question.pool`, is flown with the first look, so
-    that every look compares with the same one.  What is flown thus follows from the outcomes alone: neither the order
-    in which they come home nor an interruption changes it.
+    What is undecided flies on, in the situations whose pool has a steady pair; what is detected, not detected or not
+    tested does not.  What is flown follows from the outcomes alone: neither the order in which they come home nor an
+    interruption changes it.  That there are looks is kept before the first, so each spends its share of alpha.
 
     Args:
         study: what is flown.
@@ -67,7 +68,7 @@ def run_looks(
         folder: of the campaign; made when it does not exist.
         options: how; one process when None.
         others: baselines of another campaign, to decide by.
-        progress: what a person sees meanwhile.
+        progress: what a person sees.
         flyer: what flies; PyBullet when None.
 
     Returns:
@@ -81,12 +82,12 @@ def run_looks(
     options = options or RunOptions()
     situations = list(dict.fromkeys(flight.situation for flight in question.baselines))
     mutants = list(dict.fromkeys(f.mutant for f in question.mutants if f.mutant is not None and f.mutant != PLACEBO))
-    first = plan(situations, range(LOOKS[0]), mutants, question.canary)
-    pool = dict.fromkeys((*plan(situations, range(LOOKS[-1]), [], None).baselines, *question.pool))
-    start = (*pool, *first.mutants)
-    with hired(study, folder, options, progress=progress, flyer=flyer, first=start) as crew:
-        rounds = _Rounds(crew, tuple(pool), others)
-        looks = tuple(rounds.looks([(mutant, situation) for mutant in mutants for situation in situations]))
+    first = replace(plan(situations, range(LOOKS[0]), mutants, question.canary), pool_seeds=question.pool_seeds)
+    with hired(study, folder, options, progress=progress, flyer=flyer, first=first.known) as crew:
+        for seeds in LOOKS:
+            remember_seeds(crew.store, (mutant.id for mutant in mutants), range(seeds))
+        rounds = _Rounds(crew, first, others)
+        looks = tuple(rounds.looks(mutants, situations))
         canary = canary_flight(first, crew.outcomes(first.baselines))
         if canary is not None:
             crew.plan([canary], canary=True)
@@ -97,61 +98,62 @@ def run_looks(
         outcomes = crew.outcomes([*rounds.flights, *([canary] if canary else [])])
         crew.go_on(f"{len(outcomes)} flights are")
         crew.hold_gates(question, outcomes)
-    return Report(outcomes, crew.flown), looks
+        return Report(outcomes, crew.flown, (), spending_of(study, crew.store)), looks
 
 
 class _Rounds:
     """What was asked for so far.
 
     Attributes:
-        flights: the pool, and those of each look.
+        flights: of all looks, with their baselines and the pool.
     """
 
-    def __init__(self, crew: Crew, pool: Sequence[Flight], others: Sequence[Outcome]) -> None:
-        self._crew, self._others = crew, others
-        self.flights = list(pool)
-        crew.plan(pool)
+    def __init__(self, crew: Crew, first: Plan, others: Sequence[Outcome]) -> None:
+        self._crew, self._first, self._others = crew, first, others
+        self.flights: list[Flight] = []
 
-    def looks(self, pairs: list[Pair]) -> list[Look]:
+    def looks(self, mutants: Sequence[Mutant], situations: Sequence[Situation]) -> list[Look]:
         """Look by look, until all is decided or the user stops it."""
         found: list[Look] = []
-        for number, (before, seeds) in enumerate(zip((0, *LOOKS), LOOKS, strict=False), start=1):
-            if not pairs or self._crew.stopped():
+        for number, (before, seeds) in enumerate(pairwise((0, *LOOKS)), start=1):
+            if not mutants or not situations or self._crew.stopped():
                 break
             self._crew.lookout.progress.stage = f"look {number} of {len(LOOKS)}"
-            situations = dict.fromkeys(situation for _, situation in pairs)
-            due = [
-                Flight(mutant, situation, seed)
-                for mutant, situation in (*((PLACEBO, situation) for situation in situations), *pairs)
-                for seed in range(before, seeds)
-            ]
-            self._crew.plan(due)
-            self.flights += due
-            self._crew.fly(self.flights)
-            outcomes = self._crew.outcomes(self.flights)
-            decided = decisions(outcomes, joined(outcomes, self._others))
-            said = {pair: decided.get((pair[0].id, pair[1].key)) for pair in pairs}
-            counts = Counter(entry.decision for entry in said.values() if entry is not None)
-            found.append(Look(seeds, len(pairs), len(due) - len(situations) * (seeds - before), counts))
-            pairs = [pair for pair, entry in said.items() if entry and entry.decision is Decision.UNDECIDED]
+            due = plan(situations, range(before, seeds), mutants, None)
+            self._fly(replace(due, pool_seeds=self._first.pool_seeds))
+            scored = self._scored()
+            judged = {one.subject.id: one for one in (*scored.mutants, *scored.controls)}
+            verdicts = {m: judged[m.id].verdict if m.id in judged else Verdict.NOT_TESTED for m in mutants}
+            flights = sum(flight.mutant != PLACEBO for flight in due.mutants)
+            found.append(Look(seeds, len(mutants), flights, Counter(verdicts.values())))
+            mutants = [mutant for mutant, verdict in verdicts.items() if verdict is Verdict.UNDECIDED]
+            situations = [s for s in situations if scored.pool.steady(s.key, Kind.SAFETY)]
         return found
+
+    def _fly(self, due: Plan) -> None:
+        """Fly a look and what its pool lacks; the pool has the seeds of the first look and its own in every look."""
+        self._crew.plan(due.known)
+        self._crew.announce_pool(due)
+        self._crew.fly(due.known)
+        situations = due.infected(self._crew.outcomes(due.mutants))
+        pool = [flight for situation in situations for flight in self._first.pool(situation)]
+        self._crew.plan(pool)
+        self._crew.fly(pool)
+        self.flights = list(dict.fromkeys((*self.flights, *due.known, *pool)))
+
+    def _scored(self) -> Score:
+        study, spending = self._crew.study, spending_of(self._crew.study, self._crew.store)
+        return score(self._crew.outcomes(self.flights), study.roster, study.space, spending, self._others)
 
 
 def look_table(looks: Sequence[Look]) -> Table:
     """How the looks went."""
     rows = tuple(
-        (
-            look.seeds,
-            look.pairs,
-            look.flights,
-            *(look.decided[decision] for decision in Decision),
-            look.pairs - look.decided.total(),
-        )
-        for look in looks
+        (look.seeds, look.mutants, look.flights, *(look.fates[verdict] for verdict in Verdict)) for look in looks
     )
-    headers = ("seeds", "pairs", "flights", *(decision.value for decision in Decision), "not tested")
+    headers = ("seeds", "mutants", "flights", *(verdict.words for verdict in Verdict))
     notes = (
-        "Pairs: mutants in situations.  Only the undecided fly on; not tested: without an eligible flight.",
+        "Only the undecided fly on, where the pool has a steady pair.  Each look spends a quarter of alpha.",
         "Flights: of mutants, planned for the look; PLACEBO and baselines fly beside them.",
     )
     return Table("Looks", headers, rows, notes)

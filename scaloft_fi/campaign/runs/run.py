@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from scaloft_fi.campaign.flights.fly import Flyer
 from scaloft_fi.campaign.held.folder import LOG_NAME
 from scaloft_fi.campaign.held.held import current_in
+from scaloft_fi.campaign.held.spending import remember_seeds, spending_of
 from scaloft_fi.campaign.plan.plan import Flight, Plan, canary_flight
+from scaloft_fi.campaign.plan.task import alone
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.budget import Budget, fair_order
 from scaloft_fi.campaign.runs.crew import Crew, hired
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.errors import InputError
 from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.scoring.detection import Spending
 from scaloft_fi.results.telling.mission_log import mission_log, to_json
 from scaloft_fi.study import Study
 
@@ -28,11 +31,13 @@ class Report:
         outcomes: all there are of the plan.
         flown: how many of them it flew itself.
         left: flights of the plan that have no outcome, because the run ended before.
+        spending: how the campaign spends alpha on its mutants.
     """
 
     outcomes: tuple[Outcome, ...]
     flown: int
     left: tuple[Flight, ...] = ()
+    spending: Spending = field(default_factory=Spending)
 
 
 def run(
@@ -63,7 +68,7 @@ def run(
     budget = Budget(options.budget_s)
     with hired(study, folder, options, progress=progress, flyer=flyer, first=planned.known) as crew:
         report = _fly(planned, crew, budget)
-        crew.go_on(f"{len(report.outcomes)} of {planned.flights} flights are")
+        crew.go_on(f"{len(report.outcomes)} flights are")
         crew.hold_gates(planned, report.outcomes, part=bool(report.left))
     return report
 
@@ -71,8 +76,10 @@ def run(
 def _fly(planned: Plan, crew: Crew, budget: Budget) -> Report:
     """Fly until all is flown, time is up or the user stops it; returns what the plan has now."""
     flights = planned.known
+    remember_seeds(crew.store, (flight.subject.id for flight in planned.mutants), planned.seeds)
     crew.plan(flights)
     crew.lookout.progress.most_s = lambda: budget.left_s
+    crew.announce_pool(planned)
     if crew.options.budget_s is None:
         crew.fly(flights)
     else:
@@ -80,17 +87,30 @@ def _fly(planned: Plan, crew: Crew, budget: Budget) -> Report:
             flights,
             lambda missing: budget.while_it_lasts(fair_order(crew.study, planned, crew.unit, missing), crew.wall_s),
         )
-    home = {outcome.name for outcome in crew.outcomes(flights)}
-    left = tuple(flight for flight in flights if flight.name not in home)
+    pool = fly_pool(planned, crew, budget)
+    home = {outcome.name for outcome in crew.outcomes((*flights, *pool))}
+    left = tuple(flight for flight in (*flights, *pool) if flight.name not in home)
     canary = canary_flight(planned, crew.outcomes(planned.baselines)) if not left else None
     if canary is not None:
         crew.plan([canary], canary=True)
         crew.fly([canary])
     crew.repeat(planned.baselines)
     crew.lookout.close()
-    outcomes = crew.outcomes((*flights, *([canary] if canary else [])))
+    outcomes = crew.outcomes((*flights, *pool, *([canary] if canary else [])))
     write_log(crew.study, crew.folder, current_in(crew.study, crew.store))
-    return Report(outcomes, crew.flown, left)
+    return Report(outcomes, crew.flown, left, spending_of(crew.study, crew.store))
+
+
+def fly_pool(planned: Plan, crew: Crew, budget: Budget | None = None) -> tuple[Flight, ...]:
+    """Fly the baseline pool where a mutant of the plan has infected; returns its flights."""
+    situations = planned.infected(crew.outcomes(planned.mutants))
+    pool = tuple(flight for situation in situations for flight in planned.pool(situation))
+    crew.plan(pool)
+    if budget is None or crew.options.budget_s is None:
+        crew.fly(pool)
+    else:
+        crew.fly(pool, lambda missing: budget.while_it_lasts(alone(missing), crew.wall_s))
+    return pool
 
 
 def write_log(study: Study, folder: Path, outcomes: Sequence[Outcome]) -> None:

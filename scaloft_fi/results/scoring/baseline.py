@@ -89,13 +89,3 @@ def _tally(name: str, readings: list[Reading]) -> Tally:
         triggered=sum(reading.triggered for reading in readings),
         least_rho=min(reading.rho for reading in readings),
     )
-
-
-def holds_somewhere(outcomes: Iterable[Outcome]) -> bool:
-    """Whether any baseline holds a safety requirement to its end: without one no fault can be revealed."""
-    return any(
-        reading.kind is Kind.SAFETY and not reading.violated and not reading.open
-        for outcome in outcomes
-        if outcome.mutant == BASELINE
-        for reading in outcome.readings
-    )

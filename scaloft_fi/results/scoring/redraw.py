@@ -1,103 +1,105 @@
-"""REDRAW: how often the kill rule kills what does nothing, measured on the baselines that were flown anyway.
+"""REDRAW: how often the verdict calls a fault detected that does nothing, measured on the baselines that were flown.
 
-A fault that did nothing but redraw the noise would turn one baseline of a situation into another.  So of every two
-baseline seeds of a situation the one is judged as a mutant of the other, as if it were infected: n seeds give n (n -
-1) ordered pairs, and each kill among them is a false one.  PLACEBO cannot show this, because it draws the same noise
-as its baseline; a mutant shares what it does not disturb, so its rate is the lower the less its fault does.  The
-pairs overlap, which is why the rate has no interval.
-
-The decisions are measured by leaving seeds out: each block of as many seeds as a look takes is judged as a mutant
-beside the pool of the others, at the last look for which twice as many seeds were flown.
+A fault that did nothing but redraw the noise would turn one baseline into another.  So seeds of the unmutated drone are
+judged as a mutant beside ten others: as many as the mutants flew, the same in every situation, chosen at random again
+and again.  PLACEBO cannot show this, because it draws the same noise as its baseline.  The redraws overlap, so their
+share has no interval.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import Any
 
-from scaloft_fi.results.flights import flight_of
-from scaloft_fi.results.outcome import Outcome
+import numpy as np
+from numpy.typing import NDArray
+
+from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.requirement import Kind
-from scaloft_fi.results.rulings import Ruled, facts, ruled
-from scaloft_fi.results.scoring.decision import LOOKS, Decision, Pool, PoolRates, decide
-from scaloft_fi.results.scoring.ratio import Ratio
-from scaloft_fi.results.status import Status, counting, held_to_end
+from scaloft_fi.results.scoring.detection import Sample, adjusted
+from scaloft_fi.results.scoring.pool import LEAST, Pair, Pool
+from scaloft_fi.results.scoring.ratio import Ratio, share_json
 
-NO_PAIRS = "no situation has two baseline seeds"
-
+FROM = 20
+"""Pool flights in every situation from which redraws are made."""
+REDRAWS = 200
+SEED = 20251
+"""Of the choices; a fixed number, so that a score is the same whenever it is asked for."""
 
 @dataclass(frozen=True)
 class Redraw:
-    """The false kills of the pool's own flights.
+    """What redraws of the unmutated drone gave.
 
     Attributes:
-        pairs: per situation with two seeds, killed of the eligible ordered pairs.
-        left_out: flights that a decision of `decided` takes; 0 where there are too few seeds for any.
-        decided: blocks of left-out seeds that are killed in any situation, of all blocks.
+        seeds: flights of a redraw in each situation; 0 where none was made.
+        safety, operability: redraws called detected by requirements of that kind, of all.
     """
 
-    pairs: Mapping[str, Ratio]
-    left_out: int
-    decided: Ratio
+    seeds: int = 0
+    safety: Ratio = Ratio(0, 0)
+    operability: Ratio = Ratio(0, 0)
 
-    @property
-    def rate(self) -> Ratio:
-        """Killed of the eligible ordered pairs, over the situations."""
-        return Ratio(sum(pairs.part for pairs in self.pairs.values()), sum(p.whole for p in self.pairs.values()))
-
-    def expected(self, eligible: Mapping[str, int]) -> tuple[float, int] | None:
-        """False kills expected of so many eligible flights per situation: each situation's rate times its flights.
-
-        Returns:
-            Their number, and the flights it is about: those in situations with a rate; None without any.
-        """
-        known = {key: n for key, n in eligible.items() if n and key in self.pairs and self.pairs[key].whole}
-        if not known:
-            return None
-        return sum((self.pairs[key].value or 0.0) * n for key, n in known.items()), sum(known.values())
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return {"seeds": self.seeds, "safety": share_json(self.safety), "operability": share_json(self.operability)}
 
 
-def redraw(pool: Pool) -> Redraw:
-    """Judge the pool's seeds by one another."""
-    seeds = {key: _counted(baselines) for key, baselines in pool.items()}
-    left_out = max((look for look in LOOKS if any(len(listed) >= 2 * look for listed in seeds.values())), default=0)
-    return Redraw(
-        pairs={key: _pairs(listed) for key, listed in seeds.items() if len(listed) > 1},
-        left_out=left_out,
-        decided=_decided(seeds, left_out) if left_out else Ratio(0, 0),
-    )
+def redraw(baselines: Iterable[Outcome], seeds: int, alpha: float, redraws: int = REDRAWS) -> Redraw:
+    """Judge seeds of the baseline as mutants; none where a situation with a pool has fewer flights than `FROM`.
+
+    Args:
+        baselines: the pool.
+        seeds: flights of a mutant in each situation.
+        alpha: of the verdict.
+        redraws: how many.
+    """
+    flown: dict[str, dict[int, Outcome]] = {}
+    for outcome in baselines:
+        if outcome.subject.id == BASELINE and not outcome.invalid:
+            flown.setdefault(outcome.situation, {})[outcome.seed] = outcome
+    pooled = {key: own for key, own in flown.items() if len(own) >= LEAST}
+    common = sorted(set.intersection(*(set(own) for own in pooled.values()))) if pooled else []
+    if len(common) < max(FROM, LEAST + seeds) or not seeds:
+        return Redraw()
+    drawn = _Drawn({key: [own[seed] for seed in common] for key, own in pooled.items()})
+    draw = np.random.Generator(np.random.PCG64(SEED))
+    counts = dict.fromkeys((Kind.SAFETY, Kind.OPERABILITY), 0)
+    for _ in range(redraws):
+        order = draw.permutation(len(common))
+        for kind in counts:
+            p = drawn.p(order[:seeds], order[seeds : seeds + LEAST], kind)
+            counts[kind] += min(p.values(), default=1.0) <= alpha
+    return Redraw(seeds, *(Ratio(count, redraws) for count in counts.values()))
 
 
-def _counted(baselines: Iterable[Outcome]) -> list[Outcome]:
-    return sorted((b for b in baselines if not b.invalid), key=lambda baseline: baseline.seed)
+class _Drawn:
+    """Baselines of the same seeds in each situation.
 
+    Args:
+        flown: by situation, in the order of the seeds.
+    """
 
-def _pairs(seeds: Sequence[Outcome]) -> Ratio:
-    clean = [baseline for baseline in seeds if held_to_end(baseline, Kind.SAFETY)]
-    red = [_infected(baseline) for baseline in seeds if baseline.first_violation]
-    killed = sum(flight_of(b, a).status is Status.KILLED for a in clean for b in red if a.seed != b.seed)
-    return Ratio(killed, len(clean) * (len(seeds) - 1))
+    def __init__(self, flown: Mapping[str, Sequence[Outcome]]) -> None:
+        self._violated = {
+            key: [tuple(violation.requirement for violation in outcome.violations) for outcome in own]
+            for key, own in flown.items()
+        }
+        self._counted: dict[tuple[str, str, Kind], NDArray[np.int64]] = {}
+        for key, own in flown.items():
+            readings = zip(*(outcome.readings for outcome in own), strict=True)
+            for column in readings:
+                facts = [(r.violated, r.open, r.violated or r.triggered > 0) for r in column]
+                if column[0].kind is not Kind.REPORTED:
+                    self._counted[key, column[0].requirement, column[0].kind] = np.array(facts, np.int64)
 
-
-def _infected(baseline: Outcome) -> Outcome:
-    return replace(baseline, carried=1, altered=1)
-
-
-def _decided(seeds: Mapping[str, Sequence[Outcome]], look: int) -> Ratio:
-    enough = {key: listed for key, listed in seeds.items() if len(listed) >= 2 * look}
-    blocks = min(len(listed) for listed in enough.values()) // look
-    killed = 0
-    for block in range(blocks):
-        start, end = block * look, (block + 1) * look
-        rest = {key: [*listed[:start], *listed[end:]] for key, listed in enough.items()}
-        said = decide({key: _beside(listed[start:end], rest[key]) for key, listed in enough.items()}, PoolRates(rest))
-        killed += any(decided.decision is Decision.KILLED for decided in said.values())
-    return Ratio(killed, blocks)
-
-
-def _beside(left_out: Sequence[Outcome], rest: Sequence[Outcome]) -> list[Ruled]:
-    """The left-out seeds, each beside a baseline of its own that stays in the pool."""
-    return [
-        ruled(flight.seed, facts(_infected(flight)), counting(baseline))
-        for flight, baseline in zip(left_out, rest, strict=False)
-    ]
+    def p(self, chosen: NDArray[np.int64], others: NDArray[np.int64], kind: Kind) -> dict[str, float]:
+        """Adjusted p per requirement of some flights, judged as a mutant beside some others as the pool."""
+        counts = {
+            (key, name): Pair(key, name, own, len(others), *map(int, facts[others].sum(axis=0)))
+            for (key, name, own), facts in self._counted.items()
+            if own is kind
+        }
+        samples = [Sample(key, tuple(own[i] for i in chosen), infected=True) for key, own in self._violated.items()]
+        pool = Pool(counts)
+        return adjusted(samples, pool, pool.requirements(kind))

@@ -3,25 +3,26 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
-from scaloft_fi.results.flights import baseline_pool
 from scaloft_fi.results.kills.condition import condition
 from scaloft_fi.results.outcome import PLACEBO, Outcome, Subject
+from scaloft_fi.results.requirement import Kind
 from scaloft_fi.results.roster import Roster
-from scaloft_fi.results.rulings import Rulings, Situations, rulings_of
-from scaloft_fi.results.scoring.decision import Decided, Decision, Pool, PoolRates, decide
+from scaloft_fi.results.rulings import Ruled, Rulings, Situations, rulings_of
+from scaloft_fi.results.scoring.detection import Detection, Sample, Spending, Verdict, detect
+from scaloft_fi.results.scoring.pool import Pool
 from scaloft_fi.results.scoring.ratio import Ratio
 from scaloft_fi.results.scoring.redraw import Redraw, redraw
 from scaloft_fi.results.space import Space
-from scaloft_fi.results.status import Ruling, Status, mutant_status
+from scaloft_fi.results.status import INVALID, Status, highest
 
 
-@dataclass(frozen=True)
-class Kill:
-    """One killed flight: by which requirement, when [s from take-off], where [m, world], what was struck."""
+class Moment(NamedTuple):
+    """A violation: of which requirement, when [s from take-off], where [m, world], what was struck."""
 
     requirement: str
     t_s: float
@@ -32,33 +33,59 @@ class Kill:
 
 
 @dataclass(frozen=True)
+class Kill:
+    """A steady pair in which most flights of a detected mutant violate.
+
+    Attributes:
+        situation, requirement: the pair.
+        violated: flights that violate it; flights: those that count.
+        first: the earliest violation.
+    """
+
+    situation: str
+    requirement: str
+    violated: int
+    flights: int
+    first: Moment
+
+
+@dataclass(frozen=True)
 class Result:
     """A mutant in a situation: its flights over the seeds.
 
     Attributes:
         situation: key.
-        status: the highest rung over the eligible flights.
-        kills: killed among the eligible flights.
-        eligible: flights that are infected beside a baseline that held a safety requirement to its end.
+        status: the highest rung that a flight reached.
         flown: flights that count.
-        killed: whether any flight is killed, eligible or not.
-        harmless: whether every flight's fault changed no sample.
-        decided: what the flights decide together; None without an eligible one.
+        reached: whether the seam carried a sample in any.
+        infected: whether the fault changed a sample in any.
+        violated: per requirement, the flights that violate it, where any does.
+        steady: the safety requirements that put the fault to the test here: steady in the pool, and it infects.
+        steady_operability: the same of operability requirements.
+        kills: those of `steady` that kill the mutant here.
+        operability_kills: those of `steady_operability` that do.
     """
 
     situation: str
     status: Status
-    kills: int
-    eligible: int
     flown: int
-    killed: bool
-    harmless: bool
-    decided: Decided | None
+    reached: bool
+    infected: bool
+    violated: tuple[tuple[str, int], ...]
+    steady: tuple[str, ...]
+    steady_operability: tuple[str, ...]
+    kills: tuple[str, ...]
+    operability_kills: tuple[str, ...]
 
     @property
-    def rate(self) -> Ratio:
-        """Killed of the eligible flights."""
-        return Ratio(self.kills, self.eligible)
+    def tested(self) -> bool:
+        """Whether the situation puts the fault to the test by a safety requirement."""
+        return bool(self.steady)
+
+    @property
+    def seen(self) -> tuple[str, ...]:
+        """The safety requirements among `steady` that a flight violates."""
+        return tuple(name for name, _ in self.violated if name in self.steady)
 
 
 @dataclass(frozen=True)
@@ -67,58 +94,89 @@ class MutantScore:
 
     Attributes:
         subject: the mutant.
-        status: the highest rung over its eligible flights.
-        results: one per situation flown, in the grid's order.
-        kill_rate: situations killed, of the eligible ones.
-        kill_rate_flown: situations killed, of those flown.
-        requirements: per requirement that killed it, operability too, the situations killed by it, of those where the
-            fault infects and the baseline held the requirement to its end.
-        tested: requirements that the baseline held to its end in a situation where the fault infects.
-        operability: situations killed by an operability requirement, of those where the baseline held one to its end.
-        earliest: the earliest kill.
+        status: the highest rung that a flight reached.
+        safety: the verdict, by safety requirements.
+        operability: the same by operability requirements.
+        results: one per situation with a flight that counts, in the grid's order.
+        kills: by safety requirements, in the grid's order; operability_kills: by operability requirements.
+        first: the earliest violation in a kill; of a mutant without one the earliest in a pair that tests it.
         rungs: flights of each status.
-        infected: whether any flight that counts is infected.
     """
 
     subject: Subject
     status: Status
+    safety: Detection
+    operability: Detection
     results: tuple[Result, ...]
-    kill_rate: Ratio
-    kill_rate_flown: Ratio
-    requirements: tuple[tuple[str, Ratio], ...]
-    tested: tuple[str, ...]
-    operability: Ratio
-    earliest: Kill | None
+    kills: tuple[Kill, ...]
+    operability_kills: tuple[Kill, ...]
+    first: Moment | None
     rungs: tuple[tuple[Status, int], ...]
-    infected: bool
+
+    @property
+    def verdict(self) -> Verdict:
+        """By safety requirements."""
+        return self.safety.verdict
+
+    @property
+    def detected(self) -> bool:
+        """Whether the tests would have shown the fault by a safety requirement."""
+        return self.safety.detected
 
     @property
     def flown(self) -> bool:
         """Whether any of its flights counts."""
-        return self.kill_rate_flown.whole > 0
+        return bool(self.results)
 
     @property
-    def killed(self) -> bool:
-        """Whether it is killed in an eligible situation."""
-        return self.kill_rate.part > 0
+    def infected(self) -> bool:
+        """Whether any flight is infected."""
+        return any(result.infected for result in self.results)
+
+    @property
+    def tested(self) -> bool:
+        """Whether it is put to the test in some situation."""
+        return any(result.tested for result in self.results)
+
+    @property
+    def kill_rate(self) -> Ratio:
+        """Situations with a kill, of those that put it to the test."""
+        return Ratio(len(self.killing), sum(result.tested for result in self.results))
+
+    @property
+    def kill_rate_flown(self) -> Ratio:
+        """Situations with a kill, of those flown."""
+        return Ratio(len(self.killing), len(self.results))
 
     @property
     def killing(self) -> tuple[str, ...]:
-        """Keys of the situations where a flight is killed."""
-        return tuple(result.situation for result in self.results if result.killed)
-
-    def decisions(self, decision: Decision) -> tuple[str, ...]:
-        """Keys of the situations with this decision."""
-        return tuple(r.situation for r in self.results if r.decided and r.decided.decision is decision)
+        """Keys of the situations with a kill."""
+        return tuple(result.situation for result in self.results if result.kills)
 
     @property
-    def surviving(self) -> tuple[str, ...]:
-        """Keys of the situations where no flight is killed though the fault was tested, or could change nothing."""
-        return tuple(r.situation for r in self.results if not r.killed and (r.eligible or (r.flown and r.harmless)))
+    def seen_in(self) -> tuple[str, ...]:
+        """Keys of the situations where a flight violates a requirement that tests the fault."""
+        return tuple(result.situation for result in self.results if result.seen)
+
+    @property
+    def requirements(self) -> tuple[tuple[str, Ratio], ...]:
+        """Per requirement that kills it, operability too, the situations it does so in, of those where it is a test."""
+        kills = Counter(name for r in self.results for name in (*r.kills, *r.operability_kills))
+        tests = Counter(name for r in self.results for name in (*r.steady, *r.steady_operability))
+        return tuple((name, Ratio(kills[name], tests[name])) for name in tests if kills[name])
+
+    @property
+    def tests(self) -> tuple[str, ...]:
+        """Requirements that put it to the test somewhere."""
+        return tuple(dict.fromkeys(n for r in self.results for n in (*r.steady, *r.steady_operability)))
 
     def condition(self, space: Space) -> str:
-        """The killing situations in words; empty when there are none."""
-        return _condition(space, self.killing, self.surviving)
+        """The situations with a kill in words; of a mutant without one those where a violation was seen."""
+        where = self.killing or self.seen_in
+        spared = tuple(
+            r.situation for r in self.results if r.situation not in where and (r.tested or not r.infected)
+        )
+        return _condition(space, where, spared)
 
 
 @lru_cache(maxsize=4096)
@@ -132,154 +190,168 @@ class Score:
     """The campaign's score.  Ratios count the default mutants of credible cells and nothing else.
 
     Attributes:
+        alpha: accepted chance that a fault which does nothing is called detected.
         exercised: cells flown, of all credible cells.
-        infected: mutants infected, of those flown.
-        mutation_score: mutants killed, of those infected in an eligible situation.
-        strict_score: mutants killed, of those flown.
-        decided_score: mutants that repeated flights decide are killed in some situation, of those flown often enough in
-            one to decide anything.
-        operability: mutants killed by an operability requirement, of those infected where the baseline held one.
+        infected: mutants that changed a sample, of those flown.
+        tested: mutants put to the test, of those flown.
+        mutation_score: mutants detected by safety requirements, of those flown; 0 of 0 without a pool.
+        operability: the same by operability requirements.
         mutants: every mutant flown, ladders too, in the canonical order.
         controls: every control flown.
         placebo: PLACEBO, when flown.
-        redraw: how often the kill rule kills what does nothing.
-        eligible: per situation, the eligible flights of the counted mutants.
+        pool: the pairs of the unmutated drone.
+        redraw: how often redraws of the unmutated drone are called detected.
+        lacking: situations where a mutant infects and the pool has too few flights, in the grid's order.
     """
 
+    alpha: float
     exercised: Ratio
     infected: Ratio
+    tested: Ratio
     mutation_score: Ratio
-    strict_score: Ratio
-    decided_score: Ratio
     operability: Ratio
     mutants: tuple[MutantScore, ...]
     controls: tuple[MutantScore, ...]
     placebo: MutantScore | None
+    pool: Pool
     redraw: Redraw
-    eligible: Mapping[str, int]
+    lacking: tuple[str, ...]
 
     @property
-    def false_kills(self) -> tuple[float, int] | None:
-        """False kills expected of the counted mutants' eligible flights, and of how many of these it says so."""
-        return self.redraw.expected(self.eligible)
+    def pooled(self) -> bool:
+        """Whether there is a pool to decide by: without one nothing is told but what was seen."""
+        infected = {r.situation for m in (*self.mutants, *self.controls) for r in m.results if r.infected}
+        return not infected or bool(infected & self.pool.flown)
 
     @property
-    def fates(self) -> Counter[Status]:
-        """Mutants of each status; they sum to the mutants."""
-        return Counter(mutant.status for mutant in self.mutants)
+    def expected_false(self) -> float:
+        """Mutants called detected that do nothing, expected at most: alpha for each one that is put to the test."""
+        return self.alpha * self.tested.part
+
+    @property
+    def fates(self) -> Counter[Verdict]:
+        """Mutants of each verdict; they sum to the mutants."""
+        return Counter(mutant.verdict for mutant in self.mutants)
 
 
-def score(outcomes: Iterable[Outcome], roster: Roster, space: Space, pool: Pool | None = None) -> Score:
+def score(
+    outcomes: Iterable[Outcome],
+    roster: Roster,
+    space: Space,
+    spending: Spending | None = None,
+    others: Iterable[Outcome] = (),
+) -> Score:
     """Score a campaign's outcomes, in whatever order they come.
 
     Args:
-        outcomes: of the campaign; one whose flight was cut at its first kill is left out.
+        outcomes: of the campaign.
         roster: which mutants count.
         space: the grid.
-        pool: baselines that the decisions compare with, and REDRAW with each other; the campaign's by default.
+        spending: how alpha is spent; by default all of it once.
+        others: baselines of another campaign that the pool has too.
     """
-    return score_of(rulings_of(outcomes), roster, space, pool)
+    return score_of(rulings_of(outcomes), roster, space, spending, others)
 
 
-def score_of(rulings: Rulings, roster: Roster, space: Space, pool: Pool | None = None) -> Score:
+def score_of(
+    rulings: Rulings,
+    roster: Roster,
+    space: Space,
+    spending: Spending | None = None,
+    others: Iterable[Outcome] = (),
+) -> Score:
     """The same of flights that are ruled already."""
-    baselines = baseline_pool(rulings.baselines) if pool is None else pool
-    rates = PoolRates(baselines)
+    spending = spending or Spending()
+    baselines = {(o.situation, o.seed): o for o in (*others, *rulings.baselines) if not o.invalid}
+    pool = Pool.of(baselines.values())
     ranked = sorted(rulings.mutants.items(), key=lambda mutant: roster.rank(mutant[0].id))
-    scored = [mutant_score(subject, situations, space, rates) for subject, situations in ranked]
+    scored = [mutant_score(subject, situations, space, pool, spending) for subject, situations in ranked]
     mutants = tuple(m for m in scored if m.subject.id != PLACEBO and not roster.is_control(m.subject))
     counted = [mutant for mutant in mutants if roster.counts(mutant.subject) and mutant.flown]
-    killed = sum(mutant.killed for mutant in counted)
-    eligible = Counter[str]()
-    for mutant in counted:
-        eligible.update({result.situation: result.eligible for result in mutant.results})
+    infected = {r.situation for m in scored if m.subject.id != PLACEBO for r in m.results if r.infected}
+    whole = len(counted) if not infected or infected & pool.flown else 0
+    seeds = max((result.flown for mutant in counted for result in mutant.results), default=0)
     return Score(
+        alpha=spending.alpha,
         exercised=Ratio(len(counted), len(roster.defaults)),
         infected=Ratio(sum(mutant.infected for mutant in counted), len(counted)),
-        mutation_score=Ratio(killed, sum(mutant.kill_rate.whole > 0 for mutant in counted)),
-        strict_score=Ratio(killed, len(counted)),
-        decided_score=Ratio(
-            sum(bool(mutant.decisions(Decision.KILLED)) for mutant in counted),
-            sum(any(result.decided and result.decided.look for result in mutant.results) for mutant in counted),
-        ),
-        operability=Ratio(
-            sum(mutant.operability.part > 0 for mutant in counted),
-            sum(mutant.operability.whole > 0 for mutant in counted),
-        ),
+        tested=Ratio(sum(mutant.tested for mutant in counted), len(counted)),
+        mutation_score=Ratio(sum(mutant.detected for mutant in counted), whole),
+        operability=Ratio(sum(mutant.operability.detected for mutant in counted), whole),
         mutants=mutants,
         controls=tuple(mutant for mutant in scored if roster.is_control(mutant.subject)),
         placebo=next((mutant for mutant in scored if mutant.subject.id == PLACEBO), None),
-        redraw=redraw(baselines),
-        eligible=eligible,
+        pool=pool,
+        redraw=redraw(baselines.values(), seeds, spending.alpha),
+        lacking=tuple(sorted(infected - pool.flown, key=space.rank)),
     )
 
 
-def mutant_score(subject: Subject, situations: Situations, space: Space, rates: PoolRates) -> MutantScore:
-    """Score one mutant; `rates` are what its decisions compare with."""
-    decided = decide(situations, rates)
-    # few rulings differ, so they are counted and each looked at once
-    counted = {key: Counter([one.ruling for one in situations[key]]) for key in sorted(situations, key=space.rank)}
-    every = Counter[Ruling]()
-    for rulings in counted.values():
-        every.update(rulings)
-    results = tuple(_result(key, rulings, decided.get(key)) for key, rulings in counted.items())
-    operable = [rulings for rulings in counted.values() if any(r.operability_eligible for r in rulings)]
-    inoperable = sum(any(r.operability_eligible and r.operability_kills for r in rulings) for rulings in operable)
-    rungs = Counter[Status]()
-    for ruling, number in every.items():
-        rungs[ruling.status] += number
-    requirements = _by_requirement(every, counted.values())
+def mutant_score(subject: Subject, situations: Situations, space: Space, pool: Pool, spending: Spending) -> MutantScore:
+    """Score one mutant beside the pool."""
+    valid = {key: [one for one in situations[key] if one.ruling is not INVALID] for key in situations}
+    flown = {key: valid[key] for key in sorted(valid, key=space.rank) if valid[key]}
+    samples = [_sample(key, flights) for key, flights in flown.items()]
+    safety = detect(subject.id, samples, pool, spending, Kind.SAFETY)
+    operability = detect(subject.id, samples, pool, spending, Kind.OPERABILITY)
+    results = tuple(
+        _result(sample, flown[sample.situation], pool, safety.detected, operability.detected) for sample in samples
+    )
+    kills = tuple(_kill(r, name, flown[r.situation]) for r in results for name in r.kills)
+    seen = [kill.first for kill in kills] or [_first(r, n, flown[r.situation]) for r in results for n in r.seen]
+    rungs = Counter(one.ruling.status for flights in situations.values() for one in flights)
     return MutantScore(
         subject=subject,
-        status=mutant_status(every),
+        status=highest(rungs),
+        safety=safety,
+        operability=operability,
         results=results,
-        kill_rate=Ratio(sum(r.kills > 0 for r in results), sum(r.eligible > 0 for r in results)),
-        kill_rate_flown=Ratio(sum(r.killed for r in results), sum(r.flown > 0 for r in results)),
-        requirements=tuple((name, ratio) for name, ratio in requirements if ratio.part),
-        tested=tuple(name for name, ratio in requirements if ratio.whole),
-        operability=Ratio(inoperable, len(operable)),
-        earliest=_earliest(situations, space),
+        kills=kills,
+        operability_kills=tuple(_kill(r, name, flown[r.situation]) for r in results for name in r.operability_kills),
+        first=min(seen, key=lambda moment: (moment.t_s, space.rank(moment.situation), moment.seed), default=None),
         rungs=tuple((status, rungs[status]) for status in Status if rungs[status]),
-        infected=any(ruling.status.infected for ruling in every),
     )
 
 
-def _result(situation: str, rulings: Counter[Ruling], decided: Decided | None) -> Result:
-    valid = [(ruling, number) for ruling, number in rulings.items() if ruling.status is not Status.INVALID]
-    eligible = [(ruling.status, number) for ruling, number in valid if ruling.eligible]
+def _sample(situation: str, flights: Sequence[Ruled]) -> Sample:
+    infected = any(one.ruling.status.infected for one in flights)
+    return Sample(situation, tuple([one.ruling.violated for one in flights]), infected)
+
+
+def _result(sample: Sample, flights: Sequence[Ruled], pool: Pool, detected: bool, operability_detected: bool) -> Result:
+    violated = Counter(name for names in sample.violated for name in names)
+    steady, operable = (
+        pool.steady(sample.situation, kind) if sample.infected else () for kind in (Kind.SAFETY, Kind.OPERABILITY)
+    )
+    status = highest({one.ruling.status for one in flights})
+    most = {name for name, count in violated.items() if 2 * count > len(flights)}
     return Result(
-        situation=situation,
-        status=mutant_status(rulings),
-        kills=sum(number for status, number in eligible if status is Status.KILLED),
-        eligible=sum(number for _, number in eligible),
-        flown=sum(number for _, number in valid),
-        killed=any(ruling.status is Status.KILLED for ruling, _ in valid),
-        harmless=not any(ruling.status.infected for ruling, _ in valid),
-        decided=decided,
+        situation=sample.situation,
+        status=status,
+        flown=len(flights),
+        reached=status is not Status.NOT_REACHED,
+        infected=sample.infected,
+        violated=tuple(sorted(violated.items())),
+        steady=steady,
+        steady_operability=operable,
+        kills=tuple(name for name in steady if detected and name in most),
+        operability_kills=tuple(name for name in operable if operability_detected and name in most),
     )
 
 
-def _earliest(situations: Situations, space: Space) -> Kill | None:
-    kills = [(one.kill, key, one.seed) for key, flights in situations.items() for one in flights if one.kill]
-    if not kills:
-        return None
-    first_s = min([violation.t_s for violation, _, _ in kills])
-    first = [kill for kill in kills if kill[0].t_s == first_s]
-    violation, situation, seed = min(first, key=lambda kill: (space.rank(kill[1]), kill[2]))
-    position = violation.x, violation.y, violation.z
-    return Kill(violation.requirement, first_s, situation, seed, position, violation.struck)
+def _kill(result: Result, requirement: str, flights: Sequence[Ruled]) -> Kill:
+    violated = dict(result.violated)[requirement]
+    return Kill(result.situation, requirement, violated, result.flown, _first(result, requirement, flights))
 
 
-def _by_requirement(every: Iterable[Ruling], situations: Collection[Iterable[Ruling]]) -> tuple[tuple[str, Ratio], ...]:
-    """Per requirement: situations it killed in, of those the fault infects and the baseline held it in to its end.
-
-    Args:
-        every: ruling, in the order of the flights.
-        situations: the rulings in each of them.
-    """
-    found = []
-    for name in dict.fromkeys(name for ruling in every for name in ruling.tested):
-        able = [rulings for rulings in ([r for r in rulings if name in r.tested] for rulings in situations) if rulings]
-        killed = sum(any(name in r.kills or name in r.operability_kills for r in rulings) for rulings in able)
-        found.append((name, Ratio(killed, len(able))))
-    return tuple(found)
+def _first(result: Result, requirement: str, flights: Sequence[Ruled]) -> Moment:
+    """The earliest violation of a requirement by flights that are known to violate it."""
+    return min(
+        (
+            Moment(requirement, v.t_s, result.situation, one.seed, (v.x, v.y, v.z), v.struck)
+            for one in flights
+            for v in one.violations
+            if v.requirement == requirement
+        ),
+        key=lambda moment: (moment.t_s, moment.seed),
+    )

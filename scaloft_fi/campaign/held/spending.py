@@ -1,0 +1,52 @@
+"""How a campaign spends alpha: once on a size that was told before it flew, or by looks where more seeds were asked for.
+
+Each run keeps in the store with which seeds it was asked to fly which mutants, before it flies.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from scaloft_fi.campaign.held.folder import campaign_folder, existing
+from scaloft_fi.results.scoring.detection import Spending
+from scaloft_fi.results.store import Store
+
+if TYPE_CHECKING:
+    from scaloft_fi.study import Study
+
+NOTE = "asked"
+"""What the names of these notes begin with."""
+
+
+def remember_seeds(store: Store, mutants: Iterable[str], seeds: Iterable[int]) -> None:
+    """Keep that a run asks to fly these mutants with these seeds.
+
+    Raises:
+        InputError: the store cannot be written.
+    """
+    content = json.dumps({"seeds": sorted(set(seeds)), "mutants": sorted(set(mutants))})
+    store.set_notes({f"{NOTE} {hashlib.sha256(content.encode()).hexdigest()[:16]}": content})
+
+
+def spending_of(study: Study, store: Store) -> Spending:
+    """How alpha is spent on the mutants of a store."""
+    asked: dict[str, set[tuple[int, ...]]] = {}
+    for name, text in store.notes().items():
+        if name.startswith(f"{NOTE} "):
+            content = json.loads(text)
+            for mutant in content["mutants"]:
+                asked.setdefault(mutant, set()).add(tuple(content["seeds"]))
+    return Spending(study.alpha, frozenset(mutant for mutant, seeds in asked.items() if len(seeds) > 1))
+
+
+def spending(study: Study, campaign: str) -> Spending:
+    """The same of a campaign.
+
+    Raises:
+        InputError: there is no campaign.
+    """
+    with Store(existing(campaign_folder(study, campaign)), create=False) as store:
+        return spending_of(study, store)
