@@ -10,6 +10,7 @@ from typing import Any
 from scaloft_fi.results.kills.gray import gray_order
 from scaloft_fi.results.outcome import Subject
 from scaloft_fi.results.roster import Roster
+from scaloft_fi.results.scoring.detection import Verdict
 from scaloft_fi.results.scoring.ratio import Ratio
 from scaloft_fi.results.scoring.score import MutantScore, Result, Score
 from scaloft_fi.results.space import Space
@@ -25,31 +26,28 @@ class Entry:
 
     Attributes:
         situation: key.
-        state: a status, or `not_flown`; `killed` when any flight is killed, eligible or not.
-        kills: flights killed, of the eligible ones: what the scores count.
-        eligible: flights that are infected beside a baseline that held a safety requirement to its end.
+        state: the highest rung that a flight reached, or `not_flown`.
+        kills: requirements that kill the mutant here, as the scores count.
+        seen: safety requirements that put the fault to the test here and that a flight violates.
+        tested: whether a safety requirement puts the fault to the test here.
         flown: flights that count.
-        harmless: whether flights count and the fault changed no sample in any.
-        decision: what the eligible flights decide together; empty without one.
+        infected: whether the fault changed a sample in any.
+        violated: per requirement, the flights that violate it, where any does.
     """
 
     situation: str
     state: str = NOT_FLOWN
-    kills: int = 0
-    eligible: int = 0
+    kills: tuple[str, ...] = ()
+    seen: tuple[str, ...] = ()
+    tested: bool = False
     flown: int = 0
-    harmless: bool = False
-    decision: str = ""
-
-    @property
-    def killed(self) -> bool:
-        """Whether any flight is killed."""
-        return self.state == Status.KILLED
+    infected: bool = False
+    violated: tuple[tuple[str, int], ...] = ()
 
     @property
     def survived(self) -> bool:
-        """Whether no flight is killed though the fault was tested, or could change nothing."""
-        return not self.killed and (self.eligible > 0 or self.harmless)
+        """Whether it does not kill though the fault was tested, or could change nothing."""
+        return not self.kills and (self.tested or (self.flown > 0 and not self.infected))
 
 
 @dataclass(frozen=True)
@@ -60,8 +58,9 @@ class Row:
         subject: the mutant.
         kind: `mutant`, `control` or `placebo`.
         counted: whether the ratios count it: the default mutant of a credible cell.
-        status: the highest rung over its eligible flights.
-        kill_rate: situations killed, of the eligible ones.
+        status: the highest rung that a flight reached.
+        verdict: on the mutant.
+        kill_rate: situations with a kill, of those that put it to the test.
         entries: in the grid's order; a situation that the grid does not have is left out.
     """
 
@@ -69,6 +68,7 @@ class Row:
     kind: str
     counted: bool
     status: Status
+    verdict: Verdict
     kill_rate: Ratio
     entries: tuple[Entry, ...]
 
@@ -79,18 +79,18 @@ class Row:
 
     @property
     def killing(self) -> tuple[str, ...]:
-        """Situations where a flight is killed."""
-        return tuple(entry.situation for entry in self.entries if entry.killed)
+        """Situations with a kill."""
+        return tuple(entry.situation for entry in self.entries if entry.kills)
 
     @property
     def surviving(self) -> tuple[str, ...]:
-        """Situations where no flight is killed though the fault was tested, or could change nothing."""
+        """Situations without one though the fault was tested, or could change nothing."""
         return tuple(entry.situation for entry in self.entries if entry.survived)
 
     @cached_property
     def kills(self) -> frozenset[str]:
-        """Situations where an eligible flight is killed: those that make it a killed mutant in the scores."""
-        return frozenset(entry.situation for entry in self.entries if entry.kills)
+        """Situations with a kill, as a set."""
+        return frozenset(self.killing)
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ class KillMatrix:
 
     @cached_property
     def kills(self) -> Mapping[str, frozenset[str]]:
-        """Per killed mutant the situations that kill it, as the scores count; controls and PLACEBO are not in it."""
+        """Per mutant with a kill its situations, as the scores count; controls and PLACEBO are not in it."""
         return {row.id: row.kills for row in self.mutants if row.kills}
 
     @cached_property
@@ -160,6 +160,7 @@ def _row(mutant: MutantScore, kind: str, roster: Roster, space: Space) -> Row:
         kind=kind,
         counted=kind == "mutant" and roster.counts(mutant.subject),
         status=mutant.status,
+        verdict=mutant.verdict,
         kill_rate=mutant.kill_rate,
         entries=tuple(_entry(key, results.get(key)) for key, _ in space.points),
     )
@@ -170,12 +171,13 @@ def _entry(key: str, result: Result | None) -> Entry:
         return Entry(key)
     return Entry(
         situation=key,
-        state=(Status.KILLED if result.killed else result.status).value,
+        state=result.status.value,
         kills=result.kills,
-        eligible=result.eligible,
+        seen=result.seen,
+        tested=result.tested,
         flown=result.flown,
-        harmless=result.flown > 0 and result.harmless,
-        decision=result.decided.decision.value if result.decided else "",
+        infected=result.infected,
+        violated=result.violated,
     )
 
 
@@ -188,14 +190,17 @@ def _row_json(row: Row) -> dict[str, Any]:
         "kind": row.kind,
         "counted": row.counted,
         "status": row.status.value,
+        "verdict": row.verdict.value,
         "kill_rate": {"part": row.kill_rate.part, "whole": row.kill_rate.whole},
         "entries": [
             {
                 "state": entry.state,
-                "kills": entry.kills,
-                "eligible": entry.eligible,
+                "kills": list(entry.kills),
+                "seen": list(entry.seen),
+                "tested": entry.tested,
                 "flown": entry.flown,
-                "decision": entry.decision,
+                "infected": entry.infected,
+                "violated": dict(entry.violated),
             }
             for entry in row.entries
         ],
