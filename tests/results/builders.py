@@ -96,6 +96,16 @@ def outcome(
     )
 
 
+def pool(*situations: str, flights: int = 10, red: int = 0) -> list[Outcome]:
+    """Baselines of the seeds 0, 1, ... in each situation, the last `red` of which violate SR1 and SR2."""
+    violated = {"SR1": 20.0, "SR2": 20.0}
+    return [
+        outcome(situation=key, seed=seed, violated=violated if seed >= flights - red else {})
+        for key in situations
+        for seed in range(flights)
+    ]
+
+
 times = st.integers(1, 59).map(float)
 violations = st.dictionaries(st.sampled_from(list(KINDS)), times, max_size=4)
 subjects = st.sampled_from([PLACEBO, *ROSTER.ids, "LATE-human@2.5s"])
