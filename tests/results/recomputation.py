@@ -180,7 +180,9 @@ def covered(rows: list[Row], axes: dict[str, dict[str, str]], kinds: dict[str, s
             axis: share(situations([row for row in base if axis in row["realised"]]), len(judged_keys))
             for axis in names
         },
-        "steady": share(sum(pair["state"] == "steady" for pair in safety), len(safety)),
+        "steady": share(
+            sum(pair["state"] == "steady" for pair in safety), sum(pair["state"] != "unknown" for pair in safety)
+        ),
         "states": {
             state: sum(pair["state"] == state for pair in safety)
             for state in ("unknown", "vacuous", "open", "steady", "red", "unsteady")

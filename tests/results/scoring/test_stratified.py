@@ -26,7 +26,10 @@ def by_enumeration(listed: list[Stratum]) -> float:
 
     observed = sum(gain(k, b, m) for k, _, b, m in listed)
     ways = [
-        [(gain(i, k + b - i, m), comb(n, i) * comb(m, k + b - i) / comb(n + m, k + b)) for i in range(min(n, k + b) + 1)]
+        [
+            (gain(i, k + b - i, m), comb(n, i) * comb(m, k + b - i) / comb(n + m, k + b))
+            for i in range(min(n, k + b) + 1)
+        ]
         for k, n, b, m in listed
     ]
     total = 0.0
