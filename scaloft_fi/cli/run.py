@@ -13,8 +13,10 @@ from scaloft_fi.cli.options import (
     campaign_option,
     fail_under_option,
     format_option,
+    quiet_option,
     study_option,
     typed,
+    warnings_option,
 )
 from scaloft_fi.errors import InputError
 
@@ -99,7 +101,8 @@ if TYPE_CHECKING:
 )
 @format_option
 @fail_under_option
-@click.option("--quiet", is_flag=True, help="No progress and no warnings.")
+@warnings_option
+@quiet_option
 def run_command(
     study_folder: Path | None,
     campaign: str,
@@ -120,6 +123,7 @@ def run_command(
     max_invalid: float,
     style: str,
     fail_under: float | None,
+    warnings: bool,
     quiet: bool,
 ) -> int:
     """Fly the baseline, PLACEBO and the mutants in every situation, then print the score.
@@ -169,7 +173,7 @@ def run_command(
         part=shard is not None,
         budget_s=None if budget is None else budget_s(budget),
         max_invalid=max_invalid,
-        every_violation=bool(mutants),
+        warnings=warnings,
         command=typed(),
     )
     keys = [situation.key for situation in chosen.situations]

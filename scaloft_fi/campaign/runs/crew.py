@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from scaloft_fi.campaign.flights.fly import Flyer, Physics
-from scaloft_fi.campaign.held.folder import STORE_NAME, promising, writable
+from scaloft_fi.campaign.held.folder import LOG_NAME, STORE_NAME, promising, writable
 from scaloft_fi.campaign.held.key import Keys
 from scaloft_fi.campaign.plan.plan import Flight, Plan
 from scaloft_fi.campaign.plan.task import Task, alone, together
@@ -56,7 +56,8 @@ class Crew:
         stopped: Callable[[], bool],
     ) -> None:
         self.study, self.folder, self.store = study, folder, store
-        self.lookout, self.options, self.stopped = Lookout(study, progress, options), options, stopped
+        self.options, self.stopped = options, stopped
+        self.lookout = Lookout(study, progress, options, folder / LOG_NAME)
         self._hands = hands
         self._keys = Keys(study)
         self.flown = 0
@@ -100,7 +101,7 @@ class Crew:
                 self.flown += 1
             elif not news:
                 self.repeats.append(outcome)
-            self.lookout.home(asked[outcome.name], outcome, news=news)
+            self.lookout.home(asked[outcome.name], outcome, news=news, cut=bool(truncated))
 
     def repeat(self, flights: Sequence[Flight]) -> None:
         """The shortest of `flights` that is home again, when anything was flown: it must be the first one's twin."""
