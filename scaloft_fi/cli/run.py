@@ -14,8 +14,10 @@ from scaloft_fi.cli.options import (
     campaign_option,
     fail_under_option,
     format_option,
+    quiet_option,
     study_option,
     typed,
+    warnings_option,
 )
 from scaloft_fi.errors import InputError
 
@@ -103,7 +105,8 @@ if TYPE_CHECKING:
 @all_option
 @format_option
 @fail_under_option
-@click.option("--quiet", is_flag=True, help="No progress and no warnings.")
+@warnings_option
+@quiet_option
 def run_command(
     study_folder: Path | None,
     campaign: str,
@@ -125,6 +128,7 @@ def run_command(
     everything: bool,
     style: str,
     fail_under: float | None,
+    warnings: bool,
     quiet: bool,
 ) -> int:
     """Fly the baseline, PLACEBO and the mutants in every situation, then say which faults the tests would have shown.
@@ -186,7 +190,7 @@ def run_command(
         part=shard is not None,
         budget_s=None if budget is None else budget_s(budget),
         max_invalid=max_invalid,
-        every_violation=bool(mutants),
+        warnings=warnings,
         command=typed(),
     )
     keys = [situation.key for situation in chosen.situations]

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scaloft_fi.campaign.flights.fly import Flyer, Physics
-from scaloft_fi.campaign.held.folder import STORE_NAME, promising, writable
+from scaloft_fi.campaign.held.folder import LOG_NAME, STORE_NAME, promising, writable
 from scaloft_fi.campaign.held.key import Keys
 from scaloft_fi.campaign.plan.plan import Flight, Plan, infects
 from scaloft_fi.campaign.plan.task import Task, alone, together
@@ -60,7 +60,8 @@ class Crew:
         stopped: Callable[[], bool],
     ) -> None:
         self.study, self.folder, self.store = study, folder, store
-        self.lookout, self.options, self.stopped = Lookout(study, progress, options), options, stopped
+        self.options, self.stopped = options, stopped
+        self.lookout = Lookout(study, progress, options, folder / LOG_NAME)
         self._hands = hands
         self._keys = Keys(study)
         self._planned: Plan | None = None
@@ -106,7 +107,7 @@ class Crew:
                 self.flown += 1
             elif not news:
                 self.repeats.append(outcome)
-            self.lookout.home(asked[outcome.name], outcome, news=news)
+            self.lookout.home(asked[outcome.name], outcome, news=news, cut=bool(truncated))
             if infects(outcome):
                 self._expect_pool(asked[outcome.name].situation)
 
