@@ -116,15 +116,6 @@ def test_a_carrier_flown_again_is_flown_but_was_not_expected(study: Any, log: An
     assert forecast.done_s == 30.0 + FLIGHT_S
 
 
-def test_what_is_dropped_is_left_no_longer(study: Any) -> None:
-    forecast = Forecast(share=True)
-    for flight in _flights(study):
-        forecast.expect(flight, 30.0)
-    assert [forecast.drop(flight) for flight in _flights(study)] == [True] * 48
-    assert not forecast.drop(_flights(study)[0])
-    assert forecast.left_s == 0.0
-
-
 def test_kills_are_counted_by_guideword_once_their_baseline_is_home_and_controls_are_not(study: Any, log: Any) -> None:
     mutants = [realise(study.matrix, name) for name in (LATE, CONTROL)]
     planned = plan(study.grid, (0,), mutants, None)
