@@ -157,7 +157,6 @@ def outcome_of(
         digest=log.digest,
         perceived_digest=log.perceived_digest,
         stack_error=log.stack_error,
-        truncated=FIRST_KILL if log.cut else "",
         realised=realisation.of(situation, signals) if realisation else (),
         track=pack_track(signals),
     )

@@ -189,11 +189,6 @@ def held_to_end(baseline: Outcome, kind: Kind) -> bool:
     return any(not (reading.violated or reading.open) for reading in baseline.readings if reading.kind is kind)
 
 
-def killed_by(outcome: Outcome, baseline: Outcome, kind: Kind) -> tuple[str, ...]:
-    """The requirements of a kind by whose violation the flight is told from its baseline, earliest first."""
-    return named(Baseline(baseline).told(outcome.violations), kind)
-
-
 def baseline_status(baseline: Outcome) -> str:
     """`held` or `violated` (a safety requirement), or `invalid`."""
     if baseline.invalid:

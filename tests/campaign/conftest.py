@@ -140,7 +140,7 @@ class Log:
     def prepare(self, study: Any, say: Callable[[str], None]) -> None:
         pass
 
-    def __call__(self, study: Any, flight: Flight, baseline: Outcome | None = None) -> Outcome:
+    def __call__(self, study: Any, flight: Flight) -> Outcome:
         with self.path.open("a") as file:
             file.write(f"{flight.name}\n")
         return self.change(flight, fly(study, flight))
