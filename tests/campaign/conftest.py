@@ -73,9 +73,7 @@ class FakeStudy:
     """What a run asks of a study."""
 
     folder: Path
-    inputs: Mapping[str, str] = field(
-        default_factory=lambda: {"sim": "s", "requirements": "r", "code": "c", "cutting": "k"}
-    )
+    inputs: Mapping[str, str] = field(default_factory=lambda: {"sim": "s", "requirements": "r", "code": "c"})
     grid: FakeGrid = GRID
     matrix: Matrix = MATRIX
     space: Space = SPACE

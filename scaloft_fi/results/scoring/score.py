@@ -173,7 +173,7 @@ def score(outcomes: Iterable[Outcome], roster: Roster, space: Space, pool: Pool 
     """Score a campaign's outcomes, in whatever order they come.
 
     Args:
-        outcomes: of the campaign; one whose flight was cut at its first kill is left out.
+        outcomes: of the campaign.
         roster: which mutants count.
         space: the grid.
         pool: baselines that the decisions compare with, and REDRAW with each other; the campaign's by default.

@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import json
 import random
-from dataclasses import replace
 
 from builders import GRID, ROSTER, campaigns, flights, outcome
 from hypothesis import given
@@ -206,12 +205,6 @@ def test_the_json_names_what_decided_a_situation() -> None:
             "look": 3,
         }
     ]
-
-
-def test_a_flight_cut_at_its_first_kill_enters_no_figure() -> None:
-    cut = replace(outcome(LATE, LIGHT, violated={"SR2": 3.0}), truncated="first kill")
-    assert scored(*campaign(), cut) == scored(*campaign())
-    assert scored(cut).mutants == ()
 
 
 def test_a_campaign_without_flights_scores_nothing_of_nothing() -> None:
