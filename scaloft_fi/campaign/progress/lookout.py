@@ -39,11 +39,6 @@ class Lookout:
             if self._forecast.expect(flight, self._nominal_s(flight)):
                 self.progress.flights += 1
 
-    def drop(self, flights: Iterable[Flight]) -> None:
-        """Flights that were announced are not needed any more."""
-        for flight in flights:
-            self.progress.flights -= self._forecast.drop(flight)
-
     def known(self, baselines: Iterable[tuple[Flight, Outcome]]) -> None:
         """Baselines that the store has: what is flown is seen beside them."""
         for flight, outcome in baselines:

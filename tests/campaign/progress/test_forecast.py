@@ -113,10 +113,3 @@ def test_a_carrier_flown_again_is_flown_but_was_not_expected(study: Any, log: An
     assert forecast.done_s == 30.0 + FLIGHT_S
 
 
-def test_what_is_dropped_is_left_no_longer(study: Any) -> None:
-    forecast = Forecast(share=True)
-    for flight in _flights(study):
-        forecast.expect(flight, 30.0)
-    assert [forecast.drop(flight) for flight in _flights(study)] == [True] * 48
-    assert not forecast.drop(_flights(study)[0])
-    assert forecast.left_s == 0.0
