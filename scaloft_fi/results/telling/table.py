@@ -13,7 +13,7 @@ from textwrap import fill
 from scaloft_fi.results.telling.columns import limits
 from scaloft_fi.results.telling.literal import markdown, printable
 
-WIDTH = 120
+WIDTH = 100
 """Columns of a terminal that a text table keeps within."""
 
 Cell = str | int | float | None
