@@ -96,7 +96,7 @@ def left(case: Case) -> str:
     """What of the grid is left to fly."""
     count = len(case.campaign.space.points) - len(case.flown)
     if not count:
-        return "no situation of the grid does: add one."
+        return "the whole grid was flown: add a situation."
     return f"{situations(count)} of the grid {'was' if count == 1 else 'were'} not flown."
 
 

@@ -180,12 +180,9 @@ def _not_infected(case: Case) -> Survivor:
     if infecting:
         return _say(case, Next.MAGNITUDE, f"it changes no sample, {infecting[0]} does: too small to be seen.")
     reached = {result.situation for result in case.score.results if result.reached}
-    return _say(
-        case,
-        Next.SITUATION,
-        f"the seam `{case.background.seam}` carries samples "
-        f"{words.in_(case.campaign.where(reached.__contains__, case.flown))}, none of which the fault changes; {words.left(case)}",
-    )
+    where = words.in_(case.campaign.where(reached.__contains__, case.flown))
+    carries = f"the seam `{case.background.seam}` carries samples {where}, none of which the fault changes;"
+    return _say(case, Next.SITUATION, f"{carries} {words.left(case)}")
 
 
 def _not_pooled(case: Case) -> Survivor:
@@ -229,8 +226,8 @@ def _not_revealed(case: Case) -> Survivor:
         return _say(
             case,
             Next.ORACLE if safety else Next.OPERABILITY,
-            f"by {by} it is detected, and killed in {killing} of {words.situations(len(tests))} where {by} is steady; no "
-            "safety requirement detects it.",
+            f"by {by} it is detected, and killed in {killing} of {words.situations(len(tests))} where {by} is steady; "
+            "no safety requirement detects it.",
             f"Its cell puts {words.listed(safety) or 'none'} at risk.",
             SILENT if safety else "Operability has a score of its own.",
             lucky,
