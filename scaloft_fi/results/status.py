@@ -163,8 +163,6 @@ def rule(outcome: Outcome, baseline: Baseline | None) -> Ruling:
     return baseline.rule(outcome.carried, outcome.altered, outcome.digest, outcome.violations)
 
 
-
-
 def baseline_status(baseline: Outcome) -> str:
     """`held` or `violated` (a safety requirement), or `invalid`."""
     if baseline.invalid:

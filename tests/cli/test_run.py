@@ -37,11 +37,6 @@ def test_warnings_tell_each_violation_of_however_many_mutants(call: Call) -> Non
         assert counted.startswith(f"violations: {len(warnings)} (mutants {len(warnings)}); ")
 
 
-def test_what_only_first_kill_flew_is_not_said_to_be_in_the_mission_log(call: Call) -> None:
-    result = call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--first-kill")
-    assert "; those of whole flights are in " in result.stderr
-
-
 def test_quiet_says_nothing_but_the_tables(call: Call) -> None:
     assert call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--quiet").stderr == ""
 

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from scaloft_fi.results.flights import flights_of
 from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.rulings import rulings_of
+from scaloft_fi.results.status import Status
 
 M = "LATE-human@3s"
 

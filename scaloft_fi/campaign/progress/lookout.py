@@ -31,7 +31,6 @@ class Lookout:
         progress.left_s = lambda: self._forecast.left_s
         self._warnings, self._log = options.warnings, log
         self._violations = Violations()
-        self._cut = False
 
     def expect(self, flights: Iterable[Flight]) -> None:
         """Flights are to come; what was announced before is not counted twice."""
@@ -44,17 +43,15 @@ class Lookout:
         for flight, outcome in baselines:
             self._forecast.known(flight, outcome, self._nominal_s(flight))
 
-    def home(self, flight: Flight, outcome: Outcome, *, news: bool, cut: bool) -> None:
+    def home(self, flight: Flight, outcome: Outcome, *, news: bool) -> None:
         """An outcome came home.
 
         Args:
             flight: which was flown.
             outcome: of it.
             news: whether the store lacked it.
-            cut: whether it is kept apart from whole flights.
         """
         if news:
-            self._cut = self._cut or cut
             self._tell(outcome)
         expected = self._forecast.home(flight, outcome, self._nominal_s(flight))
         self.progress.done_s = self._forecast.done_s
@@ -69,8 +66,7 @@ class Lookout:
     def close(self) -> None:
         """Leave the last counts, and say where every violation is."""
         if self.progress.violations:
-            which = "those of whole flights" if self._cut else "all of them"
-            self.progress.line(f"violations: {self.progress.violations}; {which} are in {self._log}")
+            self.progress.line(f"violations: {self.progress.violations}; all of them are in {self._log}")
         self.progress.close()
 
     def _tell(self, outcome: Outcome) -> None:

@@ -111,5 +111,3 @@ def test_a_carrier_flown_again_is_flown_but_was_not_expected(study: Any, log: An
     forecast = Forecast(share=True)
     assert not forecast.home(baseline, log(study, baseline), 30.0)
     assert forecast.done_s == 30.0 + FLIGHT_S
-
-

@@ -30,7 +30,7 @@ def _said(study: Any, outcomes: Iterable[tuple[Flight, Outcome]], *, warnings: b
     stream = io.StringIO()
     lookout = Lookout(study, Progress(stream=stream), RunOptions(warnings=warnings), Path("c/mission_log.json"))
     for flight, outcome in outcomes:
-        lookout.home(flight, outcome, **({"news": True, "cut": False} | home))
+        lookout.home(flight, outcome, **({"news": True} | home))
     lookout.close()
     return stream.getvalue().splitlines()
 
@@ -60,11 +60,6 @@ def test_one_line_counts_them_and_says_where_they_are(study: Any, home: list[tup
     assert _said(study, home) == [
         "violations: 4 (baseline 1, mutants 2, PLACEBO 1); all of them are in c/mission_log.json"
     ]
-
-
-def test_flights_that_are_kept_apart_are_not_in_the_mission_log(study: Any, home: list[tuple[Flight, Outcome]]) -> None:
-    (line,) = _said(study, home, cut=True)
-    assert line.endswith("; those of whole flights are in c/mission_log.json")
 
 
 def test_warnings_tell_each_of_them_the_baselines_too(study: Any, home: list[tuple[Flight, Outcome]]) -> None:
