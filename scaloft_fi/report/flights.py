@@ -135,7 +135,6 @@ def record(outcome: Outcome, baseline: Outcome | None, requirements: Sequence[st
         "altered": outcome.altered,
         "struck": outcome.struck,
         "stack_error": outcome.stack_error,
-        "truncated": outcome.truncated,
         "readings": [
             [_short(r.rho, 4), _short(r.violated_at_s), r.verdict.value, r.triggered]
             if (r := readings.get(n))

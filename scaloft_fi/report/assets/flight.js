@@ -43,7 +43,6 @@ function verdict(flight) {
   for (const [name, t, x, y, z, struck] of violations) parts.push(`${name} is violated at ${seconds(t)}, at (${signed(x, 2)}, ${signed(y, 2)}, ${signed(z, 2)}) m${struck ? `, striking ${struck}` : ""}. `);
   if (flight.invalid) parts.push(`The test bench failed: ${flight.invalid}. `);
   else parts.push(`After ${seconds(flight.duration_s)} it ${DATA.endings[flight.ending] ?? flight.ending}.`);
-  if (flight.truncated) parts.push(` It was flown only up to its ${flight.truncated}.`);
   if (flight.stack_error) parts.push(` The stack raised: ${flight.stack_error}`);
   return h("p", { class: "verdict" }, parts);
 }

@@ -18,7 +18,6 @@ function masthead() {
       [[cells.part, `of ${cells.whole} credible cells flown`], [`${flown.part} of ${flown.whole}`, "situations"], [DATA.seeds.length, `${DATA.seeds.length === 1 ? "seed" : "seeds"} (${seedText()})`],
         [DATA.flights, "flights"], ["scaloft-fi", DATA.version]].map(([figure, what]) => h("li", {}, h("b", {}, String(figure)), ` ${what}`))),
     DATA.gates.failed && h("p", { class: "notice", role: "alert" }, h("b", {}, "These figures may not be believed. "), DATA.gates.failed),
-    DATA.cut > 0 && h("p", { class: "notice" }, `${plural(DATA.cut, "flight")} cut at the first kill ${DATA.cut === 1 ? "is" : "are"} left out: what else they would have done nobody knows.`),
     DATA.owed > 0 && h("p", { class: "notice" }, `${plural(DATA.owed, "planned flight")} of this campaign ${DATA.owed === 1 ? "is" : "are"} missing: the run was not finished.`));
 }
 

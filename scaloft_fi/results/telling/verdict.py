@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Collection
 
-from scaloft_fi.results.roster import cell_of
+from scaloft_fi.results.scoring.answers import command
 from scaloft_fi.results.scoring.detection import LARGER, Verdict
 from scaloft_fi.results.scoring.pool import LEAST
 from scaloft_fi.results.scoring.score import MutantScore
 from scaloft_fi.results.status import Status
 
 NO_POOL = (
-    f"no situation in which a mutant changes a sample has {LEAST} baseline flights to decide by; the same "
-    f"`scaloft-fi run` with --baseline-seeds {LEAST} flies them"
+    f"no situation in which a mutant changes a sample has {LEAST} baseline flights to decide by; `scaloft-fi run` with "
+    "the same mutants flies them"
 )
 """Why a campaign without a pool has no verdict, and what flies one."""
 
@@ -52,15 +51,13 @@ def would_decide(mutant: MutantScore, lacking: Collection[str]) -> str:
 
 
 def next_command(mutant: MutantScore, lacking: Collection[str], campaign: str) -> str:
-    """What to call next for a mutant that is not decided or not tested: what would decide it, else its cell."""
-    words = f"scaloft-fi run --mutant {shlex.quote(mutant.subject.id)}"
-    here = f"--campaign {shlex.quote(campaign)}"
-    seeds = max((result.flown for result in mutant.results), default=1)
+    """What to call next for an undecided mutant or one that was not tested: what would decide, else what is known."""
+    safety, seeds = mutant.safety, max((result.flown for result in mutant.results), default=1)
     if mutant.verdict is Verdict.UNDECIDED and lacks_pool(mutant, lacking):
-        return f"{words} --seeds {seeds} --baseline-seeds {LEAST} {here}"
-    if mutant.safety.needed:
-        return f"{words} --seeds {mutant.safety.needed} {'--campaign ANOTHER' if mutant.safety.anew else here}"
-    return f"scaloft-fi matrix --cell {shlex.quote(cell_of(mutant.subject.id))}"
+        return command(campaign, [mutant], seeds)
+    if safety.needed:
+        return command("ANOTHER" if safety.anew else campaign, [mutant], safety.needed)
+    return f"scaloft-fi kills {mutant.subject.id} --show survivors"
 
 
 def lacks_pool(mutant: MutantScore, lacking: Collection[str]) -> bool:

@@ -97,4 +97,4 @@ def test_without_a_pool_the_claim_is_undeveloped_and_has_no_percentage() -> None
     claim = read(gsn(dossier([outcome(), outcome("LATE-human@3s", violated={"SR2": 7.0})])))["G3"]
     assert claim["undeveloped"]
     assert "%" not in claim["text"]
-    assert "`scaloft-fi run` with --baseline-seeds 10" in claim["text"]
+    assert "`scaloft-fi run` with the same mutants flies them" in claim["text"]

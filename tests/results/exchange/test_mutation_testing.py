@@ -58,7 +58,7 @@ def test_without_a_pool_every_counted_mutant_is_pending_with_the_reason() -> Non
 
 
 def test_the_situations_that_test_a_mutant_cover_it_and_those_with_a_kill_kill_it() -> None:
-    flights = [*pool(HERE, THERE), *pool("T0O0W0D1H1", red=10)]
+    flights = [*pool(HERE, THERE), *pool("T0O0W0D1H1", red=10, violated={"SR1": 20.0, "SR2": 20.0})]
     for seed in range(3):
         flights += [outcome("LATE-human@3s", key, seed) for key in (HERE, "T0O0W0D1H1")]
         flights += [outcome("LATE-human@3s", THERE, seed, violated={"SR2": 7.0})]

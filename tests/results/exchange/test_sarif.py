@@ -29,7 +29,7 @@ def test_a_reader_of_sarif_finds_each_mutant_that_is_not_detected_on_the_line_of
 
 def test_an_undecided_mutant_is_a_note_and_its_message_tells_the_verdict() -> None:
     flights = [*pool("T0O0W0D0H0"), outcome("LATE-human@3s", violated={"SR2": 7.0})]
-    flights += [outcome("NO-human@100%", altered=0, digest="clean")]
+    flights += [outcome("NO-human@100%", altered=0)]
     flights += [outcome("MORE-goal@0.6m", seed=seed) for seed in range(3)]
     (run,) = sarif(dossier(flights))["runs"]
     assert [result["level"] for result in run["results"]] == ["warning", "note", "warning"]

@@ -9,7 +9,7 @@ HERE, RED = "T0O0W0D0H0", "T0O0W0D1H1"
 
 
 def test_the_page_has_the_ratios_the_mutants_by_verdict_and_the_findings_about_the_unmutated_drone() -> None:
-    flights = [*pool(HERE), *pool(RED, red=9)]
+    flights = [*pool(HERE), *pool(RED, red=9, violated={"SR1": 20.0, "SR2": 20.0})]
     for seed in range(3):
         flights.append(outcome("LATE-human@3s", HERE, seed, violated={"SR2": 7.0}))
         flights.append(outcome("NO-human@100%", HERE, seed))

@@ -4,7 +4,6 @@ import csv
 import io
 import json
 import random
-from dataclasses import replace
 
 from builders import GRID, KINDS, ROSTER, campaigns, outcome, seeded
 from hypothesis import given, settings
@@ -85,10 +84,6 @@ def test_the_pool_of_a_campaign_follows_from_its_rows(outcomes: list[Outcome]) -
         triggered = [name in (*row["violated"], *row["triggered"]) for row in own]
         counts = (len(own), sum(violated), len(own) - sum(violated) - sum(held), sum(triggered))
         assert (pair.flights, pair.violated, pair.open, pair.triggered) == counts
-
-
-def test_a_flight_cut_at_its_first_kill_is_not_exported() -> None:
-    assert export_rows([replace(outcome(M), truncated="first kill")], ROSTER, GRID) == []
 
 
 def test_an_export_of_nothing_is_an_empty_list_and_a_header() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from builders import GRID, ROSTER, campaigns, outcome, pool, seeded
 from hypothesis import given, settings
@@ -14,16 +16,24 @@ from scaloft_fi.results.telling.verdict import next_command, verdict, why, would
 
 M = "LATE-human@3s"
 HERE, THERE, RED = "T0O0W0D0H0", "T0O0W0D0H1", "T0O0W0D1H1"
+RED_POOL = pool(RED, red=10, violated={"SR1": 20.0, "SR2": 20.0})
 
 
 def scored(*flights: Outcome) -> Score:
     return score(flights, ROSTER, GRID, Spending())
 
 
-def flown(situation: str = HERE, seeds: int = 3, violating: int = 0, name: str = "SR2", **how: object) -> list[Outcome]:
+def flown(
+    situation: str = HERE, seeds: int = 3, violating: int = 0, name: str = "SR2", *, masked: bool = False, **how: Any
+) -> list[Outcome]:
     """Flights of the mutant, the first of which violate a requirement."""
     return [
-        outcome(M, situation, seed, violated={name: 9.0} if seed < violating else {}, **how)  # type: ignore[arg-type]
+        outcome(
+            *(M, situation, seed),
+            violated={name: 9.0} if seed < violating else {},
+            digest=f"clean{seed}" if masked else None,
+            **how,
+        )
         for seed in range(seeds)
     ]
 
@@ -66,19 +76,19 @@ def test_too_few_flights_to_tell_are_told_from_nothing_seen() -> None:
 
 
 def test_a_campaign_without_a_pool_says_what_was_seen_and_that_baselines_would_decide() -> None:
-    assert line(*pool(HERE, flights=3), *flown(violating=2)) == (
+    assert line(*pool(HERE, seeds=3), *flown(violating=2)) == (
         "undecided: too few baseline flights to tell; 2 of its 3 flights violate a safety requirement that the "
         "baseline beside them holds; 10 baseline flights in each situation would decide"
     )
-    assert line(*pool(HERE), *pool(THERE, flights=3), *flown(HERE), *flown(THERE)) == (
+    assert line(*pool(HERE), *pool(THERE, seeds=3), *flown(HERE), *flown(THERE)) == (
         "undecided: nothing seen in 1 situation that tests it, and others have too few baseline flights to tell; "
         "10 baseline flights in each situation would decide"
     )
 
 
 def test_a_mutant_whose_flights_did_not_change_is_told_from_one_that_violates_only_in_red_situations() -> None:
-    assert line(*pool(HERE), *flown(digest="clean")).endswith("; samples changed, no flight did")
-    assert line(*pool(HERE), *pool(RED, red=10), *flown(), *flown(RED, violating=3)) == (
+    assert line(*pool(HERE), *flown(masked=True)).endswith("; samples changed, no flight did")
+    assert line(*pool(HERE), *RED_POOL, *flown(), *flown(RED, violating=3)) == (
         "not detected: nothing seen in 1 situation that tests it; violations only where the unmutated drone does not "
         "hold the requirement steadily"
     )
@@ -88,16 +98,13 @@ def test_a_mutant_whose_flights_did_not_change_is_told_from_one_that_violates_on
     ("how", "says"),
     [
         ({"situation": RED}, "it changes no sample where the unmutated drone holds a safety requirement steadily"),
-        ({"altered": 0, "digest": "clean"}, "it changes no sample in any situation flown"),
-        (
-            {"altered": 0, "carried": 0, "digest": "clean"},
-            "no sample crosses the patched interface in any situation flown",
-        ),
+        ({"altered": 0}, "it changes no sample in any situation flown"),
+        ({"altered": 0, "carried": 0}, "no sample crosses the patched interface in any situation flown"),
         ({"invalid": "the worker died"}, "the harness failed in every flight"),
     ],
 )
-def test_a_mutant_that_was_not_tested_says_why(how: dict[str, str], says: str) -> None:
-    assert line(*pool(HERE), *pool(RED, red=10), *flown(**how)) == f"not tested: {says}"  # type: ignore[arg-type]
+def test_a_mutant_that_was_not_tested_says_why(how: dict[str, Any], says: str) -> None:
+    assert line(*pool(HERE), *RED_POOL, *flown(**how)) == f"not tested: {says}"
 
 
 def test_detection_by_operability_stands_behind_the_verdict() -> None:
@@ -105,15 +112,16 @@ def test_detection_by_operability_stands_behind_the_verdict() -> None:
 
 
 def test_the_next_command_flies_what_would_decide_with_the_seeds_that_were_asked_for() -> None:
-    def command(*flights: Outcome) -> str:
+    def called(*flights: Outcome) -> str:
         found = scored(*flights)
-        return next_command(found.mutants[0], found.lacking, "my own")
+        return next_command(found.mutants[0], found.lacking, "mine")
 
-    words = "scaloft-fi run --mutant LATE-human@3s"
-    assert command(*pool(HERE), *flown(seeds=1)) == f"{words} --seeds 5 --campaign 'my own'"
-    assert command(*pool(HERE, flights=3), *flown()) == f"{words} --seeds 3 --baseline-seeds 10 --campaign 'my own'"
-    assert command(*pool(HERE), *flown(seeds=10, violating=4)) == f"{words} --seeds 20 --campaign ANOTHER"
-    assert command(*pool(HERE), *flown(altered=0, digest="clean")) == "scaloft-fi matrix --cell LATE-human"
+    own = "scaloft-fi run --campaign mine --mutant LATE-human@3s"
+    assert called(*pool(HERE), *flown(seeds=1)) == f"{own} --seeds 5"
+    assert called(*pool(HERE, seeds=3), *flown()) == f"{own} --seeds 3"
+    another = own.replace("mine", "ANOTHER")
+    assert called(*pool(HERE), *flown(seeds=10, violating=4)) == f"{another} --seeds 20"
+    assert called(*pool(HERE), *flown(altered=0)) == "scaloft-fi kills LATE-human@3s --show survivors"
 
 
 @settings(deadline=None, max_examples=50)

@@ -116,7 +116,7 @@ def test_an_undecided_mutant_is_a_survivor_whose_verdict_is_told() -> None:
 def test_a_violation_where_the_unmutated_drone_is_red_neither_detects_nor_survives() -> None:
     red = "T0O0W0D1H1"
     late = [outcome(LATE.mutant, red, seed, violated={"SR2": 8.0}) for seed in range(3)]
-    assert state([*pool(red, red=10), *late], LATE) == [State.UNTESTED]
+    assert state([*pool(red, red=10, violated={"SR1": 20.0, "SR2": 20.0}), *late], LATE) == [State.UNTESTED]
 
 
 def test_an_accepted_mutant_that_is_detected_is_stale_and_passes() -> None:
