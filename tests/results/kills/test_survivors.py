@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import pytest
-from builders import GRID, ROSTER, campaigns, outcome, pool, seeded, thrice
+from builders import GRID, ROSTER, campaigns, outcome, seeded, ten, thrice
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -58,14 +58,14 @@ def told(flights: list[Outcome], background: Background = LATE_FAULT, mutant: st
     return next(survivor for survivor in found if survivor.mutant == mutant)
 
 
-POOL = pool(HUMAN, NOBODY)
+POOL = ten(HUMAN, NOBODY)
 
 
 def test_a_detected_mutant_is_no_survivor_even_without_a_kill() -> None:
     assert survivors_of([*POOL, *thrice(LATE, HUMAN, violated={"SR2": 9.0})], {LATE: LATE_FAULT}) == ()
     keys = [key for key, _ in GRID.points[:8]]
     spread = [outcome(LATE, key, seed, violated={"SR2": 9.0} if seed == 1 else {}) for key in keys for seed in range(3)]
-    assert survivors_of([*pool(*keys), *spread], {LATE: LATE_FAULT}) == ()
+    assert survivors_of([*ten(*keys), *spread], {LATE: LATE_FAULT}) == ()
 
 
 def test_a_mutant_of_which_no_flight_counts_is_to_be_flown_again() -> None:
@@ -161,8 +161,8 @@ def test_a_masked_fault_asks_for_a_larger_one_and_at_the_ladders_end_for_a_situa
 
 
 def test_where_nothing_is_steady_a_fault_cannot_show_and_the_states_are_named() -> None:
-    red = pool(DARK, violated={"SR1": 30.0}, struck="bar")
-    lit = [f for key in (NOBODY, HUMAN, "T1O0W0D0H0") for f in (*pool(key), outcome(LATE, key, altered=0))]
+    red = ten(DARK, violated={"SR1": 30.0}, struck="bar")
+    lit = [f for key in (NOBODY, HUMAN, "T1O0W0D0H0") for f in (*ten(key), outcome(LATE, key, altered=0))]
     found = told([*red, *thrice(LATE, DARK), *lit])
     assert (found.verdict, found.rung, found.next) == (Verdict.NOT_TESTED, Rung.REVEAL, Next.SITUATION)
     assert "It infects in dark, and no safety requirement is steady there" in found.why
@@ -171,7 +171,7 @@ def test_where_nothing_is_steady_a_fault_cannot_show_and_the_states_are_named() 
 
 
 def test_where_everything_is_vacuous_no_drone_is_to_be_mended() -> None:
-    clean = [vacuous(vacuous(flight, "SR1"), "SR2") for flight in pool(NOBODY)]
+    clean = [vacuous(vacuous(flight, "SR1"), "SR2") for flight in ten(NOBODY)]
     found = told([*clean, *thrice(LATE, NOBODY)])
     assert "SR1 is vacuous in 1 situation" in found.why
     assert "mend" not in found.why
@@ -186,12 +186,12 @@ def test_broken_operability_asks_for_an_oracle_where_safety_is_at_risk() -> None
 
 
 def test_a_requirement_that_is_not_steady_where_the_fault_infects_asks_for_a_situation() -> None:
-    clean = [vacuous(flight, "SR2") for flight in pool(NOBODY)]
-    found = told([*clean, *pool(HUMAN), *thrice(LATE, NOBODY)])
+    clean = [vacuous(flight, "SR2") for flight in ten(NOBODY)]
+    found = told([*clean, *ten(HUMAN), *thrice(LATE, NOBODY)])
     assert (found.verdict, found.next) == (Verdict.NOT_DETECTED, Next.SITUATION)
     assert "SR2, which the cell puts at risk, is vacuous in 1 situation where it infects" in found.why
     assert "it is steady in human" in found.why
-    red = told([*pool(HUMAN, violated={"SR2": 5.0}), *thrice(LATE, HUMAN)])
+    red = told([*ten(HUMAN, violated={"SR2": 5.0}), *thrice(LATE, HUMAN)])
     assert red.next is Next.SITUATION
     assert "is red in 1 situation where it infects; it is steady nowhere" in red.why
 

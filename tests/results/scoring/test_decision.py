@@ -9,13 +9,13 @@ import pytest
 from builders import GRID, outcome
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scaloft_fi.results.scoring.decision import LOOKS, Decided, Decision, decisions
 from scipy.stats import fisher_exact
 from statsmodels.stats.multitest import multipletests
 
 from scaloft_fi.results.flights import baseline_pool
 from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.results.scoring import decision
+from scaloft_fi.results.scoring.decision import LOOKS, Decided, Decision, decisions
 
 M = "LATE-human@3s"
 KEYS = [key for key, _ in GRID.points]

@@ -3,8 +3,9 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scaloft_fi.results.scoring.exact import at_most, clopper_pearson, fisher
 from scipy.stats import binom, binomtest, fisher_exact
+
+from scaloft_fi.results.scoring.exact import at_most, clopper_pearson, fisher
 
 shares = st.integers(1, 300).flatmap(lambda whole: st.tuples(st.integers(0, whole), st.just(whole)))
 

@@ -7,10 +7,10 @@ from dataclasses import replace
 from builders import GRID, ROSTER, campaigns, flights, outcome
 from hypothesis import given
 from hypothesis import strategies as st
-from scaloft_fi.results.scoring.decision import Decision
 
 from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.results.scoring.baseline import findings
+from scaloft_fi.results.scoring.decision import Decision
 from scaloft_fi.results.scoring.ratio import Ratio
 from scaloft_fi.results.scoring.score import Score, score
 from scaloft_fi.results.scoring.score_record import score_json
