@@ -12,14 +12,20 @@ from click.testing import Result
 from refusal import sentence
 
 Call = Callable[..., Result]
-HUMAN = ("--situation", "T0O0W0D0H1", "--jobs", "1", "--quiet")
+HUMAN = ("--situation", "T0O0W0D0H1", "--seeds", "3", "--jobs", "1", "--quiet")
 
 
-def test_a_fault_that_kills_at_every_magnitude_is_told_as_such(call: Call) -> None:
+def test_a_fault_that_is_killed_at_every_magnitude_is_told_as_such(call: Call) -> None:
     done = call("margin", "LATE-human", *HUMAN)
     assert done.exit_code == 0
     assert "<= 0.0625 s" in done.stdout
     assert "always((trigger implies speed_mps / 0.25 <= 1)" in " ".join(done.stdout.split())
+
+
+def test_one_seed_in_one_situation_is_seen_and_says_how_many_seeds_decide(call: Call) -> None:
+    done = call("margin", "LATE-human", *HUMAN, "--seeds", "1")
+    assert "seen <= 0.0625 s" in done.stdout
+    assert "`scaloft-fi margin LATE-human@0.0625s --seeds 5`" in " ".join(done.stdout.split())
 
 
 def test_json_has_the_ends_as_numbers_and_every_magnitude_tried(call: Call) -> None:
