@@ -57,7 +57,8 @@ def next_command(mutant: MutantScore, lacking: Collection[str], campaign: str) -
         return command(campaign, [mutant], seeds)
     if safety.needed:
         return command("ANOTHER" if safety.anew else campaign, [mutant], safety.needed)
-    return f"scaloft-fi kills {mutant.subject.id} --show survivors"
+    where = f" --campaign {campaign}" * (campaign != "default")
+    return f"scaloft-fi kills{where} {mutant.subject.id} --show survivors"
 
 
 def lacks_pool(mutant: MutantScore, lacking: Collection[str]) -> bool:
