@@ -61,8 +61,8 @@ def next_command(mutant: MutantScore, lacking: Collection[str], campaign: str) -
 
 
 def lacks_pool(mutant: MutantScore, lacking: Collection[str]) -> bool:
-    """Whether it changes samples in a situation where the pool has too few flights."""
-    return any(result.infected and result.situation in lacking for result in mutant.results)
+    """Whether an undecided mutant changes samples in a situation where the pool has too few flights."""
+    return not mutant.tested or any(result.infected and result.situation in lacking for result in mutant.results)
 
 
 def _detected(mutant: MutantScore) -> str:
