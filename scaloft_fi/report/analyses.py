@@ -16,7 +16,7 @@ from scaloft_fi.results.kills.subsumption import subsumption
 from scaloft_fi.results.kills.survivors import short_units, survivors
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.roster import Roster, cell_of
-from scaloft_fi.results.scoring.ratio import ratio_json
+from scaloft_fi.results.scoring.ratio import share_json
 from scaloft_fi.results.scoring.score import MutantScore, Score
 from scaloft_fi.results.situations.curve_tables import curves_json
 from scaloft_fi.results.situations.curves import curves
@@ -81,7 +81,8 @@ def ladders(scored: Score, cells: Matrix, roster: Roster) -> list[dict[str, Any]
                     "id": rung.subject.id,
                     "magnitude": rung.subject.magnitude,
                     "default": roster.counts(rung.subject),
-                    "kill_rate": ratio_json(rung.kill_rate),
+                    "verdict": rung.verdict.value,
+                    "kill_rate": share_json(rung.kill_rate),
                 }
                 for rung in sorted(by_cell[cell.name], key=lambda one: order(one.subject.id))
             ],

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import date
 
 from scaloft_fi.campaign.held.folder import STORE_NAME
 from scaloft_fi.campaign.held.held import current, held
 from scaloft_fi.campaign.held.tracks import with_tracks
 from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.scoring.detection import Spending
 from scaloft_fi.results.store import Store
 from scaloft_fi.study import Study
 
@@ -25,6 +26,7 @@ class Evidence:
         stale, owed: flights that it has outgrown; flights planned and not flown.
         fingerprint: of the platform that flew them, by name.
         today: by which dispositions expire; None = none does.
+        spending: how the campaign spends alpha.
     """
 
     study: Study
@@ -34,6 +36,7 @@ class Evidence:
     owed: int = 0
     fingerprint: Mapping[str, str] | None = None
     today: date | None = None
+    spending: Spending = field(default_factory=Spending)
 
 
 def gather(study: Study, campaign: str, today: date | None = None) -> Evidence:
