@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from scaloft_fi.cli.options import (
+    all_option,
     baseline_from_option,
     campaign_option,
     fail_under_option,
@@ -64,13 +65,15 @@ if TYPE_CHECKING:
 @click.option(
     "--baseline-seeds",
     metavar="N|A-B",
-    help="Fly the baseline with these seeds too: a larger pool to decide by.",
+    help="Seeds of the baseline pool, flown in each situation where a mutant infects, beside the mutants' own.  "
+    "[default: as many as make ten]",
 )
 @baseline_from_option
 @click.option(
     "--sequential",
     is_flag=True,
-    help="Fly 3, 5 and 10 seeds in whole rounds; what a round leaves undecided flies on.  Baselines fly all 10.",
+    help="Fly 1, 3, 5 and 10 seeds in whole rounds: only the mutants that a round leaves undecided fly on, and each "
+    "round spends a quarter of alpha.",
 )
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
 @click.option(
@@ -97,6 +100,7 @@ if TYPE_CHECKING:
     metavar="SHARE",
     help="Exit with 4 when the harness fails over a larger share (0..1) of the flights.",
 )
+@all_option
 @format_option
 @fail_under_option
 @click.option("--quiet", is_flag=True, help="No progress and no warnings.")
@@ -118,11 +122,12 @@ def run_command(
     first_kill: bool,
     budget: str | None,
     max_invalid: float,
+    everything: bool,
     style: str,
     fail_under: float | None,
     quiet: bool,
 ) -> int:
-    """Fly the baseline, PLACEBO and the mutants in every situation, then print the score.
+    """Fly the baseline, PLACEBO and the mutants in every situation, then say which faults the tests would have shown.
 
     What the campaign already holds is not flown again: the same command resumes.
     """
@@ -142,8 +147,10 @@ def run_command(
     from scaloft_fi.campaign.runs.run import run
     from scaloft_fi.campaign.runs.unflown import unflown_tables
     from scaloft_fi.campaign.workers.executor import executor_named
-    from scaloft_fi.cli.score import report, score_beside
+    from scaloft_fi.cli.score import report
     from scaloft_fi.results.rulings import rulings_of
+    from scaloft_fi.results.scoring.pool import LEAST
+    from scaloft_fi.results.scoring.score import score_of
     from scaloft_fi.study import Study
 
     if first_kill:
@@ -153,9 +160,19 @@ def run_command(
         draws = how if how.startswith("draws") else None  # a draw has one seed, a look several
         _alone("--sequential", seeds=seeds, budget=budget, shard=shard, choose=draws)
     study = Study.open(study_folder)
-    pool_seeds = choose.seeds(baseline_seeds, "--baseline-seeds") if baseline_seeds else ()
+    pool_seeds = choose.pool_seeds(baseline_seeds, lent=baseline_from is not None)
     flown_seeds = choose.seeds(seeds or "1")
     chosen = strategy.choose(how, study.grid.select(situations), flown_seeds, choose_seed, study.space)
+    if (
+        fail_under is not None
+        and pool_seeds is not None
+        and len({*pool_seeds, *flown_seeds}) < LEAST
+        and baseline_from is None
+    ):
+        raise InputError(
+            f"--fail-under={fail_under:g} needs a baseline pool of at least {LEAST} seeds, and --baseline-seeds="
+            f"{baseline_seeds!r} makes {len({*pool_seeds, *flown_seeds})} of them; leave one out"
+        )
     study.check(chosen.situations)
     planned = plan_draws(chosen.draws, choose.mutants(study, mutants), choose.canary(study)).with_pool(pool_seeds)
     if shard is not None:
@@ -186,7 +203,17 @@ def run_command(
         flown = run(study, planned, folder, options, progress=progress)
         extra = unflown_tables(planned, flown.left)
     rulings = rulings_of(flown.outcomes)
-    return report(study, rulings, score_beside(study, rulings, others), None, style, fail_under, extra)
+    return report(
+        study,
+        rulings,
+        score_of(rulings, study.roster, study.space, flown.spending, others),
+        campaign=campaign,
+        grouping=None,
+        everything=everything,
+        style=style,
+        fail_under=fail_under,
+        extra=extra,
+    )
 
 
 def _alone(option: str, **others: object) -> None:

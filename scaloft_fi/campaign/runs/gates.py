@@ -102,9 +102,7 @@ def _nothing_steady(outcomes: Sequence[Outcome]) -> Iterator[str]:
         yield f"no situation flown has a baseline that holds a safety requirement: {names}"
 
 
-def _silent_controls(
-    flights: Iterable[Flight], roster: Roster, canary: str | None, whole_grid: bool
-) -> Iterator[str]:
+def _silent_controls(flights: Iterable[Flight], roster: Roster, canary: str | None, whole_grid: bool) -> Iterator[str]:
     by_control: dict[str, list[Flight]] = {}
     for flight in flights:
         if cell_of(flight.outcome.mutant) in roster.controls and flight.status is not Status.INVALID:

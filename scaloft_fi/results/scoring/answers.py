@@ -52,10 +52,13 @@ def _shown(scored: Score, faults: Sequence[MutantScore], _campaign: str) -> str:
 
 def _not_shown(_scored: Score, faults: Sequence[MutantScore], _campaign: str) -> str:
     fates = Counter(mutant.verdict for mutant in faults)
-    return (
-        f"{fates[Verdict.NOT_DETECTED]} put to the test without a trace, {fates[Verdict.UNDECIDED]} undecided "
-        f"(too few flights to tell), {fates[Verdict.NOT_TESTED]} never put to the test."
-    )
+    parts = {
+        Verdict.NOT_DETECTED: "put to the test, and nothing was seen",
+        Verdict.UNDECIDED: "undecided: something was seen, or too few flights were flown",
+        Verdict.NOT_TESTED: "never put to the test",
+    }
+    told = "; ".join(f"{fates[verdict]} {words}" for verdict, words in parts.items() if fates[verdict])
+    return f"{told or 'none'}."
 
 
 def _how_sure(scored: Score, faults: Sequence[MutantScore], _campaign: str) -> str:

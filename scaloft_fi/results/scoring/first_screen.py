@@ -6,12 +6,13 @@ All of it fits 100 columns.  Long groups are cut unless everything is asked for;
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from textwrap import fill, indent
 
 from scaloft_fi.results.kills.background import Background
 from scaloft_fi.results.requirement import Kind
-from scaloft_fi.results.roster import Roster, cell_of
+from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.scoring.answers import Answer, answers
 from scaloft_fi.results.scoring.detection import Verdict
 from scaloft_fi.results.scoring.pool import Pool, State
@@ -19,17 +20,27 @@ from scaloft_fi.results.scoring.score import MutantScore, Score
 from scaloft_fi.results.situations.coverage import Coverage
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.status import Status
-from scaloft_fi.results.telling.table import WIDTH, Table
+from scaloft_fi.results.telling.literal import printable
+from scaloft_fi.results.telling.table import WIDTH, Format, Table, render
 
 MANY, SHOWN = 30, 10
 """Of more mutants than `MANY` each group shows its first `SHOWN`."""
-HEADERS = ("mutant", "kills", "by", "where", "first", "effect", "next")
+WIDEST = 24
+"""Longest condition that a row shows."""
 TITLE = "Would your tests have shown it?"
+COLUMNS = {
+    Verdict.DETECTED: ("kills", "by", "where", "first", "effect"),
+    Verdict.UNDECIDED: ("seen", "where", "first", "effect", "next"),
+    Verdict.NOT_DETECTED: ("tested in", "effect", "next"),
+    Verdict.NOT_TESTED: ("effect", "next"),
+}
+"""What each group tells of its mutants."""
+CONTROL_COLUMNS = ("kills", "shown by", "effect")
 LEGEND = (
-    "kills: situations where most flights of a detected mutant violate a safety requirement that the unmutated drone",
-    "  holds in nine of ten flights, of the situations that put the mutant to the test; seen: a violation there.",
-    "by: requirements with their kills, of the situations where each was a test; first: seconds from take-off.",
-    "next: what `scaloft-fi` verb to call; details of one mutant: `scaloft-fi kills ID`, all tables: `score --all`.",
+    "kills: situations where most flights of a detected fault violate, of those that put it to the test:",
+    "where it changes samples and nine in ten unmutated flights hold the requirement.  by: per requirement.",
+    "where: `mixed` is told by `scaloft-fi kills ID`.  first: earliest such violation [s from take-off].",
+    "next: the seeds of `scaloft-fi run --mutant ID` that would decide; anew: in a campaign of their own.",
 )
 _STOPPED = {
     Status.INVALID: "the harness failed",
@@ -65,30 +76,51 @@ def first_screen(
     """
     told = answers(scored, roster, campaign)
     lines = (Answer("Situations", coverage_line(covered)), Answer("Unmutated drone", baseline_line(scored.pool)))
-    rows = {mutant.subject.id: _row(mutant, space, backgrounds.get(mutant.subject.id)) for mutant in _told(scored)}
-    groups = [_group(title, listed, rows, whole) for title, listed in _groups(scored).items() if listed]
-    if groups:
-        groups[-1] = Table(groups[-1].title, groups[-1].headers, groups[-1].rows, (*groups[-1].notes, *LEGEND))
-    return (
-        Table(TITLE, ("question", "answer"), tuple(told)),
-        *groups,
-        Table("Besides", ("what", "finding"), lines),
-    )
-
-
-def heading(table: Table) -> str:
-    """A table of two columns as lines of text: what a terminal shows of the answers."""
-    wide = max(len(str(name)) for name, _ in table.rows) + 2
-    lines = [
-        str(name).ljust(wide) + indent(fill(str(text), WIDTH - wide), " " * wide).lstrip() for name, text in table.rows
+    counted = Counter(mutant.verdict for mutant in scored.mutants if mutant.flown and roster.counts(mutant.subject))
+    groups = [
+        *(
+            _group(verdict.words.capitalize(), COLUMNS[verdict], rows, whole, counted[verdict])
+            for verdict, rows in _rows(scored, space, backgrounds)
+        ),
+        _group("Controls, in no ratio", CONTROL_COLUMNS, [_control(mutant) for mutant in scored.controls], whole),
     ]
-    return "\n".join(lines) + "\n"
+    groups = [group for group in groups if group.rows]
+    if groups:
+        groups[-1] = replace(groups[-1], notes=(*groups[-1].notes, *LEGEND))
+    return (Table(TITLE, ("question", "answer"), tuple(told)), *groups, Table("Besides", ("what", "finding"), lines))
+
+
+def screen_text(screen: Sequence[Table], *, bold: bool = False) -> str:
+    """The screen as a terminal shows it: answers and findings as lines, the groups as tables between them."""
+    first, *groups, last = screen
+    parts = [_lines(first, bold), *(_emphasised(render([table], Format.TABLE), bold) for table in groups)]
+    return "\n".join([*parts, _lines(last, bold)])
+
+
+def _lines(table: Table, bold: bool) -> str:
+    """A table of two columns as lines: the first column is what the others are indented by."""
+    wide = max(len(str(name)) for name, _ in table.rows) + 2
+    lines = []
+    for name, text in table.rows:
+        told = indent(fill(printable(str(text)), WIDTH - wide), " " * wide).lstrip()
+        lines.append(f"{_strong(str(name), bold)}{' ' * (wide - len(str(name)))}{told}\n")
+    return "".join(lines)
+
+
+def _emphasised(text: str, bold: bool) -> str:
+    """The first line, which is the title, emphasised."""
+    title, rest = text.split("\n", 1)
+    return f"{_strong(title, bold)}\n{rest}"
+
+
+def _strong(text: str, bold: bool) -> str:
+    return f"\x1b[1m{text}\x1b[0m" if bold else text
 
 
 def coverage_line(covered: Coverage) -> str:
     """The situations in a sentence."""
     ways = ", ".join(f"{t}-way {100 * (r.value or 0):.0f} %" for t, r in covered.t_way if 2 <= t <= 3)
-    return f"{covered.situations.short} flown, {covered.draws} with seeds; {ways}; {covered.realised.short} came true whole."
+    return f"{covered.situations.short} flown, {ways} covered; in {covered.realised.short} every value came true."
 
 
 def baseline_line(pool: Pool) -> str:
@@ -101,47 +133,55 @@ def baseline_line(pool: Pool) -> str:
     for name in pool.requirements(Kind.SAFETY):
         states = Counter(pair.state for pair in pairs if pair.requirement == name)
         ill = [f"{states[s]} {s.value}" for s in (State.RED, State.UNSTEADY, State.OPEN, State.VACUOUS) if states[s]]
-        found.append(f"{name} steady in {states[State.STEADY]}" + (f" ({', '.join(ill)})" if ill else ""))
-    return f"{'; '.join(found)} situations with a pool.  Red: `scaloft-fi score --all`."
+        found.append(
+            f"holds {name} steadily in {states[State.STEADY]} situations" + (f" ({', '.join(ill)})" if ill else "")
+        )
+    return f"{'; '.join(found)}."
 
 
-def _told(scored: Score) -> tuple[MutantScore, ...]:
-    return (*scored.mutants, *scored.controls)
-
-
-def _groups(scored: Score) -> dict[str, list[MutantScore]]:
+def _rows(
+    scored: Score, space: Space, backgrounds: Mapping[str, Background]
+) -> Iterator[tuple[Verdict, list[tuple[str, ...]]]]:
+    """The rows of each verdict; among the detected those with most kills first."""
     flown = [mutant for mutant in scored.mutants if mutant.flown]
-    groups = {verdict.words.capitalize(): [m for m in flown if m.verdict is verdict] for verdict in Verdict}
-    groups["Detected"].sort(key=lambda mutant: -len(mutant.killing))
-    groups["The harness failed"] = [mutant for mutant in scored.mutants if not mutant.flown]
-    return groups | {"Controls (in no ratio)": list(scored.controls)}
+    for verdict in Verdict:
+        members = [mutant for mutant in flown if mutant.verdict is verdict]
+        if verdict is Verdict.DETECTED:
+            members.sort(key=lambda mutant: -len(mutant.killing))
+        facts = [_facts(mutant, space, backgrounds.get(mutant.subject.id)) for mutant in members]
+        yield verdict, [(one["mutant"], *(one[column] for column in COLUMNS[verdict])) for one in facts]
 
 
-def _group(title: str, listed: Sequence[MutantScore], rows: Mapping[str, tuple[str, ...]], whole: bool) -> Table:
-    shown = listed if whole or len(rows) <= MANY else listed[:SHOWN]
-    notes = (f"... and {len(listed) - len(shown)} more: `scaloft-fi score --all`",) if len(shown) < len(listed) else ()
-    kept = tuple(rows[mutant.subject.id] for mutant in shown)
-    return Table(f"{title}: {len(listed)}", HEADERS, kept, notes)
+def _group(
+    title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...]], whole: bool, counted: int | None = None
+) -> Table:
+    """A group's table; `counted` of its mutants are in the ratios, the others are more magnitudes of a cell."""
+    shown = rows if whole or len(rows) <= MANY else rows[:SHOWN]
+    notes = (f"... and {len(rows) - len(shown)} more: `scaloft-fi score --all`",) if len(shown) < len(rows) else ()
+    said = "" if counted in (None, len(rows)) else f", of which {counted} count in the score"
+    return Table(f"{title}: {len(rows)}{said}", ("mutant", *columns), tuple(shown), notes)
 
 
-def _row(mutant: MutantScore, space: Space, background: Background | None) -> tuple[str, ...]:
-    return (
-        mutant.subject.id,
-        f"{len(mutant.killing)}/{mutant.kill_rate.whole}",
-        _by(mutant),
-        mutant.condition(space),
-        f"{mutant.first.t_s:.1f}" if mutant.first else "",
-        effect(mutant),
-        _next(mutant, background),
-    )
-
-
-def _by(mutant: MutantScore) -> str:
-    if mutant.requirements:
-        return ", ".join(f"{name} {ratio.short}" for name, ratio in mutant.requirements)
-    by = [*mutant.safety.by, *mutant.operability.by]
+def _facts(mutant: MutantScore, space: Space, background: Background | None) -> dict[str, str]:
+    where = mutant.condition(space)
     seen = Counter(name for result in mutant.results for name in result.seen)
-    return ", ".join(by) or ", ".join(f"{name} seen {count}x" for name, count in seen.items())
+    return {
+        "mutant": mutant.subject.id,
+        "kills": mutant.kill_rate.short,
+        "by": ", ".join(f"{name} {ratio.short}" for name, ratio in mutant.requirements if name in mutant.safety.p)
+        or ", ".join(mutant.safety.by),
+        "seen": ", ".join(f"{name} in {count}/{mutant.kill_rate.whole}" for name, count in seen.items()),
+        "tested in": str(mutant.kill_rate.whole),
+        "where": where if len(where) <= WIDEST else "mixed",
+        "first": f"{mutant.first.t_s:.1f}" if mutant.first else "",
+        "effect": effect(mutant),
+        "next": _next(mutant, background),
+    }
+
+
+def _control(mutant: MutantScore) -> tuple[str, ...]:
+    by = ", ".join((*mutant.safety.by, *mutant.operability.by)) or "nothing"
+    return mutant.subject.id, mutant.kill_rate.short, by, effect(mutant)
 
 
 def effect(mutant: MutantScore) -> str:
@@ -149,27 +189,26 @@ def effect(mutant: MutantScore) -> str:
     struck = list(dict.fromkeys(kill.first.struck for kill in mutant.kills if kill.first.struck))
     if not struck and mutant.first is not None and mutant.first.struck:
         struck = [mutant.first.struck]
-    said = [f"strikes {', '.join(struck)}"] if struck else []
-    if mutant.detected and not struck:
-        said.append("no contact")
+    if struck:
+        return f"strikes {struck[0]}" + f" +{len(struck) - 1}" * (len(struck) > 1)
+    if mutant.detected:
+        return "no contact"
     if mutant.operability.detected:
-        said.append(f"breaks {', '.join(mutant.operability.by)}")
-    if not said and not mutant.tested and mutant.infected:
+        return f"breaks {', '.join(mutant.operability.by)}"
+    if mutant.infected and not mutant.tested:
         return "acts only where no pair is steady"
-    return "; ".join(said) or _STOPPED[mutant.status]
+    return _STOPPED[mutant.status]
 
 
 def _next(mutant: MutantScore, background: Background | None) -> str:
-    laddered = background is not None and background.laddered
-    if mutant.detected:
-        return f"margin {cell_of(mutant.subject.id)}" if laddered else ""
     if mutant.verdict is Verdict.UNDECIDED:
         if mutant.safety.needed is None:
-            return "a pool" if not mutant.tested else "more than 50 seeds"
-        anew = " --campaign NEW" * mutant.safety.anew
-        return f"run{anew} --seeds {mutant.safety.needed}"
+            return "more than 50 seeds" if mutant.tested else "a baseline pool"
+        return f"--seeds {mutant.safety.needed}" + ", anew" * mutant.safety.anew
     if background is not None and background.expected and not mutant.infected:
-        return "expected"
-    if mutant.verdict is Verdict.NOT_DETECTED and background is not None and background.stronger:
-        return f"run {background.stronger[0]}"
-    return "another situation" if mutant.verdict is Verdict.NOT_TESTED else "kills"
+        return "nothing: expected"
+    if mutant.verdict is Verdict.NOT_TESTED:
+        return "another situation"
+    if background is not None and background.stronger:
+        return f"try {background.stronger[0]}"
+    return "an oracle or situation"

@@ -90,7 +90,7 @@ def _of_requirements(mutants: list[MutantScore]) -> tuple[Group, ...]:
     names = dict.fromkeys(name for mutant in mutants for name in mutant.tests)
     parts = []
     for name in names:
-        able = sum(name in mutant.tests for mutant in mutants)
-        detected = sum(name in (*mutant.safety.by, *mutant.operability.by) for mutant in mutants)
-        parts.append(Group(name, Ratio(detected, able), Ratio(detected, len(mutants))))
+        able = [mutant for mutant in mutants if name in mutant.tests]
+        detected = sum(name in (*mutant.safety.by, *mutant.operability.by) for mutant in able)
+        parts.append(Group(name, Ratio(detected, len(able)), Ratio(detected, len(mutants))))
     return tuple(parts)

@@ -27,6 +27,7 @@ REDRAWS = 200
 SEED = 20251
 """Of the choices; a fixed number, so that a score is the same whenever it is asked for."""
 
+
 @dataclass(frozen=True)
 class Redraw:
     """What redraws of the unmutated drone gave.

@@ -173,9 +173,7 @@ class MutantScore:
     def condition(self, space: Space) -> str:
         """The situations with a kill in words; of a mutant without one those where a violation was seen."""
         where = self.killing or self.seen_in
-        spared = tuple(
-            r.situation for r in self.results if r.situation not in where and (r.tested or not r.infected)
-        )
+        spared = tuple(r.situation for r in self.results if r.situation not in where and (r.tested or not r.infected))
         return _condition(space, where, spared)
 
 
