@@ -20,7 +20,7 @@ function againstOf(name) {
   return [...new Set(names)];
 }
 
-/** A cell's margin; a kill beside a clean drone that holds nothing is in no score, and said to be so. */
+/** A cell's margin; a kill where no pair is steady is in no score, and said to be so. */
 function marginText(name) {
   const text = DATA.margins[name] ?? "";
   const kills = text.split("; ").some((one) => one && !/^[<>] /.test(one));
@@ -32,7 +32,7 @@ const limitLines = (names) => names.map((name) => h("span", { class: "line faint
 
 function ladders() {
   const found = DATA.ladders;
-  return part("ladders", "How much fault does it take", "Share of eligible situations killed against the magnitude of the fault, with Wilson's 95 % interval; then the margin, the least magnitude that kills, situation by situation.  A magnitude has the unit of the fault, a limit that of its requirement: no number of one is a number of the other, so the robustness of the requirement is shown at both ends of a margin.",
+  return part("ladders", "How much fault does it take", "Share of the situations that put the fault to the test with a kill, against its magnitude, filled where it is detected; then the margin, the least magnitude with a kill, situation by situation.  A magnitude has the unit of the fault, a limit that of its requirement: no number of one is a number of the other, so the robustness of the requirement is shown at both ends of a margin.",
     found.length ? h("div", { class: "multiples" }, found.map(ladder)) : h("p", { class: "note" }, "No cell was flown with more than one magnitude.  ", h("code", {}, "scaloft-fi run --mutant 'LATE-human*'"), " flies a ladder, ", h("code", {}, "scaloft-fi margin LATE-human"), " searches between its rungs."),
     DATA.thresholds.length > 0 && [h("h3", { class: "sub" }, "Margins by situation"), DATA.thresholds.some((entry) => entry.least.endsWith("!")) && h("p", { class: "small faint" }, "!: the response is not monotone; a severer magnitude survives where a milder one kills."), DATA.thresholds.map((entry) => margins(entry, DATA.thresholds.length === 1))]);
 }
@@ -44,8 +44,7 @@ function ladder(entry) {
   const { root, sx, sy } = frame;
   rungs.forEach((rung, number) => {
     const value = share(rung.kill_rate);
-    if (rung.kill_rate.interval) root.append(s("line", { class: "whisk", x1: sx(number), x2: sx(number), y1: sy(rung.kill_rate.interval[0]), y2: sy(rung.kill_rate.interval[1]) }));
-    if (value !== null) root.append(s("circle", { class: "dot", cx: sx(number), cy: sy(value), r: rung.default ? 5 : 4 }, s("title", {}, `${rung.id}: ${ratioText(rung.kill_rate)} ${intervalText(rung.kill_rate)}`)));
+    if (value !== null) root.append(s("circle", { class: rung.verdict === "detected" ? "dot" : "open", cx: sx(number), cy: sy(value), r: rung.default ? 5 : 4 }, s("title", {}, `${rung.id}: ${spaced(rung.verdict)}, ${ratioText(rung.kill_rate)}`)));
     else root.append(s("text", { x: sx(number), y: sy(0.5), "text-anchor": "middle" }, "n/a"));
   });
   return h("figure", { class: "small-multiple" },
@@ -60,7 +59,7 @@ function margins(entry, open) {
     [wordsOf(found.key), " ", h("span", { class: "faint small" }, found.key)],
     span(found, range, entry), ended(found.survives, entry.unit), ended(found.kills, entry.unit), listed(found.by),
     entry.against.map((name) => h("span", { class: "line" }, entry.against.length > 1 ? `${name} ` : "", found.rho[name].map((value) => (twoDigits(value))).join(" / "))),
-    [found.again.length > 0 && `not monotone: survives again at ${found.again.map((value) => ended(value, entry.unit)).join(", ")}.  `, !found.counts && "Killed where the clean drone holds nothing to the end: in no score."],
+    [found.again.length > 0 && `not monotone: survives again at ${found.again.map((value) => ended(value, entry.unit)).join(", ")}.  `, !found.counts && "Killed where no pair is steady: in no score."],
   ]);
   const untold = entry.situations_flown - entry.situations.length;
   return h("details", { class: "fold", open },
@@ -68,7 +67,7 @@ function margins(entry, open) {
     h("p", { class: "small" }, limitLines(entry.against)),
     table(["situation", `${entry.unit ? `magnitude [${UNITS[entry.unit] ?? entry.unit}], ` : ""}${trimmed(range[0], 3)} to ${trimmed(range[1], 3)}`, { text: "survives", number: true }, { text: "kills", number: true }, "by", "robustness: survives / kills", ""], rows, { stack: false }),
     h("p", { class: "small faint" }, `Open disc: the severest magnitude that survives below the kill; filled: the mildest that kills; the threshold lies between.  ${entry.worse > 0 ? "Larger" : "Smaller"} is worse.  Robustness below 0 is a violation; its unit: ${entry.against.map((name) => `${name} ${requirementOf(name)?.unit ?? ""}`).join("; ")}.`,
-      untold > 0 && `  ${plural(untold, "further situation")} flown ${untold === 1 ? "tells" : "tell"} nothing of it: the fault changes nothing there, or the clean drone holds no requirement that it puts at risk.`));
+      untold > 0 && `  ${plural(untold, "further situation")} flown ${untold === 1 ? "tells" : "tell"} nothing of it: the fault changes nothing there, or the unmutated drone holds no requirement that it puts at risk.`));
 }
 
 /** A robustness as `margin` prints it: near a threshold it is small, and its sign is what counts. */
