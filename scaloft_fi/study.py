@@ -37,8 +37,6 @@ FLYING_CODE = (
     "results/track.py",
 )
 """The sources that can change an outcome."""
-CUTTING_CODE = ("results/status.py",)
-"""What can change, besides, when a flight is cut at its first kill."""
 FLYING_DATA = ("world", "vehicle", "sensors", "stack")
 """The documents of `sim/` that enter every flight; of `situations.yaml` only the situation's own values do."""
 
@@ -221,7 +219,6 @@ class Study:
             "sim": _digest([documents, others]),
             "requirements": _digest(judged),
             "code": _with_plugins(_code(FLYING_CODE)),
-            "cutting": _code(CUTTING_CODE),
         }
 
     def check(self, situations: Iterable[Situation] | None = None) -> None:

@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from scaloft_fi.cli.options import campaign_option, format_option, operability_option, study_option, typed
+from scaloft_fi.cli.options import (
+    campaign_option,
+    format_option,
+    operability_option,
+    quiet_option,
+    study_option,
+    typed,
+    warnings_option,
+)
 
 if TYPE_CHECKING:
     from scaloft_fi.results.worksheet.margin import Margin, Subject
@@ -37,7 +45,8 @@ if TYPE_CHECKING:
 @operability_option
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
 @format_option
-@click.option("--quiet", is_flag=True, help="No progress and no warnings.")
+@warnings_option
+@quiet_option
 def margin_command(
     mutants: tuple[str, ...],
     study_folder: Path | None,
@@ -48,6 +57,7 @@ def margin_command(
     operability: bool,
     jobs: int | None,
     style: str,
+    warnings: bool,
     quiet: bool,
 ) -> None:
     """Find the smallest magnitude of each fault that kills, situation by situation.
@@ -79,7 +89,7 @@ def margin_command(
         chosen,
         numbers,
         campaign_folder(study, campaign),
-        RunOptions(jobs=jobs or cores(), command=typed()),
+        RunOptions(jobs=jobs or cores(), warnings=warnings, command=typed()),
         kind=Kind.OPERABILITY if operability else Kind.SAFETY,
         progress=Silence if quiet else Progress,
     )

@@ -117,6 +117,25 @@ def operability_option(function: F) -> F:
     )(function)
 
 
+def warnings_option(function: F) -> F:
+    """`--warnings`: each violation as it happens."""
+    return click.option(
+        "--warnings",
+        is_flag=True,
+        help="Print a line for each violation when it happens, by the unmutated drone too.  "
+        "[default: violations are counted; the campaign's mission_log.json lists them]",
+    )(function)
+
+
+def quiet_option(function: F) -> F:
+    """`--quiet`: nothing but the result."""
+    return click.option(
+        "--quiet",
+        is_flag=True,
+        help="Print only the result: while drones fly no progress, no count of violations and no warning.",
+    )(function)
+
+
 def typed() -> str:
     """What the user typed, as a shell takes it."""
     program = Path(sys.argv[0]).name

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,15 +13,16 @@ from scaloft_fi.cli.options import (
     campaign_option,
     fail_under_option,
     format_option,
+    quiet_option,
     study_option,
     typed,
+    warnings_option,
 )
 from scaloft_fi.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from scaloft_fi.results.scoring.first_kills import FirstKills
     from scaloft_fi.results.telling.table import Table
 
 
@@ -86,7 +86,6 @@ if TYPE_CHECKING:
 )
 @click.option("--shard", metavar="K/N", help="Fly the K-th of N parts of the run; `merge` joins them.")
 @click.option("--no-share", is_flag=True, help="Fly every flight whole from take-off; the outcomes are the same.")
-@click.option("--first-kill", is_flag=True, help="Only say which mutants are killed, with the least flying.")
 @click.option(
     "--budget",
     metavar="TIME",
@@ -103,7 +102,8 @@ if TYPE_CHECKING:
 @all_option
 @format_option
 @fail_under_option
-@click.option("--quiet", is_flag=True, help="No progress and no warnings.")
+@warnings_option
+@quiet_option
 def run_command(
     study_folder: Path | None,
     campaign: str,
@@ -119,12 +119,12 @@ def run_command(
     executor: str,
     shard: str | None,
     no_share: bool,
-    first_kill: bool,
     budget: str | None,
     max_invalid: float,
     everything: bool,
     style: str,
     fail_under: float | None,
+    warnings: bool,
     quiet: bool,
 ) -> int:
     """Fly the baseline, PLACEBO and the mutants in every situation, then say which faults the tests would have shown.
@@ -141,7 +141,6 @@ def run_command(
     from scaloft_fi.campaign.progress.progress import Progress, Silence
     from scaloft_fi.campaign.runs.baseline_pool import borrowed
     from scaloft_fi.campaign.runs.budget import budget_s
-    from scaloft_fi.campaign.runs.first_kill import first_kills
     from scaloft_fi.campaign.runs.looks import look_table, run_looks
     from scaloft_fi.campaign.runs.options import RunOptions
     from scaloft_fi.campaign.runs.run import run
@@ -153,9 +152,6 @@ def run_command(
     from scaloft_fi.results.scoring.score import score_of
     from scaloft_fi.study import Study
 
-    if first_kill:
-        decided = {"sequential": sequential or None, "baseline_seeds": baseline_seeds, "baseline_from": baseline_from}
-        _alone("--first-kill", budget=budget, fail_under=fail_under, **decided)
     if sequential:
         draws = how if how.startswith("draws") else None  # a draw has one seed, a look several
         _alone("--sequential", seeds=seeds, budget=budget, shard=shard, choose=draws)
@@ -186,16 +182,13 @@ def run_command(
         part=shard is not None,
         budget_s=None if budget is None else budget_s(budget),
         max_invalid=max_invalid,
-        every_violation=bool(mutants),
+        warnings=warnings,
         command=typed(),
     )
     keys = [situation.key for situation in chosen.situations]
     others = borrowed(study, baseline_from, keys) if baseline_from else ()
     folder = campaign_folder(study, campaign)
     strategy.remember(folder, chosen)
-    if first_kill:
-        _print_first_kills(first_kills(study, planned, folder, options, progress=progress), style)
-        return 0
     if sequential:
         flown, looks = run_looks(study, planned, folder, options, others=others, progress=progress)
         extra: Sequence[Table] = (look_table(looks),)
@@ -216,18 +209,8 @@ def run_command(
     )
 
 
-def _alone(option: str, **others: object) -> None:
+def _alone(option: str, **others: str | None) -> None:
     """Refuse options that make no sense beside another."""
     for name, value in others.items():
         if value is not None:
-            other = f"--{name.replace('_', '-')}" + ("" if value is True else f"={value}")
-            raise InputError(f"{option} and {other} do not go together; leave one out")
-
-
-def _print_first_kills(found: FirstKills, style: str) -> None:
-    from scaloft_fi.results.telling.table import Format, render
-
-    if style == Format.JSON:
-        click.echo(json.dumps(found.to_json(), indent=2, allow_nan=False))
-    else:
-        click.echo(render((found.table(),), Format(style)), nl=False)
+            raise InputError(f"{option} and --{name}={value} do not go together; leave one out")

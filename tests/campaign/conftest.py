@@ -73,9 +73,7 @@ class FakeStudy:
     """What a run asks of a study."""
 
     folder: Path
-    inputs: Mapping[str, str] = field(
-        default_factory=lambda: {"sim": "s", "requirements": "r", "code": "c", "cutting": "k"}
-    )
+    inputs: Mapping[str, str] = field(default_factory=lambda: {"sim": "s", "requirements": "r", "code": "c"})
     grid: FakeGrid = GRID
     matrix: Matrix = MATRIX
     space: Space = SPACE
@@ -140,7 +138,7 @@ class Log:
     def prepare(self, study: Any, say: Callable[[str], None]) -> None:
         pass
 
-    def __call__(self, study: Any, flight: Flight, baseline: Outcome | None = None) -> Outcome:
+    def __call__(self, study: Any, flight: Flight) -> Outcome:
         with self.path.open("a") as file:
             file.write(f"{flight.name}\n")
         return self.change(flight, fly(study, flight))

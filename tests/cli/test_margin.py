@@ -39,6 +39,13 @@ def test_every_format_names_the_situation_and_the_margin(call: Call, style: str)
     assert "MORE-goal" in text
 
 
+@pytest.mark.parametrize(("words", "told"), [((), 0), (("--warnings",), 7)])
+def test_violations_are_counted_and_told_only_when_asked(call: Call, words: tuple[str, ...], told: int) -> None:
+    said = call("margin", "LATE-human", *HUMAN[:-1], *words).stderr.splitlines()
+    assert sum(line.startswith("warning: SR2 violated at ") for line in said) == told
+    assert any(line.startswith("violations: ") for line in said)
+
+
 def test_the_matrix_shows_margins_in_its_cells_and_the_rest_as_untold(call: Call) -> None:
     assert call("margin", "LATE-human", *HUMAN).exit_code == 0
     shown = call("matrix", "--margins", "--format", "csv").stdout

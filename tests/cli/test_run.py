@@ -24,7 +24,17 @@ def test_a_run_prints_score_rungs_findings_and_coverage(call: Call) -> None:
         assert title in result.stdout
     assert "LATE-human@3s" in result.stdout
     assert "Situation coverage" in result.stdout
-    assert "warning: SR2 violated at 8.00 s" in result.stderr
+    assert "violations: 2 (mutants 2); all of them are in " in result.stderr
+    assert "warning" not in result.stderr
+
+
+def test_warnings_tell_each_violation_of_however_many_mutants(call: Call) -> None:
+    for words in (("--mutant", "LATE-human"), ("--seeds", "1-1")):
+        said = call("run", "--situation", "T0O0W0D0H1", "--warnings", *words).stderr.splitlines()
+        (counted,) = (line for line in said if line.startswith("violations: "))
+        warnings = [line for line in said if line.startswith("warning: ")]
+        assert "warning: SR2 violated at 8.00 s" in warnings[0]
+        assert counted.startswith(f"violations: {len(warnings)} (mutants {len(warnings)}); ")
 
 
 def test_quiet_says_nothing_but_the_tables(call: Call) -> None:

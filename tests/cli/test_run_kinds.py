@@ -1,4 +1,4 @@
-"""Other runs than the whole one: killed or not, a budget, looks, a pool of baselines; without physics."""
+"""Other runs than the whole one: a budget, looks, a pool of baselines; without physics."""
 
 from __future__ import annotations
 
@@ -15,25 +15,6 @@ if TYPE_CHECKING:
     from conftest import Paper
 
 Call = Callable[..., Result]
-
-
-def test_first_kill_prints_killed_or_not_and_no_score(call: Call) -> None:
-    words = ("--mutant", "LATE-human", "--mutant", "MORE-goal", "--quiet", "--first-kill")
-    result = call("run", *words)
-    assert result.exit_code == 0, result.output
-    assert "First kills" in result.stdout
-    assert "Mutation score" not in result.stdout
-    found = json.loads(call("run", *words, "--format", "json").stdout)
-    late, more = sorted(found["mutants"], key=lambda entry: entry["id"])
-    assert (late["killed"], late["by"], late["t_s"]) == (True, "SR2", 8.0)
-    assert (more["killed"], more["by"]) == (False, None)
-    assert late["flown"] < late["possible"] == more["flown"] == 32
-    assert {row["mutant"] for row in json.loads(call("export").stdout)} == {"baseline", "PLACEBO", "REVERSE-velcmd"}
-
-
-@pytest.mark.parametrize("other", [("--budget", "10m"), ("--fail-under", "0.5")])
-def test_first_kill_goes_alone(call: Call, other: tuple[str, str]) -> None:
-    assert "do not go together" in sentence(call("run", "--mutant", "LATE-human", "--first-kill", *other))
 
 
 def test_a_budget_that_is_no_time_is_refused(call: Call) -> None:
@@ -68,7 +49,7 @@ def test_sequential_looks_fly_on_what_is_undecided_and_print_how_it_went(call: C
     assert "Looks" in call("run", *words, "--sequential", "--baseline-seeds", "50").stdout
 
 
-@pytest.mark.parametrize("other", [("--seeds", "4"), ("--budget", "10m"), ("--shard", "1/2"), ("--first-kill",)])
+@pytest.mark.parametrize("other", [("--seeds", "4"), ("--budget", "10m"), ("--shard", "1/2")])
 def test_sequential_goes_alone(call: Call, other: tuple[str, ...]) -> None:
     assert "do not go together" in sentence(call("run", "--mutant", "LATE-human", "--sequential", *other))
 

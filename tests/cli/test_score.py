@@ -47,7 +47,7 @@ def test_a_campaign_without_a_flight_that_counts_has_no_score(call: Call, tmp_pa
     assert "no campaign was flown here" in sentence(call("score"))
     assert list(tmp_path.iterdir()) == [copy]
     words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--quiet")
-    assert call("run", *words, "--first-kill", study=copy).exit_code == 0
+    assert call("run", *words, study=copy).exit_code == 0
     world = copy / "sim" / "world.yaml"
     world.write_text(world.read_text().replace("light: 0.9", "light: 0.8", 1))
     assert "flights are stale" in sentence(call("score", study=copy))

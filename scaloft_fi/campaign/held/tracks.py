@@ -37,7 +37,7 @@ def with_tracks(
         if outcome.mutant not in wanted or (seeds is not None and outcome.seed not in seeds):
             return outcome
         flight = flight_named(study, outcome.mutant, outcome.situation, outcome.seed)
-        return store.get(keys.key(flight, outcome.truncated)) or outcome
+        return store.get(keys.key(flight)) or outcome
 
     with Store(existing(campaign_folder(study, campaign)), create=False) as store:
         return tuple(tracked(outcome) for outcome in outcomes)

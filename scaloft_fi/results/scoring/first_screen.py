@@ -38,8 +38,9 @@ COLUMNS = {
 CONTROL_COLUMNS = ("kills", "shown by", "effect")
 LEGEND = (
     "kills: situations where most flights of a detected fault violate, of those that put it to the test:",
-    "where it changes samples and nine in ten unmutated flights hold the requirement.  by: per requirement.",
-    "where: `mixed` is told by `scaloft-fi kills ID`.  first: earliest such violation [s from take-off].",
+    "where it changes samples and nine in ten unmutated flights hold the requirement.",
+    "by: the same per requirement.  where: `mixed` is told by `scaloft-fi kills ID`.",
+    "first: earliest such violation [s from take-off].",
     "next: the seeds of `scaloft-fi run --mutant ID` that would decide; anew: in a campaign of their own.",
 )
 _STOPPED = {

@@ -19,7 +19,7 @@ from collections.abc import Iterable, Sequence
 from functools import cache
 from typing import Any
 
-from scaloft_fi.results.flights import Flight, flights_of, whole
+from scaloft_fi.results.flights import Flight, flights_of
 from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.space import Space
@@ -53,9 +53,9 @@ def export_rows(
 
 
 def ordered(outcomes: Iterable[Outcome], roster: Roster, space: Space) -> list[Outcome]:
-    """Whole flights by mutant (the baseline first, then PLACEBO, then the catalogue's order), situation, seed."""
+    """Flights by mutant (the baseline first, then PLACEBO, then the catalogue's order), situation, seed."""
     mutant_rank, situation_rank = cache(roster.rank), cache(space.rank)
-    return sorted(whole(outcomes), key=lambda o: (mutant_rank(o.mutant), situation_rank(o.situation), o.seed))
+    return sorted(outcomes, key=lambda o: (mutant_rank(o.mutant), situation_rank(o.situation), o.seed))
 
 
 def columns(rows: Sequence[Row], requirements: Sequence[str] = ()) -> list[str]:

@@ -4,7 +4,6 @@ import csv
 import io
 import json
 import random
-from dataclasses import replace
 
 from builders import GRID, KINDS, ROSTER, campaigns, outcome
 from hypothesis import given
@@ -71,10 +70,6 @@ def test_a_row_says_what_the_figures_of_the_score_follow_from() -> None:
     cut = outcome(M, violated={"SR1": 20.0}, struck="wall")
     (_, row) = export_rows([outcome(), cut], ROSTER, GRID)
     assert (row["held"], row["violation_bodies"], row["carried"], row["altered"]) == ([], ["wall"], 100, 5)
-
-
-def test_a_flight_cut_at_its_first_kill_is_not_exported() -> None:
-    assert export_rows([replace(outcome(M), truncated="first kill")], ROSTER, GRID) == []
 
 
 def test_an_export_of_nothing_is_an_empty_list_and_a_header() -> None:
