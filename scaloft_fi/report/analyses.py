@@ -18,7 +18,7 @@ from scaloft_fi.results.kills.survivors import short_units, survivors
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.roster import Roster, cell_of
 from scaloft_fi.results.rulings import Rulings
-from scaloft_fi.results.scoring.detection import Spending
+from scaloft_fi.results.scoring.detection import Spending, Verdict
 from scaloft_fi.results.scoring.ratio import share_json
 from scaloft_fi.results.scoring.score import MutantScore, Score
 from scaloft_fi.results.situations.curve_tables import curves_json
@@ -45,9 +45,9 @@ def analyses(evidence: Evidence, rulings: Rulings, scored: Score, matrix: KillMa
     known = backgrounds(study.matrix, [row.id for row in matrix.mutants])
     return {
         "curves": coverage_against_kills(scored, rulings, roster, matrix.space, evidence.spending),
-        "margins": margin_texts(outcomes, study.matrix),
+        "margins": margin_texts(outcomes, scored, study.matrix),
         "ladders": ladders(scored, study.matrix, roster),
-        "thresholds": thresholds(outcomes, study.matrix, matrix, study.requirements),
+        "thresholds": thresholds(outcomes, scored, study.matrix, study.requirements),
         "interactions": [entry.to_json() for entry in found],
         "orders": orders(found, matrix.space).to_json(),
         "suite": minimal_suite(kills, [key for key, _ in matrix.space.points]).to_json(),
@@ -70,10 +70,14 @@ def coverage_against_kills(
     return curves_json(followed, predict(followed))
 
 
-def margin_texts(outcomes: Sequence[Outcome], cells: Matrix) -> dict[str, str]:
-    """The margin of each cell that has one with a number in it."""
-    told = cell_margins(outcomes, cells)
-    return {cell: text for cell, text in told.items() if any(sign.isdigit() for sign in text)}
+def margin_texts(outcomes: Sequence[Outcome], scored: Score, cells: Matrix) -> dict[str, str]:
+    """The margin of each cell that has one; faults without an order have a verdict and no margin."""
+    verdicts = tuple(verdict.words for verdict in Verdict)
+    told = {
+        cell: [part for part in text.split("; ") if any(map(str.isdigit, part)) and not part.endswith(verdicts)]
+        for cell, text in cell_margins(outcomes, scored, cells).items()
+    }
+    return {cell: "; ".join(parts) for cell, parts in told.items() if parts}
 
 
 def ladders(scored: Score, cells: Matrix, roster: Roster) -> list[dict[str, Any]]:
