@@ -26,8 +26,9 @@ const limitLines = (names) => names.map((name) => h("span", { class: "line faint
 
 function ladders() {
   const found = DATA.ladders;
+  const laddered = DATA.cells.find((cell) => cell.default.includes("@"))?.name ?? "CELL";
   return part("ladders", "How much fault does it take", "Share of the situations that put the fault to the test with a kill, against its magnitude, filled where it is detected; then the margin, the least magnitude with a kill, situation by situation.  A magnitude has the unit of the fault, a limit that of its requirement: no number of one is a number of the other, so the robustness of the requirement is shown at both ends of a margin.",
-    found.length ? h("div", { class: "multiples" }, found.map(ladder)) : h("p", { class: "note" }, "No cell was flown with more than one magnitude.  ", h("code", {}, "scaloft-fi run --mutant 'LATE-human*'"), " flies a ladder, ", h("code", {}, "scaloft-fi margin LATE-human"), " searches between its rungs."),
+    found.length ? h("div", { class: "multiples" }, found.map(ladder)) : h("p", { class: "note" }, "No cell was flown with more than one magnitude.  ", h("code", {}, `scaloft-fi run --mutant ${literal(`${laddered}*`)}`), " flies a ladder, ", h("code", {}, `scaloft-fi margin ${literal(laddered)}`), " searches between its rungs."),
     DATA.thresholds.length > 0 && [h("h3", { class: "sub" }, "Margins by situation"), DATA.thresholds.some((entry) => entry.least.endsWith("!")) && h("p", { class: "small faint" }, "!: the response is not monotone; a severer magnitude survives where a milder one is killed or seen."), DATA.thresholds.map((entry) => margins(entry, DATA.thresholds.length === 1))]);
 }
 
