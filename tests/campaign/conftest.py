@@ -79,6 +79,7 @@ class FakeStudy:
     space: Space = SPACE
     roster: Roster = ROSTER
     predicate: str = "t"
+    alpha: float = 0.01
 
     def changes(self, situation: FakeSituation) -> dict[str, Any]:
         return {"key": situation.key}

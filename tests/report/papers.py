@@ -22,8 +22,8 @@ BAR, SHAKY, ONCE = "T1O1W1D1H0", "T1O0W0D0H0", "T0O0W0D0H0"
 FINGERPRINT = {"system": "Paper", "python": "3.11"}
 
 
-def track(duration_s: float, drift: float, from_s: float) -> bytes:
-    """Up the corridor and back; from `from_s` on a drift to the side."""
+def track(duration_s: float, drift: float, from_s: float, climb_m: float = 1.6) -> bytes:
+    """Take off, up the corridor and back; from `from_s` on a drift to the side."""
     times = [0.05 * i for i in range(round(duration_s / 0.05) + 1)]
     y = [3.0 - 3.0 * math.cos(2 * math.pi * t / duration_s) for t in times]
     x = [drift * max(0.0, t - from_s) / duration_s for t in times]
@@ -32,7 +32,7 @@ def track(duration_s: float, drift: float, from_s: float) -> bytes:
             "elapsed_s": times,
             "x_m": x,
             "y_m": y,
-            "z_m": [1.65 for _ in times],
+            "z_m": [0.05 + min(climb_m, t) for t in times],
             "speed_mps": [0.3 + 0.2 * math.sin(t) for t in times],
             "clearance_m": [1.0 - abs(value) for value in x],
             "person_sight_m": [100.0 if value > 4 else 4.0 - 0.9 * value for value in y],

@@ -8,10 +8,11 @@ from typing import Any
 
 import pytest
 from counting import SAFETY, Count, counts_of, exported, states_of
-from papers import MUTANTS, campaign, evidence_of
+from papers import MUTANTS, campaign, evidence_of, track
 from reading import embedded, unpacked
 
 from scaloft_fi.report.evidence import Evidence
+from scaloft_fi.report.figures import figures
 from scaloft_fi.report.page import page
 from scaloft_fi.results.scoring.answers import answers
 from scaloft_fi.results.scoring.detection import Spending
@@ -239,9 +240,27 @@ def test_a_ladder_has_a_rung_for_each_magnitude_flown(told: dict[str, Any]) -> N
     assert [(rung["magnitude"], rung["default"]) for rung in ladder["rungs"]] == [("1s", False), ("3s", True)]
 
 
-def test_gates_that_fail_are_told(evidence: Evidence) -> None:
-    from dataclasses import replace
+def test_the_gates_hold_over_flights_that_nothing_is_wrong_with(told: dict[str, Any]) -> None:
+    assert told["gates"]["failed"] == ""
 
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"stack_error": "autopilot at 0.000 s: no bus"}, "raises without any fault: baseline/{} (autopilot at 0.000"),
+        ({"ending": "timed_out", "track": track(1.0, 0.0, 0.0, climb_m=0.1)}, "never leaves the ground without any"),
+    ],
+)
+def test_a_baseline_that_raises_or_stands_fails_the_gates_of_the_page(
+    evidence: Evidence, change: dict[str, Any], said: str
+) -> None:
+    first = next(outcome for outcome in evidence.outcomes if outcome.mutant == "baseline")
+    outcomes = tuple(replace(o, **change) if o is first else o for o in evidence.outcomes)
+    failed = figures(replace(evidence, outcomes=outcomes))["gates"]["failed"]
+    assert said.format(f"{first.situation}/{first.seed}") in failed
+    assert first.name in failed
+
+
+def test_gates_that_fail_are_told(evidence: Evidence) -> None:
     outcomes = tuple(replace(o, digest="other") if o.mutant == "PLACEBO" else o for o in evidence.outcomes)
-    told = embedded(page(replace(evidence, outcomes=outcomes)), "figures")
-    assert "PLACEBO differs" in told["gates"]["failed"]
+    assert "PLACEBO differs" in figures(replace(evidence, outcomes=outcomes))["gates"]["failed"]

@@ -143,6 +143,7 @@ class _Now:
 
     def __init__(self, study: Study, store: Store) -> None:
         self._study, self._keys, self._then = study, Keys(study), store.origins()
+        self._grid = study.grid  # which says itself what is wrong with it
         self._mutants: dict[str, Mutant | None] = {}
         self._situations: dict[str, Situation] = {}
         self._origins: dict[tuple[str, str], Origin | str] = {}
@@ -180,7 +181,7 @@ class _Now:
     def _origin(self, mutant: str, situation: str) -> Origin | str:
         if situation not in self._situations:
             try:
-                self._situations[situation] = self._study.grid.situation(situation)
+                self._situations[situation] = self._grid.situation(situation)
             except InputError:
                 return "the situation is not in the grid any more"
         if mutant not in self._mutants:

@@ -146,7 +146,7 @@ class Crew:
             GateError: one failed.
         """
         gates.check(
-            outcomes,
+            [self._tracked(outcome) if gates.asks_for_track(outcome) else outcome for outcome in outcomes],
             self.study.roster,
             canary=asked.canary.id if asked.canary else None,
             whole_grid={flight.situation.key for flight in asked.baselines} == self.study.space.point.keys(),
@@ -172,6 +172,11 @@ class Crew:
         self._hands.ready()
         self.lookout.progress.start()
         return self._hands.map(tasks)
+
+    def _tracked(self, baseline: Outcome) -> Outcome:
+        """The same with its track, which the store keeps apart."""
+        flight = Flight(None, self.study.grid.situation(baseline.situation), baseline.seed)
+        return self.store.get(self._keys.key(flight)) or baseline
 
     def _missing(self, flights: Iterable[Flight]) -> dict[str, Flight]:
         """The same by key."""

@@ -112,13 +112,6 @@ def test_each_mutant_has_the_same_chance_over_many_studies(study: Any) -> None:
     assert all(abs(count / tries - chance) < 5 * (chance * (1 - chance) / tries) ** 0.5 for count in first.values())
 
 
-def test_the_pool_comes_last_and_whole(study: Any) -> None:
-    planned = _whole(study).with_pool(range(3))
-    tasks = _tasks(study, planned, planned.known)
-    last = [flight.name for task in tasks[-8:] for flight in task.flights]
-    assert sorted(last) == sorted(flight.name for flight in planned.pool)
-
-
 def test_what_is_flown_is_left_out_and_the_rest_keeps_its_order(study: Any) -> None:
     planned = _whole(study)
     tasks = _tasks(study, planned)
