@@ -1,4 +1,4 @@
-"""`scaloft-fi margin`: the smallest magnitude of a fault that kills, by bisection."""
+"""`scaloft-fi margin`: the smallest magnitude of a fault that is killed, by bisection."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     type=click.FloatRange(min=0.0, min_open=True),
     metavar="NUMBER",
     help="Bisect until the interval is no wider than this, in the magnitude's own unit.  "
-    "[default: a tenth of the killing magnitude's distance from no fault]",
+    "[default: a tenth of the severe end's distance from no fault]",
 )
 @operability_option
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
@@ -60,12 +60,13 @@ def margin_command(
     warnings: bool,
     quiet: bool,
 ) -> None:
-    """Find the smallest magnitude of each fault that kills, situation by situation.
+    """Find the smallest magnitude of each fault that is killed, situation by situation.
 
-    The whole ladder is flown, then the interval between the severest magnitude that survives and the mildest that kills
-    is halved, in all situations at once.  A cell's name means its first fault; an id such as NO-depth@90% picks a
-    fault by the unit, and a phase by #.  The flights are ordinary flights of the campaign: nothing is flown twice, and
-    `scaloft-fi matrix --margins` shows what was found.
+    The whole ladder is flown, then the interval between the severest magnitude that survives and the mildest of which
+    most flights violate a requirement is halved, in all situations at once.  A magnitude is killed where its flights
+    detect the mutant; else it is only seen, and the table says how many --seeds would decide.  A cell's name means its
+    first fault; an id with a magnitude picks a fault by the unit, and a phase by #.  The flights are ordinary flights
+    of the campaign: nothing is flown twice, and `scaloft-fi matrix --margins` shows what was found.
     """
     from scaloft_fi.campaign.runs.options import RunOptions
     from scaloft_fi.campaign.workers.hire import cores, one_thread_each
