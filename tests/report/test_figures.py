@@ -67,7 +67,7 @@ def test_the_head_answers_four_questions_as_the_score_does(told: dict[str, Any],
     assert told["answers"] == [answer._asdict() for answer in expected]
     assert [answer["name"] for answer in told["answers"]] == ["Shown", "Not shown", "How sure", "What next"]
     assert told["answers"][0]["text"].startswith("1 of 4 faults")
-    assert "scaloft-fi run --campaign paper" in told["answers"][3]["text"]
+    assert "`scaloft-fi " in told["answers"][3]["text"]
     assert [line["name"] for line in told["besides"]] == ["Situations", "Unmutated drone"]
 
 
