@@ -14,7 +14,7 @@ from typing import Any
 from scaloft_fi.report.tracks import QUANTUM, Whole, coded, quantised, quantum, shared, thinned
 from scaloft_fi.results.flights import Flight, flight_of
 from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
-from scaloft_fi.results.requirement import Reading, Verdict
+from scaloft_fi.results.requirement import Reading
 from scaloft_fi.results.status import baseline_status
 from scaloft_fi.results.track import TRACK_COLUMNS, TRACK_EVERY, unpack_track
 from scaloft_fi.sim.signals import SAMPLE_HZ
@@ -221,7 +221,7 @@ def _revealed(flight: Flight | None) -> Mapping[str, Any]:
 
 def _reading(reading: Reading) -> list[Any]:
     """Robustness, moment of the violation, verdict, episodes of the trigger; what was never triggered has no robustness."""
-    rho = None if reading.verdict is Verdict.VACUOUS else reading.rho
+    rho = reading.rho if reading.triggered or reading.violated else None
     return [_short(rho, 4), _short(reading.violated_at_s), reading.verdict.value, reading.triggered]
 
 

@@ -19,6 +19,7 @@ from papers import HOSTILE, STUDY, campaign, evidence_of
 
 from scaloft_fi.document import load
 from scaloft_fi.report.evidence import Evidence
+from scaloft_fi.report.figures import figures
 from scaloft_fi.report.page import page
 from scaloft_fi.study import Study
 
@@ -79,6 +80,13 @@ def hostile(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
     outcomes = list(campaign(study, ("LATE-human@3s", "MORE-goal@0.6m", "REVERSE-velcmd"), range(1)))
     outcomes = [replace(o, stack_error=HOSTILE[0]) if o.mutant.startswith("LATE") else o for o in outcomes]
     return Evidence(study, HOSTILE[0], tuple(outcomes), fingerprint={HOSTILE[1]: HOSTILE[2]})
+
+
+@pytest.fixture
+def quick(monkeypatch: pytest.MonkeyPatch) -> Callable[[Evidence], dict[str, Any]]:
+    """The figures without what follows from the flights, which takes longest."""
+    monkeypatch.setattr("scaloft_fi.report.figures.analyses", lambda *_: {})
+    return figures
 
 
 @pytest.fixture(scope="session")

@@ -77,7 +77,6 @@ def flight(study: Study, mutant: str, situation: str, seed: int) -> Outcome:
             violated, struck = {"SR1": 15.0}, "wall"
     duration_s = violated["SR1"] if struck else 40.0
     plain = BASELINE if masked or not altered else mutant
-    drift = 0.0 if masked else drift
     guideword, _, parameter = mutant.partition("@")[0].partition("-")
     named = mutant in (BASELINE, PLACEBO)
     return Outcome(
@@ -109,7 +108,7 @@ def flight(study: Study, mutant: str, situation: str, seed: int) -> Outcome:
         digest=f"{plain}/{situation}/{seed}",
         perceived_digest=f"{plain}/{situation}/{seed}",
         realised=tuple((axis.id, True) for axis in study.grid.axes) if mutant == BASELINE else (),
-        track=track(duration_s, drift + 0.01 * seed, from_s),
+        track=track(duration_s, drift + 0.01 * seed, math.inf if masked else from_s),
     )
 
 

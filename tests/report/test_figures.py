@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import combinations, pairwise
 from typing import Any
@@ -12,7 +13,6 @@ from papers import MUTANTS, campaign, evidence_of, track
 from reading import embedded, unpacked
 
 from scaloft_fi.report.evidence import Evidence
-from scaloft_fi.report.figures import figures
 from scaloft_fi.report.page import page
 from scaloft_fi.results.scoring.answers import answers
 from scaloft_fi.results.scoring.detection import Spending
@@ -27,6 +27,7 @@ VERDICTS = {
     "LESS-goal@0.05m": "undecided",
     "REVERSE-velcmd": "detected",
 }
+Figures = Callable[[Evidence], dict[str, Any]]
 DEFAULTS = set(VERDICTS) - {"LATE-human@1s", "REVERSE-velcmd"}
 
 
@@ -71,10 +72,10 @@ def test_the_head_answers_four_questions_as_the_score_does(told: dict[str, Any],
     assert [line["name"] for line in told["besides"]] == ["Situations", "Unmutated drone"]
 
 
-def test_alpha_is_spent_as_the_campaign_spent_it(evidence: Evidence) -> None:
+def test_alpha_is_spent_as_the_campaign_spent_it(evidence: Evidence, quick: Figures) -> None:
     grown = frozenset(VERDICTS)
-    looks = embedded(page(replace(evidence, spending=Spending(0.04, grown)), 1), "figures")
-    assert {mutant["decided_at"]["alpha"] for mutant in looks["mutants"]} == {0.01}
+    looks = quick(replace(evidence, spending=Spending(0.04, grown)))
+    assert {m["decided_at"]["alpha"] for m in looks["mutants"] if m["tests"]} == {0.01}
 
 
 def test_results_and_kill_rates_are_those_of_the_export(
@@ -96,9 +97,9 @@ def test_results_and_kill_rates_are_those_of_the_export(
     assert shown == set(told["signs"]) - {"not_flown"}
 
 
-def test_a_situation_not_flown_has_no_result(study: Study) -> None:
+def test_a_situation_not_flown_has_no_result(study: Study, quick: Figures) -> None:
     outcomes = [o for o in campaign(study, MUTANTS[:1]) if o.mutant != MUTANTS[0] or o.situation.endswith("H1")]
-    (mutant,) = embedded(page(evidence_of(study, outcomes), 1), "figures")["mutants"]
+    (mutant,) = quick(evidence_of(study, outcomes))["mutants"]
     assert sum(result is None for result in mutant["results"]) == 16
 
 
@@ -154,12 +155,12 @@ def test_what_a_verdict_rests_on_is_counted_in_steady_pairs(
             assert not tests[name]["kills"]["part"] or detected
 
 
-def test_a_control_names_what_shows_it(told: dict[str, Any], study: Study) -> None:
+def test_a_control_names_what_shows_it(told: dict[str, Any], study: Study, quick: Figures) -> None:
     shows = {mutant["id"]: mutant["shows"] for mutant in told["mutants"]}
     assert shows.pop("REVERSE-velcmd") == ["SR1"]
     assert not any(shows.values())
     assert told["gates"]["controls"] == {"part": 1, "whole": 1}
-    few = embedded(page(evidence_of(study, campaign(study, ("REVERSE-velcmd",), range(1), range(1))), 1), "figures")
+    few = quick(evidence_of(study, campaign(study, ("REVERSE-velcmd",), range(1), range(1))))
     assert (few["pooled"], few["mutants"][0]["by"], few["mutants"][0]["shows"]) == (False, [], ["SR1"])
     assert few["answers"][0]["name"] == "Shown"
 
@@ -209,7 +210,10 @@ def test_every_flight_tells_what_its_row_of_the_export_tells(
         }
         readings = dict(zip(names, flight["readings"], strict=True))
         assert [name for name, reading in readings.items() if reading and reading[2] == "violated"] == row["violated"]
-        assert {f"rho_{name}": reading and reading[0] for name, reading in readings.items()}.items() <= row.items()
+        for name, reading in readings.items():
+            # what was never triggered has no robustness
+            expected = row[f"rho_{name}"] if name in (*row["triggered"], *row["violated"]) else None
+            assert (reading and reading[0]) == expected
     assert not flights
 
 
@@ -252,15 +256,15 @@ def test_the_gates_hold_over_flights_that_nothing_is_wrong_with(told: dict[str, 
     ],
 )
 def test_a_baseline_that_raises_or_stands_fails_the_gates_of_the_page(
-    evidence: Evidence, change: dict[str, Any], said: str
+    evidence: Evidence, quick: Figures, change: dict[str, Any], said: str
 ) -> None:
     first = next(outcome for outcome in evidence.outcomes if outcome.mutant == "baseline")
     outcomes = tuple(replace(o, **change) if o is first else o for o in evidence.outcomes)
-    failed = figures(replace(evidence, outcomes=outcomes))["gates"]["failed"]
+    failed = quick(replace(evidence, outcomes=outcomes))["gates"]["failed"]
     assert said.format(f"{first.situation}/{first.seed}") in failed
     assert first.name in failed
 
 
-def test_gates_that_fail_are_told(evidence: Evidence) -> None:
+def test_gates_that_fail_are_told(evidence: Evidence, quick: Figures) -> None:
     outcomes = tuple(replace(o, digest="other") if o.mutant == "PLACEBO" else o for o in evidence.outcomes)
-    assert "PLACEBO differs" in figures(replace(evidence, outcomes=outcomes))["gates"]["failed"]
+    assert "PLACEBO differs" in quick(replace(evidence, outcomes=outcomes))["gates"]["failed"]
