@@ -53,8 +53,7 @@ def analyses(evidence: Evidence, rulings: Rulings, scored: Score, matrix: KillMa
         "suite": minimal_suite(kills, [key for key, _ in matrix.space.points]).to_json(),
         "subsumption": subsumption(kills).to_json(),
         "survivors": [
-            entry.to_json()
-            for entry in survivors(outcomes, scored, matrix, known, short_units(study.requirements))
+            entry.to_json() for entry in survivors(outcomes, scored, matrix, known, short_units(study.requirements))
         ],
     }
 

@@ -204,9 +204,7 @@ def record(outcome: Outcome, baseline: Outcome | None, requirements: Sequence[st
         "altered": outcome.altered,
         "struck": outcome.struck,
         "stack_error": outcome.stack_error,
-        "readings": [
-            _reading(readings[name]) if name in readings else None for name in requirements
-        ],
+        "readings": [_reading(readings[name]) if name in readings else None for name in requirements],
         "violations": [
             [v.requirement, *(_short(value) for value in (v.t_s, v.x, v.y, v.z)), v.struck] for v in outcome.violations
         ],
@@ -220,7 +218,7 @@ def _revealed(flight: Flight | None) -> Mapping[str, Any]:
 
 
 def _reading(reading: Reading) -> list[Any]:
-    """Robustness, moment of the violation, verdict, episodes of the trigger; what was never triggered has no robustness."""
+    """Robustness (none of what was never triggered), moment of the violation, verdict, episodes of the trigger."""
     rho = reading.rho if reading.triggered or reading.violated else None
     return [_short(rho, 4), _short(reading.violated_at_s), reading.verdict.value, reading.triggered]
 

@@ -49,7 +49,9 @@ def counted(rows: list[dict[str, Any]]) -> dict[str, dict[str, Count]]:
 
 def sign(count: Count, verdict: str) -> tuple[str, list[str]]:
     """What the kill matrix shows of a mutant in a situation, and by which requirements."""
-    stopped = [rung for rung in ("not_reached", "not_infected", "masked") if count.statuses and count.statuses <= {rung}]
+    stopped = [
+        rung for rung in ("not_reached", "not_infected", "masked") if count.statuses and count.statuses <= {rung}
+    ]
     seen = [name for name in count.tests if count.violated[name]]
     if not count.flown:
         return "not_flown", []

@@ -71,7 +71,7 @@ def test_the_page_says_of_which_flights_it_has_tracks(evidence: Evidence) -> Non
         return [o if kept(o) else replace(o, track=b"") for o in own]
 
     assert says(evidence.outcomes) == "Tracks: every flight, 5 Hz, in steps of 0.01 m and 0.01 m/s."
-    assert says(only(lambda o: False)) == "Tracks: of no flight; `replay` flies each again."
+    assert says(only(lambda _: False)) == "Tracks: of no flight; `replay` flies each again."
     published = says(only(lambda o: o.seed < (5 if o.mutant == BASELINE else 1)))
     counts, every, none, *_ = published.split(".  ")
     valid = [o for o in evidence.outcomes if o.mutant != PLACEBO and not o.invalid]

@@ -52,7 +52,9 @@ def test_neighbours_differ_in_one_axis_and_opposite_edges_meet(count: int) -> No
 def test_a_grid_without_a_map_says_why_and_has_no_terms(sizes: tuple[int, ...], said: str) -> None:
     space = grid(*sizes)
     (key, *_) = space.point
-    row = Row(Subject("X-x"), "mutant", True, Status.REVEALED, Verdict.DETECTED, Ratio(1, 1), (Entry(key, kills=("R",)),))
+    row = Row(
+        Subject("X-x"), "mutant", True, Status.REVEALED, Verdict.DETECTED, Ratio(1, 1), (Entry(key, kills=("R",)),)
+    )
     assert said in folding(space, space.axes)["reason"]
     assert folding(space, space.axes).keys() == {"reason"}
     assert terms(space, row) == []
