@@ -157,7 +157,9 @@ def test_without_a_pool_it_is_refused_and_the_command_is_named_that_flies_one(
     done = call(*verb, *words, campaign=False)
     assert done.exit_code == 2
     (line,) = done.stderr.strip().splitlines()
-    assert line.startswith("error: no mutant is known to survive: no situation in which a mutant changes a sample has 10")
+    assert line.startswith(
+        "error: no mutant is known to survive: no situation in which a mutant changes a sample has 10"
+    )
     assert "`scaloft-fi run` with the same mutants flies them" in line
     assert not (flown / "hazop" / "dispositions.yaml").exists()
 

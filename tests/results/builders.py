@@ -176,3 +176,21 @@ def seeded(draw: st.DrawFn) -> list[Outcome]:
                     )
                 )
     return outcomes
+
+
+def ten(*situations: str, violated: dict[str, float] | None = None, struck: str = "") -> list[Outcome]:
+    """Ten baselines in each situation."""
+    return [outcome(BASELINE, key, seed, violated=violated, struck=struck) for key in situations for seed in range(10)]
+
+
+def thrice(
+    mutant: str,
+    *situations: str,
+    violated: dict[str, float] | None = None,
+    altered: int | None = None,
+    carried: int = 100,
+    digest: str | None = None,
+) -> list[Outcome]:
+    """Three seeds of a mutant in each situation: enough to detect it in one, beside a pool that holds all."""
+    told = {"violated": violated, "altered": altered, "carried": carried, "digest": digest}
+    return [outcome(mutant, key, seed, **told) for key in situations for seed in range(3)]

@@ -179,16 +179,15 @@ def _verdict(arrays: list[tuple[int, Curve]], sets: int) -> str:
         return said + "Not judged: there is no covering array to compare."
     more = sum(round(band.low[-1], 1) > 0 for _, band, _ in told)
     fewer = sum(round(band.high[-1], 1) < 0 for _, band, _ in told)
-    of = f"of {_count(len(told), 'covering array')}"
+    some = more or fewer
+    meet = f"{some} of {_count(len(told), 'covering array')} meet{'s' * (some == 1)}"
     beside = "kill sets than as many random situations"
     if more and fewer:
-        answer = f"Not in one direction: {of} {more} meet more {beside}, {fewer} fewer"
-    elif more:
-        answer = f"Here yes: {more} {of} meet more {beside}"
-    elif fewer:
-        answer = f"No: {fewer} {of} meet fewer {beside}"
+        answer = f"Not in one direction: {meet} more {beside}, {fewer} fewer"
+    elif some:
+        answer = f"Here yes: {meet} more {beside}" if more else f"No: {meet} fewer {beside}"
     else:
-        answer = f"Not shown here: {of} none meets more {beside}, or fewer"
+        answer = f"Not shown here: {meet} more {beside}, or fewer"
     listed = ", ".join(f"{t}-way with {k} {interval(band, k)}" for t, band, k in told)
     return f"{said}{answer} ({listed}; {_count(sets, 'kill set')} in all)."
 

@@ -50,7 +50,11 @@ def test_a_requirement_is_listed_with_the_mutants_that_it_put_to_the_test() -> N
 
 def test_a_situation_says_what_the_unmutated_drone_violates_and_which_mutants_are_killed() -> None:
     late = [outcome("LATE-human@3s", seed=seed, violated={"SR2": 7.0}) for seed in range(3)]
-    flights = [*pool("T0O0W0D0H0", red=1, violated={"SR1": 20.0, "SR2": 20.0}), *pool("T0O0W0D1H1", red=10, violated={"SR1": 20.0, "SR2": 20.0}), *late]
+    flights = [
+        *pool("T0O0W0D0H0", red=1, violated={"SR1": 20.0, "SR2": 20.0}),
+        *pool("T0O0W0D1H1", red=10, violated={"SR1": 20.0, "SR2": 20.0}),
+        *late,
+    ]
     rows = to_json(dossier(flights))[HEADINGS[4]]["rows"]
     assert [list(row.values()) for row in rows] == [
         ["T0O0W0D0H0", "SR1 in 1 of 10, SR2 in 1 of 10", "", "0/1 = 0 %"],
