@@ -48,15 +48,15 @@ def page(evidence: Evidence, most_bytes: int = MOST_BYTES) -> str:
     Raises:
         InputError: a part of the study is not what it should be.
     """
-    told = figures(evidence)
+    told, outcomes = figures(evidence), evidence.outcomes
     names = [requirement.name for requirement in evidence.study.requirements]
     text = ""
     for detail in DETAILS:
-        said = {"detail": detail.says, "columns": columns(detail)}
-        sample = sum(map(len, packs(evidence.outcomes, names, detail, SAMPLE).values()))
+        sample = sum(map(len, packs(outcomes, names, detail, SAMPLE).texts.values()))
         if detail is not DETAILS[-1] and sample * SAMPLE > HOPELESS * most_bytes:
             continue
-        text = html(told | said, packs(evidence.outcomes, names, detail))
+        packed = packs(outcomes, names, detail)
+        text = html(told | {"detail": packed.says, "columns": columns(detail)}, packed.texts)
         if len(text.encode()) <= most_bytes:
             break
     return text

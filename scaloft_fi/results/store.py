@@ -127,7 +127,13 @@ class Store:
 
     @contextmanager
     def snapshot(self) -> Iterator[None]:
-        """What is read while it lasts is of one moment, whatever others write meanwhile; nothing is written in it."""
+        """What is read while it lasts is of one moment, whatever others write meanwhile; nothing is written in it.
+
+        Within another it is part of that one's moment.
+        """
+        if self._connection.in_transaction:
+            yield
+            return
         with _sentences(self.path):
             self._connection.execute("BEGIN")
             try:

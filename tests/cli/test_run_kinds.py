@@ -67,7 +67,7 @@ def test_a_pool_of_ten_is_flown_by_default_where_the_mutant_infects(call: Call) 
 def test_without_a_pool_the_score_has_counts_and_the_command_that_decides(call: Call) -> None:
     words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
     text = call("run", *words, "--baseline-seeds", "1").stdout
-    assert "not known: there is no baseline pool.  1 of 1 fault violated a safety requirement" in " ".join(text.split())
+    assert "not known: there is no baseline pool. 1 of 1 fault violated a safety requirement" in " ".join(text.split())
     assert "`scaloft-fi run " in text
     assert json.loads(call("score", "--format", "json").stdout)["ratios"]["mutation_score"] == {"part": 0, "whole": 0}
 

@@ -185,6 +185,8 @@ def covered(rows: list[Row], axes: dict[str, dict[str, str]], kinds: dict[str, s
         ),
         "states": {
             state: sum(pair["state"] == state for pair in safety)
+            # a situation where mutants flew and no baseline counts is unknown by every requirement that is known
+            + (state == "unknown") * len(keys - judged_keys) * len({pair["requirement"] for pair in safety})
             for state in ("unknown", "vacuous", "open", "steady", "red", "unsteady")
         },
         "requirements": {
@@ -221,7 +223,11 @@ def score(
     base = {(row["situation"], row["seed"]): row for row in pool}
     table = {(pair["situation"], pair["requirement"]): pair for pair in pairs(pool, kinds)}
     known = {key for (key, _), pair in table.items() if pair["state"] != "unknown"}
-    by_kind = {kind: [name for name, own in kinds.items() if own == kind] for kind in ("safety", "operability")}
+    judged = {name for _, name in table}
+    by_kind = {
+        kind: [name for name, own in kinds.items() if own == kind and name in judged]
+        for kind in ("safety", "operability")
+    }
     listed: dict[str, list[Row]] = {}
     for row in rows:
         if row["mutant"] != "baseline":

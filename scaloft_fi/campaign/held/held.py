@@ -87,7 +87,7 @@ def current(study: Study, campaign: str) -> tuple[Outcome, ...]:
     """
     folder = campaign_folder(study, campaign)
     with Store(existing(folder), create=False) as store, store.snapshot():
-        return store.that(_Now(study, store).stands) or _nothing(store, folder)
+        return store.that(_Now(study, store).stands) or nothing_to_show(store, folder)
 
 
 def current_rulings(study: Study, campaign: str) -> Rulings:
@@ -98,10 +98,10 @@ def current_rulings(study: Study, campaign: str) -> Rulings:
     """
     folder = campaign_folder(study, campaign)
     with Store(existing(folder), create=False) as store, store.snapshot():
-        return store.rulings(_Now(study, store).stands) or _nothing(store, folder)
+        return store.rulings(_Now(study, store).stands) or nothing_to_show(store, folder)
 
 
-def _nothing(store: Store, folder: Path) -> NoReturn:
+def nothing_to_show(store: Store, folder: Path) -> NoReturn:
     """Say why a campaign has nothing that counts."""
     flights = store.flights()
     if not flights:

@@ -64,6 +64,7 @@ class Crew:
         self._hands = hands
         self._keys = Keys(study)
         self._planned: Plan | None = None
+        self._asking: set[str] = set()
         self._expected: set[Situation] = set()
         self.flown = 0
         self.repeats: list[Outcome] = []
@@ -104,12 +105,13 @@ class Crew:
             elif not news:
                 self.repeats.append(outcome)
             self.lookout.home(asked[outcome.name], outcome, news=news)
-            if infects(outcome):
+            if outcome.mutant in self._asking and infects(outcome):
                 self._expect_pool(asked[outcome.name].situation)
 
     def announce_pool(self, planned: Plan) -> None:
-        """The baseline pool of the plan is expected in each situation as soon as a mutant infects there."""
+        """The baseline pool of the plan is expected in each situation as soon as a mutant of the plan infects there."""
         self._planned = planned
+        self._asking = {flight.subject.id for flight in planned.mutants}
 
     def _expect_pool(self, situation: Situation) -> None:
         if self._planned is not None and situation not in self._expected:

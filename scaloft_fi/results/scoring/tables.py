@@ -53,8 +53,8 @@ def ratio_table(scored: Score) -> Table:
     notes = [f"False detections expected, at most: {scored.expected_false:.2g} ({scored.alpha:g} a mutant tested)."]
     if drawn.seeds:
         notes.append(
-            f"Of {drawn.safety.whole} redraws of the unmutated drone ({drawn.seeds} seeds beside ten) {drawn.safety.part} "
-            f"are called detected by safety, {drawn.operability.part} by operability requirements."
+            f"Of {drawn.safety.whole} redraws of the unmutated drone ({drawn.seeds} seeds beside ten) "
+            f"{drawn.safety.part} are called detected by safety, {drawn.operability.part} by operability requirements."
         )
     else:
         notes.append("No redraws: they need 20 baseline flights and more in every situation (`--baseline-seeds`).")

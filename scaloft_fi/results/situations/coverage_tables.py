@@ -10,7 +10,7 @@ from scaloft_fi.results.space import Space
 from scaloft_fi.results.telling.table import Table
 
 MEANINGS = {
-    State.STEADY: "at least nine tenths of the baseline's flights hold it: it puts a fault to the test",
+    State.STEADY: "at least nine tenths of the baseline's flights hold it: it tests a fault",
     State.UNSTEADY: "the baseline holds it or not by chance",
     State.RED: "most of the baseline's flights violate it",
     State.OPEN: "more than a tenth of the baseline's flights end before it is judged",
@@ -39,7 +39,7 @@ def coverage_tables(covered: Coverage, space: Space, choices: Sequence[tuple[str
         for axis, ratio in covered.by_axis
     ]
     rows += [
-        (f"triggered {name}", str(ratio), "flown situations where a baseline flight triggered it and was judged")
+        (f"triggered {name}", str(ratio), "flown situations where it was triggered and judged")
         for name, ratio in covered.requirements
     ]
     tables = [
@@ -66,7 +66,7 @@ def _t_way(covered: Coverage, axes: int) -> Table:
     )
     headers = ("combinations", "covered", *(f"p = {share:g}" for share in SHARES))
     notes = (
-        "Covered: combinations of the values of t axes that were flown, of all that situations of the grid have.",
-        "p: (p, t)-completeness, the choices of t axes with at least the share p of their combinations covered.",
+        "Covered: value combinations of t axes that were flown, of all that the grid has.",
+        "p: (p, t)-completeness: choices of t axes with at least the share p of these covered.",
     )
     return Table("Combinations of axis values", headers, rows, notes)

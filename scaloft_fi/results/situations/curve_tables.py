@@ -105,12 +105,16 @@ def _differences(found: Curves) -> Table:
         for k in _compared(curve)
     )
     trial = found.trial
-    seeds = "seeds are not resampled"
+    seeds = "Seeds are not resampled."
     if trial.seed_sets:
-        seeds = f"each judged anew by the seeds that come out of {len(trial.seeds)} draws"
+        seeds = (
+            f"Each is judged by the seeds that come out of {len(trial.seeds)} draws, mostly fewer than were flown, so "
+            "intervals need not be centred."
+        )
     notes = [
         "More: than as many random situations, paired.  Kill sets: mutants with equal kill sets count once.",
-        f"In brackets 95 % intervals over {RESAMPLES} redrawn campaigns, {seeds}.",
+        f"In brackets 95 % intervals over {RESAMPLES} redrawn campaigns.",
+        seeds,
         "Mutants are resampled within their parameter, kill sets among each other.",
     ]
     if trial.more_seeds:
@@ -148,7 +152,7 @@ def _orders(found: Curves) -> Table:
         for curve in found.curves
     )
     notes = (
-        f"APFD (average percentage of faults detected) leaves out the {never} mutants that no situation kills.",
+        f"APFD (average percentage of faults detected) leaves out the {never} mutants killed in no situation.",
         "It has a value for orders of all situations only.",
         "Area: mean share of all mutants killed at k = 1 to the last; compare it with the random area.",
     )

@@ -59,7 +59,7 @@ class Curve:
         difference: mutants killed more than by random situations at equal k, with a paired 95 % interval; None for
             random order itself.
         distinct: the same of kill sets: the headline, as mutants that die in the same situations say the same.
-        apfd: of the mutants that all situations kill; None for a strategy that does not order them all.
+        apfd: of the mutants killed in some situation; None for a strategy that does not order them all.
         area: mean of the share of mutants killed, over the k of this strategy.
         random_area: the same of random situations over the same k.
         matched: the least k (with a fraction) at which random situations meet as many kill sets as the whole suite;

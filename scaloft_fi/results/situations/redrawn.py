@@ -2,7 +2,8 @@
 
 A bootstrap in which a redrawn campaign is judged anew: of the n seeds that the mutants share, n are drawn with
 replacement, and the verdicts are those of the flights with the seeds that came out, beside the whole baseline pool.
-Then the mutants are resampled within their parameter, or the different kill sets among each other.
+Then the mutants are resampled within their parameter, or the different kill sets among each other.  Fewer seeds come
+out than were flown, so a redrawn campaign is a smaller one, and an interval need not be centred on the campaign flown.
 """
 
 from __future__ import annotations

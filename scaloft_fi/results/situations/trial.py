@@ -35,7 +35,7 @@ class Trial:
         parameters: of each mutant.
         kills: (mutants, situations): whether a safety requirement kills the mutant there.
         left_out: ids of the default mutants that were not flown in all of the situations.
-        unkilled: ids of the mutants that are detected though no situation kills them.
+        unkilled: ids of the mutants that are detected though they are killed in no situation.
         seeds: that all of the mutants were flown with.
         more_seeds: that some of them were flown with besides; their flights are in every redrawn campaign.
         seed_sets: the campaign judged by some of `seeds`; empty where there are not two.
@@ -54,7 +54,7 @@ class Trial:
 
     @property
     def killed(self) -> int:
-        """Mutants that some situation kills."""
+        """Mutants killed in some situation."""
         return int(self.kills.any(axis=1).sum())
 
     @property

@@ -7,6 +7,7 @@ from hypothesis import given, settings
 
 from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.rulings import rulings_of
+from scaloft_fi.results.scoring.detection import Spending
 from scaloft_fi.results.scoring.score import score
 from scaloft_fi.results.situations.curves import curves
 from scaloft_fi.results.situations.prediction import predict
@@ -71,6 +72,15 @@ def test_seeds_that_only_some_mutants_flew_stand() -> None:
     assert (found.seeds, found.more_seeds) == ((0, 1), (2,))
     assert [one.seeds for one in found.seed_sets] == [(0,), (1,), (0, 1)]
     assert (found.seed_sets[-1].kills == found.kills).all()
+
+
+def test_seeds_are_judged_anew_with_the_alpha_that_the_campaign_spends() -> None:
+    # one situation and three seeds: p = 0.0070, enough where alpha is spent once, not where it is spent by looks
+    outcomes = pool(*KEYS[:2]) + flown(LATE, KEYS[:2], KEYS[:1], seeds=3)
+    for spending, killed in ((Spending(), 1), (Spending(grown=frozenset({LATE})), 0)):
+        scored = score(outcomes, ROSTER, GRID, spending)
+        found = trial(scored, rulings_of(outcomes), ROSTER, GRID, spending)
+        assert [found.kills.sum(), found.seed_sets[-1].kills.sum()] == [killed, killed]
 
 
 @settings(max_examples=10, deadline=None)
