@@ -140,9 +140,11 @@ def line(row: Row, mutant: str, flights: Sequence[Flight], seeds: Sequence[str])
     rates = ", ".join(f"{len(killed(fs, row.requirement))}/{len(fs)}" for fs in by_seed.values())
     hits = [f["situation"] for f in killed(eligible, row.requirement)]
     often = " ".join(sorted({key for key in hits if hits.count(key) >= 2})) or "-"
-    change = statistics.median(float(f[rho]) - float(clean[f["situation"], f["seed"]][rho]) for f in eligible)
-    least = min(float(f[rho]) for f in eligible)
-    return f"| {mutant} | {rates} | {often} | {change:+.2f} | {least:.2f} | {dark_kills} |"
+    told = [(f[rho], clean[f["situation"], f["seed"]][rho]) for f in eligible]
+    change = [float(own) - float(before) for own, before in told if own and before]
+    least = [float(own) for own, _ in told if own]
+    robustness = f"{statistics.median(change):+.2f} | {min(least):.2f}" if change else "- | -"
+    return f"| {mutant} | {rates} | {often} | {robustness} | {dark_kills} |"
 
 
 def parameters(study: Study) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from scaloft_fi.results.outcome import PLACEBO
 from scaloft_fi.results.requirement import Verdict
+from scaloft_fi.results.robustness import spelt_rho
 from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.rulings import Rulings
 from scaloft_fi.results.scoring.baseline import Finding, Tally, findings, tallies
@@ -142,10 +143,13 @@ def requirement_table(tallied: Sequence[Tally]) -> Table:
     """What the baseline flights say about each requirement."""
     headers = ("requirement", "kind", *(verdict.value for verdict in Verdict), "triggered", "least robustness")
     rows = tuple(
-        (t.requirement, t.kind.value, *(count for _, count in t.verdicts), t.triggered, f"{t.least_rho:.3f}")
+        (t.requirement, t.kind.value, *(count for _, count in t.verdicts), t.triggered, spelt_rho(t.least_rho))
         for t in tallied
     )
-    notes = ("Baseline flights by verdict; triggered: episodes in which the requirement's condition came true.",)
+    notes = (
+        "Baseline flights by verdict; triggered: episodes in which the requirement's condition came true.",
+        "Least robustness: of flights in which it came true, or that violate it.",
+    )
     return Table("Requirements of the unmutated drone (flights)", headers, rows, notes)
 
 

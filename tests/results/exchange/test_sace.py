@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 from builders import outcome, pool
 from dossiers import dossier, dossiers
@@ -68,3 +69,10 @@ def test_a_test_case_has_the_seeds_of_the_mutants_and_of_the_unmutated_drone() -
 def test_without_a_pool_there_are_no_verdicts() -> None:
     notes = to_json(dossier([outcome(), outcome("LATE-human@3s")]))[HEADINGS[2]]["notes"]
     assert notes[1].startswith("No verdicts: no situation in which a mutant changes a sample has 10 baseline flights")
+
+
+def test_a_requirement_that_nothing_put_to_the_test_has_no_robustness() -> None:
+    flown = outcome()
+    idle = tuple(replace(r, rho=24.0, triggered=0) if r.requirement == "SR2" else r for r in flown.readings)
+    rows = {row["requirement"]: row for row in to_json(dossier([replace(flown, readings=idle)]))[HEADINGS[2]]["rows"]}
+    assert (rows["SR1"]["least robustness"], rows["SR2"]["least robustness"]) == ("0.300", "n/a")
