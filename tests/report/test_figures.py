@@ -14,11 +14,11 @@ from reading import embedded, unpacked
 
 from scaloft_fi.report.evidence import Evidence
 from scaloft_fi.report.page import page
+from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.scoring.answers import answers
 from scaloft_fi.results.scoring.detection import Spending
 from scaloft_fi.results.scoring.score import score
 from scaloft_fi.study import Study
-from scaloft_fi.results.outcome import Outcome
 
 VERDICTS = {
     "LATE-human@1s": "detected",
