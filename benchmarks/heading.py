@@ -89,7 +89,7 @@ def results(flown: Mapping[str, Sequence[Sequence[Outcome]]]) -> str:
             lines.append(f"- {mutant} {verb} on the {what}: {a} and {b} of {DRAWS}.")
     lines += [
         "",
-        "Each draw (+: SR2 reveals the fault, -: it does not), and the least robustness of SR2 in its baseline:",
+        "Each draw (`+`: SR2 reveals the fault, `-`: it does not) and its baseline's robustness of SR2:",
         "",
     ]
     lines += ["| start | situation | seed | " + " | ".join(MUTANTS) + " | baseline |", "|---|---|---|---|---|---|---|"]
