@@ -19,7 +19,11 @@ class InputError(ScaloftError):
 
 
 class GateError(ScaloftError):
-    """A gate failed (PLACEBO or a repeat differs, a control survives, no green baseline): no score can be believed."""
+    """A gate failed, so that no score can be believed.
+
+    PLACEBO or a repeat differs, too many flights are invalid, a control survives, no baseline is green, or without any
+    fault the stack raises or the drone never leaves the ground.
+    """
 
     exit_code = 4
 

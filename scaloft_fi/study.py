@@ -37,8 +37,6 @@ FLYING_CODE = (
     "results/track.py",
 )
 """The sources that can change an outcome."""
-CUTTING_CODE = ("results/status.py",)
-"""What can change, besides, when a flight is cut at its first kill."""
 FLYING_DATA = ("world", "vehicle", "sensors", "stack")
 """The documents of `sim/` that enter every flight; of `situations.yaml` only the situation's own values do."""
 
@@ -94,10 +92,30 @@ class Study:
 
     @cached_property
     def grid(self) -> Grid:
-        """The situations; whoever reads results needs no more of `sim`, which brings the compiler."""
+        """The situations; whoever reads results needs no more of `sim`, which brings the compiler.
+
+        Raises:
+            InputError: a predicate of an axis asks for more of a signal than is measured.
+        """
+        from scaloft_fi.results.caps import check_caps
+        from scaloft_fi.results.stl import FormulaError
         from scaloft_fi.sim.grid import load_grid
 
-        return load_grid(self.folder / "sim")
+        grid = load_grid(self.folder / "sim")
+        for axis in grid.axes:
+            for value in axis.values:
+                try:
+                    check_caps(value.realised)
+                except FormulaError as error:
+                    raise InputError(
+                        f"{self._place(axis.id, value.id)}: realised of {axis.id}{value.id} {error}"
+                    ) from error
+        return grid
+
+    def _place(self, axis: str, value: int) -> str:
+        """File and line of the predicate of a value of an axis."""
+        axes = load(self.folder / "sim" / "situations.yaml").need("axes")
+        return axes.need(axis).need("values").items()[value].need("realised").place
 
     @cached_property
     def signals(self) -> tuple[str, ...]:
@@ -109,10 +127,11 @@ class Study:
     @cached_property
     def requirements(self) -> tuple[Requirement, ...]:
         """What flights are judged by, as it is written; that every formula is one is for `check` to say."""
+        from scaloft_fi.results.caps import within_caps
         from scaloft_fi.results.requirement import load_requirements
         from scaloft_fi.results.stl import Formula
 
-        return load_requirements(self._requirements_path, self.signals, Formula.spelt)
+        return load_requirements(self._requirements_path, self.signals, within_caps(Formula.spelt))
 
     @property
     def _requirements_path(self) -> Path:
@@ -221,7 +240,6 @@ class Study:
             "sim": _digest([documents, others]),
             "requirements": _digest(judged),
             "code": _with_plugins(_code(FLYING_CODE)),
-            "cutting": _code(CUTTING_CODE),
         }
 
     def check(self, situations: Iterable[Situation] | None = None) -> None:
@@ -233,9 +251,12 @@ class Study:
         Raises:
             InputError: naming the place of the first thing that does not fit.
         """
+        from scaloft_fi.results.caps import within_caps
         from scaloft_fi.results.requirement import load_requirements
+        from scaloft_fi.results.stl import Formula
 
-        known = [requirement.name for requirement in load_requirements(self._requirements_path, self.signals)]
+        proved = load_requirements(self._requirements_path, self.signals, within_caps(Formula.parse))
+        known = [requirement.name for requirement in proved]
         for cell in self.matrix:
             for name in cell.requirements:
                 if name not in known:

@@ -183,3 +183,33 @@ def test_a_predicate_about_an_unknown_signal_is_refused(copy: Path) -> None:
     _edit(copy / "sim" / "situations.yaml", "eventually(x_m < -1)", "eventually(x_mm < -1)")
     with pytest.raises(InputError, match=r"situations\.yaml: realised of T1 .*x_mm"):
         Study(copy).check()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place"),
+    [
+        ("clearance_m > 0)", "clearance_m > 1)", r":\d+: formula compares clearance_m with 1 m"),
+        ("remaining_s < 0.05", "person_range_m < 100", r":\d+: trigger compares person_range_m with 100 m"),
+        (
+            "near: person_sight_m / 3 <= 1",
+            "near: person_sight_m / 7 <= 1",
+            r":13: near compares person_sight_m with 7 m",
+        ),
+    ],
+)
+def test_a_requirement_that_asks_beyond_a_cap_is_refused_where_it_is_read_and_where_it_is_proved(
+    copy: Path, old: str, new: str, place: str
+) -> None:
+    _edit(copy / "sim" / "requirements.yaml", old, new)
+    with pytest.raises(InputError, match=rf"requirements\.yaml{place}"):
+        _ = Study(copy).requirements
+    with pytest.raises(InputError, match=rf"requirements\.yaml{place}"):
+        Study(copy).check()
+
+
+def test_a_predicate_that_asks_beyond_a_cap_is_refused_with_its_line(copy: Path) -> None:
+    _edit(copy / "sim" / "situations.yaml", "waypoint_wall_m <= 0.5", "waypoint_wall_m < 1")
+    with pytest.raises(
+        InputError, match=r"situations\.yaml:31: realised of W1 compares waypoint_wall_m with 1 m .* it"
+    ):
+        _ = Study(copy).grid

@@ -16,6 +16,7 @@ from scaloft_fi.errors import InputError
 if TYPE_CHECKING:
     from scaloft_fi.campaign.plan.strategy import Remembered
     from scaloft_fi.results.rulings import Rulings
+    from scaloft_fi.results.scoring.detection import Spending
     from scaloft_fi.results.situations.curves import Curves
     from scaloft_fi.results.situations.prediction import Prediction
     from scaloft_fi.study import Study
@@ -51,9 +52,9 @@ def coverage_command(study_folder: Path | None, campaign: str, against: bool, ou
         raise InputError(f"--output={str(output)!r} must end in .svg or .png")
     check_writable(output)
     study = Study.open(study_folder)
-    rulings, choices = _held(study, campaign)
+    rulings, choices, spending = _held(study, campaign)
     covered = coverage_of(rulings.baselines, rulings.draws, study.space)
-    followed = _followed(study, rulings) if against or output is not None else None
+    followed = _followed(study, rulings, spending) if against or output is not None else None
     if output is not None and followed is not None:
         _draw(followed[0], output)
     if style == Format.JSON:
@@ -69,18 +70,19 @@ def coverage_command(study_folder: Path | None, campaign: str, against: bool, ou
     click.echo(render(tables, Format(style)), nl=False)
 
 
-def _held(study: Study, campaign: str) -> tuple[Rulings, Sequence[Remembered]]:
+def _held(study: Study, campaign: str) -> tuple[Rulings, Sequence[Remembered], Spending]:
     from scaloft_fi.campaign.held.folder import campaign_folder, existing
     from scaloft_fi.campaign.held.held import current_rulings
+    from scaloft_fi.campaign.held.spending import spending_of
     from scaloft_fi.campaign.plan.strategy import remembered
     from scaloft_fi.results.store import Store
 
     rulings = current_rulings(study, campaign)
     with Store(existing(campaign_folder(study, campaign)), create=False) as store:
-        return rulings, remembered(store)
+        return rulings, remembered(store), spending_of(study, store)
 
 
-def _followed(study: Study, rulings: Rulings) -> tuple[Curves, Prediction]:
+def _followed(study: Study, rulings: Rulings, spending: Spending) -> tuple[Curves, Prediction]:
     """The curves of a campaign.
 
     Raises:
@@ -91,7 +93,8 @@ def _followed(study: Study, rulings: Rulings) -> tuple[Curves, Prediction]:
     from scaloft_fi.results.situations.prediction import predict
     from scaloft_fi.results.situations.trial import trial
 
-    flown = trial(score_of(rulings, study.roster, study.space), study.roster, study.space)
+    roster, space = study.roster, study.space
+    flown = trial(score_of(rulings, roster, space, spending), rulings, roster, space, spending)
     if flown is None:
         raise InputError("coverage against kills needs default mutants of credible cells: none was flown")
     found = curves(flown)

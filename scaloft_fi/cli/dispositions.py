@@ -43,36 +43,47 @@ def dispositions_command(
     `scaloft-fi score --ratchet` makes a gate of it.
     """
     from scaloft_fi.campaign.held.held import current_rulings
+    from scaloft_fi.campaign.held.spending import spending
     from scaloft_fi.results.scoring.score import score_of
     from scaloft_fi.results.telling.table import Format, render
-    from scaloft_fi.results.worksheet.disposition import judge
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
-    scored = score_of(current_rulings(study, campaign), study.roster, study.space)
-    judged = judge(scored, study.roster, study.dispositions, today or date.today())  # noqa: DTZ011 - the user's own day
+    scored = score_of(current_rulings(study, campaign), study.roster, study.space, spending(study, campaign))
+    judged = _judged(study, scored, today)
     click.echo(render((_table(judged),), Format(style)), nl=False)
     if writing:
         _append(study, judged)
 
 
 def ratchet(study: Study, scored: Score, today: date | None) -> int:
-    """Say on standard error what does not pass and what can go; returns the exit code."""
-    from scaloft_fi.results.worksheet.disposition import State, at_stake, judge, told
+    """Say on standard error what does not pass and what can go; returns the exit code.
 
-    judged = judge(scored, study.roster, study.dispositions, today or date.today())  # noqa: DTZ011 - the user's own day
+    Raises:
+        InputError: there is no baseline pool to decide by.
+    """
+    from scaloft_fi.results.worksheet.disposition import State, told
+
+    judged = _judged(study, scored, today)
     for entry in judged:
         if entry.state is State.STALE:
             click.echo(f"warning: {told(entry)}", err=True)
     failing = [entry for entry in judged if entry.state.fails]
     for entry in failing:
         click.echo(f"ratchet: {told(entry)}", err=True)
-    count = at_stake(scored, study.roster)
-    if not count:
-        click.echo(
-            "ratchet: no counted mutant was infected in an eligible situation; there is nothing to hold", err=True
-        )
-    return UNACCEPTED if failing or not count else 0
+    if not scored.tested.part:
+        click.echo("ratchet: no counted mutant was put to the test; there is nothing to hold", err=True)
+    return UNACCEPTED if failing or not scored.tested.part else 0
+
+
+def _judged(study: Study, scored: Score, today: date | None) -> tuple[Judged, ...]:
+    """The survivors and the dispositions; without a pool nobody knows what survives."""
+    from scaloft_fi.results.telling.verdict import NO_POOL
+    from scaloft_fi.results.worksheet.disposition import judge
+
+    if not scored.pooled:
+        raise InputError(f"no mutant is known to survive: {NO_POOL}")
+    return judge(scored, study.roster, study.dispositions, today or date.today())  # noqa: DTZ011 - the user's own day
 
 
 def _table(judged: Sequence[Judged]) -> Table:
@@ -82,6 +93,7 @@ def _table(judged: Sequence[Judged]) -> Table:
         (
             entry.mutant,
             entry.state.value,
+            entry.words,
             len(entry.surviving),
             entry.disposition.owner if entry.disposition else "",
             entry.disposition.reason if entry.disposition else "",
@@ -90,10 +102,10 @@ def _table(judged: Sequence[Judged]) -> Table:
         )
         for entry in judged
     )
-    headers = ("mutant", "state", "survives in", "owner", "reason", "expires", "accepted in")
+    headers = ("mutant", "state", "verdict", "survives in", "owner", "reason", "expires", "accepted in")
     notes = (
-        "Survivors are the default mutants infected in an eligible situation and killed in none.",
-        "open, uncovered and expired fail `score --ratchet`; stale: killed now, the disposition can go.",
+        "Survivors are the default mutants put to the test that are not detected, undecided ones too.",
+        "open, uncovered and expired fail `score --ratchet`; stale: detected now, the disposition can go.",
     )
     return Table("Survivors and dispositions", headers, rows, notes)
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from scaloft_fi.results.kills.subsumption import Subsumption
     from scaloft_fi.results.kills.survivors import Survivor
     from scaloft_fi.results.outcome import Outcome
+    from scaloft_fi.results.scoring.score import Score
     from scaloft_fi.results.telling.table import Table
     from scaloft_fi.study import Study
 
@@ -40,7 +41,7 @@ PICTURES = (".svg", ".png", ".dot")
     "situations",
     multiple=True,
     metavar="KEY|GLOB",
-    help="Say also what these situations kill together (repeatable).",
+    help="Say also which mutants are killed in these situations together (repeatable).",
 )
 @click.option(
     "--by-requirement", is_flag=True, help="Subsumption tells kills by different requirements of a situation apart."
@@ -62,7 +63,7 @@ def kills_command(
     style: str,
     output: Path | None,
 ) -> None:
-    """Print where each mutant is killed, what each situation kills, and what to do about the survivors.
+    """Print where each mutant is killed, which situations are needed, and what to do about the survivors.
 
     MUTANT is an id, a cell's name or a pattern; without any it is every mutant flown but the controls.
     """
@@ -70,6 +71,7 @@ def kills_command(
         raise InputError(f"--output={str(output)!r} must end in .svg, .png or .dot")
     check_writable(output)
     from scaloft_fi.campaign.held.held import current
+    from scaloft_fi.campaign.held.spending import spending
     from scaloft_fi.results.kills.kill_matrix import kill_matrix
     from scaloft_fi.results.scoring.score import score
     from scaloft_fi.results.telling.table import Format
@@ -77,23 +79,24 @@ def kills_command(
 
     study = Study.open(study_folder)
     outcomes = current(study, campaign)
-    whole = kill_matrix(score(outcomes, study.roster, study.space), study.roster, study.space)
+    scored = score(outcomes, study.roster, study.space, spending(study, campaign))
+    whole = kill_matrix(scored, study.roster, study.space)
     matrix = _chosen(study, whole, mutants)
     if output is not None:
-        _draw(matrix, mutants, _graph(matrix, outcomes, by_requirement), output)
+        _draw(matrix, mutants, _graph(matrix, by_requirement), output)
         return
     chosen = [situation.key for situation in study.grid.select(situations)] if situations else []
     wanted = parts or PARTS
-    found = _survivors(study, campaign, outcomes, whole, matrix) if "survivors" in wanted else ()
+    found = _survivors(study, campaign, outcomes, scored, matrix) if "survivors" in wanted else ()
     if style == Format.JSON:
         import json
 
-        plain = _json(matrix, _graph(matrix, outcomes, by_requirement), found, wanted, chosen)
+        plain = _json(matrix, _graph(matrix, by_requirement), found, wanted, chosen)
         click.echo(json.dumps(plain, indent=2, allow_nan=False))
         return
     from scaloft_fi.results.telling.table import render
 
-    graph = _graph(matrix, outcomes, by_requirement)
+    graph = _graph(matrix, by_requirement)
     click.echo(render(_tables(matrix, graph, found, wanted, chosen, short=not parts), Format(style)), nl=False)
 
 
@@ -114,28 +117,27 @@ def _chosen(study: Study, matrix: KillMatrix, patterns: Sequence[str]) -> KillMa
     return matrix.only(flown)
 
 
-def _graph(matrix: KillMatrix, outcomes: Sequence[Outcome], by_requirement: bool) -> Subsumption:
+def _graph(matrix: KillMatrix, by_requirement: bool) -> Subsumption:
     from scaloft_fi.results.kills.subsumption import kills_by_requirement, subsumption
 
-    if not by_requirement:
-        return subsumption(matrix.kills)
-    return subsumption(kills_by_requirement(outcomes, [row.id for row in matrix.mutants]))
+    return subsumption(kills_by_requirement(matrix) if by_requirement else matrix.kills)
 
 
 def _survivors(
-    study: Study, campaign: str, outcomes: Sequence[Outcome], whole: KillMatrix, matrix: KillMatrix
+    study: Study, campaign: str, outcomes: Sequence[Outcome], scored: Score, matrix: KillMatrix
 ) -> tuple[Survivor, ...]:
     """The survivors among `matrix`, judged beside all that the campaign holds."""
     from scaloft_fi.campaign.held.tracks import with_tracks
     from scaloft_fi.results.kills.background import backgrounds
     from scaloft_fi.results.kills.survivors import short_units, survivors
     from scaloft_fi.results.outcome import BASELINE
+    from scaloft_fi.results.scoring.detection import Verdict
 
-    ids = [row.id for row in matrix.mutants if not row.kills]
-    first = min(outcome.seed for outcome in outcomes)
-    tracked = with_tracks(study, campaign, outcomes, [BASELINE, *ids], [first]) if ids else outcomes
-    known = backgrounds(study.matrix, [row.id for row in whole.mutants])
-    return survivors(tracked, matrix, known, short_units(study.requirements))
+    ids = {row.id for row in matrix.mutants if row.verdict is not Verdict.DETECTED}
+    seeds = sorted({outcome.seed for outcome in outcomes if outcome.mutant in ids})
+    tracked = with_tracks(study, campaign, outcomes, [BASELINE, *ids], seeds[:1])
+    known = backgrounds(study.matrix, [mutant.subject.id for mutant in scored.mutants])
+    return survivors(tracked, scored, matrix, known, short_units(study.requirements))
 
 
 def _tables(
@@ -166,6 +168,7 @@ def _tables(
         shown.append(tables.subsumption_table(graph, short=short))
         repeated = redundancies(graph)
         shown += [tables.redundancy_table(repeated)] if repeated else []
+    shown = tables.with_scattered(shown, matrix)
     if "survivors" in wanted:
         shown.append(tables.survivor_summary(found) if short else tables.survivor_table(found))
     return shown
@@ -181,8 +184,9 @@ def _json(
     from scaloft_fi.results.kills.interaction import interactions, orders
     from scaloft_fi.results.kills.minimal_suite import minimal_suite
     from scaloft_fi.results.kills.situation_kills import chosen_kills, situation_kills
+    from scaloft_fi.results.kills.subsumption import redundancies
 
-    plain: dict[str, Any] = {"matrix": matrix.to_json()}
+    plain: dict[str, Any] = {"matrix": matrix.to_json(), "detected_without_kill": list(matrix.scattered)}
     if chosen:
         plain["chosen"] = chosen_kills(matrix, chosen).to_json()
     if "conditions" in wanted:
@@ -195,6 +199,7 @@ def _json(
         plain["suite"] = minimal_suite(matrix.kills, matrix.flown).to_json()
     if "subsumption" in wanted:
         plain["subsumption"] = graph.to_json()
+        plain["redundancies"] = [entry.to_json() for entry in redundancies(graph)]
     if "survivors" in wanted:
         plain["survivors"] = [entry.to_json() for entry in found]
     return plain

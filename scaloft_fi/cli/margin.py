@@ -1,4 +1,4 @@
-"""`scaloft-fi margin`: the smallest magnitude of a fault that kills, by bisection."""
+"""`scaloft-fi margin`: the smallest magnitude of a fault that is killed, by bisection."""
 
 from __future__ import annotations
 
@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from scaloft_fi.cli.options import campaign_option, format_option, operability_option, study_option, typed
+from scaloft_fi.cli.options import (
+    campaign_option,
+    format_option,
+    operability_option,
+    quiet_option,
+    study_option,
+    typed,
+    warnings_option,
+)
 
 if TYPE_CHECKING:
     from scaloft_fi.results.worksheet.margin import Margin, Subject
@@ -32,12 +40,13 @@ if TYPE_CHECKING:
     type=click.FloatRange(min=0.0, min_open=True),
     metavar="NUMBER",
     help="Bisect until the interval is no wider than this, in the magnitude's own unit.  "
-    "[default: a tenth of the killing magnitude's distance from no fault]",
+    "[default: a tenth of the severe end's distance from no fault]",
 )
 @operability_option
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
 @format_option
-@click.option("--quiet", is_flag=True, help="No progress and no warnings.")
+@warnings_option
+@quiet_option
 def margin_command(
     mutants: tuple[str, ...],
     study_folder: Path | None,
@@ -48,14 +57,16 @@ def margin_command(
     operability: bool,
     jobs: int | None,
     style: str,
+    warnings: bool,
     quiet: bool,
 ) -> None:
-    """Find the smallest magnitude of each fault that kills, situation by situation.
+    """Find the smallest magnitude of each fault that is killed, situation by situation.
 
-    The whole ladder is flown, then the interval between the severest magnitude that survives and the mildest that kills
-    is halved, in all situations at once.  A cell's name means its first fault; an id such as NO-depth@90% picks a
-    fault by the unit, and a phase by #.  The flights are ordinary flights of the campaign: nothing is flown twice, and
-    `scaloft-fi matrix --margins` shows what was found.
+    The whole ladder is flown, then the interval between the severest magnitude that survives and the mildest of which
+    most flights violate a requirement is halved, in all situations at once.  A magnitude is killed where its flights
+    detect the mutant; else it is only seen, and the table says how many --seeds would decide.  A cell's name means its
+    first fault; an id with a magnitude picks a fault by the unit, and a phase by #.  The flights are ordinary flights
+    of the campaign: nothing is flown twice, and `scaloft-fi matrix --margins` shows what was found.
     """
     from scaloft_fi.campaign.runs.options import RunOptions
     from scaloft_fi.campaign.workers.hire import cores, one_thread_each
@@ -79,7 +90,7 @@ def margin_command(
         chosen,
         numbers,
         campaign_folder(study, campaign),
-        RunOptions(jobs=jobs or cores(), command=typed()),
+        RunOptions(jobs=jobs or cores(), warnings=warnings, command=typed()),
         kind=Kind.OPERABILITY if operability else Kind.SAFETY,
         progress=Silence if quiet else Progress,
     )

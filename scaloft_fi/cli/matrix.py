@@ -20,7 +20,7 @@ from scaloft_fi.hazop.worksheet import HEADER, SHORT_HEADER, record, rows, short
 
 @click.command("matrix")
 @study_option
-@click.option("--cell", metavar="NAME", help="Tell one cell whole, e.g. LATE-human.")
+@click.option("--cell", metavar="NAME", help="Tell one cell whole, by its name GUIDEWORD-parameter.")
 @click.option("--guideword", "guidewords", multiple=True, metavar="WORD", help="Only this guideword (repeatable).")
 @click.option("--parameter", "parameters", multiple=True, metavar="NAME", help="Only this parameter (repeatable).")
 @click.option("--grid", "grid_only", is_flag=True, help="Only the grid, without the list of cells.")
@@ -28,7 +28,7 @@ from scaloft_fi.hazop.worksheet import HEADER, SHORT_HEADER, record, rows, short
     "--margins",
     "with_margins",
     is_flag=True,
-    help="The grid with the smallest magnitude that kills in every cell, from the flights of --campaign.",
+    help="The grid with the smallest magnitude that is killed in every cell, from the flights of --campaign.",
 )
 @operability_option
 @campaign_option
@@ -60,7 +60,7 @@ def matrix_command(
 
 def _all(matrix: Matrix, style: str) -> str:
     if style == "table":
-        hint = "one cell whole: scaloft-fi matrix --cell LATE-human; the grid alone: --grid"
+        hint = f"one cell whole: scaloft-fi matrix --cell {next(iter(matrix)).name}; the grid alone: --grid"
         return "\n\n".join([overview(matrix), cells(matrix), hint])
     if style == "json":
         return json.dumps([record(cell) for cell in matrix], indent=1)
@@ -82,13 +82,17 @@ def _grid(matrix: Matrix, style: str) -> str:
 def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: str, *, operability: bool) -> str:
     # a campaign needs numpy, the matrix alone does not
     from scaloft_fi.campaign.held.held import current
+    from scaloft_fi.campaign.held.spending import spending
     from scaloft_fi.results.requirement import Kind
+    from scaloft_fi.results.scoring.score import score
     from scaloft_fi.results.worksheet.margins import LEGEND, cell_margins
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
     kind = Kind.OPERABILITY if operability else Kind.SAFETY
-    told = cell_margins(current(study, campaign), study.matrix, kind)
+    outcomes = current(study, campaign)
+    scored = score(outcomes, study.roster, study.space, spending(study, campaign))
+    told = cell_margins(outcomes, scored, study.matrix, kind)
     if style == "json":
         return json.dumps([{**record(cell), "margin": told[cell.name]} for cell in matrix], indent=1)
     header = ["parameter", *(word.id for word in matrix.guidewords)]

@@ -60,13 +60,20 @@ def format_option(function: F) -> F:
     )(function)
 
 
+def all_option(function: F) -> F:
+    """`--all`: every table behind the first screen."""
+    return click.option(
+        "--all", "everything", is_flag=True, help="Every mutant, and every table behind the first screen."
+    )(function)
+
+
 def fail_under_option(function: F) -> F:
     """`--fail-under RATIO`: the least mutation score that counts as a success."""
     return click.option(
         "--fail-under",
         type=click.FloatRange(0.0, 1.0),
         metavar="RATIO",
-        help="Exit with 3 when the mutation score (0..1) is below this, or has nothing to be computed from.",
+        help="Exit with 3 when the mutation score (0..1) is below this; refused where there is no baseline pool.",
     )(function)
 
 
@@ -107,6 +114,25 @@ def operability_option(function: F) -> F:
         "--operability",
         is_flag=True,
         help="Margins against the operability requirements instead of the safety requirements.",
+    )(function)
+
+
+def warnings_option(function: F) -> F:
+    """`--warnings`: each violation as it happens."""
+    return click.option(
+        "--warnings",
+        is_flag=True,
+        help="Print a line for each violation when it happens, by the unmutated drone too.  "
+        "[default: violations are counted; the campaign's mission_log.json lists them]",
+    )(function)
+
+
+def quiet_option(function: F) -> F:
+    """`--quiet`: nothing but the result."""
+    return click.option(
+        "--quiet",
+        is_flag=True,
+        help="Print only the result: while drones fly no progress, no count of violations and no warning.",
     )(function)
 
 

@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from scaloft_fi.cli.options import (
+    all_option,
     baseline_from_option,
     campaign_option,
     fail_under_option,
     format_option,
+    quiet_option,
     study_option,
     typed,
+    warnings_option,
 )
 from scaloft_fi.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from scaloft_fi.results.scoring.first_kills import FirstKills
     from scaloft_fi.results.telling.table import Table
 
 
@@ -64,13 +65,15 @@ if TYPE_CHECKING:
 @click.option(
     "--baseline-seeds",
     metavar="N|A-B",
-    help="Fly the baseline with these seeds too: a larger pool to decide by.",
+    help="Seeds of the baseline pool, flown in each situation where a mutant infects, beside the mutants' own.  "
+    "[default: as many as make ten]",
 )
 @baseline_from_option
 @click.option(
     "--sequential",
     is_flag=True,
-    help="Fly 3, 5 and 10 seeds in whole rounds; what a round leaves undecided flies on.  Baselines fly all 10.",
+    help="Fly 1, 3, 5 and 10 seeds in whole rounds: only the mutants that a round leaves undecided fly on, and each "
+    "round spends a quarter of alpha.",
 )
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
 @click.option(
@@ -83,7 +86,6 @@ if TYPE_CHECKING:
 )
 @click.option("--shard", metavar="K/N", help="Fly the K-th of N parts of the run; `merge` joins them.")
 @click.option("--no-share", is_flag=True, help="Fly every flight whole from take-off; the outcomes are the same.")
-@click.option("--first-kill", is_flag=True, help="Only say which mutants are killed, with the least flying.")
 @click.option(
     "--budget",
     metavar="TIME",
@@ -97,9 +99,11 @@ if TYPE_CHECKING:
     metavar="SHARE",
     help="Exit with 4 when the harness fails over a larger share (0..1) of the flights.",
 )
+@all_option
 @format_option
 @fail_under_option
-@click.option("--quiet", is_flag=True, help="No progress and no warnings.")
+@warnings_option
+@quiet_option
 def run_command(
     study_folder: Path | None,
     campaign: str,
@@ -115,14 +119,15 @@ def run_command(
     executor: str,
     shard: str | None,
     no_share: bool,
-    first_kill: bool,
     budget: str | None,
     max_invalid: float,
+    everything: bool,
     style: str,
     fail_under: float | None,
+    warnings: bool,
     quiet: bool,
 ) -> int:
-    """Fly the baseline, PLACEBO and the mutants in every situation, then print the score.
+    """Fly the baseline, PLACEBO and the mutants in every situation, then say which faults the tests would have shown.
 
     What the campaign already holds is not flown again: the same command resumes.
     """
@@ -136,26 +141,34 @@ def run_command(
     from scaloft_fi.campaign.progress.progress import Progress, Silence
     from scaloft_fi.campaign.runs.baseline_pool import borrowed
     from scaloft_fi.campaign.runs.budget import budget_s
-    from scaloft_fi.campaign.runs.first_kill import first_kills
     from scaloft_fi.campaign.runs.looks import look_table, run_looks
     from scaloft_fi.campaign.runs.options import RunOptions
     from scaloft_fi.campaign.runs.run import run
     from scaloft_fi.campaign.runs.unflown import unflown_tables
     from scaloft_fi.campaign.workers.executor import executor_named
-    from scaloft_fi.cli.score import report, score_beside
+    from scaloft_fi.cli.score import report
     from scaloft_fi.results.rulings import rulings_of
+    from scaloft_fi.results.scoring.pool import LEAST
+    from scaloft_fi.results.scoring.score import score_of
     from scaloft_fi.study import Study
 
-    if first_kill:
-        decided = {"sequential": sequential or None, "baseline_seeds": baseline_seeds, "baseline_from": baseline_from}
-        _alone("--first-kill", budget=budget, fail_under=fail_under, **decided)
     if sequential:
         draws = how if how.startswith("draws") else None  # a draw has one seed, a look several
         _alone("--sequential", seeds=seeds, budget=budget, shard=shard, choose=draws)
     study = Study.open(study_folder)
-    pool_seeds = choose.seeds(baseline_seeds, "--baseline-seeds") if baseline_seeds else ()
+    pool_seeds = choose.pool_seeds(baseline_seeds, lent=baseline_from is not None)
     flown_seeds = choose.seeds(seeds or "1")
     chosen = strategy.choose(how, study.grid.select(situations), flown_seeds, choose_seed, study.space)
+    if (
+        fail_under is not None
+        and pool_seeds is not None
+        and len({*pool_seeds, *flown_seeds}) < LEAST
+        and baseline_from is None
+    ):
+        raise InputError(
+            f"--fail-under={fail_under:g} needs a baseline pool of at least {LEAST} seeds, and --baseline-seeds="
+            f"{baseline_seeds!r} makes {len({*pool_seeds, *flown_seeds})} of them; leave one out"
+        )
     study.check(chosen.situations)
     planned = plan_draws(chosen.draws, choose.mutants(study, mutants), choose.canary(study)).with_pool(pool_seeds)
     if shard is not None:
@@ -169,16 +182,13 @@ def run_command(
         part=shard is not None,
         budget_s=None if budget is None else budget_s(budget),
         max_invalid=max_invalid,
-        every_violation=bool(mutants),
+        warnings=warnings,
         command=typed(),
     )
     keys = [situation.key for situation in chosen.situations]
     others = borrowed(study, baseline_from, keys) if baseline_from else ()
     folder = campaign_folder(study, campaign)
     strategy.remember(folder, chosen)
-    if first_kill:
-        _print_first_kills(first_kills(study, planned, folder, options, progress=progress), style)
-        return 0
     if sequential:
         flown, looks = run_looks(study, planned, folder, options, others=others, progress=progress)
         extra: Sequence[Table] = (look_table(looks),)
@@ -186,21 +196,21 @@ def run_command(
         flown = run(study, planned, folder, options, progress=progress)
         extra = unflown_tables(planned, flown.left)
     rulings = rulings_of(flown.outcomes)
-    return report(study, rulings, score_beside(study, rulings, others), None, style, fail_under, extra)
+    return report(
+        study,
+        rulings,
+        score_of(rulings, study.roster, study.space, flown.spending, others),
+        campaign=campaign,
+        grouping=None,
+        everything=everything,
+        style=style,
+        fail_under=fail_under,
+        extra=extra,
+    )
 
 
-def _alone(option: str, **others: object) -> None:
+def _alone(option: str, **others: str | None) -> None:
     """Refuse options that make no sense beside another."""
     for name, value in others.items():
         if value is not None:
-            other = f"--{name.replace('_', '-')}" + ("" if value is True else f"={value}")
-            raise InputError(f"{option} and {other} do not go together; leave one out")
-
-
-def _print_first_kills(found: FirstKills, style: str) -> None:
-    from scaloft_fi.results.telling.table import Format, render
-
-    if style == Format.JSON:
-        click.echo(json.dumps(found.to_json(), indent=2, allow_nan=False))
-    else:
-        click.echo(render((found.table(),), Format(style)), nl=False)
+            raise InputError(f"{option} and --{name}={value} do not go together; leave one out")

@@ -1,7 +1,10 @@
-"""`scaloft-fi score`: the tables of a campaign again, without flying."""
+"""`scaloft-fi score`: what a campaign's flights say, again, without flying."""
 
 from __future__ import annotations
 
+import json
+import os
+import sys
 from collections.abc import Iterable, Sequence
 from datetime import date
 from pathlib import Path
@@ -10,6 +13,7 @@ from typing import TYPE_CHECKING
 import click
 
 from scaloft_fi.cli.options import (
+    all_option,
     baseline_from_option,
     campaign_option,
     fail_under_option,
@@ -18,6 +22,7 @@ from scaloft_fi.cli.options import (
     today_option,
 )
 from scaloft_fi.collector import uncollected
+from scaloft_fi.errors import InputError
 
 if TYPE_CHECKING:
     from scaloft_fi.results.outcome import Outcome
@@ -36,14 +41,15 @@ BELOW = 3
 @campaign_option
 @click.option("--by", "grouping", type=click.Choice(GROUPINGS), help="The score part by part as well.")
 @baseline_from_option
+@all_option
 @format_option
 @fail_under_option
 @click.option(
     "--ratchet",
     "ratcheting",
     is_flag=True,
-    help="Exit with 3 when a counted mutant survives that the study's hazop/dispositions.yaml does not accept, or a "
-    "disposition has expired.",
+    help="Exit with 3 when a counted mutant is not detected that the study's hazop/dispositions.yaml does not accept, "
+    "or a disposition has expired.",
 )
 @today_option
 @uncollected()
@@ -52,24 +58,36 @@ def score_command(
     campaign: str,
     grouping: str | None,
     baseline_from: str | None,
+    everything: bool,
     style: str,
     fail_under: float | None,
     ratcheting: bool,
     today: date | None,
 ) -> int:
-    """Print the score, the mutants, the baseline's findings and the coverage of a campaign."""
+    """Say which faults the tests would have shown, which not, how sure that is, and what to do next."""
     from scaloft_fi.campaign.held.held import current_rulings
+    from scaloft_fi.campaign.held.spending import spending
     from scaloft_fi.campaign.runs.baseline_pool import borrowed
+    from scaloft_fi.results.scoring.score import score_of
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
     rulings = current_rulings(study, campaign)
-    others: Sequence[Outcome] = ()
+    others: Iterable[Outcome] = ()
     if baseline_from:
         flown = rulings.situations
         others = borrowed(study, baseline_from, [key for key, _ in study.space.points if key in flown])
-    scored = score_beside(study, rulings, others)
-    code = report(study, rulings, scored, grouping, style, fail_under)
+    scored = score_of(rulings, study.roster, study.space, spending(study, campaign), others)
+    code = report(
+        study,
+        rulings,
+        scored,
+        campaign=campaign,
+        grouping=grouping,
+        everything=everything,
+        style=style,
+        fail_under=fail_under,
+    )
     if not ratcheting:
         return code
     from scaloft_fi.cli.dispositions import ratchet
@@ -77,35 +95,40 @@ def score_command(
     return ratchet(study, scored, today) or code
 
 
-def score_beside(study: Study, rulings: Rulings, others: Iterable[Outcome]) -> Score:
-    """The score of a campaign that is decided by the baselines of another campaign too."""
-    from scaloft_fi.campaign.runs.baseline_pool import joined
-    from scaloft_fi.results.scoring.score import score_of
-
-    return score_of(rulings, study.roster, study.space, joined(rulings.baselines, others))
-
-
 def report(
     study: Study,
     rulings: Rulings,
     scored: Score,
+    *,
+    campaign: str,
     grouping: str | None,
+    everything: bool,
     style: str,
     fail_under: float | None,
     extra: Sequence[Table] = (),
 ) -> int:
-    """Print the tables of a campaign; returns the exit code.
+    """Print what a campaign says; returns the exit code.
 
     Args:
         study: what was flown.
         rulings: of the campaign.
         scored: its score.
+        campaign: its name.
         grouping: `--by`.
+        everything: `--all`.
         style: `--format`.
         fail_under: `--fail-under`.
         extra: tables that stand behind the others.
+
+    Raises:
+        InputError: `--fail-under` where there is no pool to decide by.
     """
-    click.echo(_text(study, rulings, scored, grouping, style, extra), nl=False)
+    if fail_under is not None and not scored.pooled:
+        raise InputError(
+            f"--fail-under={fail_under:g} needs a baseline pool: campaign {campaign!r} has fewer than ten baseline "
+            "flights wherever a mutant infects; `scaloft-fi run` flies them"
+        )
+    click.echo(_text(study, rulings, scored, campaign, grouping, everything, style, extra), nl=False)
     ratio = scored.mutation_score
     if fail_under is None or (ratio.value is not None and ratio.value >= fail_under):
         return 0
@@ -117,24 +140,51 @@ def _text(
     study: Study,
     rulings: Rulings,
     scored: Score,
+    campaign: str,
     grouping: str | None,
+    everything: bool,
     style: str,
     extra: Sequence[Table],
 ) -> str:
+    from scaloft_fi.results.kills.background import backgrounds
     from scaloft_fi.results.scoring.baseline import findings
-    from scaloft_fi.results.scoring.grouping import By
+    from scaloft_fi.results.scoring.first_screen import first_screen, screen_text
+    from scaloft_fi.results.scoring.grouping import By, groups
     from scaloft_fi.results.scoring.score_record import score_json
-    from scaloft_fi.results.scoring.tables import tables_of
+    from scaloft_fi.results.scoring.tables import group_table, tables_behind
     from scaloft_fi.results.situations.coverage import coverage_of
     from scaloft_fi.results.telling.table import Format, render
 
     by = By(grouping) if grouping else None
-    if style != Format.JSON:
-        return render((*tables_of(scored, rulings, study.roster, study.space, by), *extra), Format(style))
-    import json
+    covered = coverage_of(rulings.baselines, rulings.draws, study.space)
+    if style == Format.JSON:
+        violated = [(finding.situation, finding.violated) for finding in findings(rulings.baselines, study.space)]
+        parts = groups(scored, by, study.roster, study.space) if by else ()
+        values = score_json(scored, covered, violated, parts)
+        for table in extra:
+            values[table.title.lower().replace(",", "").replace(" ", "_")] = table.records()
+        return json.dumps(values, indent=2, allow_nan=False) + "\n"
+    told = [mutant.subject.id for mutant in (*scored.mutants, *scored.controls)]
+    screen = first_screen(
+        scored,
+        study.roster,
+        study.space,
+        covered,
+        backgrounds(study.matrix, told),
+        campaign=campaign,
+        whole=everything or style != Format.TABLE,
+    )
+    behind: Sequence[Table] = ()
+    if everything:
+        behind = tables_behind(scored, rulings, covered, study.roster, study.space, by)
+    elif by:
+        behind = (group_table(scored, by, study.roster, study.space),)
+    if style != Format.TABLE:
+        return render((*screen, *behind, *extra), Format(style))
+    text = screen_text(screen, bold=_coloured())
+    return "\n".join([text, render((*behind, *extra), Format.TABLE)] if behind or extra else [text])
 
-    violated = [(finding.situation, finding.violated) for finding in findings(rulings.baselines, study.space)]
-    values = score_json(scored, coverage_of(rulings.baselines, rulings.draws, study.space), violated)
-    for table in extra:
-        values[table.title.lower().replace(",", "").replace(" ", "_")] = table.records()
-    return json.dumps(values, indent=2, allow_nan=False) + "\n"
+
+def _coloured() -> bool:
+    """Whether the output is a terminal that may be given more than plain text (https://no-color.org)."""
+    return sys.stdout.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"

@@ -48,7 +48,6 @@ def status_command(study_folder: Path | None, campaign: str, style: str) -> None
             *mutants.items(),
             ("all", len(flown)),
             ("planned, not flown", found.owed),
-            *((("cut before their end, not counted", found.truncated),) if found.truncated else ()),
             ("stale, not counted", found.stale),
         ),
         (f"{len({o.mutant for o in flown})} subjects in {len({o.situation for o in flown})} situations.",),

@@ -38,13 +38,14 @@ def worksheet_command(study_folder: Path | None, campaign: str, style: str, outp
         raise click.UsageError("--format xlsx goes into a file: name it with --output")
     check_writable(output)
     from scaloft_fi.campaign.held.held import current
+    from scaloft_fi.campaign.held.spending import spending
     from scaloft_fi.results.scoring.score import score
     from scaloft_fi.results.worksheet.worksheet import worksheet
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
     outcomes = current(study, campaign)
-    scored = score(outcomes, study.roster, study.space)
+    scored = score(outcomes, study.roster, study.space, spending(study, campaign))
     rows = worksheet(study.matrix, outcomes, scored, study.space, study.dispositions)
     content = _content(rows, style)
     if output is None:

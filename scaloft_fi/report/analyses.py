@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.report.evidence import Evidence
 from scaloft_fi.report.severity import by_severity, searched
 from scaloft_fi.report.thresholds import thresholds
 from scaloft_fi.results.kills.background import backgrounds
@@ -16,7 +17,9 @@ from scaloft_fi.results.kills.subsumption import subsumption
 from scaloft_fi.results.kills.survivors import short_units, survivors
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.roster import Roster, cell_of
-from scaloft_fi.results.scoring.ratio import ratio_json
+from scaloft_fi.results.rulings import Rulings
+from scaloft_fi.results.scoring.detection import Spending, Verdict
+from scaloft_fi.results.scoring.ratio import share_json
 from scaloft_fi.results.scoring.score import MutantScore, Score
 from scaloft_fi.results.situations.curve_tables import curves_json
 from scaloft_fi.results.situations.curves import curves
@@ -24,43 +27,56 @@ from scaloft_fi.results.situations.prediction import predict
 from scaloft_fi.results.situations.trial import trial
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.worksheet.margins import cell_margins
-from scaloft_fi.study import Study
 
 
-def analyses(
-    outcomes: Sequence[Outcome], scored: Score, matrix: KillMatrix, study: Study, roster: Roster
-) -> dict[str, Any]:
-    """By section of the page; of the default mutants only, where ladders would count one fault several times."""
+def analyses(evidence: Evidence, rulings: Rulings, scored: Score, matrix: KillMatrix) -> dict[str, Any]:
+    """By section of the page; of the default mutants only, where ladders would count one fault several times.
+
+    Args:
+        evidence: what the page is made from.
+        rulings: of its flights.
+        scored: their score.
+        matrix: their kill matrix.
+    """
+    study, outcomes, roster = evidence.study, evidence.outcomes, evidence.study.roster
     counted = {row.id for row in matrix.mutants if row.counted}
     kills = {id_: keys for id_, keys in matrix.kills.items() if id_ in counted}
     found = interactions(matrix)
     known = backgrounds(study.matrix, [row.id for row in matrix.mutants])
     return {
-        "curves": coverage_against_kills(scored, roster, matrix.space),
-        "margins": margin_texts(outcomes, study.matrix),
+        "curves": coverage_against_kills(scored, rulings, roster, matrix.space, evidence.spending),
+        "margins": margin_texts(outcomes, scored, study.matrix),
         "ladders": ladders(scored, study.matrix, roster),
-        "thresholds": thresholds(outcomes, study.matrix, matrix, study.requirements),
+        "thresholds": thresholds(outcomes, scored, study.matrix, study.requirements),
         "interactions": [entry.to_json() for entry in found],
         "orders": orders(found, matrix.space).to_json(),
         "suite": minimal_suite(kills, [key for key, _ in matrix.space.points]).to_json(),
         "subsumption": subsumption(kills).to_json(),
-        "survivors": [entry.to_json() for entry in survivors(outcomes, matrix, known, short_units(study.requirements))],
+        "survivors": [
+            entry.to_json() for entry in survivors(outcomes, scored, matrix, known, short_units(study.requirements))
+        ],
     }
 
 
-def coverage_against_kills(scored: Score, roster: Roster, space: Space) -> dict[str, Any] | None:
+def coverage_against_kills(
+    scored: Score, rulings: Rulings, roster: Roster, space: Space, spending: Spending
+) -> dict[str, Any] | None:
     """The curves of every way to choose situations, None where nothing was flown in common."""
-    common = trial(scored, roster, space)
+    common = trial(scored, rulings, roster, space, spending)
     if common is None:
         return None
     followed = curves(common)
     return curves_json(followed, predict(followed))
 
 
-def margin_texts(outcomes: Sequence[Outcome], cells: Matrix) -> dict[str, str]:
-    """The margin of each cell that has one with a number in it."""
-    told = cell_margins(outcomes, cells)
-    return {cell: text for cell, text in told.items() if any(sign.isdigit() for sign in text)}
+def margin_texts(outcomes: Sequence[Outcome], scored: Score, cells: Matrix) -> dict[str, str]:
+    """The margin of each cell that has one; faults without an order have a verdict and no margin."""
+    verdicts = tuple(verdict.words for verdict in Verdict)
+    told = {
+        cell: [part for part in text.split("; ") if any(map(str.isdigit, part)) and not part.endswith(verdicts)]
+        for cell, text in cell_margins(outcomes, scored, cells).items()
+    }
+    return {cell: "; ".join(parts) for cell, parts in told.items() if parts}
 
 
 def ladders(scored: Score, cells: Matrix, roster: Roster) -> list[dict[str, Any]]:
@@ -81,7 +97,8 @@ def ladders(scored: Score, cells: Matrix, roster: Roster) -> list[dict[str, Any]
                     "id": rung.subject.id,
                     "magnitude": rung.subject.magnitude,
                     "default": roster.counts(rung.subject),
-                    "kill_rate": ratio_json(rung.kill_rate),
+                    "verdict": rung.verdict.value,
+                    "kill_rate": share_json(rung.kill_rate),
                 }
                 for rung in sorted(by_cell[cell.name], key=lambda one: order(one.subject.id))
             ],

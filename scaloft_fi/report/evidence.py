@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import date
 
-from scaloft_fi.campaign.held.folder import STORE_NAME
-from scaloft_fi.campaign.held.held import current, held
-from scaloft_fi.campaign.held.tracks import with_tracks
+from scaloft_fi.campaign.held.folder import campaign_folder, existing
+from scaloft_fi.campaign.held.held import held_in, nothing_to_show
+from scaloft_fi.campaign.held.spending import spending_of
+from scaloft_fi.campaign.held.tracks import tracks_in
 from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.scoring.detection import Spending
 from scaloft_fi.results.store import Store
 from scaloft_fi.study import Study
 
@@ -25,6 +27,7 @@ class Evidence:
         stale, owed: flights that it has outgrown; flights planned and not flown.
         fingerprint: of the platform that flew them, by name.
         today: by which dispositions expire; None = none does.
+        spending: how the campaign spends alpha.
     """
 
     study: Study
@@ -34,15 +37,19 @@ class Evidence:
     owed: int = 0
     fingerprint: Mapping[str, str] | None = None
     today: date | None = None
+    spending: Spending = field(default_factory=Spending)
 
 
 def gather(study: Study, campaign: str, today: date | None = None) -> Evidence:
-    """Read the campaign; `today` is the day by which dispositions expire.
+    """Read the campaign, all of it at one moment; `today` is the day by which dispositions expire.
 
     Raises:
         InputError: there is none, or it holds no flight that counts.
     """
-    known, found = current(study, campaign), held(study, campaign)
-    outcomes = with_tracks(study, campaign, known, {outcome.mutant for outcome in known})
-    with Store(found.folder / STORE_NAME, create=False) as store:
-        return Evidence(study, campaign, outcomes, found.stale, found.owed, store.meta(), today)
+    folder = campaign_folder(study, campaign)
+    with Store(existing(folder), create=False) as store, store.snapshot():
+        found = held_in(study, store, folder)
+        known = found.current or nothing_to_show(store, folder)
+        outcomes = tracks_in(study, store, known, {outcome.mutant for outcome in known})
+        spending = spending_of(study, store)
+        return Evidence(study, campaign, outcomes, found.stale, found.owed, store.meta(), today, spending)

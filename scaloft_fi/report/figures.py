@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -20,19 +20,28 @@ from scaloft_fi.report.scenes import scenes
 from scaloft_fi.report.severity import by_severity
 from scaloft_fi.report.tracks import FAR
 from scaloft_fi.results.kills.kill_matrix import kill_matrix
+from scaloft_fi.results.requirement import Kind
+from scaloft_fi.results.rulings import rulings_of
+from scaloft_fi.results.scoring.answers import answers
 from scaloft_fi.results.scoring.baseline import Finding, Tally, findings, tallies
-from scaloft_fi.results.scoring.ratio import ratio_json
-from scaloft_fi.results.scoring.score import MutantScore, Score, score
+from scaloft_fi.results.scoring.detection import Verdict
+from scaloft_fi.results.scoring.first_screen import baseline_line, coverage_line
+from scaloft_fi.results.scoring.score import Score, score_of
 from scaloft_fi.results.scoring.score_record import score_json
-from scaloft_fi.results.scoring.tables import ratio_table
-from scaloft_fi.results.situations.coverage import coverage
-from scaloft_fi.results.status import Status
+from scaloft_fi.results.situations.coverage import coverage_of
 from scaloft_fi.results.track import TRACK_COLUMNS
 from scaloft_fi.sim.log import Ending
 
-SCHEMA = 1
+SCHEMA = 2
 """Version of the JSON in the page."""
-RATIOS = ("exercised", "infected", "mutation_score", "strict_score", "decided_score", "operability")
+RATIOS = {
+    "exercised": ("exercised", "credible cells whose default mutant was flown, of all credible cells"),
+    "infected": ("infected", "default mutants that changed a sample, of those flown"),
+    "tested": ("put to the test", "default mutants that infect where a safety requirement is steady, of those flown"),
+    "mutation_score": ("mutation score", "default mutants detected by safety requirements, of those flown"),
+    "operability": ("operability", "default mutants detected by operability requirements, of those flown"),
+}
+"""Title and population of each ratio."""
 
 
 def figures(evidence: Evidence) -> dict[str, Any]:
@@ -43,31 +52,39 @@ def figures(evidence: Evidence) -> dict[str, Any]:
     """
     study, outcomes = evidence.study, evidence.outcomes
     roster, space = study.roster, study.space
-    scored = score(outcomes, roster, space)
-    found = findings(outcomes, space)
-    seeds = sorted({outcome.seed for outcome in outcomes if not outcome.invalid})
+    rulings = rulings_of(outcomes)
+    scored = score_of(rulings, roster, space, evidence.spending)
     order = matrices.situations(space, study.grid)
     keys = [situation["key"] for situation in order]
     kills = kill_matrix(scored, roster, space)
-    mutants = matrices.mutants(scored, kills, roster, keys, by_severity(study.matrix, roster))
-    covered = coverage(outcomes, space)
+    covered = coverage_of(rulings.baselines, rulings.draws, space)
     told = score_json(scored, covered, [])
+    listed = (*told["mutants"], *told["controls"])
+    mutants = matrices.mutants(scored, kills, rulings, listed, roster, keys, by_severity(study.matrix, roster))
     return {
         "schema": SCHEMA,
         "version": __version__,
         "study": study.folder.resolve().name,
         "campaign": evidence.campaign,
-        "seeds": seeds,
+        "seeds": sorted({seed for _, seed in rulings.draws}),
         "flights": len(outcomes),
         "stale": evidence.stale,
         "owed": evidence.owed,
         "fingerprint": dict(evidence.fingerprint or {}),
-        "ratios": _ratios(scored, len(seeds)),
+        "answers": [answer._asdict() for answer in answers(scored, roster, evidence.campaign)],
+        "besides": [
+            {"name": "Situations", "text": coverage_line(covered)},
+            {"name": "Unmutated drone", "text": baseline_line(scored.pool)},
+        ],
+        "pooled": scored.pooled,
+        "ratios": [
+            {"name": name, "title": title, "population": population} | told["ratios"][name]
+            for name, (title, population) in RATIOS.items()
+        ],
         "coverage": told["coverage"],
-        "redraw": told["redraw"],
-        "gates": _gates(evidence, scored, found),
-        "statuses": matrices.STATUSES,
-        "decisions": matrices.DECISIONS,
+        "gates": _gates(evidence, scored, mutants),
+        "signs": matrices.SIGNS,
+        "verdicts": [verdict.value for verdict in Verdict],
         "axes": matrices.axes(study.grid),
         "karnaugh": folding(space, [axis.title for axis in study.grid.axes]),
         "situations": order,
@@ -76,30 +93,21 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "parameters": [asdict(parameter) for parameter in study.matrix.parameters],
         "cells": matrices.cells(study.matrix, [mutant["id"] for mutant in mutants]),
         "mutants": mutants,
-        "fates": {status.value: scored.fates.get(status, 0) for status in Status},
         "requirements": [asdict(requirement) | {"kind": requirement.kind.value} for requirement in study.requirements],
         "limits": limits(study.requirements, TRACK_COLUMNS),
         "bounds": bounds_of(study.requirements),
-        "baseline": [_finding(finding) for finding in found],
+        "pairs": told["pairs"],
+        "firsts": [_first(finding) for finding in findings(outcomes, space) if finding.first],
         "tallies": [_tally(tally) for tally in tallies(outcomes)],
         "accepted": accepted(scored, roster, study.dispositions, evidence.today),
-        **analyses(outcomes, scored, kills, study, roster),
+        **analyses(evidence, rulings, scored, kills),
         "far": FAR,
         "endings": {ending.value: ending.sentence for ending in Ending},
         "scenes": scenes(study, sorted({outcome.situation for outcome in outcomes} & set(keys))),
     }
 
 
-def _ratios(scored: Score, seeds: int) -> list[dict[str, Any]]:
-    """The ratios, each with its interval and the population that it speaks of."""
-    rows = ratio_table(scored, seeds).rows
-    return [
-        {"name": name, "title": str(row[0]), "population": str(row[2])} | ratio_json(getattr(scored, name))
-        for name, row in zip(RATIOS, rows, strict=True)
-    ]
-
-
-def _gates(evidence: Evidence, scored: Score, found: Sequence[Finding]) -> dict[str, Any]:
+def _gates(evidence: Evidence, scored: Score, mutants: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
     """What the gates of a campaign say of these flights, and the counts behind them."""
     outcomes, roster = evidence.outcomes, evidence.study.roster
     flown = {outcome.situation for outcome in outcomes}
@@ -109,25 +117,22 @@ def _gates(evidence: Evidence, scored: Score, found: Sequence[Finding]) -> dict[
     except GateError as error:
         failed = str(error)
     placebo = sum(count for _, count in scored.placebo.rungs) if scored.placebo else 0
+    controls = [bool(mutant["shows"]) for mutant in mutants if mutant["control"]]
+    steady = sum(bool(scored.pool.steady(key, Kind.SAFETY)) for key in scored.pool.flown)
     return {
         "failed": failed,
         "placebo_flights": placebo,
         "invalid_flights": sum(bool(outcome.invalid) for outcome in outcomes),
-        "controls": {"part": sum(_shows(control) for control in scored.controls), "whole": len(scored.controls)},
-        "green_situations": {"part": sum(finding.red == 0 for finding in found), "whole": len(found)},
+        "controls": {"part": sum(controls), "whole": len(controls)},
+        "steady_situations": {"part": steady, "whole": len(scored.pool.flown)},
     }
 
 
-def _shows(control: MutantScore) -> bool:
-    return bool(control.killing or control.operability.part)
-
-
-def _finding(finding: Finding) -> dict[str, Any]:
-    first = None
-    if finding.first:
-        violation, seed = finding.first
-        first = asdict(violation) | {"kind": violation.kind.value, "seed": seed}
-    return asdict(finding) | {"first": first}
+def _first(finding: Finding) -> dict[str, Any]:
+    """The earliest safety violation of the unmutated drone in a situation."""
+    assert finding.first
+    violation, seed = finding.first
+    return asdict(violation) | {"kind": violation.kind.value, "seed": seed, "situation": finding.situation}
 
 
 def _tally(tally: Tally) -> dict[str, Any]:

@@ -11,12 +11,15 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from scaloft_fi.report.tracks import Whole, coded, quantised, quantum, shared, thinned
+from scaloft_fi.report.tracks import QUANTUM, Whole, coded, quantised, quantum, shared, thinned
 from scaloft_fi.results.flights import Flight, flight_of
 from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
+from scaloft_fi.results.requirement import Reading
 from scaloft_fi.results.status import baseline_status
-from scaloft_fi.results.track import TRACK_COLUMNS, unpack_track
+from scaloft_fi.results.track import TRACK_COLUMNS, TRACK_EVERY, unpack_track
+from scaloft_fi.sim.signals import SAMPLE_HZ
 
+TRACK_HZ = SAMPLE_HZ / TRACK_EVERY
 EVERYTHING = 1 << 30
 """More seeds than there are."""
 NONE = -1
@@ -32,29 +35,44 @@ class Detail:
         every: one row stands for so many.
         coarse: so many times the finest step of positions, speeds and distances.
         seeds: of so many of the lowest seeds the mutants' tracks are kept; `EVERYTHING` for all.
-        says: the sentence that the page prints.
     """
 
     every: int
     coarse: int
     seeds: int
-    says: str
+
+    def __str__(self) -> str:
+        """Rows in a second, and the steps."""
+        step = f"{QUANTUM * self.coarse:g}"
+        return f"{TRACK_HZ / self.every:g} Hz, in steps of {step} m and {step} m/s"
 
 
-SMALL = "to keep the page small; replay makes the rest."
 DETAILS = (
-    Detail(1, 1, EVERYTHING, "Tracks: every flight, 5 Hz, in steps of 0.01 m and 0.01 m/s."),
-    Detail(1, 2, EVERYTHING, f"Tracks: every flight, 5 Hz, in steps of 0.02 m and 0.02 m/s {SMALL}"),
-    Detail(2, 2, EVERYTHING, f"Tracks: every flight, 2.5 Hz, in steps of 0.02 m and 0.02 m/s {SMALL}"),
-    Detail(2, 2, 1, f"Tracks: 2.5 Hz, steps of 0.02 m, of mutants with the lowest seed only, {SMALL}"),
-    Detail(5, 2, 1, f"Tracks: 1 Hz, steps of 0.02 m, of mutants with the lowest seed only, {SMALL}"),
-    Detail(1, 1, 0, f"Tracks: of baselines only, {SMALL}"),
+    Detail(1, 1, EVERYTHING),
+    Detail(1, 2, EVERYTHING),
+    Detail(2, 2, EVERYTHING),
+    Detail(2, 2, 1),
+    Detail(5, 2, 1),
+    Detail(1, 1, 0),
 )
 """From the most to the least; the page takes the first that fits."""
 
 
-def packs(outcomes: Iterable[Outcome], requirements: Sequence[str], detail: Detail, every: int = 1) -> dict[str, str]:
-    """By situation the base64 text of its deflated flights; PLACEBO, which is its baseline, is left out.
+@dataclass(frozen=True)
+class Packed:
+    """The flights of a campaign.
+
+    Attributes:
+        texts: by situation the base64 text of its deflated flights.
+        says: of which flights there are tracks, and of which not.
+    """
+
+    texts: Mapping[str, str]
+    says: str
+
+
+def packs(outcomes: Iterable[Outcome], requirements: Sequence[str], detail: Detail, every: int = 1) -> Packed:
+    """Pack the flights, situation by situation; PLACEBO, which is its baseline, is left out.
 
     Args:
         outcomes: of the campaign.
@@ -66,10 +84,59 @@ def packs(outcomes: Iterable[Outcome], requirements: Sequence[str], detail: Deta
     for outcome in outcomes:
         if outcome.mutant != PLACEBO:
             by_situation.setdefault(outcome.situation, []).append(outcome)
-    seeds = sorted({outcome.seed for listed in by_situation.values() for outcome in listed})
-    kept = set(seeds[: detail.seeds])
-    chosen = list(by_situation.items())[::every]
-    return {key: _pack(listed, requirements, detail, kept) for key, listed in chosen}
+    seeds = {outcome.seed for listed in by_situation.values() for outcome in listed if outcome.mutant != BASELINE}
+    kept = set(sorted(seeds)[: detail.seeds])
+    tracked: dict[tuple[bool, int], list[bool]] = {}
+    texts = {}
+    for key, listed in list(by_situation.items())[::every]:
+        records, texts[key] = _pack(listed, requirements, detail, kept)
+        for entry in records:
+            if not entry["invalid"]:
+                tracked.setdefault((entry["mutant"] != BASELINE, entry["seed"]), []).append(entry["track"] is not None)
+    return Packed(texts, tracks_told(detail, tracked))
+
+
+def tracks_told(detail: Detail, tracked: Mapping[tuple[bool, int], Sequence[bool]]) -> str:
+    """The sentences that say of which flights the page has tracks.
+
+    Args:
+        detail: how they are kept.
+        tracked: by whether a mutant flew, and seed: of each flight that counts, whether it has one.
+    """
+    every = [has for flags in tracked.values() for has in flags]
+    if all(every):
+        return f"Tracks: every flight, {detail}."
+    if not any(every):
+        return "Tracks: of no flight; `replay` flies each again."
+    groups: dict[str, list[tuple[bool, int]]] = {"Every flight": [], "Some": [], "None": []}
+    for group, flags in tracked.items():
+        groups["Every flight" if all(flags) else "Some" if any(flags) else "None"].append(group)
+    told = [f"{words} of {_whose(found)}" for words, found in groups.items() if found]
+    return ".  ".join((f"Tracks: {sum(every)} of {len(every)} flights, {detail}", *told, "`replay` flies the rest."))
+
+
+def _whose(found: Sequence[tuple[bool, int]]) -> str:
+    """As in: the unmutated drone with seeds 0-9, mutants with seed 0."""
+    own = {
+        who: [seed for other, seed in found if other is mutated]
+        for mutated, who in ((False, "the unmutated drone"), (True, "mutants"))
+    }
+    return ", ".join(f"{who} with seed{'s' * (len(seeds) > 1)} {ranges(seeds)}" for who, seeds in own.items() if seeds)
+
+
+def ranges(numbers: Iterable[int]) -> str:
+    """Whole numbers in a sentence.
+
+    >>> ranges([4, 0, 1, 2, 7])
+    '0-2, 4, 7'
+    """
+    runs: list[list[int]] = []
+    for number in sorted(numbers):
+        if runs and number == runs[-1][-1] + 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    return ", ".join(str(run[0]) if len(run) == 1 else f"{run[0]}-{run[-1]}" for run in runs)
 
 
 def columns(detail: Detail) -> list[dict[str, Any]]:
@@ -77,8 +144,10 @@ def columns(detail: Detail) -> list[dict[str, Any]]:
     return [{"name": column, "quantum": quantum(column, detail.coarse)} for column in TRACK_COLUMNS]
 
 
-def _pack(outcomes: Sequence[Outcome], requirements: Sequence[str], detail: Detail, seeds: set[int]) -> str:
-    """A length (4 bytes, little endian), so many bytes of JSON, the tracks' bytes one after the other; deflated.
+def _pack(
+    outcomes: Sequence[Outcome], requirements: Sequence[str], detail: Detail, seeds: set[int]
+) -> tuple[list[dict[str, Any]], str]:
+    """The records, and the base64 text of, deflated: a length (4 bytes, little endian), so many bytes of JSON, tracks.
 
     Flights with one digest share a track; a track is told by its rows, how many of the first are another's, and whose.
     """
@@ -107,7 +176,8 @@ def _pack(outcomes: Sequence[Outcome], requirements: Sequence[str], detail: Deta
                 clean[outcome.seed] = place, rows
         records.append(record(outcome, baselines.get(outcome.seed), requirements) | {"track": place})
     text = json.dumps({"flights": records, "tracks": tracks}, separators=(",", ":"), allow_nan=False).encode()
-    return base64.b64encode(zlib.compress(struct.pack("<I", len(text)) + text + b"".join(body), DEFLATE)).decode()
+    deflated = zlib.compress(struct.pack("<I", len(text)) + text + b"".join(body), DEFLATE)
+    return records, base64.b64encode(deflated).decode()
 
 
 def rows_of(track: bytes) -> list[tuple[float, ...]]:
@@ -125,8 +195,7 @@ def record(outcome: Outcome, baseline: Outcome | None, requirements: Sequence[st
         "mutant": outcome.mutant,
         "seed": outcome.seed,
         "status": flight.status.value if flight else baseline_status(outcome),
-        "eligible": flight.eligible if flight else False,
-        **_kills(flight),
+        **_revealed(flight),
         "ending": outcome.ending,
         "invalid": outcome.invalid,
         "duration_s": _short(outcome.duration_s),
@@ -135,23 +204,23 @@ def record(outcome: Outcome, baseline: Outcome | None, requirements: Sequence[st
         "altered": outcome.altered,
         "struck": outcome.struck,
         "stack_error": outcome.stack_error,
-        "truncated": outcome.truncated,
-        "readings": [
-            [_short(r.rho, 4), _short(r.violated_at_s), r.verdict.value, r.triggered]
-            if (r := readings.get(n))
-            else None
-            for n in requirements
-        ],
+        "readings": [_reading(readings[name]) if name in readings else None for name in requirements],
         "violations": [
             [v.requirement, *(_short(value) for value in (v.t_s, v.x, v.y, v.z)), v.struck] for v in outcome.violations
         ],
     }
 
 
-def _kills(flight: Flight | None) -> Mapping[str, Any]:
+def _revealed(flight: Flight | None) -> Mapping[str, Any]:
     if flight is None:
         return {}
-    return {"kills": list(flight.kills), "operability_kills": list(flight.operability_kills)}
+    return {"revealed": [*flight.revealed, *flight.operability_revealed]}
+
+
+def _reading(reading: Reading) -> list[Any]:
+    """Robustness (none of what was never triggered), moment of the violation, verdict, episodes of the trigger."""
+    rho = reading.rho if reading.triggered or reading.violated else None
+    return [_short(rho, 4), _short(reading.violated_at_s), reading.verdict.value, reading.triggered]
 
 
 def _short(value: float | None, digits: int = 3) -> float | None:

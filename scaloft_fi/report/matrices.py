@@ -2,26 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.report.karnaugh import terms
 from scaloft_fi.report.severity import searched
+from scaloft_fi.report.signs import Sign, opening, shown_by, sign_of
 from scaloft_fi.results.kills.gray import gray_order
 from scaloft_fi.results.kills.kill_matrix import Entry, KillMatrix
 from scaloft_fi.results.roster import Roster, cell_of
-from scaloft_fi.results.scoring.decision import Decision
-from scaloft_fi.results.scoring.ratio import ratio_json
-from scaloft_fi.results.scoring.score import MutantScore, Score
+from scaloft_fi.results.rulings import Rulings, Situations
+from scaloft_fi.results.scoring.pool import Pool
+from scaloft_fi.results.scoring.ratio import Ratio, share_json
+from scaloft_fi.results.scoring.score import MutantScore, Result, Score
 from scaloft_fi.results.space import Space
-from scaloft_fi.results.status import Status
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.grid import Grid
 
-STATUSES = [status.value for status in Status]
-DECISIONS = [decision.value for decision in Decision]
+SIGNS = [sign.value for sign in Sign]
+KEPT = (
+    *("id", "guideword", "parameter", "magnitude", "status", "verdict"),
+    *("kill_rate", "kill_rate_flown", "requirements", "decided_at"),
+)
+"""What the page tells of a mutant as the score's JSON does."""
 
 
 def situations(space: Space, grid: Grid) -> list[dict[str, Any]]:
@@ -71,63 +76,112 @@ def cells(matrix: Matrix, flown: Iterable[str]) -> list[dict[str, Any]]:
 
 
 def mutants(
-    scored: Score, matrix: KillMatrix, roster: Roster, keys: Sequence[str], order: Callable[[str], Any]
+    scored: Score,
+    matrix: KillMatrix,
+    rulings: Rulings,
+    told: Iterable[Mapping[str, Any]],
+    roster: Roster,
+    keys: Sequence[str],
+    order: Callable[[str], Any],
 ) -> list[dict[str, Any]]:
-    """Every mutant and control flown, by `order` of ids; `results` has an entry for each of `keys`, null: not flown."""
-    everyone = {one.subject.id: one for one in (*scored.mutants, *scored.controls)}
-    found, extra = [], searched(scored.mutants, roster)
-    for id_ in sorted(everyone, key=order):
+    """Every mutant and control flown.
+
+    Args:
+        scored: of the campaign.
+        matrix: its kill matrix.
+        rulings: of its flights.
+        told: the mutants and controls of the score's JSON.
+        roster: tells which mutants count.
+        keys: of the situations, in the order of `results`.
+        order: of ids.
+    """
+    known = {entry["id"]: entry for entry in told}
+    extra = searched(scored.mutants, roster)
+    found = []
+    for mutant in sorted((*scored.mutants, *scored.controls), key=lambda one: order(one.subject.id)):
+        id_, flights = mutant.subject.id, rulings.mutants[mutant.subject]
         row = matrix.row[id_]
         entries = {entry.situation: entry for entry in row.entries}
-        drawn = {"results": [_result(entries[key]) for key in keys], "terms": terms(matrix.space, row)}
-        found.append(_mutant(everyone[id_], roster, matrix.space) | drawn | {"searched": id_ in extra})
+        results = {result.situation: result for result in mutant.results}
+        found.append(
+            {name: known[id_][name] for name in KEPT}
+            | _mutant(mutant, flights, roster, matrix.space)
+            | {
+                "searched": id_ in extra,
+                "tests": _tests(mutant, scored.pool),
+                "results": [_result(entries[key], results.get(key), flights, scored.pool) for key in keys],
+                "terms": terms(matrix.space, row),
+            }
+        )
     return found
 
 
-def _mutant(scored: MutantScore, roster: Roster, space: Space) -> dict[str, Any]:
-    subject = scored.subject
-    first = scored.earliest
+def _mutant(scored: MutantScore, flights: Situations, roster: Roster, space: Space) -> dict[str, Any]:
+    first = scored.first
     return {
-        "id": subject.id,
-        "cell": cell_of(subject.id),
-        "guideword": subject.guideword,
-        "parameter": subject.parameter,
-        "magnitude": subject.magnitude,
-        "control": roster.is_control(subject),
-        "counts": roster.counts(subject),
-        "status": scored.status.value,
-        "kill_rate": ratio_json(scored.kill_rate),
-        "kill_rate_flown": ratio_json(scored.kill_rate_flown),
-        "operability": ratio_json(scored.operability),
-        "requirements": {name: ratio_json(ratio) for name, ratio in scored.requirements},
+        "cell": cell_of(scored.subject.id),
+        "control": roster.is_control(scored.subject),
+        "counts": roster.counts(scored.subject),
+        "by": [*scored.safety.by, *scored.operability.by],
+        "shows": list(shown_by(scored, flights)) if roster.is_control(scored.subject) else [],
+        "operability": scored.operability.verdict.value,
         "condition": scored.condition(space),
-        "earliest": {"requirement": first.requirement, "t_s": first.t_s, "flight": f"{first.situation}/{first.seed}"}
+        "first": {"requirement": first.requirement, "t_s": first.t_s, "situation": first.situation, "seed": first.seed}
         if first
         else None,
-        "decisions": {decision.value: len(scored.decisions(decision)) for decision in Decision},
         "rungs": {status.value: count for status, count in scored.rungs},
     }
 
 
-def _result(entry: Entry) -> list[int] | None:
-    """Status, kills, eligible, flown, decision; the words by their place in a list."""
-    if entry.state not in STATUSES:
+def _tests(scored: MutantScore, pool: Pool) -> list[dict[str, Any]]:
+    """Per requirement that puts the mutant to the test somewhere its p, and what was seen there.
+
+    Returns:
+        `kills`: situations with a kill, of those that test it; `flights`: of the mutant that violate, in these;
+        `baseline`: of the pool that violate, of those judged, in these.
+    """
+    found, p = [], {**scored.safety.p, **scored.operability.p}
+    for name in scored.tests:
+        tests = [result for result in scored.results if name in (*result.steady, *result.steady_operability)]
+        kills = sum(name in (*result.kills, *result.operability_kills) for result in tests)
+        pairs = [pool.pairs[result.situation, name] for result in tests]
+        violated = sum(dict(result.violated).get(name, 0) for result in tests)
+        found.append(
+            {
+                "requirement": name,
+                "p": p[name],
+                "kills": share_json(Ratio(kills, len(tests))),
+                "flights": share_json(Ratio(violated, sum(result.flown for result in tests))),
+                "baseline": share_json(Ratio(sum(own.violated for own in pairs), sum(own.judged for own in pairs))),
+            }
+        )
+    return found
+
+
+def _result(entry: Entry, result: Result | None, flights: Situations, pool: Pool) -> list[Any] | None:
+    """Sign by its place in `SIGNS`, flights that count, seed to open, flights that violate each, by which it is a sign.
+
+    Null where nothing was flown.
+    """
+    if entry.situation not in flights:
         return None
-    decision = DECISIONS.index(entry.decision) if entry.decision else -1
-    return [STATUSES.index(entry.state), entry.kills, entry.eligible, entry.flown, decision]
+    told = {name: count for name, count in entry.violated if (entry.situation, name) in pool.pairs}
+    operability = result.operability_kills if result else ()
+    seed = opening(flights[entry.situation], (*entry.kills, *operability, *entry.seen, *told))
+    return [SIGNS.index(sign_of(entry)), entry.flown, seed, told, list(entry.kills or entry.seen)]
 
 
 def by_situation(scored: Score, roster: Roster, keys: Sequence[str]) -> list[dict[str, int]]:
-    """Per situation the default mutants killed, of those eligible there, and of those flown."""
+    """Per situation the default mutants with a kill, of those that it puts to the test, and of those flown."""
     counted = [mutant for mutant in scored.mutants if roster.counts(mutant.subject)]
     found = []
     for key in keys:
         results = [result for mutant in counted for result in mutant.results if result.situation == key]
         found.append(
             {
-                "killed": sum(result.kills > 0 for result in results),
-                "eligible": sum(result.eligible > 0 for result in results),
-                "flown": sum(result.flown > 0 for result in results),
+                "killed": sum(bool(result.kills) for result in results),
+                "tested": sum(result.tested for result in results),
+                "flown": len(results),
             }
         )
     return found

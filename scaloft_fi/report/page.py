@@ -7,14 +7,12 @@ import hashlib
 import json
 import re
 from collections.abc import Mapping
-from dataclasses import replace
 from importlib.resources import files
 from typing import Any
 
 from scaloft_fi.report.evidence import Evidence
 from scaloft_fi.report.figures import figures
 from scaloft_fi.report.flights import DETAILS, columns, packs
-from scaloft_fi.results.flights import whole
 
 MOST_BYTES = 5_000_000
 """The page fits into an e-mail."""
@@ -50,16 +48,15 @@ def page(evidence: Evidence, most_bytes: int = MOST_BYTES) -> str:
     Raises:
         InputError: a part of the study is not what it should be.
     """
-    counted = replace(evidence, outcomes=tuple(whole(evidence.outcomes)))
-    told = figures(counted) | {"cut": len(evidence.outcomes) - len(counted.outcomes)}
+    told, outcomes = figures(evidence), evidence.outcomes
     names = [requirement.name for requirement in evidence.study.requirements]
     text = ""
     for detail in DETAILS:
-        said = {"detail": detail.says, "columns": columns(detail)}
-        sample = sum(map(len, packs(counted.outcomes, names, detail, SAMPLE).values()))
+        sample = sum(map(len, packs(outcomes, names, detail, SAMPLE).texts.values()))
         if detail is not DETAILS[-1] and sample * SAMPLE > HOPELESS * most_bytes:
             continue
-        text = html(told | said, packs(counted.outcomes, names, detail))
+        packed = packs(outcomes, names, detail)
+        text = html(told | {"detail": packed.says, "columns": columns(detail)}, packed.texts)
         if len(text.encode()) <= most_bytes:
             break
     return text

@@ -7,55 +7,35 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.mutants.mutant import parse, split_magnitude
-from scaloft_fi.results.kills.kill_matrix import KillMatrix
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.requirement import Kind, Requirement
-from scaloft_fi.results.worksheet.margin import Margin, Subject, Tried, lowest, margins
+from scaloft_fi.results.scoring.score import Score
+from scaloft_fi.results.worksheet.margin import FAILING, Margin, Subject, Tried, lowest, margins
 
 
 def thresholds(
-    outcomes: Iterable[Outcome], cells: Matrix, matrix: KillMatrix, requirements: Sequence[Requirement]
+    outcomes: Iterable[Outcome], scored: Score, cells: Matrix, requirements: Sequence[Requirement]
 ) -> list[dict[str, Any]]:
     """Every fault with an order of which some situation has two magnitudes, in the matrix's order of cells.
 
     Returns:
-        Per fault `least`, its margin over all situations, `against`, the names of the requirements that kill it, else
-        of those that its cell puts at risk, and per situation the ends of its margin, with the robustness of those
-        requirements at both, null where none was flown; `counts` is false where the scores count no kill.
+        Per fault `least`, its margin over all situations, `against`, the names of the requirements that are violated,
+        else of those that its cell puts at risk, and per situation the ends of its margin, with the robustness of those
+        requirements at both, null where none was flown.
     """
-    found = margins(outcomes, cells)
-    counted = _counted(matrix)
+    found = margins(outcomes, scored, cells)
     safety = [requirement.name for requirement in requirements if requirement.kind is Kind.SAFETY]
     order = {cell.name: place for place, cell in enumerate(cells)}
-    searched = [
-        (subject, listed) for subject, listed in found.items() if any(len(margin.tried) > 1 for margin in listed)
-    ]
-    searched.sort(key=lambda entry: (order[entry[0].cell], entry[0].unit, entry[0].phase_s))
-    return [_entry(subject, listed, cells, safety, counted) for subject, listed in searched]
+    several = [(subject, own) for subject, own in found.items() if any(len(margin.tried) > 1 for margin in own)]
+    several.sort(key=lambda entry: (order[entry[0].cell], entry[0].unit, entry[0].phase_s))
+    return [_entry(subject, own, cells, safety) for subject, own in several]
 
 
-def _counted(matrix: KillMatrix) -> set[tuple[Subject, float, str]]:
-    """Fault, magnitude and situation of every kill that the scores count."""
-    found: set[tuple[Subject, float, str]] = set()
-    for row in matrix.mutants:
-        name = parse(row.id)
-        magnitude, unit = split_magnitude(name.magnitude)
-        if not isinstance(magnitude, str):
-            found |= {(Subject(name.cell, unit, name.phase_s), magnitude, key) for key in row.kills}
-    return found
-
-
-def _entry(
-    subject: Subject,
-    listed: Sequence[Margin],
-    cells: Matrix,
-    safety: Sequence[str],
-    counted: set[tuple[Subject, float, str]],
-) -> dict[str, Any]:
-    killers = {name for margin in listed for tried in margin.tried for name in tried.requirements}
+def _entry(subject: Subject, listed: Sequence[Margin], cells: Matrix, safety: Sequence[str]) -> dict[str, Any]:
+    tried = [tried for margin in listed for tried in margin.tried if tried.answer in FAILING]
+    violated = {name for one in tried for name in one.requirements}
     at_risk = cells.cell(subject.cell).requirements
-    against = [name for name in safety if name in (killers or at_risk)] or list(safety)
+    against = [name for name in safety if name in (violated or at_risk)] or list(safety)
     least = lowest(listed)
     told = [margin for margin in listed if margin.told]
     return {
@@ -66,26 +46,24 @@ def _entry(
         "least": str(least) if least else "",
         "situations_flown": len(listed),
         "against": against,
-        "situations": [_situation(subject, margin, against, counted) for margin in told],
+        "situations": [_situation(margin, against) for margin in told],
     }
 
 
-def _situation(
-    subject: Subject, margin: Margin, against: Sequence[str], counted: set[tuple[Subject, float, str]]
-) -> dict[str, Any]:
+def _situation(margin: Margin, against: Sequence[str]) -> dict[str, Any]:
     (key,) = margin.situations
     at = {tried.magnitude: tried for tried in margin.tried}
-    survivor, kill = (at.get(end) if end is not None else None for end in (margin.survives, margin.kills))
+    survivor, severe = (at.get(end) if end is not None else None for end in (margin.survives, margin.end))
     return {
         "key": key,
         "margin": str(margin),
         "survives": _plain(margin.survives),
+        "seen": _plain(margin.seen),
         "kills": _plain(margin.kills),
-        "by": list(kill.requirements) if kill else [],
-        "rho": {name: [_rho(survivor, name), _rho(kill, name)] for name in against},
+        "by": list(severe.requirements) if severe else [],
+        "rho": {name: [_rho(survivor, name), _rho(severe, name)] for name in against},
         "again": [_plain(magnitude) for magnitude in margin.again],
         "flown": [_plain(magnitude) for magnitude in sorted(at, key=margin.scale.severity)],
-        "counts": margin.kills is None or (subject, margin.kills, key) in counted,
     }
 
 

@@ -80,8 +80,3 @@ def apart(outcomes: Iterable[Outcome]) -> tuple[list[Outcome], list[Outcome]]:
     for outcome in outcomes:
         (clean if outcome.subject.id == BASELINE else flown).append(outcome)
     return clean, flown
-
-
-def whole(outcomes: Iterable[Outcome]) -> list[Outcome]:
-    """Without flights cut at their first kill: what else they would have done nobody knows."""
-    return [outcome for outcome in outcomes if not outcome.truncated]

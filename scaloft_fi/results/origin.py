@@ -16,7 +16,6 @@ class Origin(NamedTuple):
         mutant: what is patched in; empty for the baseline.
         situation: what the situation changes in the world.
         realised: for a baseline, by which formulas the situation's values come true.
-        cutting: for a flight cut before its end, the sources that decide when.
     """
 
     sim: str
@@ -25,12 +24,11 @@ class Origin(NamedTuple):
     mutant: str
     situation: str
     realised: str = ""
-    cutting: str = ""
 
-    def key(self, seed: int, truncated: str = "") -> str:
-        """The content hash of the flight with this seed; `truncated` is why it was cut, empty for a whole flight."""
+    def key(self, seed: int) -> str:
+        """The content hash of the flight with this seed."""
         parts = [f"{name}={value}" for name, value in zip(self._fields, self, strict=True) if value]
-        return hashlib.sha256("\n".join([*parts, f"seed={seed}", f"truncated={truncated}"]).encode()).hexdigest()
+        return hashlib.sha256("\n".join([*parts, f"seed={seed}"]).encode()).hexdigest()
 
     def changed(self, now: Origin) -> tuple[str, ...]:
         """Names of the parts that are others in `now`."""

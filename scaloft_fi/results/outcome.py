@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from scaloft_fi.sim.log import FlightLog
 
 BASELINE, PLACEBO = "baseline", "PLACEBO"
-FIRST_KILL = "first kill"
-"""Why a flight was cut that was flown only to see whether it kills."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +64,6 @@ class Outcome:
         duration_s: simulated time [s].
         digest, perceived_digest: of the log's ground truth and of what the stack believed.
         stack_error: what the stack raised; the fail-safe took over.
-        truncated: why the flight was cut before its end; empty for a whole flight.
         realised: for a baseline, per axis whether the situation's value came true in flight.
         track: trajectory at 5 Hz, as `results/track.py` packs it.
     """
@@ -86,7 +83,6 @@ class Outcome:
     digest: str = ""
     perceived_digest: str = ""
     stack_error: str = ""
-    truncated: str = ""
     realised: tuple[tuple[str, bool], ...] = ()
     track: bytes = b""
 
@@ -157,7 +153,6 @@ def outcome_of(
         digest=log.digest,
         perceived_digest=log.perceived_digest,
         stack_error=log.stack_error,
-        truncated=FIRST_KILL if log.cut else "",
         realised=realisation.of(situation, signals) if realisation else (),
         track=pack_track(signals),
     )

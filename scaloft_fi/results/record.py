@@ -24,7 +24,6 @@ _FACTS = {
     "seed": "INTEGER",
     "ending": "TEXT",
     "invalid": "TEXT",
-    "truncated": "TEXT",
     "carried": "INTEGER",
     "altered": "INTEGER",
     "infected_at_s": "REAL",
@@ -82,8 +81,8 @@ class Reader:
             return []
         columns = list(zip(*rows, strict=True))
         subjects, rest = columns[: len(SUBJECT)], columns[len(SUBJECT) : len(COLUMNS)]
-        situation, seed, ending, invalid, truncated, carried, altered, infected_at_s, struck, duration_s = rest[:10]
-        digest, perceived_digest, stack_error, readings, violations, realised = rest[10:]
+        situation, seed, ending, invalid, carried, altered, infected_at_s, struck, duration_s = rest[:9]
+        digest, perceived_digest, stack_error, readings, violations, realised = rest[9:]
         return bulk(
             Outcome,
             (
@@ -102,7 +101,6 @@ class Reader:
                 digest,
                 perceived_digest,
                 stack_error,
-                truncated,
                 self._realised.of(realised),
                 tracks,
             ),

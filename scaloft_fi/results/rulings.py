@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from operator import itemgetter
 from typing import NamedTuple
 
-from scaloft_fi.results.flights import apart, whole
+from scaloft_fi.results.flights import apart
 from scaloft_fi.results.outcome import Outcome, Subject, Violation
 from scaloft_fi.results.status import INVALID, Baseline, Ruling, counting
 
@@ -37,7 +37,7 @@ Facts = tuple[str, int, int, str, Sequence[Violation]]
 
 @dataclass(frozen=True)
 class Rulings:
-    """The whole flights of a campaign.
+    """The flights of a campaign.
 
     Attributes:
         baselines: outcomes of the unmutated drone.
@@ -60,8 +60,8 @@ class Rulings:
 
 
 def rulings_of(outcomes: Iterable[Outcome]) -> Rulings:
-    """The rulings of outcomes in any order; a flight that was cut at its first kill is left out."""
-    baselines, flown = apart(whole(outcomes))
+    """The rulings of outcomes in any order."""
+    baselines, flown = apart(outcomes)
     court = Court(baselines)
     for outcome in flown:
         court.hear(outcome.subject.id, outcome.situation, outcome.seed, facts(outcome))
@@ -85,7 +85,7 @@ class Court:
     """Hears mutants' flights one by one, each beside its baseline.
 
     Args:
-        baselines: outcomes of whole flights.
+        baselines: their outcomes.
     """
 
     def __init__(self, baselines: Iterable[Outcome]) -> None:

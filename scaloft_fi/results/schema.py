@@ -53,14 +53,24 @@ WHERE outcomes.invalid != '' AND outcomes.invalid != excluded.invalid
 def _columns_from_json(connection: sqlite3.Connection) -> None:
     _statements(_WITH_COLUMNS)(connection)
     for key, text, track in connection.execute("SELECT key, outcome, track FROM old_outcomes"):
-        insert(connection, key, replace(from_json(json.loads(text)), track=track))
+        values = json.loads(text)
+        insert(connection, key, replace(from_json(values), track=track))
+        connection.execute("UPDATE outcomes SET truncated = ? WHERE key = ?", (values.get("truncated", ""), key))
     connection.execute("DROP TABLE old_outcomes")
 
 
-_WITH_COLUMNS = f"""
-ALTER TABLE outcomes RENAME TO old_outcomes;
-DROP INDEX outcomes_by_flight;
-CREATE TABLE tracks (id INTEGER PRIMARY KEY, sha256 BLOB NOT NULL UNIQUE, track BLOB NOT NULL);
+def _whole_flights(connection: sqlite3.Connection) -> None:
+    """Drop what was flown, or planned, only up to a first kill."""
+    for number, text in connection.execute("SELECT id, parts FROM origins").fetchall():
+        parts = json.loads(text)
+        if parts.pop("cutting"):
+            connection.execute("DELETE FROM origins WHERE id = ?", (number,))
+        else:
+            connection.execute("UPDATE origins SET parts = ? WHERE id = ?", (json.dumps(parts), number))
+    _statements(_WHOLE)(connection)
+
+
+_TABLE = f"""
 CREATE TABLE outcomes (
     id INTEGER PRIMARY KEY,
     key TEXT NOT NULL UNIQUE,
@@ -68,8 +78,28 @@ CREATE TABLE outcomes (
     track INTEGER REFERENCES tracks (id),
     {", ".join(f"{name} {kind}" + " NOT NULL" * (kind != "REAL") for name, kind in COLUMNS.items())}
 );
-CREATE INDEX outcomes_by_flight ON outcomes (mutant, situation, seed, truncated, key, origin);
-CREATE INDEX invalid_outcomes ON outcomes (key) WHERE invalid != ''
+CREATE INDEX outcomes_by_flight ON outcomes (mutant, situation, seed, key, origin);
+CREATE INDEX invalid_outcomes ON outcomes (key) WHERE invalid != '';
+"""
+_WITH_COLUMNS = f"""
+ALTER TABLE outcomes RENAME TO old_outcomes;
+DROP INDEX outcomes_by_flight;
+CREATE TABLE tracks (id INTEGER PRIMARY KEY, sha256 BLOB NOT NULL UNIQUE, track BLOB NOT NULL);
+{_TABLE}
+ALTER TABLE outcomes ADD COLUMN truncated TEXT NOT NULL DEFAULT ''
+"""
+_KEPT = ", ".join(("id", "key", "origin", "track", *COLUMNS))
+_WHOLE = f"""
+DELETE FROM plan WHERE origin IS NOT NULL AND origin NOT IN (SELECT id FROM origins);
+DELETE FROM plan WHERE key IN (SELECT key FROM outcomes WHERE truncated != '');
+ALTER TABLE outcomes RENAME TO old_outcomes;
+DROP INDEX outcomes_by_flight;
+DROP INDEX invalid_outcomes;
+{_TABLE}
+INSERT INTO outcomes ({_KEPT}) SELECT {_KEPT} FROM old_outcomes WHERE truncated = '';
+DELETE FROM tracks WHERE id IN (SELECT track FROM old_outcomes WHERE truncated != '')
+AND id NOT IN (SELECT track FROM outcomes WHERE track IS NOT NULL);
+DROP TABLE old_outcomes
 """
 _STEPS = (
     _statements("""
@@ -99,6 +129,7 @@ CREATE TABLE origins (id INTEGER PRIMARY KEY, parts TEXT NOT NULL UNIQUE);
 ALTER TABLE plan ADD COLUMN origin INTEGER REFERENCES origins (id);
 """),
     _columns_from_json,
+    _whole_flights,
 )
 """What brings a store of schema n to n + 1, a new one from 0 on."""
 SCHEMA = len(_STEPS)

@@ -24,7 +24,6 @@ class Flown(NamedTuple):
     Attributes:
         key: its content hash.
         mutant, situation, seed: what was flown, where.
-        truncated: why it was cut; empty for a whole flight.
         origin: number of what entered the key, by which `origins` has it; None where it was never planned.
     """
 
@@ -32,7 +31,6 @@ class Flown(NamedTuple):
     mutant: str
     situation: str
     seed: int
-    truncated: str
     origin: int | None
 
 
@@ -45,7 +43,7 @@ Keep = Callable[[Row], bool]
 _COLUMNS = (*COLUMNS, "key", "origin")
 _KEY = _COLUMNS.index("key")
 _TRIED = ("mutant", "situation", "seed", "invalid", "carried", "altered", "digest", "violations", "origin")
-"""What a whole flight is ruled by; the key follows where there is no origin that would stand for it."""
+"""What a flight is ruled by; the key follows where there is no origin that would stand for it."""
 _VIOLATIONS = _TRIED.index("violations")
 
 
@@ -85,7 +83,7 @@ _pick = itemgetter(*map(_COLUMNS.index, Flown._fields))
 
 def _tried(row: Row) -> Flown:
     mutant, situation, seed, *_, origin, key = row
-    return Flown(key, mutant, situation, seed, "", origin)
+    return Flown(key, mutant, situation, seed, origin)
 
 
 def those_that(stand: Stand) -> Keep:
@@ -117,13 +115,13 @@ def outcomes(
 
 
 def rulings(connection: sqlite3.Connection, stand: Stand) -> Rulings:
-    """What the whole flights that `stand` came to, without an outcome for each of them."""
-    baselines = outcomes(connection, those_that(stand), f"WHERE mutant = '{BASELINE}' AND truncated = ''")
+    """What the flights that `stand` came to, without an outcome for each of them."""
+    baselines = outcomes(connection, those_that(stand), f"WHERE mutant = '{BASELINE}'")
     court = Court(outcome for _, outcome in baselines)
     keep, lines = standing(stand, _tried, _TRIED.index("origin")), violation_lines()
     with uncollected():
         columns = f"{', '.join(_TRIED)}, CASE WHEN origin IS NULL THEN key END"
-        cursor = connection.execute(f"SELECT {columns} FROM outcomes WHERE mutant != '{BASELINE}' AND truncated = ''")
+        cursor = connection.execute(f"SELECT {columns} FROM outcomes WHERE mutant != '{BASELINE}'")
         while rows := cursor.fetchmany(CHUNK):
             kept = list(filter(keep, rows))
             for row, violations in zip(kept, lines.of([row[_VIOLATIONS] for row in kept]), strict=True):

@@ -163,11 +163,6 @@ def rule(outcome: Outcome, baseline: Baseline | None) -> Ruling:
     return baseline.rule(outcome.carried, outcome.altered, outcome.digest, outcome.violations)
 
 
-def revealed_by(outcome: Outcome, baseline: Outcome, kind: Kind) -> tuple[str, ...]:
-    """The requirements of a kind by whose violation the flight is told from its baseline, earliest first."""
-    return named(Baseline(baseline).told(outcome.violations), kind)
-
-
 def baseline_status(baseline: Outcome) -> str:
     """`held` or `violated` (a safety requirement), or `invalid`."""
     if baseline.invalid:

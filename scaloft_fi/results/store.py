@@ -127,7 +127,13 @@ class Store:
 
     @contextmanager
     def snapshot(self) -> Iterator[None]:
-        """What is read while it lasts is of one moment, whatever others write meanwhile; nothing is written in it."""
+        """What is read while it lasts is of one moment, whatever others write meanwhile; nothing is written in it.
+
+        Within another it is part of that one's moment.
+        """
+        if self._connection.in_transaction:
+            yield
+            return
         with _sentences(self.path):
             self._connection.execute("BEGIN")
             try:
@@ -183,7 +189,7 @@ class Store:
         """What there are outcomes of, ordered by mutant, situation, seed; read from an index, so soon done."""
         with _sentences(self.path):
             columns = ", ".join(Flown._fields)
-            order = "mutant, situation, seed, truncated, key"
+            order = "mutant, situation, seed, key"
             return [Flown(*row) for row in self._connection.execute(f"SELECT {columns} FROM outcomes ORDER BY {order}")]
 
     def outcomes(self, keys: Iterable[str] | None = None) -> Iterator[Outcome]:
@@ -201,7 +207,7 @@ class Store:
             return tuple([outcome for _, outcome in outcomes(self._connection, those_that(stand))])
 
     def rulings(self, stand: Stand) -> Rulings:
-        """What the whole flights that `stand` came to."""
+        """What the flights that `stand` came to."""
         with _sentences(self.path):
             return rulings(self._connection, stand)
 

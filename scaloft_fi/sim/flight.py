@@ -5,7 +5,7 @@ Physics, inertial sensor and flight control run at 240 Hz; the other sensors, th
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
 import numpy as np
@@ -37,14 +37,7 @@ HARNESS = (TapError, MemoryError)
 """What is no fact about the drone, wherever it is raised."""
 
 
-ASK_TICKS = 100
-"""How often a flight is asked whether it may be cut: every 5 s, for an answer costs some ms."""
-
-Enough = Callable[[FlightLog], bool]
-"""Whether the flight so far says all that is asked."""
-
-
-def fly(config: SimConfig, situation: Situation, seed: int, wire: Wire, enough: Enough | None = None) -> FlightLog:
+def fly(config: SimConfig, situation: Situation, seed: int, wire: Wire) -> FlightLog:
     """Fly once; a pure function of its arguments, and the wire is used up.
 
     Args:
@@ -52,7 +45,6 @@ def fly(config: SimConfig, situation: Situation, seed: int, wire: Wire, enough: 
         situation: where.
         seed: of the noise.
         wire: carries the samples between the stages.
-        enough: when it says so, the flight is cut; None flies to the end.
 
     Raises:
         InputError: the study names no known stack, or its settings do not fit.
@@ -63,8 +55,6 @@ def fly(config: SimConfig, situation: Situation, seed: int, wire: Wire, enough: 
         flight = Flight(client, config, scenario, seed, wire)
         while flight.tick():
             flight.advance()
-            if enough is not None and flight.ticks % ASK_TICKS == 0 and enough(flight.log()):
-                flight.cut()
         return flight.log()
 
 
@@ -130,7 +120,6 @@ class Flight:
         inner = getattr(self.stack, "inner", None)
         self._tight = TightLoop(inner, self.sensors.inertial, self.body, wire) if inner is not None else None
         self.ticks = self._steps = 0
-        self._cut = False
         self._companion_alive = self._autopilot_alive = True
         self._stack_error = ""
 
@@ -147,10 +136,6 @@ class Flight:
             self._think(now_s, frames)
         self.ticks += 1
         return True
-
-    def cut(self) -> None:
-        """End it at the next sample, unless it ends there by itself."""
-        self._cut = True
 
     def advance(self) -> None:
         """Step up to the next sample."""
@@ -229,9 +214,7 @@ class Flight:
             return Ending.STRUCK
         if self._observer.landed:
             return Ending.LANDED
-        if now_s >= self._scenario.t_max_s:
-            return Ending.TIMED_OUT
-        return Ending.CUT if self._cut else None
+        return Ending.TIMED_OUT if now_s >= self._scenario.t_max_s else None
 
     def _sense(self, now_s: float) -> SensorFrames | None:
         """Measure, with the clocks and the exposure that the stack gives; without them when it is dead."""

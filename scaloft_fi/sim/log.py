@@ -24,12 +24,11 @@ class Ending(StrEnum):
     LANDED = "landed"
     STRUCK = "struck"
     TIMED_OUT = "timed_out"
-    CUT = "cut"
 
     @property
     def cut_short(self) -> bool:
         """Whether the flight was ended before its time, so that what it did not violate is open."""
-        return self in (Ending.STRUCK, Ending.CUT)
+        return self is Ending.STRUCK
 
     @property
     def sentence(self) -> str:
@@ -38,7 +37,6 @@ class Ending(StrEnum):
             Ending.LANDED: "touched down",
             Ending.STRUCK: "struck something",
             Ending.TIMED_OUT: "was still flying at the time limit",
-            Ending.CUT: "was cut: all that was asked is known",
         }[self]
 
 
@@ -123,11 +121,6 @@ class FlightLog:
     def duration_s(self) -> float:
         """Time of the last sample [s]."""
         return float(self.signals["elapsed_s"][-1])
-
-    @property
-    def cut(self) -> bool:
-        """Whether the flight was ended because all that was asked of it was known."""
-        return self.ending is Ending.CUT
 
     @cached_property
     def digest(self) -> str:

@@ -73,14 +73,13 @@ class FakeStudy:
     """What a run asks of a study."""
 
     folder: Path
-    inputs: Mapping[str, str] = field(
-        default_factory=lambda: {"sim": "s", "requirements": "r", "code": "c", "cutting": "k"}
-    )
+    inputs: Mapping[str, str] = field(default_factory=lambda: {"sim": "s", "requirements": "r", "code": "c"})
     grid: FakeGrid = GRID
     matrix: Matrix = MATRIX
     space: Space = SPACE
     roster: Roster = ROSTER
     predicate: str = "t"
+    alpha: float = 0.01
 
     def changes(self, situation: FakeSituation) -> dict[str, Any]:
         return {"key": situation.key}
@@ -140,7 +139,7 @@ class Log:
     def prepare(self, study: Any, say: Callable[[str], None]) -> None:
         pass
 
-    def __call__(self, study: Any, flight: Flight, baseline: Outcome | None = None) -> Outcome:
+    def __call__(self, study: Any, flight: Flight) -> Outcome:
         with self.path.open("a") as file:
             file.write(f"{flight.name}\n")
         return self.change(flight, fly(study, flight))

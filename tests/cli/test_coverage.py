@@ -24,7 +24,17 @@ def flown(call: Call, *words: str) -> None:
 def test_every_number_is_printed(call: Call) -> None:
     flown(call, "--choose", "draws:12")
     text = call("coverage").stdout
-    for row in ("distinct situations", "draws", "realised", "eligible", "triggered SR1", "5-way", "p = 0.75"):
+    for row in (
+        "distinct situations",
+        "draws",
+        "realised",
+        "steady pairs",
+        "unsteady",
+        "vacuous",
+        "triggered SR1",
+        "5-way",
+        "p = 0.75",
+    ):
         assert row in text
     assert "draws:12" in text
     assert "6-way" not in text
@@ -38,7 +48,7 @@ def test_json_counts_what_was_chosen_and_flown(call: Call) -> None:
     assert (draws["choose"], draws["pool"], len(draws["draws"])) == ("draws:40", 32, 40)
     assert (first["choose"], first["draws"]) == ("first:1", [["T0O0W0D0H0", 9]])
     cases = {tuple(draw) for draw in [*draws["draws"], *first["draws"]]}
-    assert said["coverage"]["draws"] == len(cases)
+    assert said["coverage"]["draws"] - said["coverage"]["pool"] == len(cases)
     assert said["coverage"]["situations"] == {"part": len({key for key, _ in cases}), "whole": 32}
     assert "against_kills" not in said
 
@@ -64,7 +74,9 @@ def test_against_kills_answers_with_the_campaigns_own_figures(call: Call, tmp_pa
     random = said["strategies"][0]
     assert random["kills"]["mean"] == pytest.approx(random["t_way"]["1"])
     assert picture.read_text().startswith("<svg")
+    assert said["unkilled"] == []
     text = call("coverage", "--against-kills").stdout
+    assert max(map(len, text.splitlines())) <= 100
     assert "Does coverage predict kills beyond the number of situations?" in " ".join(text.split())
 
 

@@ -12,12 +12,12 @@ import pytest
 from click.testing import Result
 
 Call = Callable[..., Result]
-FLOWN = ("--situation", "T0O0W0D0H*", "--jobs", "1", "--quiet")
+FLOWN = ("--situation", "T0O0W0D0H*", "--seeds", "3", "--jobs", "1", "--quiet")
 
 
 @pytest.fixture
 def flown(call: Call, copy: Path, paper: Any, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A campaign in which LATE-human is killed, MORE-goal survives in two situations and NO-goal changes nothing."""
+    """A campaign in which LATE-human is detected, MORE-goal survives in two situations, NO-goal changes nothing."""
     fly = type(paper).__call__
 
     def flying(self: Any, study: Any, flight: Any, baseline: Any = None) -> Any:
@@ -91,8 +91,8 @@ def test_the_rest_of_the_study_works_beside_a_file_that_is_not_filled_in(call: C
 def test_the_ratchet_fails_on_a_survivor_that_nobody_accepted(call: Call, flown: Path) -> None:
     done = call("score", "--ratchet", study=flown)
     assert done.exit_code == 3
-    assert "ratchet: MORE-goal@0.6m survives (T0O0W0D0H0, T0O0W0D0H1) and is not accepted" in done.stderr
-    assert "Mutation score" in done.stdout
+    assert "ratchet: MORE-goal@0.6m is not detected (tested in T0O0W0D0H0, T0O0W0D0H1) and not accepted" in done.stderr
+    assert "would have been shown" in done.stdout
 
 
 def test_the_ratchet_passes_what_is_accepted_until_its_day(call: Call, flown: Path) -> None:
@@ -116,7 +116,7 @@ def test_the_ratchet_says_which_dispositions_can_go_and_passes(call: Call, flown
     accept(flown, "LATE-human")
     done = call("score", "--ratchet", study=flown)
     assert done.exit_code == 0
-    assert "warning: LATE-human@3s is killed now; its disposition can go" in done.stderr
+    assert "warning: LATE-human@3s is detected now; its disposition can go" in done.stderr
 
 
 def test_the_ratchet_and_the_threshold_fail_each_for_itself(call: Call, flown: Path) -> None:
@@ -127,12 +127,41 @@ def test_the_ratchet_and_the_threshold_fail_each_for_itself(call: Call, flown: P
     assert "ratchet" not in done.stderr
 
 
-def test_a_campaign_in_which_nothing_could_be_killed_passes_no_ratchet(call: Call, flown: Path) -> None:
+def test_a_campaign_in_which_nothing_was_tested_passes_no_ratchet(call: Call, flown: Path) -> None:
     words = ("--campaign", f"{flown}/other", "--study", str(flown))
     assert call("run", "--mutant", "NO-goal", *FLOWN, *words, campaign=False).exit_code == 0
     done = call("score", "--ratchet", *words, campaign=False)
     assert done.exit_code == 3
     assert "nothing to hold" in done.stderr
+
+
+def test_an_undecided_mutant_is_a_survivor_whose_verdict_is_told(call: Call, flown: Path) -> None:
+    words = ("--campaign", f"{flown}/other", "--study", str(flown))
+    once = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--jobs", "1", "--quiet", "--baseline-seeds", "10")
+    assert call("run", *once, *words, campaign=False).exit_code == 0
+    done = call("score", "--ratchet", *words, campaign=False)
+    assert done.exit_code == 3
+    assert "ratchet: LATE-human@3s is undecided (tested in T0O0W0D0H1) and not accepted" in done.stderr
+    (table,) = json.loads(call("dispositions", "--format", "json", *words, campaign=False).stdout)
+    assert [(row["mutant"], row["state"], row["verdict"]) for row in table["rows"]] == [
+        ("LATE-human@3s", "open", "undecided")
+    ]
+
+
+@pytest.mark.parametrize("verb", [("score", "--ratchet"), ("dispositions",), ("dispositions", "--write")])
+def test_without_a_pool_it_is_refused_and_the_command_is_named_that_flies_one(
+    call: Call, flown: Path, verb: tuple[str, ...]
+) -> None:
+    words = ("--campaign", f"{flown}/other", "--study", str(flown))
+    assert call("run", "--mutant", "LATE-human", *FLOWN, "--baseline-seeds", "1", *words, campaign=False).exit_code == 0
+    done = call(*verb, *words, campaign=False)
+    assert done.exit_code == 2
+    (line,) = done.stderr.strip().splitlines()
+    assert line.startswith(
+        "error: no mutant is known to survive: no situation in which a mutant changes a sample has 10"
+    )
+    assert "`scaloft-fi run` with the same mutants flies them" in line
+    assert not (flown / "hazop" / "dispositions.yaml").exists()
 
 
 def test_a_file_that_is_not_filled_in_fails_the_ratchet_as_bad_input(call: Call, flown: Path) -> None:

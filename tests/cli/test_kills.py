@@ -14,13 +14,9 @@ LATE = "LATE-human@3s"
 
 @pytest.fixture
 def flown(call: Call) -> Call:
-    """A campaign of LATE-human, which the paper flyer kills where a person is, and of a survivor."""
-    assert (
-        call(
-            "run", "--mutant", "LATE-human", "--mutant", "EARLY-human", "--situation", "T0O?W0D0H?", "--quiet"
-        ).exit_code
-        == 0
-    )
+    """A campaign of LATE-human, which the paper flyer lets violate SR2 where a person is, and of a survivor."""
+    words = ("--mutant", "LATE-human", "--mutant", "EARLY-human", "--situation", "T0O?W0D0H?", "--seeds", "3")
+    assert call("run", *words, "--quiet").exit_code == 0
     return call
 
 
@@ -35,18 +31,40 @@ def test_it_tells_where_a_mutant_is_killed_and_what_situations_keep_every_kill(f
 
 def test_a_part_is_shown_at_length(flown: Call) -> None:
     result = flown("kills", "--show", "survivors", "--format", "csv")
-    assert result.stdout.startswith("# Survivors\nmutant,stopped at,next,why\nEARLY-human@3s,infect,situation,")
+    assert result.stdout.startswith(
+        "# Survivors\nmutant,verdict,stopped at,next,why\nEARLY-human@3s,not tested,infect,situation,"
+    )
     assert "Killed where" not in result.stdout
 
 
 def test_json_has_the_matrix_and_every_part(flown: Call) -> None:
     plain = json.loads(flown("kills", "--format", "json").stdout)
-    assert set(plain) == {"matrix", "conditions", "orders", "situations", "suite", "subsumption", "survivors"}
+    parts = {"conditions", "orders", "situations", "suite", "subsumption", "redundancies", "survivors"}
+    assert set(plain) == {"matrix", "detected_without_kill", *parts}
+    assert [entry["verdict"] for entry in plain["survivors"]] == ["not_tested"]
     assert plain["conditions"][0]["condition"] == "human"
     assert plain["suite"]["alternatives"] == 2
     some = json.loads(flown("kills", "LATE-human", "--show", "suite", "--format", "json").stdout)
-    assert set(some) == {"matrix", "suite"}
+    assert set(some) == {"matrix", "detected_without_kill", "suite"}
     assert [row["id"] for row in some["matrix"]["mutants"]] == [LATE]
+
+
+def test_what_one_seed_shows_is_undecided_and_says_how_many_seeds_decide(call: Call) -> None:
+    words = ("--mutant", "LATE-human", "--situation", "T0O?W0D0H?", "--quiet")
+    assert call("run", *words).exit_code == 0
+    text = " ".join(call("kills", "--show", "survivors").stdout.split())
+    assert "2 of 2 flights where SR2 is steady violate it" in text
+    assert f"`scaloft-fi run --mutant {LATE} --seeds 3`" in text
+    assert json.loads(call("kills", "--format", "json").stdout)["conditions"] == []
+
+
+def test_seeds_that_were_asked_for_later_spend_alpha_by_looks(call: Call) -> None:
+    """Two situations of three seeds: detected at a quarter of alpha too; of one alone they are not."""
+    words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
+    for seeds in ("1", "3"):
+        assert call("run", *words, "--seeds", seeds).exit_code == 0
+    (survivor,) = json.loads(call("kills", "--show", "survivors", "--format", "json").stdout)["survivors"]
+    assert (survivor["verdict"], "alpha 0.0025" in survivor["why"]) == ("undecided", True)
 
 
 def test_what_some_situations_kill_is_told(flown: Call) -> None:

@@ -13,17 +13,24 @@ from refusal import sentence
 
 Call = Callable[..., Result]
 HUMAN = ("--situation", "T0O0W0D0H1", "--jobs", "1", "--quiet")
+THRICE = ("--seeds", "3", *HUMAN)
 
 
-def test_a_fault_that_kills_at_every_magnitude_is_told_as_such(call: Call) -> None:
-    done = call("margin", "LATE-human", *HUMAN)
+def test_a_fault_that_is_killed_at_every_magnitude_is_told_as_such(call: Call) -> None:
+    done = call("margin", "LATE-human", *THRICE)
     assert done.exit_code == 0
     assert "<= 0.0625 s" in done.stdout
     assert "always((trigger implies speed_mps / 0.25 <= 1)" in " ".join(done.stdout.split())
 
 
+def test_one_seed_in_one_situation_is_seen_and_says_how_many_seeds_decide(call: Call) -> None:
+    done = call("margin", "LATE-human", *HUMAN)
+    assert "seen <= 0.0625 s" in done.stdout
+    assert "`scaloft-fi margin LATE-human@0.0625s --seeds 5`" in " ".join(done.stdout.split())
+
+
 def test_json_has_the_ends_as_numbers_and_every_magnitude_tried(call: Call) -> None:
-    (fault,) = json.loads(call("margin", "LATE-human", *HUMAN, "--format", "json").stdout)
+    (fault,) = json.loads(call("margin", "LATE-human", *THRICE, "--format", "json").stdout)
     (situation,) = fault["situations"]
     assert (fault["cell"], fault["unit"], fault["phase_s"]) == ("LATE-human", "s", 0.0)
     assert (situation["survives"], situation["kills"], situation["monotone"]) == (None, 0.0625, True)
@@ -39,8 +46,15 @@ def test_every_format_names_the_situation_and_the_margin(call: Call, style: str)
     assert "MORE-goal" in text
 
 
+@pytest.mark.parametrize(("words", "told"), [((), 0), (("--warnings",), 7)])
+def test_violations_are_counted_and_told_only_when_asked(call: Call, words: tuple[str, ...], told: int) -> None:
+    said = call("margin", "LATE-human", *HUMAN[:-1], *words).stderr.splitlines()
+    assert sum(line.startswith("warning: SR2 violated at ") for line in said) == told
+    assert any(line.startswith("violations: ") for line in said)
+
+
 def test_the_matrix_shows_margins_in_its_cells_and_the_rest_as_untold(call: Call) -> None:
-    assert call("margin", "LATE-human", *HUMAN).exit_code == 0
+    assert call("margin", "LATE-human", *THRICE).exit_code == 0
     shown = call("matrix", "--margins", "--format", "csv").stdout
     rows = {row["parameter"]: row for row in csv.DictReader(io.StringIO(shown))}
     assert rows["human"]["LATE"] == "<= 0.0625 s"
@@ -55,7 +69,7 @@ def test_the_matrix_shows_margins_in_its_cells_and_the_rest_as_untold(call: Call
 
 
 def test_operability_has_margins_of_its_own(call: Call) -> None:
-    done = call("margin", "LATE-human", *HUMAN, "--operability", "--format", "json")
+    done = call("margin", "LATE-human", *THRICE, "--operability", "--format", "json")
     (fault,) = json.loads(done.stdout)
     assert fault["least"]["margin"] == "> 40 s"
     cells = json.loads(call("matrix", "--margins", "--operability", "--parameter", "human", "--format", "json").stdout)

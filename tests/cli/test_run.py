@@ -17,14 +17,25 @@ if TYPE_CHECKING:
 Call = Callable[..., Result]
 
 
-def test_a_run_prints_score_rungs_findings_and_coverage(call: Call) -> None:
+def test_a_run_prints_four_answers_the_mutants_by_verdict_and_two_lines(call: Call) -> None:
     result = call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?")
     assert result.exit_code == 0, result.output
-    for title in ("Mutation score", "Mutants", "Where the faults stopped", "Findings about the unmutated drone"):
-        assert title in result.stdout
+    for name in ("Shown", "Not shown", "How sure", "What next", "Situations", "Unmutated drone"):
+        assert f"\n{name}  " in f"\n{result.stdout}"
+    assert "Undecided: 1\n" in result.stdout
     assert "LATE-human@3s" in result.stdout
-    assert "Situation coverage" in result.stdout
-    assert "warning: SR2 violated at 8.00 s" in result.stderr
+    assert "Where the faults stopped" not in result.stdout
+    assert "violations: 2 (mutants 2); all of them are in " in result.stderr
+    assert "warning" not in result.stderr
+
+
+def test_warnings_tell_each_violation_of_however_many_mutants(call: Call) -> None:
+    for words in (("--mutant", "LATE-human"), ("--seeds", "1-1")):
+        said = call("run", "--situation", "T0O0W0D0H1", "--warnings", *words).stderr.splitlines()
+        (counted,) = (line for line in said if line.startswith("violations: "))
+        warnings = [line for line in said if line.startswith("warning: ")]
+        assert "warning: SR2 violated at 8.00 s" in warnings[0]
+        assert counted.startswith(f"violations: {len(warnings)} (mutants {len(warnings)}); ")
 
 
 def test_quiet_says_nothing_but_the_tables(call: Call) -> None:
@@ -51,11 +62,11 @@ def test_the_same_command_in_any_number_of_jobs_exports_the_same_bytes(call: Cal
     assert exports[0] == exports[1] == exports[2]
 
 
-def test_a_surviving_control_is_a_gate_and_prints_no_score(call: Call, paper: Paper) -> None:
+def test_a_control_that_shows_nothing_is_a_gate_and_prints_no_score(call: Call, paper: Paper) -> None:
     paper.tame = True
     result = call("run", "--mutant", "LATE-human", "--quiet")
     assert (result.exit_code, result.stdout) == (4, "")
-    assert "a control survives" in result.stderr
+    assert "a control shows nothing" in result.stderr
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Other runs than the whole one: killed or not, a budget, looks, a pool of baselines; without physics."""
+"""Other runs than the whole one: a budget, looks, a pool of baselines; without physics."""
 
 from __future__ import annotations
 
@@ -15,25 +15,6 @@ if TYPE_CHECKING:
     from conftest import Paper
 
 Call = Callable[..., Result]
-
-
-def test_first_kill_prints_killed_or_not_and_no_score(call: Call) -> None:
-    words = ("--mutant", "LATE-human", "--mutant", "MORE-goal", "--quiet", "--first-kill")
-    result = call("run", *words)
-    assert result.exit_code == 0, result.output
-    assert "First kills" in result.stdout
-    assert "Mutation score" not in result.stdout
-    found = json.loads(call("run", *words, "--format", "json").stdout)
-    late, more = sorted(found["mutants"], key=lambda entry: entry["id"])
-    assert (late["killed"], late["by"], late["t_s"]) == (True, "SR2", 8.0)
-    assert (more["killed"], more["by"]) == (False, None)
-    assert late["flown"] < late["possible"] == more["flown"] == 32
-    assert {row["mutant"] for row in json.loads(call("export").stdout)} == {"baseline", "PLACEBO", "REVERSE-velcmd"}
-
-
-@pytest.mark.parametrize("other", [("--budget", "10m"), ("--fail-under", "0.5")])
-def test_first_kill_goes_alone(call: Call, other: tuple[str, str]) -> None:
-    assert "do not go together" in sentence(call("run", "--mutant", "LATE-human", "--first-kill", *other))
 
 
 def test_a_budget_that_is_no_time_is_refused(call: Call) -> None:
@@ -59,33 +40,56 @@ def test_the_declared_share_of_invalid_flights_is_an_option(call: Call, paper: P
 
 def test_sequential_looks_fly_on_what_is_undecided_and_print_how_it_went(call: Call) -> None:
     words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
-    result = call("run", *words, "--sequential", "--baseline-seeds", "50", "--format", "json")
+    result = call("run", *words, "--sequential", "--format", "json")
     assert result.exit_code == 0, result.output
     first, *_ = json.loads(result.stdout)["looks"]
-    assert (first["seeds"], first["pairs"], first["flights"]) == (3, 2, 6)
-    rows = json.loads(call("export").stdout)
-    assert sum(row["mutant"] == "baseline" for row in rows) == 2 * 50
-    assert "Looks" in call("run", *words, "--sequential", "--baseline-seeds", "50").stdout
+    assert (first["seeds"], first["mutants"], first["flights"]) == (1, 1, 2)
+    assert "Looks" in call("run", *words, "--sequential").stdout
 
 
-@pytest.mark.parametrize("other", [("--seeds", "4"), ("--budget", "10m"), ("--shard", "1/2"), ("--first-kill",)])
+@pytest.mark.parametrize("other", [("--seeds", "4"), ("--budget", "10m"), ("--shard", "1/2")])
 def test_sequential_goes_alone(call: Call, other: tuple[str, ...]) -> None:
     assert "do not go together" in sentence(call("run", "--mutant", "LATE-human", "--sequential", *other))
 
 
-def test_a_pool_is_flown_with_the_baseline_alone_and_changes_no_rate(call: Call) -> None:
+def test_a_pool_of_ten_is_flown_by_default_where_the_mutant_infects(call: Call) -> None:
     words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
-    plain = json.loads(call("run", *words, "--format", "json").stdout)
-    pooled = json.loads(call("run", *words, "--baseline-seeds", "2-9", "--format", "json").stdout)
-    assert (plain["coverage"].pop("draws"), pooled["coverage"].pop("draws")) == (2, 18)
-    assert (plain["coverage"].pop("pool"), pooled["coverage"].pop("pool")) == (0, 16)
-    # what the baseline does by chance is known better, and that is what a pool is for
-    assert plain.pop("redraw")["rate"]["whole"] == 0 < pooled.pop("redraw")["rate"]["whole"]
-    assert pooled == plain
-    seeds = {row["seed"] for row in json.loads(call("export").stdout) if row["mutant"] == "baseline"}
-    assert seeds == {0, *range(2, 10)}
-    assert "pool" in call("score").stdout
-    assert "One seed" in call("score").stdout
+    found = json.loads(call("run", *words, "--format", "json").stdout)
+    seeds = {key: set() for key in ("T0O0W0D0H0", "T0O0W0D0H1")}
+    for row in json.loads(call("export").stdout):
+        if row["mutant"] == "baseline":
+            seeds[row["situation"]].add(row["seed"])
+    assert seeds == {"T0O0W0D0H0": {0}, "T0O0W0D0H1": set(range(10))}
+    assert found["pooled"]
+    assert found["coverage"]["pool"] == 9
+
+
+def test_without_a_pool_the_score_has_counts_and_the_command_that_decides(call: Call) -> None:
+    words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
+    text = call("run", *words, "--baseline-seeds", "1").stdout
+    assert "not known: there is no baseline pool. 1 of 1 fault violated a safety requirement" in " ".join(text.split())
+    assert "`scaloft-fi run " in text
+    assert json.loads(call("score", "--format", "json").stdout)["ratios"]["mutation_score"] == {"part": 0, "whole": 0}
+
+
+def test_fail_under_without_a_pool_is_refused(call: Call, tmp_path: Path) -> None:
+    words = ("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet", "--baseline-seeds", "5")
+    assert "--fail-under=0.5 needs a baseline pool of at least 10 seeds" in sentence(
+        call(*words, "--fail-under", "0.5")
+    )
+    assert not (tmp_path / "campaign").exists()
+    assert call(*words).exit_code == 0
+    assert "--fail-under=0.5 needs a baseline pool: campaign" in sentence(call("score", "--fail-under", "0.5"))
+
+
+def test_a_campaign_that_grows_spends_its_alpha_by_looks(call: Call) -> None:
+    words = ("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--quiet", "--format", "json")
+    (late,) = json.loads(call(*words, "--seeds", "3").stdout)["mutants"]
+    assert (late["verdict"], late["decided_at"]["alpha"]) == ("detected", 0.01)
+    (late,) = json.loads(call(*words, "--seeds", "5").stdout)["mutants"]
+    assert (late["verdict"], late["decided_at"]["alpha"]) == ("detected", 0.0025)
+    (late,) = json.loads(call("score", "--format", "json").stdout)["mutants"]
+    assert (late["verdict"], late["decided_at"]["seeds"]) == ("detected", 5)
 
 
 def test_bad_baseline_seeds_are_named_as_such(call: Call) -> None:
@@ -97,11 +101,11 @@ def test_another_campaigns_baselines_decide_and_are_only_read(call: Call, tmp_pa
     lender = str(tmp_path / "lender" / "c")
     call("run", *where, "--baseline-seeds", "50", "--campaign", lender, campaign=False)
     before = call("export", "--campaign", lender, campaign=False).stdout
-    lone = call("run", *where, "--seeds", "3").stdout
-    pooled = call("run", *where, "--seeds", "3", "--baseline-from", lender).stdout
-    assert "0+0 1?" in lone
-    assert "1+0" in pooled
-    assert call("score", "--baseline-from", lender).stdout == pooled
+    lone = call("run", *where, "--seeds", "3", "--baseline-seeds", "3").stdout
+    lent = call("run", *where, "--seeds", "3", "--baseline-from", lender).stdout
+    assert "there is no baseline pool" in lone
+    assert "1 of 1 fault would have been shown" in lent
+    assert "Detected: 1" in call("score", "--baseline-from", lender).stdout
     assert call("export", "--campaign", lender, campaign=False).stdout == before
 
 

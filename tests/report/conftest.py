@@ -19,6 +19,7 @@ from papers import HOSTILE, STUDY, campaign, evidence_of
 
 from scaloft_fi.document import load
 from scaloft_fi.report.evidence import Evidence
+from scaloft_fi.report.figures import figures
 from scaloft_fi.report.page import page
 from scaloft_fi.study import Study
 
@@ -30,7 +31,7 @@ def study() -> Study:
 
 @pytest.fixture(scope="session")
 def evidence(study: Study) -> Evidence:
-    """Two seeds, one flight that failed, one killed with one seed only."""
+    """Three seeds beside a pool of ten, one flight that failed."""
     outcomes = list(campaign(study))
     broken = next(i for i, o in enumerate(outcomes) if o.mutant == "LESS-goal@0.05m")
     outcomes[broken] = replace(
@@ -76,9 +77,16 @@ def hostile(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
     text = yaml.safe_dump({"LATE-human": accepted}, allow_unicode=True)
     (folder / "hazop" / "dispositions.yaml").write_text(text, encoding="utf-8")
     study = Study.open(folder)
-    outcomes = list(campaign(study, ("LATE-human@3s", "REVERSE-velcmd"), range(1)))
+    outcomes = list(campaign(study, ("LATE-human@3s", "MORE-goal@0.6m", "REVERSE-velcmd"), range(1)))
     outcomes = [replace(o, stack_error=HOSTILE[0]) if o.mutant.startswith("LATE") else o for o in outcomes]
     return Evidence(study, HOSTILE[0], tuple(outcomes), fingerprint={HOSTILE[1]: HOSTILE[2]})
+
+
+@pytest.fixture
+def quick(monkeypatch: pytest.MonkeyPatch) -> Callable[[Evidence], dict[str, Any]]:
+    """The figures without what follows from the flights, which takes longest."""
+    monkeypatch.setattr("scaloft_fi.report.figures.analyses", lambda *_: {})
+    return figures
 
 
 @pytest.fixture(scope="session")

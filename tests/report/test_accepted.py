@@ -11,10 +11,10 @@ from typing import Any
 import pytest
 from counting import counts_of, exported
 from papers import STUDY, campaign, evidence_of
-from reading import embedded
 
+from scaloft_fi.report.accepted import accepted
 from scaloft_fi.report.evidence import Evidence
-from scaloft_fi.report.page import page
+from scaloft_fi.results.scoring.score import score
 from scaloft_fi.study import Study
 
 ACCEPTED = """\
@@ -38,24 +38,23 @@ def accepting(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
 
 
 def judged(evidence: Evidence) -> dict[str, dict[str, Any]]:
-    return {entry["mutant"]: entry for entry in embedded(page(evidence, 1), "figures")["accepted"]["judged"]}
+    study = evidence.study
+    scored = score(evidence.outcomes, study.roster, study.space)
+    told = accepted(scored, study.roster, study.dispositions, evidence.today)
+    return {entry["mutant"]: entry for entry in told["judged"]}
 
 
 def test_every_survivor_of_the_score_is_told_with_its_disposition(accepting: Evidence) -> None:
-    defaults = set(accepting.study.roster.defaults.values())
-    counted = {mutant: counts for mutant, counts in counts_of(exported(accepting)).items() if mutant in defaults}
-    survivors = {
-        mutant: {key for key, (_, eligible, _) in counts.items() if eligible}
-        for mutant, counts in counted.items()
-        if any(e for _, e, _ in counts.values()) and not any(k for k, _, _ in counts.values())
-    }
+    counted = counts_of(exported(accepting))
     told = judged(accepting)
     asked = {id_: set(entry["surviving"]) for id_, entry in told.items() if entry["state"] in ("open", "accepted")}
-    assert asked == survivors
+    assert asked.keys() == {"MORE-goal@0.6m", "LESS-goal@0.05m"}
+    for id_, keys in asked.items():
+        assert keys == {key for key, count in counted[id_].items() if count.tests}
     found = told["MORE-goal@0.6m"]
     said = [found[name] for name in ("state", "owner", "reason", "until", "situations")]
     assert said == ["accepted", "A. Engineer", "there is 1 m of room", "2027-01-31", []]
-    assert {id_: entry["state"] for id_, entry in told.items() if id_ not in survivors} == {
+    assert {id_: entry["state"] for id_, entry in told.items() if id_ not in asked} == {
         "LATE-human@3s": "stale",
         "NO-pose@3s": "untested",
     }

@@ -7,12 +7,11 @@ from typing import Any
 
 import pytest
 from browsing import Opened
-from papers import HOSTILE, campaign, evidence_of
+from papers import BAR, HOSTILE, SHAKY
 from reading import embedded, unpacked
 
 from scaloft_fi.report.evidence import Evidence
 from scaloft_fi.report.page import page as page_of
-from scaloft_fi.study import Study
 
 FLIGHT = "#flight=LATE-human%403s/T0O0W0D0H1/1"
 
@@ -21,16 +20,51 @@ def test_both_matrices_are_drawn_whole(visit: Opened, text: str) -> None:
     told, page = embedded(text, "figures"), visit().page
     assert page.locator("#hazop td").count() == len(told["cells"]) == 156
     assert page.locator("#kills td.state").count() == len(told["mutants"]) * len(told["situations"])
-    assert page.locator("#kills thead tr").count() == len(told["axes"])
+    # a line for each axis, and one for each safety requirement
+    assert page.locator("#kills thead tr").count() == len(told["axes"]) + 2
     for mutant in told["mutants"]:
         row = page.locator(f'#kills tr[data-mutant="{mutant["id"]}"]')
         states = row.locator("td.state").evaluate_all("cells => cells.map((cell) => cell.dataset.state)")
-        plain = [told["statuses"][result[0]] for result in mutant["results"]]
-        assert states == plain
-        rate = mutant["kill_rate"]
-        assert row.locator("td.rate .number").inner_text() == (
-            f"{rate['part']}/{rate['whole']}" if rate["whole"] else "n/a"
-        )
+        assert states == [told["signs"][result[0]] for result in mutant["results"]]
+        said = row.locator("td.rate").inner_text()
+        if mutant["control"]:
+            assert said == "shows itself by SR1"
+        else:
+            rate = mutant["kill_rate"]
+            assert mutant["verdict"].replace("_", " ") in said
+            assert said.endswith(f"{rate['part']}/{rate['whole']}" if rate["whole"] else "tested")
+    for cell, text in (
+        ("LATE-human", "\u2713\u00a08/16"),
+        ("MORE-goal", "\u25cb\u00a00/30"),
+        ("LESS-goal", "?\u00a00/30"),
+    ):
+        assert page.locator(f'#hazop td[data-cell="{cell}"]').inner_text().split("\n")[0] == text
+    assert page.locator('#hazop td[data-cell="REVERSE-velcmd"]').inner_text() == "SR1"
+
+
+def test_no_two_signs_of_the_kill_matrix_look_the_same_without_colour(visit: Opened) -> None:
+    page = visit().page
+    looks = page.locator("#kills td.state").evaluate_all(
+        """cells => cells.map((cell) => [cell.dataset.state, JSON.stringify([
+            cell.dataset.state === "kill" || cell.dataset.state === "no_test" ? cell.textContent.replace(/./g, "x") : "",
+            getComputedStyle(cell, "::before").content, getComputedStyle(cell).backgroundImage,
+            getComputedStyle(cell).boxShadow === "none"])])"""
+    )
+    by_sign: dict[str, set[str]] = {}
+    for sign, look in looks:
+        by_sign.setdefault(sign, set()).add(look)
+    assert all(len(found) == 1 for found in by_sign.values())
+    assert len({look for found in by_sign.values() for look in found}) == len(by_sign) == 7
+
+
+def test_the_head_names_four_questions_and_answers_them(visit: Opened, text: str) -> None:
+    told, page = embedded(text, "figures"), visit().page
+    head = page.locator(".masthead .answers").first
+    assert head.locator("dt").all_inner_texts() == ["Shown", "Not shown", "How sure", "What next"]
+    answers = [answer["text"].replace("`", "").replace(".  ", ". ") for answer in told["answers"]]
+    said = head.locator("dd").all_inner_texts()
+    assert [one[0].lower() + one[1:] for one in said] == [one[0].lower() + one[1:] for one in answers]
+    assert page.locator(".masthead .besides dt").all_inner_texts() == ["Situations", "Unmutated drone"]
 
 
 def test_the_ratios_are_printed_as_they_are_in_the_figures(visit: Opened, text: str) -> None:
@@ -40,42 +74,58 @@ def test_the_ratios_are_printed_as_they_are_in_the_figures(visit: Opened, text: 
         assert page.get_by_text(ratio["population"], exact=True).count() == 1
 
 
-def test_the_answer_says_how_many_kills_are_more_than_chance_where_seeds_can_tell(
-    visit: Opened, study: Study, tmp_path: Path
-) -> None:
-    leads = []
-    for seeds in (2, 10):
-        file = tmp_path / f"{seeds}.html"
-        flown = campaign(study, ("LATE-human@3s", "MORE-goal@0.6m"), range(seeds))
-        file.write_text(page_of(evidence_of(study, flown)), encoding="utf-8")
-        leads.append(visit(file=file).page.locator(".lead").inner_text())
-    assert leads[0].endswith(" %).")
-    assert leads[1].endswith("; repeated flights decide of 1 that more than chance kills them.")
-
-
-def test_a_click_on_a_result_shows_its_flight_and_back_returns(visit: Opened, text: str) -> None:
+def test_a_click_on_a_kill_shows_a_flight_that_has_it_and_back_returns(visit: Opened, text: str) -> None:
     seen = visit()
     page = seen.page
-    cell = page.locator('#kills tr[data-mutant="LATE-human@3s"] td.state[data-state="killed"]').first
-    column = int(cell.get_attribute("data-column"))
-    key = embedded(text, "figures")["situations"][column]["key"]
-    cell.click()
-    page.wait_for_selector("#sheet .map")
-    assert seen.hash() == f"#flight=LATE-human%403s/{key}/0"
-    assert "LATE-human@3s" in page.locator("#sheet-title").inner_text()
-    assert page.locator("#sheet .command code").inner_text() == f"scaloft-fi replay LATE-human@3s/{key}/0"
-    assert "Killed by SR2" in page.locator("#sheet .verdict").inner_text()
-    page.go_back()
-    page.wait_for_selector("#sheet", state="hidden")
-    assert seen.hash() == ""
+    told = embedded(text, "figures")
+    for mutant, seed in (("LATE-human@3s", 0), ("LATE-human@1s", 1)):
+        cell = page.locator(f'#kills tr[data-mutant="{mutant}"] td.state[data-state="kill"]').first
+        assert cell.inner_text() == "2"
+        key = told["situations"][int(cell.get_attribute("data-column"))]["key"]
+        cell.click()
+        page.wait_for_selector("#sheet .map")
+        assert seen.hash() == f"#flight={mutant.replace('@', '%40')}/{key}/{seed}"
+        assert mutant in page.locator("#sheet-title").inner_text()
+        assert page.locator("#sheet .command code").inner_text() == f"scaloft-fi replay {mutant}/{key}/{seed}"
+        assert "Revealed by SR2" in page.locator("#sheet .verdict").inner_text()
+        assert "detected by SR2" in page.locator("#sheet").inner_text()
+        page.go_back()
+        page.wait_for_selector("#sheet", state="hidden")
+        assert seen.hash() == ""
     page.go_forward()
     page.wait_for_selector("#sheet .map")
+
+
+def test_what_is_no_test_says_why(visit: Opened, text: str) -> None:
+    page = visit().page
+    keys = [situation["key"] for situation in embedded(text, "figures")["situations"]]
+    for key, letter, why in ((BAR, "r", "SR1 red, SR2 vacuous"), (SHAKY, "u", "SR1 unsteady, SR2 vacuous")):
+        row = page.locator('#kills tr[data-mutant="MORE-goal@0.6m"]')
+        cell = row.locator(f'td.state[data-column="{keys.index(key)}"]')
+        assert (cell.get_attribute("data-state"), cell.inner_text()) == ("no_test", letter)
+        assert f"no test: {why}" in cell.get_attribute("aria-label")
+
+
+def test_the_pairs_of_the_unmutated_drone_that_are_not_steady_are_listed(visit: Opened, text: str) -> None:
+    told, page = embedded(text, "figures"), visit().page
+    section = page.locator("#baseline")
+    ill = {pair["situation"] for pair in told["pairs"] if pair["state"] in ("red", "unsteady", "open")}
+    rows = section.locator("table").nth(1).locator("tbody tr")
+    assert rows.count() == len(ill)
+    assert "2 situations of 32 put no fault to the safety test" in section.locator(".note").inner_text()
+    bar = rows.filter(has_text=BAR)
+    for words in ("red 10/10", "vacuous", "open 10/10", "nothing tests here", "strikes bar"):
+        assert words in bar.inner_text()
+    assert "unsteady 3/10" in rows.filter(has_text=SHAKY).inner_text()
+    bar.locator("a").click()
+    page.wait_for_selector("#sheet .map")
+    assert "Violates a safety requirement without any fault" in page.locator("#sheet .verdict").inner_text()
 
 
 def test_back_and_forward_at_once_leave_the_flight_open(visit: Opened) -> None:
     seen = visit()
     page = seen.page
-    page.locator('#kills tr[data-mutant="LATE-human@3s"] td.state[data-state="killed"]').first.click()
+    page.locator('#kills tr[data-mutant="LATE-human@3s"] td.state[data-state="kill"]').first.click()
     page.wait_for_selector("#sheet .map")
     flight = seen.hash()
     # the close event of the sheet comes after both
@@ -114,14 +164,14 @@ def test_the_paths_drawn_are_the_tracks_of_that_flight_and_its_baseline(visit: O
 
 
 def test_another_seed_is_another_flight(visit: Opened) -> None:
-    seen = visit("#flight=LATE-human%401s/T0O0W0D0H1/0")
+    seen = visit("#flight=LATE-human%401s/T0O0W0D0H1/1")
     page = seen.page
     page.wait_for_selector("#sheet .map")
-    assert "Killed by SR2" in page.locator("#sheet .verdict").inner_text()
-    page.locator('#sheet button[data-seed="1"]').click()
-    page.wait_for_selector('#sheet button[data-seed="1"][aria-pressed="true"]')
+    assert "Revealed by SR2" in page.locator("#sheet .verdict").inner_text()
+    page.locator('#sheet button[data-seed="0"]').click()
+    page.wait_for_selector('#sheet button[data-seed="0"][aria-pressed="true"]')
     assert "Survived" in page.locator("#sheet .verdict").inner_text()
-    assert seen.hash().endswith("/1")
+    assert seen.hash().endswith("/0")
 
 
 def test_the_matrices_are_walked_and_opened_by_keys(visit: Opened) -> None:
@@ -151,7 +201,7 @@ def test_a_cell_shows_its_mutants_and_they_lead_to_flights(visit: Opened) -> Non
     page = visit("#cell=LATE-human").page
     page.wait_for_selector("#sheet .mutant")
     assert page.locator("#sheet .mutant h3").all_inner_texts() == ["LATE-human@1s", "LATE-human@3s"]
-    page.locator('#sheet .flown-list a[data-state="killed"]').first.click()
+    page.locator('#sheet .flown-list a[data-state="kill"]').first.click()
     page.wait_for_selector("#sheet .map")
     page.go_back()
     page.wait_for_selector("#sheet .mutant")
@@ -165,9 +215,12 @@ def test_filters_and_order_of_the_kill_matrix(visit: Opened) -> None:
     assert "2 of 6 mutants" in page.locator("#kills output").inner_text()
     page.get_by_label("text in id or condition").fill("")
     page.locator("#kills select").nth(0).select_option("rate")
-    whole = rows.locator("td.rate .number").all_inner_texts()
-    shares = [-1.0 if text == "n/a" else int(text.split("/")[0]) / int(text.split("/")[1]) for text in whole]
+    whole = [one.split("/") for one in rows.locator("td.rate .number").all_inner_texts() if one]
+    shares = [int(part) / int(all_) for part, all_ in whole]
     assert shares == sorted(shares, reverse=True)
+    page.locator("#kills select").nth(3).select_option("detected")
+    assert rows.evaluate_all("all => all.map((row) => row.dataset.mutant)").count("MORE-goal@0.6m") == 0
+    page.locator("#kills select").nth(3).select_option("")
     page.locator("#kills select").nth(2).select_option("goal")
     assert rows.count() == 2
     page.locator("#kills select").nth(2).select_option("")
@@ -187,8 +240,8 @@ def test_hostile_names_appear_letter_by_letter_and_break_nothing(
     assert parameters[: len(HOSTILE)] == list(HOSTILE)
     assert page.evaluate("document.querySelectorAll('img, iframe, [onerror], [onclick]').length") == 0
     assert page.evaluate("document.scripts.length") == 3
-    assert HOSTILE[1] in page.locator("#survivors .accepted").text_content()
-    page.locator('#kills td.state[data-state="killed"]').first.click()
+    assert HOSTILE[1] in page.locator("#survivors .accepted").first.text_content()
+    page.locator('#kills td.state[data-state="kill"]').first.click()
     page.wait_for_selector("#sheet .map")
     assert HOSTILE[0] in page.locator("#sheet .verdict").text_content()
     assert "pwned" not in page.title().split(" \u00b7 ")[-1]
@@ -250,4 +303,4 @@ def test_a_page_without_a_track_says_why(visit: Opened, evidence: Evidence, tmp_
     page = visit(FLIGHT, file=file).page
     page.wait_for_selector("#sheet .map")
     assert page.locator("#sheet .map .flown").count() == 0
-    assert "baselines only" in page.locator("#sheet .note").first.inner_text()
+    assert "of the unmutated drone with seeds 0-9" in page.locator("#sheet .note").first.inner_text()

@@ -30,18 +30,19 @@ def test_a_click_on_a_mutant_shows_its_karnaugh_map_and_a_cell_of_it_the_flight(
     cells = page.locator("#sheet .karnaugh .map-cell")
     place = {situation["key"]: number for number, situation in enumerate(told["situations"])}
     drawn = cells.evaluate_all("all => all.map((one) => [one.dataset.key, one.dataset.state, one.textContent])")
+    words = {"kill": "kill SR2 3/3", "tested": "nothing seen"}
     assert [key for key, _, _ in drawn] == [key for row in told["karnaugh"]["keys"] for key in row]
-    for key, state, words in drawn:
-        assert state == told["statuses"][mutant["results"][place[key]][0]]
-        # a word in every cell, so that no colour is needed to tell them apart
-        assert words.startswith(state.replace("_", " "))
+    for key, state, said in drawn:
+        assert state == told["signs"][mutant["results"][place[key]][0]]
+        # words in every cell, so that no colour is needed to tell them apart
+        assert said == words.get(state, state.replace("_", " "))
     assert page.locator("#sheet .karnaugh path[data-term]").count() == len(mutant["terms"]) == 1
     assert mutant["terms"][0]["words"] in page.locator("#sheet .sheet-body .keys").inner_text()
     edge = page.locator("#sheet .karnaugh svg").bounding_box()
     first, last = cells.first.bounding_box(), cells.last.bounding_box()
     assert (edge["x"], edge["y"]) == pytest.approx((first["x"], first["y"]), abs=1)
     assert edge["x"] + edge["width"] == pytest.approx(last["x"] + last["width"], abs=1)
-    page.locator('#sheet .map-cell[data-state="killed"]').first.click()
+    page.locator('#sheet .map-cell[data-state="kill"]').first.click()
     page.wait_for_selector("#sheet .map")
     page.go_back()
     page.wait_for_selector("#sheet .karnaugh")
@@ -64,7 +65,7 @@ def test_the_karnaugh_map_is_walked_by_keys(visit: Opened) -> None:
 def test_the_karnaugh_map_is_printed_and_readable_in_dark(visit: Opened) -> None:
     page = visit("#mutant=LATE-human%403s", color_scheme="dark").page
     page.wait_for_selector("#sheet .karnaugh")
-    ink = "getComputedStyle(document.querySelector('#sheet .map-cell[data-state=killed] .plate')).color"
+    ink = "getComputedStyle(document.querySelector('#sheet .map-cell[data-state=kill] .plate')).color"
     assert page.evaluate(ink) == "rgb(12, 26, 43)"
     page.emulate_media(media="print")
     assert page.locator("#sheet .karnaugh").is_visible()
@@ -97,7 +98,8 @@ def test_beside_a_margin_stands_the_limit_that_it_is_measured_against(visit: Ope
     assert rows.count() == len(entry["situations"])
     for row, found in zip(rows.all(), entry["situations"], strict=True):
         assert found["key"] in row.inner_text()
-        assert f"{found['kills']:g} s" in row.locator("td").nth(2).inner_text()
+        said = row.locator("td").nth(3).inner_text()
+        assert said == ("\u2013" if found["kills"] is None else f"{found['kills']:g} s")
         assert row.locator("svg .dot").count() == (found["kills"] is not None)
     page = visit("#cell=LATE-human").page
     page.wait_for_selector("#sheet dl")
@@ -115,6 +117,6 @@ def test_a_disposition_stands_beside_its_survivor_and_a_given_day_marks_it(
         file = tmp_path / f"{today}.html"
         file.write_text(page_of(replace(evidence, study=study, today=today), 1), encoding="utf-8")
         page = visit("#mutant=MORE-goal%400.6m", file=file).page
-        for place in ("#survivors table", "#sheet"):
+        for place in ('#survivors tr:has([href*="MORE-goal"])', "#sheet"):
             beside = page.locator(f"{place} .accepted")
             assert f"{words} by A. Engineer: there is 1 m of room" in beside.text_content()

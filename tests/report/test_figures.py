@@ -2,19 +2,33 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import replace
 from itertools import combinations, pairwise
 from typing import Any
 
 import pytest
-from counting import counts_of, exported
+from counting import SAFETY, Count, counts_of, exported, states_of
+from papers import MUTANTS, campaign, evidence_of, track
 from reading import embedded, unpacked
 
 from scaloft_fi.report.evidence import Evidence
 from scaloft_fi.report.page import page
+from scaloft_fi.results.scoring.answers import answers
+from scaloft_fi.results.scoring.detection import Spending
+from scaloft_fi.results.scoring.score import score
+from scaloft_fi.study import Study
 
-DEFAULTS = {"LATE-human@3s", "MORE-goal@0.6m", "NO-depth@3s", "LESS-goal@0.05m"}
-CONTROLS = {"REVERSE-velcmd"}
+VERDICTS = {
+    "LATE-human@1s": "detected",
+    "LATE-human@3s": "detected",
+    "MORE-goal@0.6m": "not_detected",
+    "NO-depth@3s": "not_tested",
+    "LESS-goal@0.05m": "undecided",
+    "REVERSE-velcmd": "detected",
+}
+Figures = Callable[[Evidence], dict[str, Any]]
+DEFAULTS = set(VERDICTS) - {"LATE-human@1s", "REVERSE-velcmd"}
 
 
 @pytest.fixture(scope="module")
@@ -28,56 +42,155 @@ def rows(evidence: Evidence) -> list[dict[str, Any]]:
     return exported(evidence)
 
 
-def test_results_and_kill_rates_are_those_of_the_export(told: dict[str, Any], rows: list[dict[str, Any]]) -> None:
-    counted = counts_of(rows)
+@pytest.fixture(scope="module")
+def counted(rows: list[dict[str, Any]]) -> dict[str, dict[str, Count]]:
+    return counts_of(rows)
+
+
+def sign(count: Count, verdict: str) -> tuple[str, list[str]]:
+    """What the kill matrix shows of a mutant in a situation, and by which requirements."""
+    stopped = [
+        rung for rung in ("not_reached", "not_infected", "masked") if count.statuses and count.statuses <= {rung}
+    ]
+    seen = [name for name in count.tests if count.violated[name]]
+    if not count.flown:
+        return "not_flown", []
+    if verdict == "detected" and count.most:
+        return "kill", count.most
+    if stopped:
+        return stopped[0], []
+    if not count.tests:
+        return "no_test", []
+    return ("seen", seen) if seen else ("tested", [])
+
+
+def test_the_head_answers_four_questions_as_the_score_does(told: dict[str, Any], evidence: Evidence) -> None:
+    study = evidence.study
+    expected = answers(score(evidence.outcomes, study.roster, study.space), study.roster, "paper")
+    assert told["answers"] == [answer._asdict() for answer in expected]
+    assert [answer["name"] for answer in told["answers"]] == ["Shown", "Not shown", "How sure", "What next"]
+    assert told["answers"][0]["text"].startswith("1 of 4 faults")
+    assert "`scaloft-fi " in told["answers"][3]["text"]
+    assert [line["name"] for line in told["besides"]] == ["Situations", "Unmutated drone"]
+
+
+def test_alpha_is_spent_as_the_campaign_spent_it(evidence: Evidence, quick: Figures) -> None:
+    grown = frozenset(VERDICTS)
+    looks = quick(replace(evidence, spending=Spending(0.04, grown)))
+    assert {m["decided_at"]["alpha"] for m in looks["mutants"] if m["tests"]} == {0.01}
+
+
+def test_results_and_kill_rates_are_those_of_the_export(
+    told: dict[str, Any], counted: dict[str, dict[str, Count]]
+) -> None:
     keys = [situation["key"] for situation in told["situations"]]
-    assert {mutant["id"] for mutant in told["mutants"]} == set(counted)
+    assert {mutant["id"]: mutant["verdict"] for mutant in told["mutants"]} == VERDICTS
+    shown = set()
     for mutant in told["mutants"]:
         counts = counted[mutant["id"]]
-        assert [result[1:4] for result in mutant["results"]] == [counts[key] for key in keys]
-        assert mutant["kill_rate"]["part"] == sum(k > 0 for k, _, _ in counts.values())
-        assert mutant["kill_rate"]["whole"] == sum(e > 0 for _, e, _ in counts.values())
-        assert mutant["kill_rate_flown"]["whole"] == sum(f > 0 for _, _, f in counts.values())
-        assert (mutant["counts"], mutant["control"]) == (mutant["id"] in DEFAULTS, mutant["id"] in CONTROLS)
+        for key, (number, flown, _, violated, by) in zip(keys, mutant["results"], strict=True):
+            assert (told["signs"][number], by) == sign(counts[key], mutant["verdict"])
+            assert (flown, violated) == (counts[key].flown, {n: k for n, k in counts[key].violated.items() if k})
+            shown.add(told["signs"][number])
+        kills = sum(bool(count.most) for count in counts.values()) if mutant["verdict"] == "detected" else 0
+        assert mutant["kill_rate"] == {"part": kills, "whole": sum(bool(count.tests) for count in counts.values())}
+        assert mutant["kill_rate_flown"] == {"part": kills, "whole": sum(count.flown > 0 for count in counts.values())}
+        assert (mutant["counts"], mutant["control"]) == (mutant["id"] in DEFAULTS, mutant["id"] == "REVERSE-velcmd")
+    assert shown == set(told["signs"]) - {"not_flown"}
 
 
-def test_the_ratios_are_those_of_the_export(told: dict[str, Any], rows: list[dict[str, Any]]) -> None:
-    counted = {mutant: counts for mutant, counts in counts_of(rows).items() if mutant in DEFAULTS}
-    infected = {row["mutant"] for row in rows if row["infected_at_s"] is not None}
-    killed = sum(any(k for k, _, _ in counts.values()) for counts in counted.values())
-    eligible = sum(any(e for _, e, _ in counts.values()) for counts in counted.values())
+def test_a_situation_not_flown_has_no_result(study: Study, quick: Figures) -> None:
+    outcomes = [o for o in campaign(study, MUTANTS[:1]) if o.mutant != MUTANTS[0] or o.situation.endswith("H1")]
+    (mutant,) = quick(evidence_of(study, outcomes))["mutants"]
+    assert sum(result is None for result in mutant["results"]) == 16
+
+
+def test_a_kill_opens_a_flight_that_has_it(told: dict[str, Any], rows: list[dict[str, Any]]) -> None:
+    flights = {(row["mutant"], row["situation"], row["seed"]): row for row in rows}
+    opened = {}
+    for mutant in told["mutants"]:
+        for situation, (number, _, seed, _, by) in zip(told["situations"], mutant["results"], strict=True):
+            flight = flights[mutant["id"], situation["key"], seed]
+            if by:
+                assert by[0] in flight["violated"]
+                assert flight["status"] == "revealed"
+            opened[mutant["id"], told["signs"][number]] = seed
+    # one second late, the seed 0 does not show it
+    assert opened["LATE-human@1s", "kill"] == 1
+    assert opened["LATE-human@3s", "kill"] == 0
+    assert opened["LESS-goal@0.05m", "seen"] == 1
+
+
+def test_the_ratios_are_those_of_the_export(told: dict[str, Any], counted: dict[str, dict[str, Count]]) -> None:
+    defaults = [counted[mutant].values() for mutant in DEFAULTS]
     ratios = {ratio["name"]: (ratio["part"], ratio["whole"]) for ratio in told["ratios"]}
-    credible = sum(cell["status"] == "credible" for cell in told["cells"])
-    assert ratios["exercised"] == (len(counted), credible)
-    assert ratios["infected"] == (len(infected & DEFAULTS), len(counted))
-    assert ratios["mutation_score"] == (killed, eligible)
-    assert ratios["strict_score"] == (killed, len(counted))
-    assert ratios["decided_score"] == (0, 0)  # one seed decides nothing
-    assert all(ratio["population"] and (ratio["interval"] is None) == (not ratio["whole"]) for ratio in told["ratios"])
+    assert ratios == {
+        "exercised": (4, sum(cell["status"] == "credible" for cell in told["cells"])),
+        "infected": (sum(any(count.infected for count in counts) for counts in defaults), 4),
+        "tested": (sum(any(count.tests for count in counts) for counts in defaults), 4),
+        "mutation_score": (1, 4),
+        "operability": (1, 4),
+    }
+    assert all(ratio["population"] and "interval" not in ratio for ratio in told["ratios"])
 
 
-def test_the_line_below_the_matrix_counts_default_mutants(told: dict[str, Any], rows: list[dict[str, Any]]) -> None:
-    counted = counts_of(rows)
-    for situation, counts in zip(told["situations"], told["by_situation"], strict=True):
-        here = [counted[mutant][situation["key"]] for mutant in DEFAULTS]
-        assert (counts["killed"], counts["eligible"]) == (
-            sum(k > 0 for k, _, _ in here),
-            sum(e > 0 for _, e, _ in here),
-        )
-
-
-def test_baseline_findings_and_coverage_are_those_of_the_export(
-    told: dict[str, Any], rows: list[dict[str, Any]]
+def test_what_a_verdict_rests_on_is_counted_in_steady_pairs(
+    told: dict[str, Any], rows: list[dict[str, Any]], counted: dict[str, dict[str, Count]]
 ) -> None:
-    red: dict[str, int] = defaultdict(int)
-    for row in rows:
-        red[row["situation"]] += row["mutant"] == "baseline" and row["status"] == "violated"
-    assert {finding["situation"]: finding["red"] for finding in told["baseline"]} == red
-    assert told["gates"]["green_situations"] == {"part": sum(count == 0 for count in red.values()), "whole": 32}
+    states = states_of(rows)
+    for mutant in told["mutants"]:
+        counts = counted[mutant["id"]]
+        tests = {test["requirement"]: test for test in mutant["tests"]}
+        for name in (*SAFETY, "OP1"):
+            keys = {key for key, count in counts.items() if count.infected and states[key, name] == "steady"}
+            pool = [row for row in rows if row["mutant"] == "baseline" and row["situation"] in keys]
+            assert (name in tests) == bool(keys)
+            if not keys:
+                continue
+            assert tests[name]["kills"]["whole"] == len(keys)
+            flights = sum(counts[key].violated[name] for key in keys), sum(counts[key].flown for key in keys)
+            assert tuple(tests[name]["flights"].values()) == flights
+            judged = sum(name in (*row["held"], *row["violated"]) for row in pool)
+            assert tuple(tests[name]["baseline"].values()) == (sum(name in row["violated"] for row in pool), judged)
+            detected = name in mutant["by"]
+            assert (tests[name]["p"] <= 0.01) == detected
+            assert not tests[name]["kills"]["part"] or detected
+
+
+def test_a_control_names_what_shows_it(told: dict[str, Any], study: Study, quick: Figures) -> None:
+    shows = {mutant["id"]: mutant["shows"] for mutant in told["mutants"]}
+    assert shows.pop("REVERSE-velcmd") == ["SR1"]
+    assert not any(shows.values())
+    assert told["gates"]["controls"] == {"part": 1, "whole": 1}
+    few = quick(evidence_of(study, campaign(study, ("REVERSE-velcmd",), range(1), range(1))))
+    assert (few["pooled"], few["mutants"][0]["by"], few["mutants"][0]["shows"]) == (False, [], ["SR1"])
+    assert few["answers"][0]["name"] == "Shown"
+
+
+def test_the_line_below_the_matrix_counts_default_mutants(
+    told: dict[str, Any], counted: dict[str, dict[str, Count]]
+) -> None:
+    for situation, counts in zip(told["situations"], told["by_situation"], strict=True):
+        here = {mutant: counted[mutant][situation["key"]] for mutant in DEFAULTS}
+        assert counts == {
+            "killed": len(here["LATE-human@3s"].most),
+            "tested": sum(bool(count.tests) for count in here.values()),
+            "flown": 4,
+        }
+
+
+def test_pairs_and_coverage_are_those_of_the_export(told: dict[str, Any], rows: list[dict[str, Any]]) -> None:
+    states = states_of(rows)
+    assert {(pair["situation"], pair["requirement"]): pair["state"] for pair in told["pairs"]} == states
+    assert set(states.values()) == {"steady", "red", "unsteady", "open", "vacuous"}
+    red = {row["situation"] for row in rows if row["mutant"] == "baseline" and row["status"] == "violated"}
+    assert {first["situation"] for first in told["firsts"]} == red
+    steady = {key for (key, name), state in states.items() if state == "steady" and name in SAFETY}
+    assert told["gates"]["steady_situations"] == {"part": len(steady), "whole": 32}
     assert told["gates"]["invalid_flights"] == sum(row["status"] == "invalid" for row in rows)
     assert told["coverage"]["situations"] == {"part": 32, "whole": 32}
     assert told["coverage"]["t_way"]["2"].items() >= {"part": 40, "whole": 40}.items()
-    assert (told["flights"], told["seeds"]) == (len(rows), [0, 1])
+    assert (told["flights"], told["seeds"]) == (len(rows), [0, 1, 2])
 
 
 def test_every_flight_tells_what_its_row_of_the_export_tells(
@@ -99,7 +212,10 @@ def test_every_flight_tells_what_its_row_of_the_export_tells(
         }
         readings = dict(zip(names, flight["readings"], strict=True))
         assert [name for name, reading in readings.items() if reading and reading[2] == "violated"] == row["violated"]
-        assert {f"rho_{name}": reading and reading[0] for name, reading in readings.items()}.items() <= row.items()
+        for name, reading in readings.items():
+            # what was never triggered has no robustness
+            expected = row[f"rho_{name}"] if name in (*row["triggered"], *row["violated"]) else None
+            assert (reading and reading[0]) == expected
     assert not flights
 
 
@@ -109,15 +225,12 @@ def test_neighbouring_columns_differ_in_one_axis(told: dict[str, Any]) -> None:
         assert sum(a != b for a, b in zip(one, next_, strict=True)) == 1
 
 
-def test_the_smallest_suite_and_the_minimal_mutants_are_those_of_brute_force(
-    told: dict[str, Any], rows: list[dict[str, Any]]
-) -> None:
-    kills = {
-        mutant: {key for key, (killed, _, _) in counts.items() if killed}
-        for mutant, counts in counts_of(rows).items()
-        if mutant in DEFAULTS
-    }
+def test_the_smallest_suite_and_the_minimal_mutants_are_those_of_brute_force(study: Study) -> None:
+    evidence = evidence_of(study, campaign(study, ("LATE-human@3s", "NO-human@100%", "NO-depth@3s", "MORE-goal@0.6m")))
+    told = embedded(page(evidence, 1), "figures")
+    kills = {m: {key for key, count in c.items() if count.most} for m, c in counts_of(exported(evidence)).items()}
     kills = {mutant: keys for mutant, keys in kills.items() if keys}
+    assert len(kills) == 2
     keys = [situation["key"] for situation in told["situations"]]
     least = next(
         size for size in range(4) for chosen in combinations(keys, size) if all(set(chosen) & k for k in kills.values())
@@ -133,9 +246,27 @@ def test_a_ladder_has_a_rung_for_each_magnitude_flown(told: dict[str, Any]) -> N
     assert [(rung["magnitude"], rung["default"]) for rung in ladder["rungs"]] == [("1s", False), ("3s", True)]
 
 
-def test_gates_that_fail_are_told(evidence: Evidence) -> None:
-    from dataclasses import replace
+def test_the_gates_hold_over_flights_that_nothing_is_wrong_with(told: dict[str, Any]) -> None:
+    assert told["gates"]["failed"] == ""
 
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"stack_error": "autopilot at 0.000 s: no bus"}, "raises without any fault: baseline/{} (autopilot at 0.000"),
+        ({"ending": "timed_out", "track": track(1.0, 0.0, 0.0, climb_m=0.1)}, "never leaves the ground without any"),
+    ],
+)
+def test_a_baseline_that_raises_or_stands_fails_the_gates_of_the_page(
+    evidence: Evidence, quick: Figures, change: dict[str, Any], said: str
+) -> None:
+    first = next(outcome for outcome in evidence.outcomes if outcome.mutant == "baseline")
+    outcomes = tuple(replace(o, **change) if o is first else o for o in evidence.outcomes)
+    failed = quick(replace(evidence, outcomes=outcomes))["gates"]["failed"]
+    assert said.format(f"{first.situation}/{first.seed}") in failed
+    assert first.name in failed
+
+
+def test_gates_that_fail_are_told(evidence: Evidence, quick: Figures) -> None:
     outcomes = tuple(replace(o, digest="other") if o.mutant == "PLACEBO" else o for o in evidence.outcomes)
-    told = embedded(page(replace(evidence, outcomes=outcomes)), "figures")
-    assert "PLACEBO differs" in told["gates"]["failed"]
+    assert "PLACEBO differs" in quick(replace(evidence, outcomes=outcomes))["gates"]["failed"]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import zlib
 from array import array
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 
 import pytest
 from papers import column
@@ -11,7 +13,7 @@ from reading import unpacked
 
 from scaloft_fi.report.evidence import Evidence
 from scaloft_fi.report.flights import DETAILS, Detail, columns, packs, rows_of
-from scaloft_fi.results.outcome import BASELINE, PLACEBO
+from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.results.track import unpack_track
 
 NAMES = ("SR1", "SR2", "SR2-literal", "OP1")
@@ -19,7 +21,7 @@ NAMES = ("SR1", "SR2", "SR2-literal", "OP1")
 
 def _read(evidence: Evidence, detail: Detail) -> dict[str, list[dict[str, object]]]:
     quanta = [entry["quantum"] for entry in columns(detail)]
-    return {key: unpacked(pack, quanta) for key, pack in packs(evidence.outcomes, NAMES, detail).items()}
+    return {key: unpacked(pack, quanta) for key, pack in packs(evidence.outcomes, NAMES, detail).texts.items()}
 
 
 def test_every_flight_but_placebo_is_there_once(evidence: Evidence) -> None:
@@ -55,8 +57,31 @@ def test_less_detail_leaves_every_flight_and_every_baselines_track(evidence: Evi
         for flight in flights:
             if flight["mutant"] == BASELINE:
                 assert flight["rows"] is not None
-            elif detail.seeds == 1 and flight["seed"] == 1 and flight["mutant"] == "MORE-goal@0.6m":
+            elif detail.seeds == 1 and flight["seed"] == 1 and flight["mutant"] == "LESS-goal@0.05m":
                 assert flight["rows"] is None
+
+
+def test_the_page_says_of_which_flights_it_has_tracks(evidence: Evidence) -> None:
+    def says(outcomes: Iterable[Outcome], detail: Detail = DETAILS[0]) -> str:
+        return packs(outcomes, NAMES, detail).says
+
+    def only(kept: Callable[[Outcome], bool]) -> list[Outcome]:
+        # a digest of its own, as the page shares tracks of equal flights
+        own = [replace(o, digest=o.name) for o in evidence.outcomes]
+        return [o if kept(o) else replace(o, track=b"") for o in own]
+
+    assert says(evidence.outcomes) == "Tracks: every flight, 5 Hz, in steps of 0.01 m and 0.01 m/s."
+    assert says(only(lambda _: False)) == "Tracks: of no flight; `replay` flies each again."
+    published = says(only(lambda o: o.seed < (5 if o.mutant == BASELINE else 1)))
+    counts, every, none, *_ = published.split(".  ")
+    valid = [o for o in evidence.outcomes if o.mutant != PLACEBO and not o.invalid]
+    with_track = sum(o.seed < (5 if o.mutant == BASELINE else 1) for o in valid)
+    assert counts == f"Tracks: {with_track} of {len(valid)} flights, 5 Hz, in steps of 0.01 m and 0.01 m/s"
+    assert every == "Every flight of the unmutated drone with seeds 0-4, mutants with seed 0"
+    assert none == "None of the unmutated drone with seeds 5-9, mutants with seeds 1-2"
+    part = says(only(lambda o: o.situation.endswith("H1")), DETAILS[3])
+    assert "Some of the unmutated drone with seeds 0-9, mutants with seed 0" in part
+    assert "None of mutants with seeds 1-2" in part
 
 
 def test_a_flight_that_failed_says_why_and_has_no_track(evidence: Evidence) -> None:

@@ -93,21 +93,24 @@ def test_every_asset_is_part_of_the_page() -> None:
 
 def test_a_page_that_would_be_too_large_keeps_less_of_the_tracks_and_says_so(study: Study) -> None:
     outcomes = [
-        jitter(o, seed) for seed in range(3) for o in campaign(study, MUTANTS, range(1)) if o.mutant != "PLACEBO"
+        jitter(o, seed)
+        for seed in range(3)
+        for o in campaign(study, MUTANTS, range(1), range(1))
+        if o.mutant != "PLACEBO"
     ]
     large = evidence_of(study, outcomes)
     whole = page(large)
-    assert embedded(whole, "figures")["detail"] == DETAILS[0].says
+    assert str(DETAILS[0]) in embedded(whole, "figures")["detail"]
     least = len(page(large, 1))
     bound = (len(whole) + least) // 2
     small = page(large, bound)
     assert len(small.encode()) <= bound
-    assert embedded(small, "figures")["detail"] in [detail.says for detail in DETAILS[1:]]
+    assert any(str(detail) in embedded(small, "figures")["detail"] for detail in DETAILS[1:])
     assert MOST_BYTES == 5_000_000
 
 
 @pytest.mark.parametrize("bound", [1])
 def test_figures_are_never_dropped(evidence: Evidence, bound: int) -> None:
     told = embedded(page(evidence, bound), "figures")
-    assert told["detail"] == DETAILS[-1].says
+    assert "Every flight of the unmutated drone with seeds 0-9" in told["detail"]
     assert len(told["mutants"]) == len(MUTANTS)

@@ -7,16 +7,18 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from counting import clean_of, exported
-from papers import campaign, evidence_of, flight
+from counting import counts_of, exported
+from papers import SEEDS, campaign, evidence_of, flight
 from reading import embedded
 
 from scaloft_fi.report.bounds import bounds_of
 from scaloft_fi.report.evidence import Evidence
 from scaloft_fi.report.page import page
 from scaloft_fi.report.severity import by_severity
-from scaloft_fi.results.outcome import Subject
+from scaloft_fi.report.thresholds import thresholds
+from scaloft_fi.results.outcome import Outcome, Subject
 from scaloft_fi.results.requirement import Kind, Requirement
+from scaloft_fi.results.scoring.score import score
 from scaloft_fi.study import Study
 
 SEARCHED = "T0O0W0D0H1"
@@ -24,13 +26,16 @@ SEARCHED = "T0O0W0D0H1"
 
 @pytest.fixture(scope="module")
 def found(study: Study) -> tuple[Evidence, dict[str, Any]]:
-    """Seed 1, where 1 s survives and 3 s kills, and a search in one situation that flew 2 s there."""
-    outcomes = campaign(study, ("LATE-human@3s", "LATE-human@1s", "MORE-goal@0.6m"), range(1, 2))
-    between = replace(
-        flight(study, "LATE-human@3s", SEARCHED, 1), subject=Subject("LATE-human@2s", "LATE", "human", "2s")
-    )
-    evidence = evidence_of(study, (*outcomes, between))
+    """A ladder of 0.5, 1 and 3 s, of which the mildest survives, and a search in one situation that flew 2 s there."""
+    outcomes = campaign(study, ("LATE-human@3s", "LATE-human@1s", "MORE-goal@0.6m"))
+    milder = [_as(o, "0.5s") for o in campaign(study, ("MORE-goal@0.6m",)) if o.mutant == "MORE-goal@0.6m"]
+    between = [_as(flight(study, "LATE-human@3s", SEARCHED, seed), "2s") for seed in SEEDS]
+    evidence = evidence_of(study, (*outcomes, *milder, *between))
     return evidence, embedded(page(evidence, 1), "figures")
+
+
+def _as(outcome: Outcome, magnitude: str) -> Outcome:
+    return replace(outcome, subject=Subject(f"LATE-human@{magnitude}", "LATE", "human", magnitude))
 
 
 def test_the_ends_of_a_margin_and_the_robustness_there_are_those_of_the_export(
@@ -39,45 +44,52 @@ def test_the_ends_of_a_margin_and_the_robustness_there_are_those_of_the_export(
     evidence, told = found
     (entry,) = told["thresholds"]
     rows = [row for row in exported(evidence) if row["mutant"].startswith("LATE-human")]
-    clean = clean_of(exported(evidence))
+    counted = counts_of(exported(evidence))
     expected = {}
     for key in {row["situation"] for row in rows}:
-        here = {float(row["mutant"].split("@")[1][:-1]): row for row in rows if row["situation"] == key}
-        killed = sorted(m for m, row in here.items() if row["status"] == "killed")
-        tested = [
-            m
-            for m, row in here.items()
-            if row["infected_at_s"] is not None and m not in killed and "SR2" not in clean[key, 1]["violated"]
-        ]
-        kills = killed[0] if killed else None
-        milder = [m for m in tested if kills is None or m < kills]
-        survives = max(milder, default=None)
-        if killed or tested:
-            rho = [None if end is None else here[end]["rho_SR2"] for end in (survives, kills)]
-            expected[key] = (survives, kills, rho, sorted(here))
+        here = {m: counted[f"LATE-human@{m}s"][key] for m in ("0.5", "1", "2", "3")}
+        flown = {float(m): count for m, count in here.items() if count.flown}
+        kills = min((m for m, count in flown.items() if count.most), default=None)
+        # its cell puts SR2 at risk, so where SR1 alone is steady nothing is told of it
+        survived = [m for m, count in flown.items() if "SR2" in count.tests and not count.most]
+        harmless = [m for m, count in flown.items() if not count.infected and "not_infected" in count.statuses]
+        survives = max((m for m in (*survived, *harmless) if kills is None or m < kills), default=None)
+        if kills is not None or survived:
+            rho = [None if end is None else _least(rows, key, end) for end in (survives, kills)]
+            expected[key] = (survives, kills, rho, sorted(flown))
     said = {one["key"]: (one["survives"], one["kills"], one["rho"]["SR2"], one["flown"]) for one in entry["situations"]}
     assert said == expected
-    assert said[SEARCHED][:2] == (1.0, 2.0)
+    assert said[SEARCHED][:2] == (0.5, 1.0)
     assert (entry["fault"], entry["unit"], entry["worse"], entry["against"]) == ("LATE-human", "s", 1, ["SR2"])
-    assert entry["least"] == told["margins"]["LATE-human"] == "1-2 s"
+    assert entry["least"] == told["margins"]["LATE-human"] == "0.5-1 s"
     assert entry["situations_flown"] == 32
-    assert all(one["counts"] for one in entry["situations"])
+    assert {one["seen"] for one in entry["situations"]} == {None}
+
+
+def _least(rows: list[dict[str, Any]], key: str, magnitude: float) -> float:
+    """The least robustness against SR2."""
+    name = f"LATE-human@{magnitude:g}s"
+    return min(row["rho_SR2"] for row in rows if row["mutant"] == name and row["situation"] == key)
 
 
 def test_a_magnitude_flown_where_a_search_asked_for_it_is_no_rung_of_the_ladder(
     found: tuple[Evidence, dict[str, Any]],
 ) -> None:
     (ladder,) = found[1]["ladders"]
-    assert [rung["magnitude"] for rung in ladder["rungs"]] == ["1s", "3s"]
+    assert [rung["magnitude"] for rung in ladder["rungs"]] == ["0.5s", "1s", "3s"]
     late = [mutant["id"] for mutant in found[1]["mutants"] if mutant["cell"] == "LATE-human"]
-    assert late == ["LATE-human@1s", "LATE-human@2s", "LATE-human@3s"]
+    assert late == ["LATE-human@0.5s", "LATE-human@1s", "LATE-human@2s", "LATE-human@3s"]
     assert [mutant["id"] for mutant in found[1]["mutants"] if mutant["searched"]] == ["LATE-human@2s"]
 
 
-def test_a_kill_that_no_score_counts_is_marked(study: Study) -> None:
-    outcomes = campaign(study, ("MORE-goal@0.6m", "MORE-goal@0.3m"), range(1))
-    (entry,) = embedded(page(evidence_of(study, outcomes), 1), "figures")["thresholds"]
-    assert {one["key"]: one["kills"] for one in entry["situations"] if not one["counts"]} == {"T1O1W1D1H0": 0.3}
+def test_what_is_seen_without_a_verdict_is_no_kill(study: Study) -> None:
+    outcomes = campaign(study, ("LATE-human@3s", "LATE-human@1s"), range(1))
+    few = [o for o in outcomes if o.mutant != "LATE-human@3s" or o.situation in (SEARCHED, "T0O1W0D0H1")]
+    scored = score(few, study.roster, study.space)
+    (entry,) = thresholds(few, scored, study.matrix, study.requirements)
+    ends = {one["key"]: (one["survives"], one["seen"], one["kills"]) for one in entry["situations"] if one["seen"]}
+    assert ends == dict.fromkeys((SEARCHED, "T0O1W0D0H1"), (1.0, 3.0, None))
+    assert entry["least"] == "seen 1-3 s"
 
 
 def test_magnitudes_are_in_order_and_forms_without_one_stay_as_they_are(study: Study) -> None:

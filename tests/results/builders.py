@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Collection
 from dataclasses import replace
 from itertools import product
+from typing import Any
 
 from hypothesis import strategies as st
 
@@ -60,6 +62,7 @@ def outcome(
     digest: str | None = None,
     invalid: str = "",
     realised: bool = True,
+    vacuous: Collection[str] = (),
 ) -> Outcome:
     """A flight that violates these requirements at these times; one that strikes something is cut short there."""
     violated = violated or {}
@@ -77,7 +80,7 @@ def outcome(
                 kind,
                 -0.1 if name in violated else 0.3,
                 violated.get(name),
-                1,
+                int(name in violated or name not in vacuous),
                 bool(struck) and name not in violated,
             )
             for name, kind in KINDS.items()
@@ -94,6 +97,16 @@ def outcome(
         digest=digest or ("clean" if clean else mutant),
         realised=tuple((axis, realised) for axis in AXES) if mutant == BASELINE else (),
     )
+
+
+def pool(*situations: str, seeds: int = 10, red: int = 0, **how: Any) -> list[Outcome]:
+    """The baseline in these situations; the last `red` of its seeds violate what `how` says, the others nothing."""
+    told = {name: how.pop(name) for name in ("violated", "struck") if name in how}
+    return [
+        outcome(BASELINE, key, seed, digest=f"clean{seed}", **how, **(told if seed >= seeds - red else {}))
+        for key in situations
+        for seed in range(seeds)
+    ]
 
 
 times = st.integers(1, 59).map(float)
@@ -134,11 +147,12 @@ def campaigns(draw: st.DrawFn) -> list[Outcome]:
 
 @st.composite
 def seeded(draw: st.DrawFn) -> list[Outcome]:
-    """A campaign of several seeds: enough for decisions and REDRAW, with noise, invalid and cut-short flights."""
+    """A campaign of several seeds: enough for verdicts and REDRAW, with noise, invalid and cut-short flights."""
     chance = random.Random(draw(st.integers(0, 10**6)))
     keys = [key for key, _ in GRID.points[: draw(st.integers(1, 4))]]
-    seeds = draw(st.sampled_from([2, 3, 5, 6, 10, 20]))
-    rates = {key: chance.choice([0, 0, 0.1, 0.5, 1]) for key in keys}
+    seeds = draw(st.sampled_from([2, 3, 6, 10, 12]))
+    rates = {key: chance.choice([0, 0, 0.02, 0.1, 0.5, 1]) for key in keys}
+    idle = {key: chance.choice([(), (), ("SR2",)]) for key in keys}
     outcomes = []
     for mutant in (BASELINE, PLACEBO, *ROSTER.ids):
         for key in keys:
@@ -158,6 +172,25 @@ def seeded(draw: st.DrawFn) -> list[Outcome]:
                         altered=chance.choice([0, 5, 5, 5]),
                         invalid=chance.choice(["", *[""] * 20, "the worker died"]),
                         digest=chance.choice(["clean", *["other"] * 5]),
+                        vacuous=idle[key] if chance.random() < 0.9 else (),
                     )
                 )
     return outcomes
+
+
+def ten(*situations: str, violated: dict[str, float] | None = None, struck: str = "") -> list[Outcome]:
+    """Ten baselines in each situation."""
+    return [outcome(BASELINE, key, seed, violated=violated, struck=struck) for key in situations for seed in range(10)]
+
+
+def thrice(
+    mutant: str,
+    *situations: str,
+    violated: dict[str, float] | None = None,
+    altered: int | None = None,
+    carried: int = 100,
+    digest: str | None = None,
+) -> list[Outcome]:
+    """Three seeds of a mutant in each situation: enough to detect it in one, beside a pool that holds all."""
+    told = {"violated": violated, "altered": altered, "carried": carried, "digest": digest}
+    return [outcome(mutant, key, seed, **told) for key in situations for seed in range(3)]

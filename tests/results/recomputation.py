@@ -7,25 +7,22 @@ from __future__ import annotations
 
 import csv
 import io
-from itertools import combinations, permutations
-from math import sqrt
+from fractions import Fraction
+from itertools import combinations
+from math import comb
 from typing import Any
 
-from scipy.stats import binom, hypergeom
-
 Row = dict[str, Any]
-LADDER = ["invalid", "not_reached", "not_infected", "masked", "baseline_red", "survived", "killed"]
+LADDER = ["invalid", "not_reached", "not_infected", "masked", "baseline_red", "survived", "revealed"]
 SHARES = ("0.5", "0.75", "1")
-SPEND = {3: 0.0, 5: 0.05 * 2 / 3, 10: 0.05 / 3}
-TINY = 1e-12
-"""Floats that are equal but for rounding."""
+LOOKS = (1, 3, 5, 10)
 
 
 def read(text: str) -> list[Row]:
     rows: list[Row] = []
     for cells in csv.DictReader(io.StringIO(text)):
         row: Row = dict(cells)
-        for name in ("violated", "held", "killed_by", "triggered", "realised", "violation_times_s"):
+        for name in ("violated", "held", "revealed_by", "triggered", "realised", "violation_times_s"):
             row[name] = [part for part in cells[name].split(";") if part]
         bodies = cells["violation_bodies"].split(";") if row["violated"] else []
         times = map(float, row["violation_times_s"])
@@ -37,7 +34,7 @@ def read(text: str) -> list[Row]:
     return rows
 
 
-def killers(row: Row, base: Row, kinds: dict[str, str], kind: str) -> list[str]:
+def revealing(row: Row, base: Row, kinds: dict[str, str], kind: str) -> list[str]:
     found = []
     for name, (t_s, body) in ((name, seen) for name, seen in row["at"].items() if kinds[name] == kind):
         if name in base["at"]:
@@ -50,154 +47,104 @@ def killers(row: Row, base: Row, kinds: dict[str, str], kind: str) -> list[str]:
     return [name for _, name in sorted(found, key=lambda pair: pair[0])]
 
 
-def judged(row: Row, base: Row | None, kinds: dict[str, str]) -> Row:
-    """Status, killers of both kinds, requirements put to the test."""
-    said: Row = {"row": row, "kills": [], "stops": [], "tested": [], "safe": False, "operable": False}
+def status(row: Row, base: Row | None, kinds: dict[str, str]) -> tuple[str, list[str]]:
+    """The rung of a flight, and the requirements by which it is told from its baseline."""
     if base is None or not row["counts"] or not base["counts"]:
-        return said | {"status": "invalid"}
+        return "invalid", []
     if row["altered"] == 0:
-        return said | {"status": "not_infected" if row["carried"] else "not_reached"}
-    said["tested"] = [name for name in base["held"] if kinds[name] != "reported"]
-    said["safe"] = any(kinds[name] == "safety" for name in base["held"])
-    said["operable"] = any(kinds[name] == "operability" for name in base["held"])
+        return "not_infected" if row["carried"] else "not_reached", []
     if row["digest"] == base["digest"]:
-        return said | {"status": "masked"}
-    said["kills"] = killers(row, base, kinds, "safety")
-    said["stops"] = killers(row, base, kinds, "operability")
+        return "masked", []
+    safety, operability = (revealing(row, base, kinds, kind) for kind in ("safety", "operability"))
     red = any(kinds[name] == "safety" for name in row["violated"])
-    return said | {"status": "killed" if said["kills"] else "baseline_red" if red else "survived"}
-
-
-def wilson(part: int, whole: int) -> list[float] | None:
-    if not whole:
-        return None
-    z2, p = 3.8414588206941254, part / whole
-    centre, half = p + z2 / 2 / whole, sqrt(z2 * (p * (1 - p) / whole + z2 / 4 / whole**2))
-    return [(centre - half) / (1 + z2 / whole), (centre + half) / (1 + z2 / whole)]
-
-
-def ratio(part: int, whole: int) -> Row:
-    return {"part": part, "whole": whole, "interval": wilson(part, whole)}
+    return "revealed" if safety else "baseline_red" if red else "survived", safety + operability
 
 
 def share(part: int, whole: int) -> Row:
     return {"part": part, "whole": whole}
 
 
-def infected(flight: Row) -> bool:
-    return LADDER.index(flight["status"]) >= LADDER.index("masked")
-
-
-def highest(flights: list[Row]) -> str:
-    said = [flight["status"] for flight in flights if flight["safe"]]
-    if not said:
-        said = [
-            "baseline_red" if LADDER.index(f["status"]) > LADDER.index("baseline_red") else f["status"] for f in flights
-        ]
-    return max(said, key=LADDER.index)
-
-
-def decided(flights: list[Row], pool: list[Row], kinds: dict[str, str], order: list[str]) -> dict[str, Row]:
-    """The rule of killed, survived and undecided, per situation with an eligible flight."""
-    safety = [name for name, kind in kinds.items() if kind == "safety"]
-    by_key: dict[str, list[Row]] = {}
-    for flight in sorted(flights, key=lambda flight: flight["row"]["seed"]):
-        if flight["status"] != "invalid":
-            by_key.setdefault(flight["row"]["situation"], []).append(flight)
-    by_key = {key: by_key[key] for key in sorted(by_key)}
-
-    def baselines(key: str, name: str) -> tuple[int, int]:
+def pairs(pool: list[Row], kinds: dict[str, str]) -> list[Row]:
+    """What the baseline flights say of each requirement in each situation, in the order of the rows."""
+    found = []
+    for key in dict.fromkeys(row["situation"] for row in pool if row["counts"]):
         rows = [row for row in pool if row["situation"] == key and row["counts"]]
-        red = sum(name in row["violated"] for row in rows)
-        return red, red + sum(name in row["held"] for row in rows)
-
-    family = {
-        key: [name for name in safety if len(listed) < 3 or any(name in f["tested"] for f in listed[:3])]
-        for key, listed in by_key.items()
-    }
-    counts = {(key, name): baselines(key, name) for key in by_key for name in safety}
-    settled: dict[str, Row] = {}
-    latest: dict[str, Row] = {}
-    left = sum(map(len, family.values()))
-    could: set[str] = set()
-    for look, spent in SPEND.items():
-        due = [key for key, listed in by_key.items() if len(listed) >= look and key not in settled]
-        tests = []
-        for key in due:
-            for name in safety:
-                b, n0 = counts[key, name]
-                k = sum(name in f["row"]["violated"] for f in by_key[key][:look])
-                p = float(hypergeom.sf(k - 1, look + n0, k + b, look))
-                floor = bool(n0) and k * n0 * 5 - b * look * 5 >= look * n0
-                if floor and 3 * p <= 0.05 + TINY:
-                    could.add(key)
-                entry = {"situation": key, "requirement": name, "p": p, "look": look}
-                entry |= {"flights": share(k, look), "baseline": share(b, n0), "floor": floor}
-                if name in family[key]:
-                    tests.append(entry)
-        tests.sort(key=lambda entry: entry["p"])
-        worst = 0.0
-        for entry in tests:
-            adjusted = max(worst, 3 * left * entry["p"])
-            if adjusted > 0.05 + TINY:
-                break
-            if entry["floor"] and entry["situation"] not in settled:
-                settled[entry["situation"]] = entry | {"decision": "killed", "p": adjusted}
-                worst, left = adjusted, left - len(family[entry["situation"]])
-        for key in due:
-            kills = sum(f["safe"] and f["status"] == "killed" for f in by_key[key][:look])
-            safe = sum(f["safe"] for f in by_key[key][:look])
-            tail = float(binom.cdf(kills, safe, 0.5))
-            if key in settled:
+        for name, kind in kinds.items():
+            if kind == "reported":
                 continue
-            nothing = {"situation": key, "requirement": "", "look": look, "baseline": share(0, 0)}
-            if spent and tail <= spent + TINY and key not in could:
-                survival = {"decision": "survived", "p": tail * 0.05 / spent, "flights": share(kills, safe)}
-                settled[key] = nothing | survival
-                continue
-            mine = [entry for entry in tests if entry["situation"] == key]
-            best = min(mine, key=lambda entry: entry["p"], default=nothing | {"p": 1.0, "flights": share(0, 0)})
-            p = min(1.0, 3 * left * best["p"]) if mine else 1.0
-            latest[key] = best | {"decision": "undecided", "p": p}
-    said = latest | settled
-    for entry in said.values():
-        entry.pop("floor", None)
-    safe_keys = [key for key, listed in by_key.items() if any(f["safe"] for f in listed)]
-    unseen = {"decision": "undecided", "look": 0}
-    return {key: said.get(key, unseen) for key in sorted(safe_keys, key=order.index)}
+            red = sum(name in row["violated"] for row in rows)
+            held = sum(name in row["held"] for row in rows)
+            triggered = sum(name in row["violated"] or name in row["triggered"] for row in rows)
+            if len(rows) < 10:
+                state = "unknown"
+            elif triggered < Fraction(len(rows), 2):
+                state = "vacuous"
+            elif len(rows) - red - held > Fraction(len(rows), 10):
+                state = "open"
+            elif held >= Fraction(9 * len(rows), 10):
+                state = "steady"
+            else:
+                state = "red" if red > Fraction(len(rows), 2) else "unsteady"
+            entry = {"situation": key, "requirement": name, "kind": kind, "violated": red, "flights": len(rows)}
+            found.append(entry | {"open": len(rows) - red - held, "triggered": triggered, "state": state})
+    return found
 
 
-def redrawn(pool: list[Row], kinds: dict[str, str], eligible: dict[str, int], order: list[str]) -> Row:
-    by_key: dict[str, list[Row]] = {}
-    for row in sorted(pool, key=lambda row: row["seed"]):
-        if row["counts"]:
-            by_key.setdefault(row["situation"], []).append(row | {"altered": 1, "carried": 1})
-    rates: dict[str, tuple[int, int]] = {}
-    for key, rows in by_key.items():
-        pairs = [judged(second, first, kinds) for first, second in permutations(rows, 2)]
-        if pairs:
-            kills = sum(pair["safe"] and pair["status"] == "killed" for pair in pairs)
-            rates[key] = kills, sum(pair["safe"] for pair in pairs)
-    known = {key: n for key, n in eligible.items() if n and rates.get(key, (0, 0))[1]}
-    left_out = max((n for n in SPEND if any(len(rows) >= 2 * n for rows in by_key.values())), default=0)
-    killed = blocks = 0
-    if left_out:
-        enough = {key: rows for key, rows in by_key.items() if len(rows) >= 2 * left_out}
-        blocks = min(len(rows) // left_out for rows in enough.values())
-        for block in range(blocks):
-            flights, rest = [], []
-            for rows in enough.values():
-                out = rows[block * left_out : (block + 1) * left_out]
-                stay = [row for row in rows if row not in out]
-                flights += [judged(row, base, kinds) for row, base in zip(out, stay, strict=False)]
-                rest += stay
-            killed += any(entry["decision"] == "killed" for entry in decided(flights, rest, kinds, order).values())
-    return {
-        "rate": share(sum(k for k, _ in rates.values()), sum(n for _, n in rates.values())),
-        "expected_false_kills": sum(rates[k][0] / rates[k][1] * n for k, n in known.items()) if known else None,
-        "eligible_flights": sum(known.values()),
-        "decided": {"seeds": left_out, **share(killed, blocks)},
-    }
+def exact(strata: list[tuple[int, int, int, int]]) -> Fraction:
+    """The stratified test in whole numbers."""
+    observed, sums, ways = 0, {0: 1}, 1
+    for k, n, b, m in strata:
+        observed += k if 10 * b <= m else 0
+        t, further = k + b, dict[int, int]()
+        for drawn in range(max(0, t - m), min(n, t) + 1):
+            gain = drawn if 10 * (t - drawn) <= m else 0
+            for so_far, count in sums.items():
+                further[so_far + gain] = further.get(so_far + gain, 0) + count * comb(n, drawn) * comb(m, t - drawn)
+        sums, ways = further, ways * comb(n + m, t)
+    return Fraction(sum(count for total, count in sums.items() if total >= observed), ways)
+
+
+def holm(flights: dict[str, list[Row]], table: dict[tuple[str, str], Row], names: list[str]) -> dict[str, Fraction]:
+    raw = {}
+    for name in names:
+        strata = []
+        for key, rows in flights.items():
+            pair = table.get((key, name))
+            if pair and pair["state"] in ("steady", "red", "unsteady"):
+                k = sum(name in row["violated"] for row in rows)
+                strata.append((k, len(rows), pair["violated"], pair["flights"] - pair["open"]))
+        raw[name] = exact(strata)
+    found, worst = {}, Fraction(0)
+    for rank, name in enumerate(sorted(names, key=lambda name: raw[name])):
+        worst = max(worst, min(Fraction(1), (len(names) - rank) * raw[name]))
+        found[name] = worst
+    return {name: found[name] for name in names}
+
+
+def verdict(
+    flights: dict[str, list[Row]], acts: set[str], table: dict[tuple[str, str], Row], names: list[str], alpha: Fraction
+) -> Row:
+    """The verdict on a mutant that was asked for once, by requirements of one kind.
+
+    Args:
+        flights: per situation the flights that count, by seed.
+        acts: situations where the fault changed a sample.
+        table: the pairs.
+        names: the requirements.
+        alpha: accepted error.
+    """
+    steady = {key: [n for n in names if table.get((key, n), {"state": ""})["state"] == "steady"] for key in flights}
+    tested = [key for key in flights if key in acts and steady[key]]
+    blind = [key for key in acts if all(table.get((key, n), {"state": "unknown"})["state"] == "unknown" for n in names)]
+    if not tested:
+        return {"verdict": "undecided" if blind and names else "not_tested", "p": dict.fromkeys(names, Fraction(1))}
+    p = holm(flights, table, names)
+    if min(p.values()) <= alpha:
+        return {"verdict": "detected", "p": p}
+    seen = any(name in row["violated"] for key in tested for name in steady[key] for row in flights[key])
+    worst = {key: [{"violated": steady[key]}] * len(flights[key]) for key in tested}
+    able = min(holm(worst, table, names).values()) <= alpha
+    return {"verdict": "undecided" if seen or blind or not able else "not_detected", "p": p}
 
 
 def covered(rows: list[Row], axes: dict[str, dict[str, str]], kinds: dict[str, str]) -> Row:
@@ -206,6 +153,7 @@ def covered(rows: list[Row], axes: dict[str, dict[str, str]], kinds: dict[str, s
     base = [row for row in valid if row["mutant"] == "baseline"]
     keys, judged_keys = {row["situation"] for row in valid}, {row["situation"] for row in base}
     names = list(next(iter(axes.values())))
+    safety = [pair for pair in pairs(base, kinds) if pair["kind"] == "safety"]
     ways, complete = {}, {}
     for strength in range(1, 6):
         per = []
@@ -232,9 +180,15 @@ def covered(rows: list[Row], axes: dict[str, dict[str, str]], kinds: dict[str, s
             axis: share(situations([row for row in base if axis in row["realised"]]), len(judged_keys))
             for axis in names
         },
-        "eligible": share(
-            situations([row for row in base if any(kinds[name] == "safety" for name in row["held"])]), len(axes)
+        "steady": share(
+            sum(pair["state"] == "steady" for pair in safety), sum(pair["state"] != "unknown" for pair in safety)
         ),
+        "states": {
+            state: sum(pair["state"] == state for pair in safety)
+            # a situation where mutants flew and no baseline counts is unknown by every requirement that is known
+            + (state == "unknown") * len(keys - judged_keys) * len({pair["requirement"] for pair in safety})
+            for state in ("unknown", "vacuous", "open", "steady", "red", "unsteady")
+        },
         "requirements": {
             name: share(
                 situations(
@@ -264,86 +218,115 @@ def score(
         defaults: ids of the default mutants of the credible cells.
         controls: names of the control cells.
     """
-    rows, order = read(text), list(axes)
+    rows, order, alpha = read(text), list(axes), Fraction(1, 100)
     pool = [row for row in rows if row["mutant"] == "baseline"]
     base = {(row["situation"], row["seed"]): row for row in pool}
-    flights: dict[str, list[Row]] = {}
+    table = {(pair["situation"], pair["requirement"]): pair for pair in pairs(pool, kinds)}
+    known = {key for (key, _), pair in table.items() if pair["state"] != "unknown"}
+    judged = {name for _, name in table}
+    by_kind = {
+        kind: [name for name, own in kinds.items() if own == kind and name in judged]
+        for kind in ("safety", "operability")
+    }
+    listed: dict[str, list[Row]] = {}
     for row in rows:
         if row["mutant"] != "baseline":
-            flight = judged(row, base.get((row["situation"], row["seed"])), kinds)
-            assert flight["status"] == row["status"], row
-            assert flight["kills"] + flight["stops"] == row["killed_by"], row
-            flights.setdefault(row["mutant"], []).append(flight)
+            row["status"], told = status(row, base.get((row["situation"], row["seed"])), kinds), row["status"]
+            assert row["status"][0] == told, row
+            assert row["status"][1] == row["revealed_by"], row
+            listed.setdefault(row["mutant"], []).append(row)
 
-    mutants, eligible = [], dict.fromkeys(order, 0)
-    flown = infect = able = killed = operable = stopped = settled = decidable = 0
-    for id_, listed in flights.items():
-        cell, _, magnitude = id_.partition("@")
-        if id_ == "PLACEBO" or cell in controls:
+    mutants: list[Row] = []
+    others: list[Row] = []
+    acted: set[str] = set()
+    for id_, own in listed.items():
+        flights: dict[str, list[Row]] = {}
+        for row in sorted(own, key=lambda row: (order.index(row["situation"]), row["seed"])):
+            if row["status"][0] != "invalid":
+                flights.setdefault(row["situation"], []).append(row)
+        acts = {key for key, some in flights.items() if any(row["altered"] for row in some)}
+        if id_ == "PLACEBO":
             continue
-
-        def keys(chosen: list[Row]) -> set[str]:
-            return {flight["row"]["situation"] for flight in chosen}
-
-        valid = [flight for flight in listed if flight["status"] != "invalid"]
-        safe = [flight for flight in valid if flight["safe"]]
-        dead = [flight for flight in valid if flight["status"] == "killed"]
-        dead_safe = keys([flight for flight in dead if flight["safe"]])
-        said = decided(listed, pool, kinds, order)
-        by = {}
-        for name in kinds:
-            tested = [flight for flight in valid if name in flight["tested"]]
-            hit = keys([flight for flight in tested if name in flight["kills"] + flight["stops"]])
-            if hit:
-                by[name] = share(len(hit), len(keys(tested)))
-        guideword, _, parameter = cell.partition("-")
-        mutants.append(
-            {
-                "id": id_,
-                "guideword": guideword,
-                "parameter": parameter,
-                "magnitude": magnitude,
-                "status": highest(listed),
-                "kill_rate": share(len(dead_safe), len(keys(safe))),
-                "kill_rate_flown": share(len(keys(dead)), len(keys(valid))),
-                "requirements": by,
-                "decisions": {
-                    **{
-                        word: sum(entry["decision"] == word for entry in said.values())
-                        for word in ("killed", "survived", "undecided")
-                    },
-                    "situations": [entry for entry in said.values() if entry["look"]],
-                },
-            }
+        acted |= acts if id_.partition("@")[0] not in controls else set()
+        by_safety, by_operability = (
+            verdict(flights, acts, table, by_kind[kind], alpha) for kind in ("safety", "operability")
         )
-        if id_ in defaults and valid:
-            flown += 1
-            infect += any(infected(flight) for flight in valid)
-            able += bool(safe)
-            killed += bool(dead_safe)
-            operable += any(flight["operable"] for flight in valid)
-            settled += any(entry["decision"] == "killed" for entry in said.values())
-            decidable += any(entry["look"] for entry in said.values())
-            stopped += any(flight["operable"] and flight["stops"] for flight in valid)
-            for flight in safe:
-                eligible[flight["row"]["situation"]] += 1
-    violated = {}
+        said = {}
+        for kind, found in (("safety", by_safety), ("operability", by_operability)):
+            said[kind] = [
+                {"situation": key, "requirement": name, "violated": count, "flights": len(some)}
+                for key, some in flights.items()
+                for name in by_kind[kind]
+                if found["verdict"] == "detected" and key in acts and table[key, name]["state"] == "steady"
+                if 2 * (count := sum(name in row["violated"] for row in some)) > len(some)
+            ]
+        tests = {
+            name: sum(key in acts and table.get((key, name), {"state": ""})["state"] == "steady" for key in flights)
+            for name in kinds
+        }
+        kills = {
+            name: sum(kill["requirement"] == name for kill in said["safety"] + said["operability"]) for name in kinds
+        }
+        hit = len({kill["situation"] for kill in said["safety"]})
+        tested = sum(
+            key in acts and any(table.get((key, n), {"state": ""})["state"] == "steady" for n in by_kind["safety"])
+            for key in flights
+        )
+        cell, _, magnitude = id_.partition("@")
+        guideword, _, parameter = cell.partition("-")
+        entry = {
+            "id": id_,
+            "guideword": guideword,
+            "parameter": parameter,
+            "magnitude": magnitude,
+            "status": max((row["status"][0] for row in own), key=LADDER.index),
+            "verdict": by_safety["verdict"],
+            "p": {name: float(p) for name, p in by_safety["p"].items()},
+            "kill_rate": share(hit, tested),
+            "kill_rate_flown": share(hit, len(flights)),
+            "kills": said["safety"],
+            "requirements": {name: share(kills[name], tests[name]) for name in kinds if kills[name]},
+            "operability": {
+                "verdict": by_operability["verdict"],
+                "p": {name: float(p) for name, p in by_operability["p"].items()},
+                "kills": said["operability"],
+            },
+            "flown": bool(flights),
+            "acts": bool(acts),
+        }
+        (others if cell in controls else mutants).append(entry)
+    counted = [entry for entry in mutants if entry["id"] in defaults and entry["flown"]]
+    pooled = not acted or bool(acted & known)
+    violated: dict[str, set[str]] = {}
     for row in sorted(pool, key=lambda row: order.index(row["situation"])):
         if row["counts"]:
             violated.setdefault(row["situation"], set()).update(row["violated"])
+    whole = len(counted) if pooled else 0
+    tested_in_all = sum(entry["kill_rate"]["whole"] > 0 for entry in counted)
+    detected = sum(entry["verdict"] == "detected" for entry in counted)
+    operable = sum(entry["operability"]["verdict"] == "detected" for entry in counted)
     return {
+        "version": 2,
+        "alpha": 0.01,
+        "pooled": pooled,
         "ratios": {
-            "exercised": ratio(flown, len(defaults)),
-            "infected": ratio(infect, flown),
-            "mutation_score": ratio(killed, able),
-            "strict_score": ratio(killed, flown),
+            "exercised": share(len(counted), len(defaults)),
+            "infected": share(sum(entry["acts"] for entry in counted), len(counted)),
+            "tested": share(tested_in_all, len(counted)),
+            "mutation_score": share(detected, whole),
+            "operability": share(operable, whole),
         },
-        "mutants": mutants,
+        "expected_false": 0.01 * tested_in_all,
+        "mutants": [_told(entry) for entry in mutants],
+        "controls": [_told(entry) for entry in others],
+        "pairs": sorted(table.values(), key=lambda pair: order.index(pair["situation"])),
+        "lacking": sorted(acted - known, key=order.index),
         "coverage": covered(rows, axes, kinds),
         "baseline": [
             {"situation": key, "violated": [name for name in kinds if name in names]} for key, names in violated.items()
         ],
-        "decided_score": ratio(settled, decidable),
-        "operability": ratio(stopped, operable),
-        "redraw": redrawn(pool, kinds, eligible, order),
     }
+
+
+def _told(entry: Row) -> Row:
+    return {name: value for name, value in entry.items() if name not in ("flown", "acts")}

@@ -10,13 +10,6 @@ from scaloft_fi.results.status import Status
 M = "LATE-human@3s"
 
 
-def test_a_killed_flight_knows_when() -> None:
-    flight = flight_of(outcome(M, violated={"SR1": 25.0, "SR2": 20.0, "OP1": 50.0}), outcome())
-    assert (flight.kills, flight.killed_at_s) == (("SR2", "SR1"), 20.0)
-    flight = flight_of(outcome(M, violated={"SR1": 25.0, "SR2": 20.0}), outcome(violated={"SR2": 10.0}))
-    assert (flight.kills, flight.killed_at_s) == (("SR1",), 25.0)
-
-
 def test_an_invalid_flight_has_no_baseline() -> None:
     invalid = outcome(invalid="worker died")
     for flight, baseline in ((outcome(M, invalid="x"), outcome()), (outcome(M), None), (outcome(M), invalid)):
@@ -25,10 +18,12 @@ def test_an_invalid_flight_has_no_baseline() -> None:
 
 
 @given(campaigns())
-def test_every_flight_of_a_mutant_has_one_status_and_a_kill_names_a_requirement(outcomes: list[Outcome]) -> None:
+def test_every_flight_of_a_mutant_has_one_status_and_what_is_revealed_names_a_requirement(
+    outcomes: list[Outcome],
+) -> None:
     flights = flights_of(outcomes)
     assert len(flights) == sum(outcome.mutant != BASELINE for outcome in outcomes)
     for flight in flights:
-        assert (flight.status is Status.KILLED) == bool(flight.kills)
-        assert not (flight.eligible and not flight.status.infected)
-        assert set(flight.kills) <= {"SR1", "SR2"}
+        assert (flight.status is Status.REVEALED) == bool(flight.revealed)
+        assert set(flight.revealed) <= {"SR1", "SR2"}
+        assert set(flight.operability_revealed) <= {"OP1"}

@@ -34,7 +34,6 @@ def log(**changed: object) -> SimpleNamespace:
         "ending": Ending.STRUCK,
         "struck": "wall",
         "stack_error": "",
-        "cut": False,
         "counts": {"depth": SimpleNamespace(carried=9, altered=4, first_altered_s=0.05)},
         "digest": "d",
         "perceived_digest": "p",
@@ -66,12 +65,6 @@ def test_a_log_becomes_its_readings_violations_and_counts() -> None:
     # what is struck belongs to the moment of contact
     assert (fast.t_s, fast.struck) == (0.05, "")
     assert flown.first_violation == struck
-
-
-@pytest.mark.parametrize("cut", [True, False])
-def test_an_outcome_tells_whether_its_flight_was_cut(*, cut: bool) -> None:
-    flown = outcome_of(log(cut=cut), Subject("M"), "S", 3, requirements=RULES)  # type: ignore[arg-type]
-    assert bool(flown.truncated) is cut
 
 
 def test_the_counts_of_all_patched_seams_are_joined() -> None:

@@ -23,9 +23,9 @@ FLOWN = Path(__file__).with_name("three_situations_ten_seeds.jsonl.gz")
 
 
 def same(found: Any, expected: Any, place: str = "score") -> None:
-    """Equal, floats but for rounding; what `found` says in words is not compared."""
+    """Equal, floats but for rounding; redraws, times and looks are not recomputed."""
     if isinstance(expected, dict):
-        assert found.keys() - {"population", "reason"} == expected.keys(), place
+        assert found.keys() - {"redraw", "first", "decided_at"} == expected.keys(), place
         for key in expected:
             same(found[key], expected[key], f"{place}.{key}")
     elif isinstance(expected, list):
@@ -48,6 +48,8 @@ def compare(outcomes: list[Outcome]) -> dict[str, Any]:
         defaults=set(ROSTER.defaults.values()),
         controls=set(ROSTER.controls),
     )
+    order = [key for key, _ in GRID.points]
+    found["pairs"].sort(key=lambda pair: order.index(pair["situation"]))
     same(found, expected)
     return found
 
@@ -60,7 +62,7 @@ def test_every_figure_of_the_score_follows_from_the_export(outcomes: list[Outcom
 
 @settings(deadline=None, max_examples=120)
 @given(seeded())
-def test_every_decision_and_every_false_kill_follows_from_the_export(outcomes: list[Outcome]) -> None:
+def test_every_verdict_follows_from_the_export(outcomes: list[Outcome]) -> None:
     compare(outcomes)
 
 
@@ -68,25 +70,27 @@ def test_every_figure_of_flights_in_the_simulator_follows_from_their_export() ->
     """The baseline, PLACEBO and three mutants of the reference study, 3 situations, 10 seeds, without trajectories."""
     lines = gzip.decompress(FLOWN.read_bytes()).splitlines()
     found = compare([from_json(json.loads(line)) for line in lines])
-    assert [(mutant["id"], mutant["decisions"]["killed"]) for mutant in found["mutants"]] == [
-        ("LATE-human@3s", 2),
-        ("AFTER-clock@5frames", 0),
-        ("UNINTENDED-collision@20s", 0),
+    assert [(mutant["id"], mutant["verdict"], mutant["kill_rate"]) for mutant in found["mutants"]] == [
+        ("LATE-human@3s", "detected", {"part": 2, "whole": 2}),
+        ("AFTER-clock@5frames", "undecided", {"part": 0, "whole": 2}),
+        ("UNINTENDED-collision@20s", "undecided", {"part": 0, "whole": 2}),
     ]
 
 
-def test_the_comparison_sees_decisions_and_false_kills() -> None:
-    """Of campaigns drawn as above, some are killed, some survive, some redraw a kill: none is compared in vain."""
+def test_the_comparison_sees_every_verdict_and_every_state() -> None:
+    """Campaigns drawn as above have all of them: none is compared in vain."""
     seen: set[str] = set()
 
-    @settings(deadline=None, max_examples=60, derandomize=True, database=None)
+    @settings(deadline=None, max_examples=80, derandomize=True, database=None)
     @given(seeded())
     def look(outcomes: list[Outcome]) -> None:
         found = compare(outcomes)
-        for mutant in found["mutants"]:
-            seen.update(word for word in ("killed", "survived", "undecided") if mutant["decisions"][word])
-        seen.update(["redraw"] * (found["redraw"]["rate"]["part"] > 0))
-        seen.update(["left out"] * (found["redraw"]["decided"]["whole"] > 0))
+        seen.update(mutant["verdict"] for mutant in found["mutants"])
+        seen.update(pair["state"] for pair in found["pairs"])
+        seen.update("kill" for mutant in found["mutants"] if mutant["kills"])
+        seen.update("operability kill" for mutant in found["mutants"] if mutant["operability"]["kills"])
 
     look()
-    assert seen == {"killed", "survived", "undecided", "redraw", "left out"}
+    verdicts = {"detected", "undecided", "not_detected", "not_tested"}
+    states = {"steady", "unsteady", "red", "open", "vacuous", "unknown"}
+    assert seen == verdicts | states | {"kill", "operability kill"}

@@ -1,24 +1,22 @@
 from __future__ import annotations
 
 import random
-from dataclasses import replace
 
 from builders import campaigns, outcome, seeded
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaloft_fi.results.flights import flights_of
-from scaloft_fi.results.outcome import BASELINE, FIRST_KILL, Outcome
+from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.rulings import rulings_of
 from scaloft_fi.results.status import Status
 
 M = "LATE-human@3s"
-HERE = "T0O0W0D0H0"
 
 
 @given(st.one_of(campaigns(), seeded()))
 @settings(deadline=None)
-def test_every_flight_is_ruled_as_it_is_beside_its_baseline_and_its_kill_is_the_earliest(flown: list[Outcome]) -> None:
+def test_every_flight_is_ruled_as_it_is_beside_its_baseline(flown: list[Outcome]) -> None:
     found = rulings_of(flown)
     ruled = {
         (mutant.id, situation, one.seed): one
@@ -31,8 +29,7 @@ def test_every_flight_is_ruled_as_it_is_beside_its_baseline_and_its_kill_is_the_
     for flight in beside:
         one = ruled[flight.outcome.mutant, flight.outcome.situation, flight.outcome.seed]
         assert one.ruling is flight.ruling
-        assert (one.kill.t_s if one.kill else None) == flight.killed_at_s
-        assert one.kill is None or one.kill.requirement in flight.kills
+        assert tuple(one.violations) == (() if flight.status is Status.INVALID else flight.outcome.violations)
     assert sorted(one.name for one in found.baselines) == sorted(one.name for one in flown if one.mutant == BASELINE)
     assert found.draws == {(one.situation, one.seed) for one in flown if one.mutant != BASELINE and not one.invalid}
     assert found.situations == {one.situation for one in flown}
@@ -47,15 +44,6 @@ def test_the_order_of_outcomes_changes_no_ruling(flown: list[Outcome], chance: r
     for situations in other.mutants.values():
         for flights in situations.values():
             assert [flight.seed for flight in flights] == sorted(flight.seed for flight in flights)
-
-
-def test_a_flight_cut_at_its_first_kill_is_left_out() -> None:
-    killed = outcome(M, violated={"SR2": 20.0})
-    found = rulings_of([outcome(), killed, replace(outcome(M, seed=1), truncated=FIRST_KILL)])
-    ((subject, situations),) = found.mutants.items()
-    ((one,),) = situations.values()
-    assert (subject.id, one.seed, one.ruling.status, one.kill) == (M, 0, Status.KILLED, killed.violations[0])
-    assert found.draws == {(HERE, 0)}
 
 
 def test_there_are_rulings_where_anything_was_flown() -> None:

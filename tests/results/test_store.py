@@ -183,7 +183,7 @@ def test_a_canary_that_is_asked_for_later_is_none_any_more(tmp_path: Path) -> No
         assert store.planned() == [Planned("k", M, "T0O0W0D0H0", 0)]
 
 
-@pytest.mark.parametrize("schema", range(1, SCHEMA))
+@pytest.mark.parametrize("schema", range(1, 4))
 def test_a_store_of_an_earlier_version_is_brought_to_this_one(tmp_path: Path, schema: int) -> None:
     path = tmp_path / "s.sqlite"
     with closing(sqlite3.connect(path)) as connection:
@@ -199,6 +199,47 @@ def test_a_store_of_an_earlier_version_is_brought_to_this_one(tmp_path: Path, sc
         with Store(path, create=False) as store:
             assert store.get("k") == replace(outcome(M), track=b"\0")
             assert store.planned() == [Planned("k", "m", "s", 0)] * (schema > 1)
+
+
+@pytest.mark.parametrize("schema", range(1, 4))
+def test_of_the_first_stores_flights_cut_before_their_end_are_dropped_too(tmp_path: Path, schema: int) -> None:
+    path = tmp_path / "s.sqlite"
+    with closing(sqlite3.connect(path)) as connection:
+        for step in _STEPS[:schema]:
+            step(connection)
+        connection.execute(f"PRAGMA user_version={schema}")
+        for key, truncated in (("whole", ""), ("cut", "first kill")):
+            text = json.dumps(asdict(outcome(M)) | {"track": "", "truncated": truncated})
+            connection.execute("INSERT INTO outcomes VALUES (?, ?, 'T0O0W0D0H0', 0, 1, ?, x'00')", (key, M, text))
+        connection.commit()
+    with Store(path, create=False) as store:
+        assert store.known(["whole", "cut"]) == {"whole"}
+
+
+def test_a_store_of_schema_4_keeps_its_whole_flights_and_no_others(tmp_path: Path) -> None:
+    path = tmp_path / "s.sqlite"
+    with closing(sqlite3.connect(path)) as connection:
+        connection.executescript((Path(__file__).parent / "store_of_schema_4.sql").read_text())
+        whole = connection.execute("SELECT key, digest FROM outcomes WHERE truncated = '' ORDER BY key").fetchall()
+    clean = Origin("sim", "requirements", "code", "", "situation", "realised")
+    faulty = Origin("sim", "requirements", "code", "mutant", "situation")
+    for _ in range(2):
+        with Store(path, create=False) as store:
+            kept = list(store.rows())
+            assert [(key, flown.digest) for key, flown in kept] == whole
+            assert sorted([flown for _, flown in kept], key=lambda flown: flown.mutant) == [
+                replace(outcome(M, "T0O0W0D0H1", violated={"SR2": 20.0}), track=b"whole"),
+                replace(outcome(situation="T0O0W0D0H1"), track=b"clean"),
+            ]
+            assert store.meta() == {"system": "Linux"}
+            assert {store.origins()[flight.origin or 0] for flight in store.flights()} == {clean, faulty}
+            planned = {(flight.mutant, flight.seed, flight.origin) for flight in store.planned()}
+            assert planned == {("baseline", 0, clean), (M, 0, faulty), (M, 1, faulty)}
+            assert store._connection.execute("SELECT count(*) FROM tracks").fetchone() == (2,)
+    with Store(tmp_path / "new.sqlite") as new, Store(path, create=False) as store:
+        tables = "SELECT type, name, sql FROM sqlite_master ORDER BY name"
+        assert store._connection.execute(tables).fetchall() == new._connection.execute(tables).fetchall()
+        assert store.put("another", outcome(M, seed=1))
 
 
 def test_a_store_of_a_later_version_is_refused(tmp_path: Path) -> None:

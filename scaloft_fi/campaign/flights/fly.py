@@ -15,7 +15,6 @@ from scaloft_fi.campaign.workers.pool import ATTEMPTS
 from scaloft_fi.collector import uncollected
 from scaloft_fi.errors import InputError
 from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.requirement import Kind
 from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
@@ -41,14 +40,8 @@ class Flyer(Protocol):
         """
         ...
 
-    def __call__(self, study: Study, flight: Flight, baseline: Outcome | None = None) -> Outcome:
-        """Fly and judge one flight from take-off; whatever goes wrong with the harness is raised.
-
-        Args:
-            study: what is flown.
-            flight: which.
-            baseline: when given, a mutant is flown only until it is seen to be killed beside it.
-        """
+    def __call__(self, study: Study, flight: Flight) -> Outcome:
+        """Fly and judge one flight from take-off; whatever goes wrong with the harness is raised."""
         ...
 
     def share(self, study: Study, task: Task, home: Callable[[Outcome], None]) -> None:
@@ -88,10 +81,9 @@ class Physics:
             notice.cancel()
             notice.join()
 
-    def __call__(self, study: Study, flight: Flight, baseline: Outcome | None = None) -> Outcome:
+    def __call__(self, study: Study, flight: Flight) -> Outcome:
         """Fly and judge one flight from take-off."""
-        enough = first_kill(study, flight, baseline) if baseline is not None and flight.mutant is not None else None
-        return judged(study, flight, fly_log(study, flight, enough))
+        return judged(study, flight, fly_log(study, flight))
 
     def share(self, study: Study, task: Task, home: Callable[[Outcome], None]) -> None:
         """Fly the baseline once, and each mutant from where it leaves it."""
@@ -100,21 +92,11 @@ class Physics:
         fly_shared(study, task, home)
 
 
-def fly_log(study: Study, flight: Flight, enough: Callable[[FlightLog], bool] | None = None) -> FlightLog:
-    """Fly one flight, until `enough` is known or to its end; returns all that happened."""
+def fly_log(study: Study, flight: Flight) -> FlightLog:
+    """Fly one flight; returns all that happened."""
     from scaloft_fi.sim.flight import fly
 
-    return fly(study.sim, flight.situation, flight.seed, wire_of(study, flight), enough)
-
-
-def first_kill(study: Study, flight: Flight, baseline: Outcome) -> Callable[[FlightLog], bool]:
-    """Whether the flight so far is a kill beside its baseline: a first violation is final, so the rest can wait."""
-    from scaloft_fi.results.status import killed_by
-
-    def killed(log: FlightLog) -> bool:
-        return bool(killed_by(judged(study, flight, log), baseline, Kind.SAFETY))
-
-    return killed
+    return fly(study.sim, flight.situation, flight.seed, wire_of(study, flight))
 
 
 def judged(study: Study, flight: Flight, log: FlightLog) -> Outcome:
@@ -177,13 +159,13 @@ class Worker:
             self._share(task, home)
             return
         for flight in task.flights:
-            home(self._alone(flight, task.baseline))
+            home(self._alone(flight))
 
-    def _alone(self, flight: Flight, baseline: Outcome | None) -> Outcome:
+    def _alone(self, flight: Flight) -> Outcome:
         reason = ""
         for _ in range(ATTEMPTS):
             try:
-                return self.flyer(self.study, flight, baseline)
+                return self.flyer(self.study, flight)
             except InputError:
                 raise
             except Exception as error:  # noqa: BLE001 - any failure of the harness is a fact to be told, never a verdict

@@ -9,17 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from scaloft_fi.campaign.flights.fly import (
-    Physics,
-    Worker,
-    first_kill,
-    invalid,
-    judged,
-    left_of,
-    lost,
-    reason_of,
-    wire_of,
-)
+from scaloft_fi.campaign.flights.fly import Physics, Worker, invalid, judged, left_of, lost, reason_of, wire_of
 from scaloft_fi.campaign.flights.fork import Fork
 from scaloft_fi.campaign.plan.task import Task
 from scaloft_fi.campaign.workers.pool import PATIENCE_S, Pool
@@ -28,7 +18,6 @@ from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
     from scaloft_fi.mutants.wire import SeamCount
-    from scaloft_fi.sim.log import FlightLog
 
 SOON_S = 1.0
 """Who leaves the baseline sooner is flown whole: to be split off takes longer than so much flight [s from take-off]."""
@@ -46,10 +35,7 @@ def fly_shared(study: Study, task: Task, home: Callable[[Outcome], None]) -> Non
 
     mutants = {flight.name: flight for flight in task.flights if flight.mutant is not None}
     wires = {name: wire_of(study, flight) for name, flight in mutants.items()}
-    fork, carrier, baseline = Fork(home, invalid), task.carrier, task.baseline
-
-    def enough(log: FlightLog) -> bool:
-        return fork.taken is not None and baseline is not None and first_kill(study, fork.taken, baseline)(log)
+    fork, carrier = Fork(home, invalid), task.carrier
 
     # who takes this other process with it takes no other flight
     with Pool(Worker(study, Physics()), 1, left=left_of, lost=lost, patience_s=PATIENCE_S) as apart:
@@ -57,7 +43,7 @@ def fly_shared(study: Study, task: Task, home: Callable[[Outcome], None]) -> Non
         def branch(name: str, t_s: float) -> bool:
             if t_s >= SOON_S:
                 return fork(mutants[name])
-            for outcome in apart.map([Task((mutants[name],), baseline=baseline)]):
+            for outcome in apart.map([Task((mutants[name],))]):
                 home(outcome)
             return False
 
@@ -67,7 +53,7 @@ def fly_shared(study: Study, task: Task, home: Callable[[Outcome], None]) -> Non
             failed=lambda name, error: home(invalid(mutants[name], reason_of(error))),
         )
         try:
-            log = fly(study.sim, carrier.situation, carrier.seed, wire, enough if baseline else None)
+            log = fly(study.sim, carrier.situation, carrier.seed, wire)
             outcome = judged(study, fork.taken or carrier, log)
         except BaseException as error:
             if fork.taken is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from scaloft_fi import __version__
 from scaloft_fi.campaign.held.folder import campaign_folder, existing
 from scaloft_fi.campaign.held.held import current
+from scaloft_fi.campaign.held.spending import spending_of
 from scaloft_fi.results.exchange.dossier import Dossier
 from scaloft_fi.results.store import Store
 from scaloft_fi.study import Study
@@ -19,7 +20,7 @@ def dossier(study: Study, campaign: str) -> Dossier:
     folder = campaign_folder(study, campaign)
     outcomes = current(study, campaign)
     with Store(existing(folder), create=False) as store:
-        platform = store.meta()
+        platform, spending = store.meta(), spending_of(study, store)
     cells = sorted((study.folder / "hazop").rglob("*.yaml"))
     return Dossier(
         study=study.folder.resolve().name,
@@ -31,5 +32,6 @@ def dossier(study: Study, campaign: str) -> Dossier:
         roster=study.roster,
         requirements=study.requirements,
         outcomes=outcomes,
+        spending=spending,
         sources={path.relative_to(study.folder).as_posix(): path.read_text(encoding="utf-8") for path in cells},
     )

@@ -31,15 +31,13 @@ class Held:
 
     Attributes:
         folder: of the campaign.
-        current: outcomes of whole flights as the study describes them now, ordered by mutant, situation, seed.
-        truncated: how many flights as the study describes them now were cut before their end.
+        current: outcomes of flights as the study describes them now, ordered by mutant, situation, seed.
         why: for what is stale, the reason and of how many flights, the commonest first.
         owed: how many flights were planned as the study describes them now, and have no outcome that counts.
     """
 
     folder: Path
     current: tuple[Outcome, ...]
-    truncated: int = 0
     why: Mapping[str, int] = field(default_factory=dict)
     owed: int = 0
 
@@ -69,8 +67,7 @@ def held_in(study: Study, store: Store, folder: Path) -> Held:
         due = {flight.key for flight in planned if now.origin(flight.mutant, flight.situation) == flight.origin}
         return Held(
             folder=folder,
-            current=_whole(store, now),
-            truncated=sum(bool(flight.truncated) and now.stands(flight) for flight in flights),
+            current=store.that(now.stands),
             why=dict(Counter(now.why(flight) for flight in flights if not now.stands(flight)).most_common()),
             owed=len(due - store.known(due)),
         )
@@ -79,12 +76,7 @@ def held_in(study: Study, store: Store, folder: Path) -> Held:
 def current_in(study: Study, store: Store) -> tuple[Outcome, ...]:
     """The outcomes of an open store that count; there may be none."""
     with store.snapshot():
-        return _whole(store, _Now(study, store))
-
-
-def _whole(store: Store, now: _Now) -> tuple[Outcome, ...]:
-    """The outcomes of whole flights that stand."""
-    return store.that(lambda flight: not flight.truncated and now.stands(flight))
+        return store.that(_Now(study, store).stands)
 
 
 def current(study: Study, campaign: str) -> tuple[Outcome, ...]:
@@ -95,8 +87,7 @@ def current(study: Study, campaign: str) -> tuple[Outcome, ...]:
     """
     folder = campaign_folder(study, campaign)
     with Store(existing(folder), create=False) as store, store.snapshot():
-        now = _Now(study, store)
-        return _whole(store, now) or _nothing(store, now, folder)
+        return store.that(_Now(study, store).stands) or nothing_to_show(store, folder)
 
 
 def current_rulings(study: Study, campaign: str) -> Rulings:
@@ -107,30 +98,27 @@ def current_rulings(study: Study, campaign: str) -> Rulings:
     """
     folder = campaign_folder(study, campaign)
     with Store(existing(folder), create=False) as store, store.snapshot():
-        now = _Now(study, store)
-        return store.rulings(now.stands) or _nothing(store, now, folder)
+        return store.rulings(_Now(study, store).stands) or nothing_to_show(store, folder)
 
 
-def _nothing(store: Store, now: _Now, folder: Path) -> NoReturn:
+def nothing_to_show(store: Store, folder: Path) -> NoReturn:
     """Say why a campaign has nothing that counts."""
     flights = store.flights()
     if not flights:
         raise InputError(f"{folder}: nothing to show: it holds no flight; `scaloft-fi run` flies what is asked for")
-    cut = sum(now.stands(flight) for flight in flights)
-    reason = f"{cut} flights were cut before their end" if cut else f"all {len(flights)} flights are stale"
-    raise InputError(f"{folder}: nothing to show: {reason} (`scaloft-fi status`); `scaloft-fi run` flies again")
+    stale = f"all {len(flights)} flights are stale (`scaloft-fi status`)"
+    raise InputError(f"{folder}: nothing to show: {stale}; `scaloft-fi run` flies again")
 
 
 def latest(study: Study, campaign: str) -> tuple[Outcome, ...]:
-    """One outcome of each whole flight of a campaign: the current one, else one that the study has outgrown.
+    """One outcome of each flight of a campaign: the current one, else one that the study has outgrown.
 
     Raises:
         InputError: there is no campaign.
     """
     folder = campaign_folder(study, campaign)
     with Store(existing(folder), create=False) as store, store.snapshot():
-        whole = [flight for flight in store.flights() if not flight.truncated]
-        stand_last = sorted(whole, key=_Now(study, store).stands)
+        stand_last = sorted(store.flights(), key=_Now(study, store).stands)
         chosen = {(flight.mutant, flight.situation, flight.seed): flight.key for flight in stand_last}
         return tuple(store.outcomes(chosen.values()))
 
@@ -155,33 +143,34 @@ class _Now:
 
     def __init__(self, study: Study, store: Store) -> None:
         self._study, self._keys, self._then = study, Keys(study), store.origins()
+        self._grid = study.grid  # which says itself what is wrong with it
         self._mutants: dict[str, Mutant | None] = {}
         self._situations: dict[str, Situation] = {}
-        self._origins: dict[tuple[str, str, str], Origin | str] = {}
-        self._stand: dict[tuple[str, str, str, int], bool] = {}
+        self._origins: dict[tuple[str, str], Origin | str] = {}
+        self._stand: dict[tuple[str, str, int], bool] = {}
 
-    def origin(self, mutant: str, situation: str, truncated: str = "") -> Origin | str:
+    def origin(self, mutant: str, situation: str) -> Origin | str:
         """What enters the flight now, else why there is no such flight any more."""
-        name = mutant, situation, truncated
+        name = mutant, situation
         if name not in self._origins:
             self._origins[name] = self._origin(*name)
         return self._origins[name]
 
     def stands(self, flight: Flown) -> bool:
         """Whether an outcome is of the flight as it is described now."""
-        key, mutant, situation, seed, truncated, number = flight
+        key, mutant, situation, seed, number = flight
         if number is None:
-            now = self.origin(mutant, situation, truncated)
-            return not isinstance(now, str) and now.key(seed, truncated) == key
-        what = mutant, situation, truncated, number
+            now = self.origin(mutant, situation)
+            return not isinstance(now, str) and now.key(seed) == key
+        what = mutant, situation, number
         known = self._stand.get(what)
         if known is None:  # the seed apart, the key says no more than what entered it
-            known = self._stand[what] = self.origin(mutant, situation, truncated) == self._then[number]
+            known = self._stand[what] = self.origin(mutant, situation) == self._then[number]
         return known
 
     def why(self, flight: Flown) -> str:
         """Why an outcome does not stand."""
-        now = self.origin(flight.mutant, flight.situation, flight.truncated)
+        now = self.origin(flight.mutant, flight.situation)
         if isinstance(now, str):
             return now
         if flight.origin is None:
@@ -189,10 +178,10 @@ class _Now:
         words = {**_PARTS, "mutant": f"mutant {flight.mutant}"}
         return f"{' and '.join(words[part] for part in self._then[flight.origin].changed(now))} changed"
 
-    def _origin(self, mutant: str, situation: str, truncated: str) -> Origin | str:
+    def _origin(self, mutant: str, situation: str) -> Origin | str:
         if situation not in self._situations:
             try:
-                self._situations[situation] = self._study.grid.situation(situation)
+                self._situations[situation] = self._grid.situation(situation)
             except InputError:
                 return "the situation is not in the grid any more"
         if mutant not in self._mutants:
@@ -200,7 +189,7 @@ class _Now:
                 self._mutants[mutant] = _mutant(self._study, mutant)
             except InputError:
                 return f"mutant {mutant} is not in the matrix any more"
-        return self._keys.origin(Flight(self._mutants[mutant], self._situations[situation], 0), truncated)
+        return self._keys.origin(Flight(self._mutants[mutant], self._situations[situation], 0))
 
 
 _PARTS = {
@@ -209,6 +198,5 @@ _PARTS = {
     "code": "the code that flies and judges",
     "situation": "what the situation sets",
     "realised": "how the situation's values come true",
-    "cutting": "the code that cuts flights short",
 }
 """The parts of an origin in words; a mutant is named."""

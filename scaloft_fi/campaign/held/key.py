@@ -25,7 +25,7 @@ class Keys:
         self._mutants: dict[Mutant, str] = {}
         self._situations: dict[str, tuple[str, str]] = {}
 
-    def origin(self, flight: Flight, truncated: str = "") -> Origin:
+    def origin(self, flight: Flight) -> Origin:
         """Where an outcome of the flight comes from.
 
         An axis value that the situation does not have, another mutant, a comment in a file: none of them enters.
@@ -39,18 +39,16 @@ class Keys:
             mutant=self._mutant(flight.mutant) if flight.mutant else "",
             situation=situation,
             realised="" if flight.mutant else realised,
-            cutting=inputs["cutting"] if truncated else "",
         )
 
-    def key(self, flight: Flight, truncated: str = "") -> str:
-        """The content hash of a flight; one that was cut before its end (`Outcome.truncated`) has another."""
-        return self.origin(flight, truncated).key(flight.seed, truncated)
+    def key(self, flight: Flight) -> str:
+        """The content hash of a flight."""
+        return self.origin(flight).key(flight.seed)
 
-    def planned(self, flight: Flight, truncated: str = "", *, canary: bool = False) -> Planned:
+    def planned(self, flight: Flight, *, canary: bool = False) -> Planned:
         """The flight as the store keeps it in its plan."""
-        origin = self.origin(flight, truncated)
-        key = origin.key(flight.seed, truncated)
-        return Planned(key, flight.subject.id, flight.situation.key, flight.seed, canary, origin)
+        origin = self.origin(flight)
+        return Planned(origin.key(flight.seed), flight.subject.id, flight.situation.key, flight.seed, canary, origin)
 
     def _mutant(self, mutant: Mutant) -> str:
         if mutant not in self._mutants:
@@ -66,9 +64,9 @@ class Keys:
         return self._situations[key]
 
 
-def flight_key(study: Study, flight: Flight, truncated: str = "") -> str:
+def flight_key(study: Study, flight: Flight) -> str:
     """The content hash of one flight; of many, `Keys` is faster."""
-    return Keys(study).key(flight, truncated)
+    return Keys(study).key(flight)
 
 
 def digest(content: Any) -> str:

@@ -1,4 +1,4 @@
-"""How a campaign spends alpha: once on a size that was told before it flew, or by looks where more seeds were asked for.
+"""How a campaign spends alpha: once on a size told before it flew, or by looks where more seeds were asked for later.
 
 Each run keeps in the store with which seeds it was asked to fly which mutants, before it flies.
 """

@@ -31,13 +31,24 @@ def with_tracks(
     Raises:
         InputError: there is no campaign.
     """
+    with Store(existing(campaign_folder(study, campaign)), create=False) as store:
+        return tracks_in(study, store, outcomes, mutants, seeds)
+
+
+def tracks_in(
+    study: Study,
+    store: Store,
+    outcomes: Iterable[Outcome],
+    mutants: Collection[str],
+    seeds: Collection[int] | None = None,
+) -> tuple[Outcome, ...]:
+    """The same from an open store."""
     wanted, keys = set(mutants), Keys(study)
 
     def tracked(outcome: Outcome) -> Outcome:
         if outcome.mutant not in wanted or (seeds is not None and outcome.seed not in seeds):
             return outcome
         flight = flight_named(study, outcome.mutant, outcome.situation, outcome.seed)
-        return store.get(keys.key(flight, outcome.truncated)) or outcome
+        return store.get(keys.key(flight)) or outcome
 
-    with Store(existing(campaign_folder(study, campaign)), create=False) as store:
-        return tuple(tracked(outcome) for outcome in outcomes)
+    return tuple(tracked(outcome) for outcome in outcomes)

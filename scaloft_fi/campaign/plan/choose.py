@@ -34,6 +34,21 @@ def seeds(text: str, option: str = "--seeds") -> tuple[int, ...]:
     raise InputError(f"{option}={text!r} must be N for seeds 0..N-1 (N >= 1), or A-B with A <= B")
 
 
+def pool_seeds(text: str | None, *, lent: bool) -> tuple[int, ...] | None:
+    """Seeds of the baseline pool besides the mutants' own: as asked for, else None, as many as make a pool.
+
+    Args:
+        text: `--baseline-seeds`.
+        lent: whether another campaign lends its baselines; then none are flown unless asked for.
+
+    Raises:
+        InputError: the text names no seeds.
+    """
+    if text:
+        return seeds(text, "--baseline-seeds")
+    return () if lent else None
+
+
 def shard(text: str) -> tuple[int, int]:
     """`k/n`: the k-th of n shards.
 

@@ -1,4 +1,4 @@
-"""Which flights a campaign flies, in a stable order: baselines, PLACEBO beside each, mutants, then the baseline pool."""
+"""Which flights a campaign flies, in a stable order: baselines, PLACEBO beside each, mutants, then the pool."""
 
 from __future__ import annotations
 

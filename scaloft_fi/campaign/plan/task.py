@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 
 from scaloft_fi.campaign.plan.plan import Flight
 from scaloft_fi.mutants.mutant import PLACEBO
-from scaloft_fi.results.outcome import Outcome
 
 SHARES_PER_JOB = 2
 """A task is at most this part of what one process has still to do, so that all processes end at about the same time."""
@@ -23,13 +22,10 @@ class Task:
     Attributes:
         flights: whose outcomes are wanted.
         shared: whether they are flown together with the baseline, each from where it leaves it; else each is whole.
-        baseline: when it is only asked whether mutants are killed, what they are judged beside: each is cut soon after
-            its first kill; None = all are flown to the end.
     """
 
     flights: tuple[Flight, ...]
     shared: bool = False
-    baseline: Outcome | None = None
 
     def __post_init__(self) -> None:
         if self.shared and any(flight.mutant == PLACEBO for flight in self.flights):

@@ -84,24 +84,14 @@ class Forecast:
             self._refresh(subject, nominal_s, 1)
         return True
 
-    def drop(self, flight: Flight) -> bool:
-        """A flight is not to come any more; returns whether it was."""
-        draw, subject = self._draws.get(_place(flight)), flight.subject.id
-        if draw is None or subject not in draw.due:
-            return False
-        draw.due.remove(subject)
-        if not draw.home:
-            self._refresh(subject, draw.nominal_s, -1)
-        return True
-
     def known(self, flight: Flight, outcome: Outcome, nominal_s: float) -> None:
         """A whole flight was home before: it tells how long flights last there."""
         self._measure(flight, self._draw(flight, nominal_s), outcome)
 
     def home(self, flight: Flight, outcome: Outcome, nominal_s: float) -> bool:
         """A flight came home; returns whether it was expected."""
-        expected = self.drop(flight)
         draw, cost_s = self._draw(flight, nominal_s), self._cost_s(flight, outcome)
+        expected = self._arrive(draw, flight.subject.id)
         self.done_s += cost_s + FLIGHT_S * (cost_s > 0.0)
         if not outcome.invalid:
             self._measure(flight, draw, outcome)
@@ -134,6 +124,15 @@ class Forecast:
             self._costs(subject, length_s, 1) for subject in draw.due - whole
         )
 
+    def _arrive(self, draw: _Draw, subject: str) -> bool:
+        """A flight is not due any more; returns whether it was."""
+        if subject not in draw.due:
+            return False
+        draw.due.remove(subject)
+        if not draw.home:
+            self._refresh(subject, draw.nominal_s, -1)
+        return True
+
     def _refresh(self, subject: str, nominal_s: float, by: int) -> None:
         """A flight more, or one less, is due of a draw of which nothing is home."""
         self._fresh[subject] += by
@@ -147,9 +146,7 @@ class Forecast:
         return self._draws.setdefault(_place(flight), _Draw(nominal_s))
 
     def _measure(self, flight: Flight, draw: _Draw, outcome: Outcome) -> None:
-        """How long a flight lasts here; one that was cut says nothing of it."""
-        if outcome.truncated:
-            return
+        """How long a flight lasts here."""
         if not draw.home:
             self._begun[_place(flight)] = draw
             for subject in draw.due:

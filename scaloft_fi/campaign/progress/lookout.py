@@ -1,14 +1,14 @@
-"""Tells a person what a crew does: how much is left, what was violated, what was killed."""
+"""Tells a person what a crew does: how much is left, how much was violated, what the harness failed at."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from pathlib import Path
 
 from scaloft_fi.campaign.plan.plan import Flight
-from scaloft_fi.campaign.progress.alarm import Alarm
 from scaloft_fi.campaign.progress.forecast import Forecast
 from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.progress.tally import Tally
+from scaloft_fi.campaign.progress.violations import Violations
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.study import Study
@@ -21,15 +21,16 @@ class Lookout:
         study: what is flown.
         progress: what a person sees.
         options: how it is flown.
+        log: path of the mission log.
     """
 
-    def __init__(self, study: Study, progress: Progress, options: RunOptions) -> None:
+    def __init__(self, study: Study, progress: Progress, options: RunOptions, log: Path) -> None:
         self.progress = progress
         self._study = study
         self._forecast = Forecast(share=options.share)
         progress.left_s = lambda: self._forecast.left_s
-        self._tally = Tally(study.roster)
-        self._alarm = Alarm(every=options.every_violation)
+        self._warnings, self._log = options.warnings, log
+        self._violations = Violations()
 
     def expect(self, flights: Iterable[Flight]) -> None:
         """Flights are to come; what was announced before is not counted twice."""
@@ -37,26 +38,23 @@ class Lookout:
             if self._forecast.expect(flight, self._nominal_s(flight)):
                 self.progress.flights += 1
 
-    def drop(self, flights: Iterable[Flight]) -> None:
-        """Flights that were announced are not needed any more."""
-        for flight in flights:
-            self.progress.flights -= self._forecast.drop(flight)
-
     def known(self, baselines: Iterable[tuple[Flight, Outcome]]) -> None:
         """Baselines that the store has: what is flown is seen beside them."""
         for flight, outcome in baselines:
-            self._tally.add(outcome)
             self._forecast.known(flight, outcome, self._nominal_s(flight))
 
     def home(self, flight: Flight, outcome: Outcome, *, news: bool) -> None:
-        """An outcome came home; `news` when the store lacked it."""
+        """An outcome came home.
+
+        Args:
+            flight: which was flown.
+            outcome: of it.
+            news: whether the store lacked it.
+        """
         if news:
-            for line in self._alarm.lines(outcome):
-                self.progress.line(line)
-        self._tally.add(outcome)
+            self._tell(outcome)
         expected = self._forecast.home(flight, outcome, self._nominal_s(flight))
         self.progress.done_s = self._forecast.done_s
-        self.progress.kills = str(self._tally)
         if expected:
             self.progress.advance()
 
@@ -66,10 +64,18 @@ class Lookout:
         return self.progress.wall_s(expected_s) or 0.0
 
     def close(self) -> None:
-        """Leave the last count, and say what was not told."""
-        for line in self._alarm.last():
-            self.progress.line(line)
+        """Leave the last counts, and say where every violation is."""
+        if self.progress.violations:
+            self.progress.line(f"violations: {self.progress.violations}; all of them are in {self._log}")
         self.progress.close()
+
+    def _tell(self, outcome: Outcome) -> None:
+        lines = self._violations.add(outcome)
+        self.progress.violations = str(self._violations)
+        if outcome.invalid:
+            self.progress.line(f"warning: invalid, not counted: {outcome.name}: {outcome.invalid}")
+        for line in lines if self._warnings else ():
+            self.progress.line(f"warning: {line}")
 
     def _nominal_s(self, flight: Flight) -> float:
         return self._study.expected_s(flight.situation)

@@ -15,7 +15,7 @@ BAR_WIDTH = 24
 
 
 class Progress:
-    """Flights done, their rate, the time left, kills.
+    """Flights done, their rate, the time left, violations.
 
     Args:
         stream: where to write; a live line when it is a terminal, else one line every ten seconds.
@@ -28,7 +28,7 @@ class Progress:
         left_s: what the rest is expected to take [s]; only asked when it is shown.
         most_s: wall time after which no more is begun [s], seen from now; infinite without a budget.
         stage: what the flights are part of, such as `look 2 of 3`.
-        kills: kills so far, in words.
+        violations: violations so far, in words.
     """
 
     def __init__(self, *, stream: TextIO | None = None, clock: Callable[[], float] = time.monotonic) -> None:
@@ -40,7 +40,7 @@ class Progress:
         self.done_s = 0.0
         self.left_s: Callable[[], float] = lambda: 0.0
         self.most_s: Callable[[], float] = lambda: math.inf
-        self.stage, self.kills = "", ""
+        self.stage, self.violations = "", ""
 
     def start(self) -> None:
         """The first flight is handed out: the clock starts, once."""
@@ -84,8 +84,7 @@ class Progress:
         """How many flights were flown in how long."""
         elapsed_s = self._clock() - self._start_s
         rate = f", {self.done / elapsed_s:.1f} a second" if elapsed_s >= 1.0 else ""
-        kills = f"; kills: {self.kills}" if self.kills else ""
-        return f"{self.done} of {self.flights} flights flown in {duration(elapsed_s)}{rate}{kills}"
+        return f"{self.done} of {self.flights} flights flown in {duration(elapsed_s)}{rate}"
 
     def _show(self) -> None:
         left_s = self.time_left_s
@@ -94,15 +93,16 @@ class Progress:
         parts = [f"{self.done}/{self.flights} flights", f"{self.done / elapsed_s:.1f}/s", left]
         if self.stage:
             parts.append(self.stage)
-        if self.kills:
-            parts.append(f"kills: {self.kills}")
+        if self.violations:
+            parts.append(f"violations: {self.violations}")
         text = "  ".join(parts)
         if self._live:
+            room = shutil.get_terminal_size().columns - 1  # a line that wraps could not be written over
+            width = max(0, min(BAR_WIDTH, room - len(text) - len("[] ")))
             whole_s = self.done_s + self.left_s()
-            full = min(BAR_WIDTH, round(BAR_WIDTH * self.done_s / whole_s)) if whole_s else BAR_WIDTH
-            bar = f"[{'#' * full}{'.' * (BAR_WIDTH - full)}] {text}"
-            # a line that wraps could not be written over
-            self._stream.write(f"\r\x1b[K{bar[: shutil.get_terminal_size().columns - 1]}")
+            full = min(width, round(width * self.done_s / whole_s)) if whole_s else width
+            bar = f"[{'#' * full}{'.' * (width - full)}] " if width else ""
+            self._stream.write(f"\r\x1b[K{f'{bar}{text}'[:room]}")
         else:
             self._stream.write(f"{text}\n")
         self._stream.flush()

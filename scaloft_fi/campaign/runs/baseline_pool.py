@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from itertools import chain
 
 from scaloft_fi.campaign.held.folder import campaign_folder, existing
 from scaloft_fi.campaign.held.key import Keys
 from scaloft_fi.campaign.plan.plan import Flight
 from scaloft_fi.errors import InputError
 from scaloft_fi.results.fingerprint import differences, fingerprint
-from scaloft_fi.results.flights import baseline_pool
 from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.store import Store
 from scaloft_fi.study import Study
@@ -43,12 +41,3 @@ def borrowed(study: Study, campaign: str, situations: Iterable[str]) -> tuple[Ou
     if missing:
         raise InputError(f"{place} has no baseline of {missing[0]}; fly it there with `run --baseline-seeds`")
     return found
-
-
-def joined(own: Iterable[Outcome], others: Iterable[Outcome]) -> dict[str, list[Outcome]]:
-    """Baselines by situation, each situation and seed once."""
-    once: dict[tuple[str, int], Outcome] = {}
-    for outcome in chain(own, others):
-        if outcome.subject.id == BASELINE:
-            once.setdefault((outcome.situation, outcome.seed), outcome)
-    return baseline_pool(once[draw] for draw in sorted(once))

@@ -103,8 +103,6 @@ def fair_order(
             members = (*([None, PLACEBO] if turn == 0 else []), *groups[(place + turn) % len(groups)])
             unit = [Flight(member, draw.situation, draw.seed) for member in members]
             yield from arrange([flight for flight in unit if flight in wanted])
-    for flight in interleaved(planned.pool, lambda f: f.situation.key, lambda f: f.name, (*seed, "pool")):
-        yield from arrange([flight] if flight in wanted else [])
 
 
 def interleaved(

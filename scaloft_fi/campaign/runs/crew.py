@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scaloft_fi.campaign.flights.fly import Flyer, Physics
-from scaloft_fi.campaign.held.folder import STORE_NAME, promising, writable
+from scaloft_fi.campaign.held.folder import LOG_NAME, STORE_NAME, promising, writable
 from scaloft_fi.campaign.held.key import Keys
 from scaloft_fi.campaign.plan.plan import Flight, Plan, infects
 from scaloft_fi.campaign.plan.task import Task, alone, together
@@ -60,17 +59,19 @@ class Crew:
         stopped: Callable[[], bool],
     ) -> None:
         self.study, self.folder, self.store = study, folder, store
-        self.lookout, self.options, self.stopped = Lookout(study, progress, options), options, stopped
+        self.options, self.stopped = options, stopped
+        self.lookout = Lookout(study, progress, options, folder / LOG_NAME)
         self._hands = hands
         self._keys = Keys(study)
         self._planned: Plan | None = None
+        self._asking: set[str] = set()
         self._expected: set[Situation] = set()
         self.flown = 0
         self.repeats: list[Outcome] = []
 
-    def plan(self, flights: Iterable[Flight], *, canary: bool = False, truncated: str = "") -> None:
-        """Write down what is to be flown, whole or perhaps cut."""
-        self.store.plan(self._keys.planned(flight, truncated, canary=canary) for flight in flights)
+    def plan(self, flights: Iterable[Flight], *, canary: bool = False) -> None:
+        """Write down what is to be flown."""
+        self.store.plan(self._keys.planned(flight, canary=canary) for flight in flights)
 
     def arrange(self, flights: Sequence[Flight]) -> list[Task]:
         """Flights as tasks, the longest first; what shares a baseline's beginning together, if that is wanted."""
@@ -80,17 +81,14 @@ class Crew:
         """The same for one process."""
         return together(flights, self.weight_s, 1) if self.options.share else alone(flights)
 
-    def fly(self, flights: Iterable[Flight], arrange: Arrange | None = None, truncated: str = "") -> None:
+    def fly(self, flights: Iterable[Flight], arrange: Arrange | None = None) -> None:
         """Fly those of `flights` that the store lacks, and the baselines that they share.
 
         Args:
             flights: asked for.
             arrange: puts them together into tasks; `self.arrange` when None.
-            truncated: why the tasks may cut flights.  All of them are kept apart from whole ones, those too that
-                came to their end: they were flown because nothing had killed their mutant yet, and to count only
-                these would bend every rate.
         """
-        missing = self._missing(flights, truncated)
+        missing = self._missing(flights)
         if not missing:
             return
         self.lookout.expect(missing.values())
@@ -100,19 +98,20 @@ class Crew:
         self.lookout.known((asked[outcome.name], outcome) for outcome in self.outcomes(draws) if not outcome.invalid)
         due = set(keys)
         for outcome in self._outcomes((arrange or self.arrange)(tuple(missing.values()))):
-            news = outcome.name in keys and self.store.put(keys[outcome.name], replace(outcome, truncated=truncated))
+            news = outcome.name in keys and self.store.put(keys[outcome.name], outcome)
             if outcome.name in due:
                 due.remove(outcome.name)
                 self.flown += 1
             elif not news:
                 self.repeats.append(outcome)
             self.lookout.home(asked[outcome.name], outcome, news=news)
-            if infects(outcome):
+            if outcome.mutant in self._asking and infects(outcome):
                 self._expect_pool(asked[outcome.name].situation)
 
     def announce_pool(self, planned: Plan) -> None:
-        """The baseline pool of the plan is expected in each situation as soon as a mutant infects there."""
+        """The baseline pool of the plan is expected in each situation as soon as a mutant of the plan infects there."""
         self._planned = planned
+        self._asking = {flight.subject.id for flight in planned.mutants}
 
     def _expect_pool(self, situation: Situation) -> None:
         if self._planned is not None and situation not in self._expected:
@@ -126,9 +125,9 @@ class Crew:
         if self.flown and home:
             self.repeats += self._outcomes(alone([min(home, key=self.weight_s)]))
 
-    def outcomes(self, flights: Iterable[Flight], truncated: str = "") -> tuple[Outcome, ...]:
-        """What the store has of `flights`: of whole ones, or of those that might be cut."""
-        return tuple(self.store.outcomes(self._keys.key(flight, truncated) for flight in flights))
+    def outcomes(self, flights: Iterable[Flight]) -> tuple[Outcome, ...]:
+        """What the store has of `flights`."""
+        return tuple(self.store.outcomes(map(self._keys.key, flights)))
 
     def missing(self, flights: Iterable[Flight]) -> tuple[Flight, ...]:
         """Those of `flights` of which the store has no outcome that counts."""
@@ -149,7 +148,7 @@ class Crew:
             GateError: one failed.
         """
         gates.check(
-            outcomes,
+            [self._tracked(outcome) if gates.asks_for_track(outcome) else outcome for outcome in outcomes],
             self.study.roster,
             canary=asked.canary.id if asked.canary else None,
             whole_grid={flight.situation.key for flight in asked.baselines} == self.study.space.point.keys(),
@@ -176,9 +175,14 @@ class Crew:
         self.lookout.progress.start()
         return self._hands.map(tasks)
 
-    def _missing(self, flights: Iterable[Flight], truncated: str = "") -> dict[str, Flight]:
+    def _tracked(self, baseline: Outcome) -> Outcome:
+        """The same with its track, which the store keeps apart."""
+        flight = Flight(None, self.study.grid.situation(baseline.situation), baseline.seed)
+        return self.store.get(self._keys.key(flight)) or baseline
+
+    def _missing(self, flights: Iterable[Flight]) -> dict[str, Flight]:
         """The same by key."""
-        keyed = {self._keys.key(flight, truncated): flight for flight in flights}
+        keyed = {self._keys.key(flight): flight for flight in flights}
         known = self.store.known(keyed)
         return {key: flight for key, flight in keyed.items() if key not in known}
 

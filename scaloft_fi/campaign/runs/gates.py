@@ -12,9 +12,14 @@ from scaloft_fi.results.requirement import Kind, Verdict
 from scaloft_fi.results.roster import Roster, cell_of
 from scaloft_fi.results.scoring.pool import Pool, State
 from scaloft_fi.results.status import Status
+from scaloft_fi.results.track import TRACK_COLUMNS, unpack_track
+from scaloft_fi.sim.log import Ending
 
 NAMED = 3
 """How many flights a sentence names before it counts the rest."""
+RISE_M = 0.3
+"""A drone that was never so far above where it began did not leave the ground [m]."""
+_Z = TRACK_COLUMNS.index("z_m")
 
 
 def check(
@@ -30,7 +35,8 @@ def check(
     """Hold the gates over the flights of a run.
 
     Args:
-        outcomes: of the run, baselines among them.
+        outcomes: of the run, baselines among them, those with their tracks that `asks_for_track` names: without a track
+            nobody knows whether the drone left the ground.
         roster: tells the controls.
         canary: id of the control flown to prove that faults reach the drone; None when the study has none.
         whole_grid: whether every situation was flown, so that every control has had its chance.
@@ -46,6 +52,8 @@ def check(
         *_too_many_invalid(listed, max_invalid),
         *_differ("PLACEBO differs from the baseline", _placebos(listed)),
         *_differ("a repeated flight differs from the first", _repeated(listed, repeats)),
+        *_raising(listed),
+        *_grounded(listed),
     ]
     if not part:
         failed += [
@@ -102,9 +110,37 @@ def _nothing_steady(outcomes: Sequence[Outcome]) -> Iterator[str]:
         yield f"no situation flown has a baseline that holds a safety requirement: {names}"
 
 
-def _silent_controls(
-    flights: Iterable[Flight], roster: Roster, canary: str | None, whole_grid: bool
-) -> Iterator[str]:
+def _raising(outcomes: Sequence[Outcome]) -> Iterator[str]:
+    names = [f"{o.name} ({o.stack_error})" for o in outcomes if o.mutant == BASELINE and o.stack_error]
+    if names:
+        yield f"the stack raises without any fault: {_some(names)}"
+
+
+def asks_for_track(outcome: Outcome) -> bool:
+    """Whether only its track tells that the drone left the ground: a baseline that did not touch down again.
+
+    Touching down counts only after take-off, so that of all others the ending tells it, for less than their tracks.
+    """
+    return outcome.mutant == BASELINE and not outcome.invalid and outcome.ending != Ending.LANDED
+
+
+def _grounded(outcomes: Sequence[Outcome]) -> Iterator[str]:
+    """A drone that stands touches nothing and is near nobody: it would hold every safety requirement.
+
+    The trajectory says it whatever the study requires; requirements need not speak of take-off.
+    """
+    names = [o.name for o in outcomes if asks_for_track(o) and o.track and _rise_m(o.track) < RISE_M]
+    if names:
+        yield f"the drone never leaves the ground without any fault: {_some(names)}"
+
+
+def _rise_m(track: bytes) -> float:
+    """How far above its first place a trajectory gets [m]."""
+    heights = [row[_Z] for row in unpack_track(track)]
+    return max(heights) - heights[0]
+
+
+def _silent_controls(flights: Iterable[Flight], roster: Roster, canary: str | None, whole_grid: bool) -> Iterator[str]:
     by_control: dict[str, list[Flight]] = {}
     for flight in flights:
         if cell_of(flight.outcome.mutant) in roster.controls and flight.status is not Status.INVALID:

@@ -1,6 +1,7 @@
 """The search for margins: ask for magnitudes, fly them in all situations at once, ask again until nothing is asked.
 
-What is asked next depends on outcomes alone, and every flight is an ordinary one under an ordinary key.  So a search
+What is asked next depends on outcomes alone, and every flight is an ordinary one under an ordinary key; where a
+magnitude infects, the baseline pool is flown too.  So a search
 that was interrupted goes on where it stopped, and what any other verb has flown is not flown again.
 """
 
@@ -13,6 +14,7 @@ from pathlib import Path
 from scaloft_fi.campaign.flights.fly import Flyer
 from scaloft_fi.campaign.held.folder import STORE_NAME
 from scaloft_fi.campaign.held.held import current_in
+from scaloft_fi.campaign.held.spending import spending_of
 from scaloft_fi.campaign.plan import choose
 from scaloft_fi.campaign.plan.bisect import Search
 from scaloft_fi.campaign.plan.plan import Flight, Plan, plan
@@ -27,6 +29,9 @@ from scaloft_fi.mutants.derive import realise, source_of
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.requirement import Kind
+from scaloft_fi.results.roster import cell_of
+from scaloft_fi.results.scoring.detection import Spending
+from scaloft_fi.results.scoring.score import Score, score
 from scaloft_fi.results.store import Store
 from scaloft_fi.results.worksheet.margin import Margin, Scale, Subject, Tried, margin_of, subject_of, tried_in
 from scaloft_fi.sim.situation import Situation
@@ -105,33 +110,32 @@ def find(
     """
     options = options or RunOptions()
     question = _Question(study, targets, situations, seeds, kind)
-    known = {outcome.name: outcome for outcome in _held(study, folder)}
+    outcomes, spending = _held(study, folder)
+    known = {outcome.name: outcome for outcome in outcomes}
+    pooled: set[Situation] = set()
     while True:
-        flights = question.next(known.values())
-        if not flights and any(outcome.mutant == BASELINE for outcome in known.values()):
+        scored = question.score(known.values(), spending)
+        flights = question.next(known.values(), scored)
+        lacking = [situation for situation in question.lacking(scored) if situation not in pooled]
+        if not (flights or lacking) and any(outcome.mutant == BASELINE for outcome in known.values()):
             break
+        pooled.update(lacking)
         shown = progress()
         shown.line(_asked(flights))
         share = options.share and len(flights) >= SHARED_FROM * len({(f.situation.key, f.seed) for f in flights})
-        planned = _with(plan(situations, seeds, [], choose.canary(study)), flights)
+        planned = question.plan(flights, lacking, known.values())
         report = run(study, planned, folder, replace(options, share=share), progress=shown, flyer=flyer)
         known |= {outcome.name: outcome for outcome in report.outcomes}
-    return question.margins(known.values())
+        spending = report.spending
+    return question.margins(known.values(), question.score(known.values(), spending))
 
 
-def _held(study: Study, folder: Path) -> tuple[Outcome, ...]:
-    """What the campaign holds already; it need not exist."""
+def _held(study: Study, folder: Path) -> tuple[tuple[Outcome, ...], Spending]:
+    """What the campaign, which need not exist, holds already, and how it spends alpha."""
     if not (folder / STORE_NAME).is_file():
-        return ()
+        return (), Spending(study.alpha)
     with Store(folder / STORE_NAME, create=False) as store:
-        return current_in(study, store)
-
-
-def _with(planned: Plan, flights: Sequence[Flight]) -> Plan:
-    """The plan of a round: PLACEBO and the canary as in every run, and the flights asked for."""
-    asked = {flight.mutant for flight in flights}
-    canary = None if planned.canary in asked else planned.canary
-    return Plan(planned.baselines, (*planned.mutants, *flights), canary)
+        return current_in(study, store), spending_of(study, store)
 
 
 @dataclass(frozen=True)
@@ -144,9 +148,15 @@ class _Question:
     seeds: Sequence[int]
     kind: Kind
 
-    def next(self, outcomes: Iterable[Outcome]) -> tuple[Flight, ...]:
+    def score(self, outcomes: Iterable[Outcome], spending: Spending) -> Score:
+        """The score of the cells asked about, over every situation and seed that the campaign has."""
+        cells = {target.subject.cell for target in self.targets}
+        asked = [outcome for outcome in outcomes if outcome.mutant == BASELINE or cell_of(outcome.mutant) in cells]
+        return score(asked, self.study.roster, self.study.space, spending)
+
+    def next(self, outcomes: Iterable[Outcome], scored: Score) -> tuple[Flight, ...]:
         """The flights that every target asks for in every situation."""
-        tried = self._tried(outcomes)
+        tried = self._tried(outcomes, scored)
         asked = [
             (target.id_of(magnitude), situation)
             for target in self.targets
@@ -156,9 +166,35 @@ class _Question:
         mutants = {id_: realise(self.study.matrix, id_) for id_, _ in asked}
         return tuple(Flight(mutants[id_], situation, seed) for id_, situation in asked for seed in self.seeds)
 
-    def margins(self, outcomes: Iterable[Outcome]) -> Mapping[Subject, tuple[Margin, ...]]:
+    def lacking(self, scored: Score) -> list[Situation]:
+        """The situations where a fault asked about infects and the campaign has no pool."""
+        return [situation for situation in self.situations if situation.key in scored.lacking]
+
+    def plan(self, flights: Sequence[Flight], lacking: Sequence[Situation], outcomes: Iterable[Outcome]) -> Plan:
+        """The plan of a round: what every run flies, the flights asked for, and the pool as far as it is known.
+
+        The gates see all baselines that the campaign has of these situations: what is steady in one that this round
+        leaves alone is steady all the same.
+        """
+        planned = plan(self.situations, self.seeds, [], choose.canary(self.study)).with_pool()
+        places = {situation.key: situation for situation in self.situations}
+        held = [
+            Flight(None, places[outcome.situation], outcome.seed)
+            for outcome in outcomes
+            if outcome.mutant == BASELINE and outcome.situation in places
+        ]
+        pool = [flight for situation in lacking for flight in planned.pool(situation)]
+        canary = None if planned.canary in {flight.mutant for flight in flights} else planned.canary
+        return replace(
+            planned,
+            baselines=tuple(dict.fromkeys((*planned.baselines, *held, *pool))),
+            mutants=(*planned.mutants, *flights),
+            canary=canary,
+        )
+
+    def margins(self, outcomes: Iterable[Outcome], scored: Score) -> Mapping[Subject, tuple[Margin, ...]]:
         """The margin of each target in each situation."""
-        tried = self._tried(outcomes)
+        tried = self._tried(outcomes, scored)
         return {
             target.subject: tuple(
                 margin_of(target.search.scale, tried.get((target.subject, place.key), {}).values(), place.key)
@@ -167,18 +203,19 @@ class _Question:
             for target in self.targets
         }
 
-    def _tried(self, outcomes: Iterable[Outcome]) -> Mapping[tuple[Subject, str], dict[float, Tried]]:
-        """What counts as tried: flown with every seed asked for, and with no other."""
+    def _tried(self, outcomes: Iterable[Outcome], scored: Score) -> Mapping[tuple[Subject, str], dict[float, Tried]]:
+        """What counts as tried: flown with every seed asked for."""
         wanted = frozenset(self.seeds)
-        chosen = [outcome for outcome in outcomes if outcome.seed in wanted]
         return {
-            key: {entry.magnitude: entry for entry in entries if entry.seeds == wanted}
-            for key, entries in tried_in(chosen, self.study.matrix, self.kind).items()
+            key: {entry.magnitude: entry for entry in entries if entry.seeds >= wanted}
+            for key, entries in tried_in(outcomes, scored, self.study.matrix, self.kind).items()
         }
 
 
 def _asked(flights: Sequence[Flight]) -> str:
     """What a round flies, in a line."""
     ids = list(dict.fromkeys(flight.subject.id for flight in flights))
+    if not ids:
+        return "next: the baselines"
     named = ", ".join(ids[:6]) + (f" and {len(ids) - 6} more" if len(ids) > 6 else "")
-    return f"next: {named or 'the baselines'} ({len(flights)} flight{'s' * (len(flights) != 1)})"
+    return f"next: {named} ({len(flights)} flight{'s' * (len(flights) != 1)})"

@@ -22,7 +22,7 @@ class RunOptions:
         part: whether others fly the rest; the gates that need all of it are theirs who merge it.
         budget_s: wall time after which no more flights are begun [s]; None = until all is flown.
         max_invalid: largest share 0..1 of invalid flights with which a run may be believed.
-        every_violation: whether each violation of each flight is a warning line; see `Alarm`.
+        warnings: whether each violation is told as it happens, and not only counted.
         command: what the user typed, to resume by; empty when nobody typed anything.
     """
 
@@ -32,5 +32,5 @@ class RunOptions:
     part: bool = False
     budget_s: float | None = None
     max_invalid: float = MOST_INVALID
-    every_violation: bool = True
+    warnings: bool = False
     command: str = ""

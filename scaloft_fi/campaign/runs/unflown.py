@@ -13,7 +13,7 @@ def unflown_tables(planned: Plan, left: Sequence[Flight]) -> tuple[Table, ...]:
     """Two tables, or none when nothing is left."""
     if not left:
         return ()
-    flights = planned.known
+    flights = list(dict.fromkeys((*planned.known, *left)))
     note = (
         f"{len(left)} of {len(flights)} planned flights were not flown; the same command without --budget flies them."
     )

@@ -9,8 +9,8 @@ import socket
 import subprocess
 import sys
 import traceback
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any, Protocol
@@ -66,7 +66,8 @@ def forked(work: Work, others: Sequence[Connection]) -> Hired:
     ours, theirs = context.Pipe()
     inherited = [ours, *others] if can_fork else []
     process = context.Process(target=_life, args=(work, theirs, inherited, os.getpid()))
-    process.start()
+    with _deaf():
+        process.start()
     theirs.close()
     return Hired(process, ours)
 
@@ -77,7 +78,7 @@ def started_clean(work: Work, _others: Sequence[Connection]) -> Hired:
     `multiprocessing` would refuse: the workers of Dask are daemons, which may have no children of its kind.
     """
     ours, theirs = socket.socketpair()
-    with theirs:
+    with theirs, _deaf():
         process = subprocess.Popen(
             [sys.executable, "-P", "-m", __name__, str(theirs.fileno()), str(os.getpid())],
             env=os.environ | dict.fromkeys(THREAD_SETTINGS, "1") | {"PYTHONPATH": os.pathsep.join(sys.path)},
@@ -88,6 +89,19 @@ def started_clean(work: Work, _others: Sequence[Connection]) -> Hired:
     with suppress(OSError):  # it has died already; that is heard when it is listened to
         connection.send(work)
     return Hired(_Interpreter(process), connection)
+
+
+@contextmanager
+def _deaf() -> Iterator[None]:
+    """Keep Ctrl-C from what is started meanwhile, from its first moment on; this process hears of it afterwards."""
+    if not hasattr(signal, "pthread_sigmask"):  # on Windows a worker hears it until its life begins
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @dataclass(frozen=True)

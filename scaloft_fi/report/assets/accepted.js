@@ -6,7 +6,7 @@ const STANDS = {
   open: "not accepted",
   uncovered: "accepted elsewhere only",
   expired: "acceptance has expired",
-  stale: "killed now: the disposition can go",
+  stale: "detected now: the disposition can go",
   untested: "accepted, not put to the test",
 };
 

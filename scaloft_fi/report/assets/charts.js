@@ -1,4 +1,4 @@
-/* Axes, whiskers and lines, as SVG. */
+/* Axes, bars and lines, as SVG. */
 const scale = (from, to, start, end) => (value) => start + ((value - from) / (to - from || 1)) * (end - start);
 
 /** Round numbers that divide a range into about so many steps. */
@@ -22,15 +22,11 @@ const pathOf = (points) => {
   return text;
 };
 
-/** A share with its interval on a rail from 0 to 100 %. */
-function whisker(ratio, name) {
-  const x = scale(0, 1, 4, 140);
-  const value = share(ratio);
-  return s("svg", { class: "whisker", viewBox: "0 0 144 18", role: "img", "aria-label": `${name}: ${ratioText(ratio)} ${intervalText(ratio)}` },
-    s("line", { class: "rail", x1: x(0), x2: x(1), y1: 9, y2: 9 }),
-    [0, 0.5, 1].map((at) => s("line", { class: "rail", x1: x(at), x2: x(at), y1: 6, y2: 12 })),
-    ratio.interval && s("line", { class: "span", x1: x(ratio.interval[0]), x2: x(ratio.interval[1]), y1: 9, y2: 9 }),
-    value !== null && s("circle", { class: "dot", cx: x(value), cy: 9, r: 4 }));
+/** A share as a bar on a rail from 0 to 100 %. */
+function meter(ratio, name) {
+  return s("svg", { class: "meter", viewBox: "0 0 144 12", role: "img", "aria-label": `${name}: ${ratioText(ratio)}` },
+    s("rect", { class: "rail", x: 0.5, y: 1.5, width: 143, height: 9 }),
+    share(ratio) !== null && s("rect", { class: "filled", x: 0.5, y: 1.5, width: 143 * share(ratio), height: 9 }));
 }
 
 /** Pictures are drawn for the width of the screen, so that their letters stay readable. */

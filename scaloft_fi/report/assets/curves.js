@@ -45,7 +45,8 @@ function curveTable(followed, found) {
   const heads = sizes.map((k) => ({ text: `k = ${k}`, number: true }));
   return h("div", {},
     table(["mutants killed", ...heads], followed.map((strategy) => [strategy.name, ...sizes.map((k) => at(strategy.kills.mean, k))]), { stack: false }),
-    table(["more than random", ...heads], followed.filter((strategy) => strategy.difference).map((strategy) => [strategy.name, ...sizes.map((k) => between(strategy.difference, k))]), { stack: false, caption: "In brackets the 95 % interval, mutants resampled within their parameter." }));
+    table(["kill sets met", ...heads], followed.map((strategy) => [strategy.name, ...sizes.map((k) => at(strategy.kill_sets.mean, k))]), { stack: false, caption: "Mutants that are killed in the same situations count once." }),
+    table(["more kill sets than random", ...heads], followed.filter((strategy) => strategy.distinct).map((strategy) => [strategy.name, ...sizes.map((k) => between(strategy.distinct, k))]), { stack: false, caption: `In brackets the 95 % interval over redrawn campaigns: ${found.seeds_resampled ? "seeds and kill sets" : "kill sets"} are resampled, at equal k, paired.` }));
 }
 
 /** With its sign; what rounds to nothing has none. */

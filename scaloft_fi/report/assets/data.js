@@ -5,23 +5,33 @@ const PACKS = JSON.parse(document.getElementById("flights").textContent);
 const MUTANTS = new Map(DATA.mutants.map((mutant) => [mutant.id, mutant]));
 const CELLS = new Map(DATA.cells.map((cell) => [cell.name, cell]));
 const PLACES = new Map(DATA.situations.map((situation, place) => [situation.key, place]));
-const SEVERAL = DATA.seeds.length > 1;
+const SAFETY = DATA.requirements.filter((one) => one.kind === "safety").map((one) => one.name);
+const PAIRS = new Map(DATA.pairs.map((pair) => [`${pair.situation} ${pair.requirement}`, pair]));
 
 const titleOf = (kind, id) => DATA[kind].find((entry) => entry.id === id)?.title ?? id;
 const wordsOf = (key) => DATA.situations[PLACES.get(key)]?.words.join(", ") ?? key;
+const pairOf = (situation, requirement) => PAIRS.get(`${situation} ${requirement}`);
+const stateOf = (situation, requirement) => pairOf(situation, requirement)?.state ?? "unknown";
+const besideText = (pair) => `unmutated drone ${pair.violated} of ${pair.flights - pair.open}`;
+/** Of the requirements that are not steady, the state that says most. */
+const untested = (situation) => ["red", "unsteady", "open", "unknown", "vacuous"].find((state) => SAFETY.some((name) => stateOf(situation, name) === state));
 
-/** What the matrix shows of a result: its state, the killed share, and a number where the share is no whole one. */
-function shown(result) {
-  if (!result) return { state: "not_flown", share: 0, glyph: "", said: "not flown" };
-  const [status, kills, eligible, flown, decision] = result;
-  const state = DATA.statuses[status];
-  const undecided = SEVERAL && DATA.decisions[decision] === "undecided";
-  if (state === "killed" && !eligible) return { state, share: 0, glyph: "", uncounted: true, said: "killed, but not counted: the clean drone holds no safety requirement to the end here" };
-  if (state === "killed") {
-    const glyph = kills < eligible ? String(kills) : "";
-    return { state, share: kills / eligible, glyph: undecided ? `${glyph}?` : glyph, said: `killed in ${kills} of ${plural(eligible, "eligible flight")}${undecided ? ", undecided" : ""}` };
-  }
-  return { state, share: 0, glyph: "", said: `${STATES[state][0]} (${plural(flown, "flight")}${state === "survived" && undecided ? ", too few to decide" : ""})` };
+/** What the kill matrix shows of a mutant in a situation: a sign, letters in it, what it says, the seed that a click opens. */
+function shown(result, situation) {
+  if (!result) return { state: "not_flown", glyph: "", said: SIGNS.not_flown[0], seed: DATA.seeds[0] ?? 0, by: [], counts: "" };
+  const [sign, flown, seed, violated, by] = result;
+  const state = DATA.signs[sign];
+  const beside = (name) => `${name} violated in ${violated[name]} of ${plural(flown, "flight")} (${besideText(pairOf(situation, name))})`;
+  const steady = SAFETY.filter((name) => stateOf(situation, name) === "steady");
+  const what = {
+    kill: () => `kill: ${by.map(beside).join("; ")}`,
+    seen: () => `violation seen, no kill: ${by.map(beside).join("; ")}`,
+    tested: () => `tested by ${listed(steady)}, nothing seen in ${plural(flown, "flight")}`,
+    no_test: () => `no test: ${SAFETY.map((name) => `${name} ${stateOf(situation, name)}`).join(", ")}`,
+  }[state]?.() ?? SIGNS[state][0];
+  const others = Object.keys(violated).filter((name) => !by.includes(name));
+  const glyph = { kill: by.map((name) => SAFETY.indexOf(name) + 1).join(""), no_test: STATES[untested(situation)]?.[0] }[state] ?? "";
+  return { state, glyph, seed, by, said: [what, ...others.map(beside)].join("\n"), counts: by.length ? `${violated[by[0]]}/${flown}` : "" };
 }
 
 const CAN_INFLATE = typeof DecompressionStream === "function";

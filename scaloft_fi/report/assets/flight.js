@@ -1,14 +1,14 @@
-/* The sheet of one flight: verdict, map, signals over time beside the clean drone's, robustness, the command that flies it. */
+/* The sheet of one flight: verdict, map, signals over time beside the unmutated drone's, robustness, the command that flies it. */
 async function flightSheet(mutant, situation, seed) {
   const flights = CAN_INFLATE ? await flightsIn(situation) : null;
   const clean = flights?.find((one) => one.mutant === "baseline" && one.seed === seed) ?? null;
   const flight = flights?.find((one) => one.mutant === mutant && one.seed === seed) ?? null;
-  const title = mutant === "baseline" ? "the clean drone" : mutant;
+  const title = mutant === "baseline" ? "the unmutated drone" : mutant;
   const body = [];
   if (!CAN_INFLATE) body.push(h("p", { class: "notice" }, "This browser cannot open the flights in this file: it has no DecompressionStream (Chrome 80, Firefox 113 and Safari 16.4 have it).  Everything else on the page works; the command below shows the flight."));
   else if (!flight) body.push(h("p", { class: "notice" }, `The campaign holds no flight ${mutant}/${situation}/${seed}.`));
   body.push(chooseFlight(flights, mutant, situation, seed));
-  if (flight) body.push(verdict(flight), ...pictures(situation, flight, clean), readings(flight, mutant === "baseline" ? null : clean));
+  if (flight) body.push(...verdict(flight, situation), ...pictures(situation, flight, clean), readings(flight, mutant === "baseline" ? null : clean));
   body.push(command(mutant, situation, seed));
   return { title: `${title} \u00b7 ${wordsOf(situation)}`, lead: `situation ${situation}, seed ${seed}`, body };
 }
@@ -20,38 +20,41 @@ function chooseFlight(flights, mutant, situation, seed) {
   const link = (key, text, label) => h("button", { type: "button", disabled: !key, onclick: () => go(flightHash(mutant, key, seed), true), "aria-label": label, title: key ? wordsOf(key) : null }, text);
   return h("div", { class: "row", role: "group", "aria-label": "Other flights" },
     h("span", { class: "name" }, "seed"),
-    seeds.map(([one, status]) => h("button", { type: "button", "aria-pressed": String(one === seed), "data-seed": one, onclick: () => go(flightHash(mutant, situation, one), true) }, `${one} `, h("span", { class: "faint" }, STATES[status]?.[0] ?? status))),
+    seeds.map(([one, status]) => h("button", { type: "button", "aria-pressed": String(one === seed), "data-seed": one, onclick: () => go(flightHash(mutant, situation, one), true) }, `${one} `, h("span", { class: "faint" }, spaced(status)))),
     h("span", { class: "name" }, "situation"), link(beside[0], "\u2039", "previous situation"), link(beside[1], "\u203a", "next situation"),
     MUTANTS.has(mutant) && h("a", { href: mutantHash(mutant) }, "all situations of this mutant"),
     CELLS.has(MUTANTS.get(mutant)?.cell) && h("a", { href: cellHash(MUTANTS.get(mutant).cell) }, "its cell of the HAZOP matrix"),
-    mutant !== "baseline" && h("a", { href: flightHash("baseline", situation, seed) }, "the clean flight"));
+    mutant !== "baseline" && h("a", { href: flightHash("baseline", situation, seed) }, "the unmutated flight"));
 }
 
 /** What happened, in sentences. */
-function verdict(flight) {
-  const by = [...(flight.kills ?? []), ...(flight.operability_kills ?? [])];
-  const named = flight.violations.filter(([name]) => by.includes(name));
-  const parts = [h("b", {}, flight.status === "held" ? "Holds every safety requirement" : flight.status === "violated" ? "Violates a safety requirement without any fault" : capital(STATES[flight.status]?.[0] ?? flight.status))];
-  if (flight.kills?.length) parts.push(` by ${listed(flight.kills)}`);
-  parts.push(". ");
+function verdict(flight, situation) {
+  const mutant = MUTANTS.get(flight.mutant);
+  const told = flight.revealed ?? [];
+  const safely = told.filter((name) => SAFETY.includes(name));
+  const heads = { held: "Holds every safety requirement", violated: "Violates a safety requirement without any fault" };
+  const parts = [h("b", {}, heads[flight.status] ?? capital(spaced(flight.status))), safely.length > 0 && ` by ${listed(safely)}`, ". "];
   if (flight.mutant !== "baseline") {
-    parts.push(STATES[flight.status]?.[1] ?? "", " ");
+    parts.push(STATUSES[flight.status] ?? "", " ");
     parts.push(flight.infected_at_s === null ? `The fault changed none of ${flight.carried} samples. ` : `The fault changed ${flight.altered} of ${flight.carried} samples, the first at ${seconds(flight.infected_at_s)}. `);
-    if (!flight.eligible && flight.altered) parts.push("The clean drone holds no safety requirement to its end here, so this flight counts for nothing. ");
   }
-  const violations = flight.mutant === "baseline" ? flight.violations : named;
-  for (const [name, t, x, y, z, struck] of violations) parts.push(`${name} is violated at ${seconds(t)}, at (${signed(x, 2)}, ${signed(y, 2)}, ${signed(z, 2)}) m${struck ? `, striking ${struck}` : ""}. `);
+  for (const [name, t, x, y, z, struck] of flight.violations) {
+    if (requirementOf(name)?.kind === "reported") continue;
+    const too = flight.mutant !== "baseline" && !told.includes(name) ? ", as by the unmutated drone" : "";
+    parts.push(`${name} is violated at ${seconds(t)}, at (${signed(x, 2)}, ${signed(y, 2)}, ${signed(z, 2)}) m${struck ? `, striking ${struck}` : ""}${too}. `);
+  }
   if (flight.invalid) parts.push(`The test bench failed: ${flight.invalid}. `);
   else parts.push(`After ${seconds(flight.duration_s)} it ${DATA.endings[flight.ending] ?? flight.ending}.`);
-  if (flight.truncated) parts.push(` It was flown only up to its ${flight.truncated}.`);
   if (flight.stack_error) parts.push(` The stack raised: ${flight.stack_error}`);
-  return h("p", { class: "verdict" }, parts);
+  const result = mutant?.results[PLACES.get(situation)];
+  return [h("p", { class: "verdict" }, parts.filter(Boolean)),
+    result && h("p", { class: "small faint" }, `One flight decides nothing.  All flights of the fault here: ${shown(result, situation).said.replaceAll("\n", "; ")}.  Over all situations: ${mutant.control ? showsText(mutant) : `${verdictText(mutant)}; ${killsText(mutant)}`}.`)];
 }
 
 const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 
 function pictures(situation, flight, clean) {
-  if (!flight.rows && !clean?.rows) return [h("p", { class: "note" }, "The page holds no track of this flight.  ", DATA.detail)];
+  if (!flight.rows && !clean?.rows) return [h("p", { class: "note" }, "The page holds no track of this flight.  ", withCode(DATA.detail))];
   const shownClean = flight.mutant === "baseline" ? null : clean;
   const map = mapOf(situation, flight, shownClean);
   const plots = DATA.columns.slice(4).map((column, number) => timeChart(column.name, number + 4, flight, shownClean)).filter(Boolean);
@@ -70,7 +73,7 @@ function pictures(situation, flight, clean) {
     h("figure", {}, map?.root, key(flight, shownClean)),
     h("div", {}, plots.map((picture) => h("figure", {}, h("figcaption", {}, picture.caption), picture.root)),
       h("div", { class: "time" }, h("span", {}, "time"), slider, told),
-      !flight.rows && h("p", { class: "note" }, "This flight's own track is not in the page.  ", DATA.detail)))];
+      !flight.rows && h("p", { class: "note" }, "This flight's own track is not in the page.  ", withCode(DATA.detail))))];
 }
 
 function key(flight, clean) {
@@ -78,12 +81,12 @@ function key(flight, clean) {
   const small = (mark) => s("svg", { width: 18, height: 18, "aria-hidden": "true" }, sign({ kind: mark, text: "", t: 0 }, 9, 9));
   const kinds = new Set(marks(flight).map((mark) => mark.kind));
   return h("ul", { class: "keys" },
-    h("li", {}, line("flown"), flight.mutant === "baseline" ? "the clean drone" : flight.mutant),
-    clean && h("li", {}, line("clean"), "the clean drone, same seed"),
+    h("li", {}, line("flown"), flight.mutant === "baseline" ? "the unmutated drone" : flight.mutant),
+    clean && h("li", {}, line("clean"), "the unmutated drone, same seed"),
     [["infection", "first changed sample"], ["violation", "violation"], ["end", "end"]].filter(([kind]) => kinds.has(kind)).map(([kind, text]) => h("li", {}, small(kind), text)));
 }
 
-/** One signal over time: the clean drone's as a broad band, the mutant's as a line, the limits that requirements set to it. */
+/** One signal over time: the unmutated drone's as a broad band, the mutant's as a line, the limits that requirements set to it. */
 function timeChart(name, column, flight, clean) {
   const series = [clean, flight].filter((one) => one?.rows?.length);
   const values = series.flatMap((one) => one.rows.map((row) => row[column])).filter((value) => value !== null);
@@ -147,7 +150,7 @@ function limitNames(drawn, sy, isIdle) {
   return entries.flatMap(({ y, when, text, names }) => [{ y, when, text }, ...names.map((name, line) => ({ y: y + 11 * (line + 1), when, text: name }))]);
 }
 
-/** What each requirement says of the flight beside the clean one. */
+/** What each requirement says of the flight beside the unmutated one. */
 function readings(flight, clean) {
   const side = (one, number) => (one?.readings[number] ? [one.readings[number][2], signed(one.readings[number][0])] : ["–", "–"]);
   const rows = DATA.requirements.map((requirement, number) => {
@@ -155,7 +158,7 @@ function readings(flight, clean) {
     return [h("span", { title: requirement.title }, requirement.name, h("span", { class: "faint small" }, ` ${requirement.kind}`)),
       ...(clean ? side(clean, number) : []), ...side(flight, number), own ? seconds(own[1]) : "–", h("span", { class: "faint small" }, requirement.unit)];
   });
-  const headers = ["requirement", ...(clean ? ["clean drone", { text: "robustness", number: true }] : []), clean ? "this flight" : "verdict", { text: "robustness", number: true }, { text: "violated at", number: true }, "unit of robustness"];
+  const headers = ["requirement", ...(clean ? ["unmutated drone", { text: "robustness", number: true }] : []), clean ? "this flight" : "verdict", { text: "robustness", number: true }, { text: "violated at", number: true }, "unit of robustness"];
   return h("div", {}, h("h3", { class: "sub" }, "Robustness: below 0 a requirement is violated"), table(headers, rows, { stack: false }));
 }
 

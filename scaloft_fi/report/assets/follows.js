@@ -1,17 +1,24 @@
 /* What kills what: interaction orders, the smallest suite, the subsumption graph. */
 function whatKillsWhat() {
-  return part("what", "What kills what", "Of the default mutants that are killed somewhere: how many axes must be right, which situations are enough, which mutants say the same.",
+  return part("what", "What kills what", "Of the default mutants that have a kill: how many axes must be right, which situations are enough, which mutants say the same.",
+    unkilled(),
     h("div", { class: "columns" },
       h("div", {}, h("h3", {}, "How many axes a kill depends on"), orderChart(), orderNote()),
       h("div", {}, h("h3", {}, "The fewest situations that keep every kill"), suite())),
     h("h3", { class: "sub" }, "Which mutants say the same"), subsumption());
 }
 
+/** Detected mutants that no situation kills are in none of these analyses. */
+function unkilled() {
+  const found = DATA.mutants.filter((mutant) => mutant.counts && mutant.verdict === "detected" && !mutant.kill_rate.part);
+  return found.length > 0 && h("p", { class: "note" }, `${plural(found.length, "mutant")} ${found.length === 1 ? "is" : "are"} detected by violations here and there, without a situation in which most flights violate: `, found.map(({ id }, number) => [number ? ", " : "", h("a", { class: "id", href: mutantHash(id) }, id)]), ".  What follows leaves them out.");
+}
+
 /** Mutants by the number of axes that have to be right, as bars; beside them the share so far, ours and NIST's. */
 function orderChart() {
   const { counts, cumulative_percent: ours, nist_cumulative_percent: nist, nist_source: source } = DATA.orders;
   const total = counts.reduce((sum, count) => sum + count, 0);
-  if (!total) return h("p", { class: "note" }, "No default mutant is killed.");
+  if (!total) return h("p", { class: "note" }, "No default mutant has a kill.");
   const frame = plot({ width: Math.min(WIDE, 460), height: 190, x: [-0.5, counts.length - 0.5], y: [0, Math.max(...counts)], left: 34, bottom: 36, xTicks: counts.map((_, order) => order), xTitle: "axes that have to be right", yTitle: "mutants", top: 34, label: `Mutants by interaction order: ${counts.join(", ")} for 0 to ${counts.length - 1} axes` });
   const { root, sx, sy } = frame;
   const width = (sx(1) - sx(0)) * 0.62;
@@ -22,19 +29,19 @@ function orderChart() {
   const cell = (value) => (value === null || value === undefined ? "–" : `${Math.round(value)} %`);
   return h("div", {}, root,
     h("details", {}, h("summary", {}, "Beside the published figures for software failures"),
-      table(["share killed or failing by at most so many", ...upTo.map((t) => ({ text: String(t), number: true }))],
+      table(["share killed, or failing, by at most so many", ...upTo.map((t) => ({ text: String(t), number: true }))],
         [["this campaign", ...upTo.map((t) => cell(ours[t]))], ...Object.entries(nist).map(([name, shares]) => [name, ...upTo.map((t) => cell(shares[t - 1]))])], { stack: false }),
       h("p", { class: "small faint" }, source)));
 }
 
-const orderNote = () => h("p", { class: "small faint" }, "An order of 1 means that one value of one axis, whatever the others are, kills the mutant; 0 that it dies wherever it was tested.  Situations that say nothing, as beside a red baseline, may fall on either side.");
+const orderNote = () => h("p", { class: "small faint" }, "An order of 1 means that the mutant is killed wherever one axis has a certain value, whatever the others are; 0 that it is wherever it was tested.  Situations that are no test may fall on either side.");
 
 function suite() {
   const { situations, exact, alternatives, needed } = DATA.suite;
-  if (!situations.length) return h("p", { class: "note" }, "No default mutant is killed.");
+  if (!situations.length) return h("p", { class: "note" }, "No default mutant has a kill.");
   const flown = DATA.coverage.situations.part;
   return h("div", {},
-    h("p", {}, `${exact ? "" : "At most "}${situations.length} of ${flown} situations kill every default mutant that any kills${alternatives > 1 ? `; ${alternatives} sets of that size do` : ""}:`),
+    h("p", {}, `${exact ? "" : "At most "}${situations.length} of ${flown} situations keep a kill of every default mutant that has one${alternatives > 1 ? `; ${alternatives} sets of that size do` : ""}:`),
     h("ul", { class: "bare" }, situations.map((key) => h("li", {}, wordsOf(key), " ", h("span", { class: "faint small" }, key, needed.includes(key) ? " \u2013 in every such set" : "")))),
     h("p", { class: "small faint" }, `A suite cut down to these would show these faults and may miss others: the mutants were chosen, each situation flown with ${plural(DATA.seeds.length, "seed")}.`));
 }
@@ -42,7 +49,7 @@ function suite() {
 /** Layers from minimal mutants down to those that follow from them; a node is a set of mutants that the same situations kill. */
 function subsumption() {
   const { nodes, edges, killed, distinct, minimal } = DATA.subsumption;
-  if (!nodes.length) return h("p", { class: "note" }, "No default mutant is killed.");
+  if (!nodes.length) return h("p", { class: "note" }, "No default mutant has a kill.");
   const below = (place) => {
     const seen = new Set();
     const walk = (from) => edges.forEach(([above, under]) => { if (above === from && !seen.has(under)) { seen.add(under); walk(under); } });
@@ -53,9 +60,9 @@ function subsumption() {
     node.mutants.map((id, number) => [number ? ", " : "", h("a", { class: "id", href: mutantHash(id) }, id)]),
     String(node.kills.length), String(below(place))]);
   return h("div", {},
-    h("p", {}, `${killed} killed mutants make ${distinct} different sets of killing situations; ${minimal} of them are minimal: whatever kills a minimal mutant kills those below it, too.`),
+    h("p", {}, `${killed} killed mutants make ${distinct} different sets of situations with a kill; ${minimal} of them are minimal: where a minimal mutant is killed, those below it are, too.`),
     h("div", { class: "columns" },
-      table(["minimal mutants", { text: "killing situations", number: true }, { text: "follow from it", number: true }], rows, { stack: false }),
+      table(["minimal mutants", { text: "situations with a kill", number: true }, { text: "follow from it", number: true }], rows, { stack: false }),
       edges.length > 0 && graph(nodes, edges)));
 }
 
@@ -80,7 +87,7 @@ function graph(nodes, edges) {
   const y = (place) => 26 + nodes[place].layer * 48;
   const height = 26 + (layers.length - 1) * 48 + 26;
   const radius = (node) => 5 + 2.2 * Math.sqrt(node.mutants.length);
-  const said = (node) => `${node.mutants.join(", ")}\n${plural(node.kills.length, "killing situation")}`;
+  const said = (node) => `${node.mutants.join(", ")}\n${plural(node.kills.length, "situation")}`;
   const root = s("svg", { viewBox: `0 0 ${width} ${height}`, class: "graph", role: "img", "aria-label": "Subsumption graph: minimal mutants at the top, mutants that follow from them below" },
     edges.map(([above, under]) => s("path", { class: "edge", d: `M${x.get(above)},${y(above)}C${x.get(above)},${y(above) + 24} ${x.get(under)},${y(under) - 24} ${x.get(under)},${y(under)}` })),
     nodes.map((node, place) => s("a", { href: mutantHash(node.mutants[0]), "aria-label": said(node), class: "node" },

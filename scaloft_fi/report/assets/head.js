@@ -1,26 +1,20 @@
-/* The top of the page: what was asked, the answer, its ratios, whether it may be believed. */
+/* The top of the page: the four answers, then the ratios, the verdicts, and whether they may be believed. */
 function masthead() {
-  const ratio = DATA.ratios.find((entry) => entry.name === "mutation_score");
-  const decided = DATA.ratios.find((entry) => entry.name === "decided_score");
   const cells = DATA.ratios.find((entry) => entry.name === "exercised");
-  const flown = DATA.coverage.situations;
-  const range = ratio.interval ? `, 95 % interval ${Math.round(100 * ratio.interval[0])} to ${Math.round(100 * ratio.interval[1])} %` : "";
-  const answer = ratio.whole
-    ? [`If one of these faults were in the drone, would the tests have shown it?  Of ${plural(ratio.whole, "fault")} that could have been shown, the tests show `,
-      h("b", {}, `${ratio.part} (${percent(share(ratio))}${range})`),
-      decided.whole ? `; repeated flights decide of ${decided.part} that more than chance kills them.` : "."]
-    : "No fault of this campaign reached a situation where it could have been shown: there is no score.";
+  const line = ({ name, text }) => [h("dt", {}, name), h("dd", {}, withCode(sentence(text)))];
   return h("header", { class: "masthead" },
-    h("p", { class: "kicker" }, "Fault-injection mutation testing of an autonomous drone"),
+    h("p", { class: "kicker" }, "Fault-injection mutation testing of an autonomous drone: if one of these faults were in it, would the tests have shown it?"),
     h("h1", {}, `${DATA.study}: campaign ${DATA.campaign}`),
-    h("p", { class: "lead" }, answer),
-    h("ul", { class: "facts" },
-      [[cells.part, `of ${cells.whole} credible cells flown`], [`${flown.part} of ${flown.whole}`, "situations"], [DATA.seeds.length, `${DATA.seeds.length === 1 ? "seed" : "seeds"} (${seedText()})`],
-        [DATA.flights, "flights"], ["scaloft-fi", DATA.version]].map(([figure, what]) => h("li", {}, h("b", {}, String(figure)), ` ${what}`))),
     DATA.gates.failed && h("p", { class: "notice", role: "alert" }, h("b", {}, "These figures may not be believed. "), DATA.gates.failed),
-    DATA.cut > 0 && h("p", { class: "notice" }, `${plural(DATA.cut, "flight")} cut at the first kill ${DATA.cut === 1 ? "is" : "are"} left out: what else they would have done nobody knows.`),
-    DATA.owed > 0 && h("p", { class: "notice" }, `${plural(DATA.owed, "planned flight")} of this campaign ${DATA.owed === 1 ? "is" : "are"} missing: the run was not finished.`));
+    DATA.owed > 0 && h("p", { class: "notice" }, `${plural(DATA.owed, "planned flight")} of this campaign ${DATA.owed === 1 ? "is" : "are"} missing: the run was not finished.`),
+    h("dl", { class: "answers" }, DATA.answers.map(line)),
+    h("dl", { class: "answers besides" }, DATA.besides.map(line)),
+    h("ul", { class: "facts" },
+      [[cells.part, `of ${cells.whole} credible cells flown`], [DATA.seeds.length, `${DATA.seeds.length === 1 ? "seed" : "seeds"} of mutants (${seedText()})`],
+        [DATA.flights, "flights"], ["scaloft-fi", DATA.version]].map(([figure, what]) => h("li", {}, h("b", {}, String(figure)), ` ${what}`))));
 }
+
+const sentence = (text) => (text.startsWith("`") ? text : capital(text));
 
 function seedText() {
   const seeds = DATA.seeds;
@@ -29,62 +23,53 @@ function seedText() {
 }
 
 function summary() {
-  return part("summary", "The figures", "Part of whole, with Wilson's 95 % interval over the population that the line names; 0/0 is n/a.",
+  return part("summary", "The figures", "Part of whole.  Every whole is a closed list, of cells or of mutants, and no sample of anything: so there is no interval.  0/0 is n/a.",
     table(["ratio", { text: "part/whole", number: true }, { text: "share", number: true }, "0 to 100 %", "population"],
-      DATA.ratios.map((ratio) => [ratio.title, `${ratio.part}/${ratio.whole}`, ratio.whole ? percent(share(ratio)) : "n/a", whisker(ratio, ratio.title),
-        h("span", { class: "faint" }, ratio.population)])),
-    !SEVERAL && h("p", { class: "note" }, "One seed: one flight per mutant and situation decides nothing statistically; ", h("code", {}, "scaloft-fi run --seeds 3"), " flies more."),
-    falseKills(),
+      DATA.ratios.map((ratio) => [ratio.title, shortText(ratio), ratio.whole ? percent(share(ratio)) : "n/a", meter(ratio, ratio.title), h("span", { class: "faint" }, ratio.population)])),
     h("div", { class: "columns" },
-      h("div", {}, h("h3", { class: "sub" }, "Where the faults stopped"), fates()),
+      h("div", {}, h("h3", { class: "sub" }, "The verdicts on the faults"), fates()),
       h("div", {}, h("h3", { class: "sub" }, "May the figures be believed?"), gates(),
         h("h3", { class: "sub" }, "Situation coverage"), coverageTable())));
 }
 
-/** Mutants by the rung they reached; it is the key to the signs of the matrices, too. */
+/** Mutants by verdict, those that the ratios count, and all. */
 function fates() {
-  const order = ["killed", "survived", "baseline_red", "masked", "not_infected", "not_reached", "invalid"];
-  const total = DATA.mutants.filter((mutant) => !mutant.control).length;
-  return table(["sign", "status", { text: "mutants", number: true }],
-    order.filter((state) => DATA.fates[state] || state !== "invalid").map((state) => [swatch(state),
-      [h("b", {}, STATES[state][0]), h("span", { class: "faint small" }, ` \u2013 ${STATES[state][1]}`)],
-      `${DATA.fates[state] ?? 0} of ${total}`]), { stack: false, caption: "Every mutant flown, other magnitudes than the default too; the ratios above count one mutant a cell." });
+  const every = DATA.mutants.filter((mutant) => !mutant.control);
+  const counted = every.filter((mutant) => mutant.counts);
+  const of = (members, verdict) => String(members.filter((mutant) => mutant.verdict === verdict).length);
+  const more = every.length > counted.length;
+  return table(["verdict", { text: "default mutants", number: true }, ...(more ? [{ text: "with other magnitudes", number: true }] : [])],
+    DATA.verdicts.map((verdict) => [[h("b", {}, `${VERDICTS[verdict][0]}\u00a0${spaced(verdict)}`), h("span", { class: "faint small" }, ` \u2013 ${VERDICTS[verdict][1]}`)],
+      of(counted, verdict), ...(more ? [of(every, verdict)] : [])]), { stack: false });
 }
 
-const swatch = (state, extra = {}) => h("span", { class: `swatch state${state === "killed" ? " deep" : ""}`, "data-state": state, "aria-hidden": "true", ...extra });
+const swatch = (state, text = "") => h("span", { class: "swatch state", "data-state": state, "aria-hidden": "true" }, text);
 
 function gates() {
-  const { placebo_flights: placebo, invalid_flights: invalid, controls, green_situations: green, failed } = DATA.gates;
+  const { placebo_flights: placebo, invalid_flights: invalid, controls, steady_situations: steady, failed } = DATA.gates;
+  const showing = DATA.mutants.filter((mutant) => mutant.shows.length);
+  const safely = showing.filter((mutant) => mutant.shows.some((name) => SAFETY.includes(name))).length;
   const lines = [
     [!failed, failed || "Every gate of the campaign holds."],
-    [placebo > 0 && !failed.includes("PLACEBO"), placebo ? `PLACEBO, the patch that changes nothing, was flown ${plural(placebo, "time")} and equals the clean drone bit for bit.` : "PLACEBO was not flown."],
-    [controls.part === controls.whole, `${controls.part} of ${plural(controls.whole, "crude control")} show themselves.`],
+    [placebo > 0 && !failed.includes("PLACEBO"), placebo ? `PLACEBO, the patch that changes nothing, was flown ${plural(placebo, "time")} and equals the unmutated drone bit for bit.` : "PLACEBO was not flown."],
+    [controls.part === controls.whole, `${controls.part} of ${plural(controls.whole, "crude control")} show themselves, ${safely} by a safety requirement, ${showing.length - safely} by operability alone.`],
     [true, `${invalid} of ${plural(DATA.flights, "flight")} failed on the test bench.`],
-    [green.part > 0, `In ${green.part} of ${plural(green.whole, "situation")} the clean drone holds every safety requirement.`],
+    [steady.part > 0, steady.whole ? `In ${steady.part} of ${plural(steady.whole, "situation")} with a baseline pool a safety requirement is steady, so that a fault can show.` : "There is no baseline pool: no situation has ten flights of the unmutated drone."],
   ];
   return lines.map(([held, says]) => h("div", { class: "gate", "data-held": held ? "yes" : "no" }, h("span", { role: "img", "aria-label": held ? "holds:" : "fails:" }, held ? "\u2713" : "\u2717"), h("span", {}, says)));
 }
 
-/** How often the kill rule kills what does nothing: baseline seeds judged by one another. */
-function falseKills() {
-  const { rate, population, expected_false_kills: expected, eligible_flights: flights, decided, reason } = DATA.redraw;
-  if (reason) return h("p", { class: "note" }, h("b", {}, "False kills by chance: "), `not measured, because ${reason}.`);
-  const sentences = [`${ratioText(rate)} of the ${population} are killed by nothing but another noise.`];
-  if (expected !== null) sentences.push(`That makes ${expected.toFixed(1)} false kills expected among ${plural(flights, "eligible flight")}.`);
-  if (decided.whole) sentences.push(`As a decision over ${plural(decided.seeds, "left-out seed")}: ${ratioText(decided)}.`);
-  return h("p", { class: "note" }, h("b", {}, "False kills by chance (REDRAW): "), sentences.join("  "));
-}
-
 function coverageTable() {
   const covered = DATA.coverage;
-  const plain = (ratio) => [`${ratio.part}/${ratio.whole}`, ratio.whole ? percent(share(ratio)) : "n/a"];
+  const plain = (ratio) => [shortText(ratio), ratio.whole ? percent(share(ratio)) : "n/a"];
   const rows = [
     ["situations of the grid", ...plain(covered.situations)],
     ...Object.entries(covered.t_way).map(([t, ratio]) => [`value combinations of ${plural(Number(t), "axis", "axes")} (${t}-way)`, ...plain(ratio)]),
-    ["realised: every value came true in a clean flight", ...plain(covered.realised)],
-    ["eligible: some fault infects beside a clean drone that holds", ...plain(covered.eligible)],
-    ...Object.entries(covered.requirements).map(([name, ratio]) => [`${name} triggered in a clean flight`, ...plain(ratio)]),
+    ["realised: every value came true in a flight of the unmutated drone", ...plain(covered.realised)],
+    ["safety pairs that are steady, of those with a pool", ...plain(covered.steady)],
+    ...Object.entries(covered.requirements).map(([name, ratio]) => [`${name} triggered in a flight of the unmutated drone`, ...plain(ratio)]),
     ["draws: a situation with a seed", String(covered.draws), ""],
+    ["of these the unmutated drone's alone", String(covered.pool), ""],
   ];
   return table(["coverage", { text: "part/whole", number: true }, { text: "share", number: true }], rows, { stack: false });
 }

@@ -10,26 +10,24 @@ function karnaughMap(mutant) {
   const grid = h("div", { class: "karnaugh", role: "grid", "aria-label": `Karnaugh map of ${mutant.id}: ${mutant.condition ? `killed where ${mutant.condition}` : "killed nowhere"}`,
     "--left": fold.down.length, "--rows": fold.rows.length, "--columns": fold.columns.length, "--above": fold.across.length },
     strips(fold.across, fold.columns, true), strips(fold.down, fold.rows, false), rows, outlines(mutant.terms));
-  roving(grid, ".map-cell", () => rows, (cell) => { if (cell.dataset.key) go(flightHash(mutant.id, cell.dataset.key, DATA.seeds[0] ?? 0)); }).reset();
+  roving(grid, ".map-cell", () => rows, (cell) => { if (cell.dataset.key) go(flightHash(mutant.id, cell.dataset.key, Number(cell.dataset.seed))); }).reset();
   tip.on(grid, ".map-cell", (cell) => cell.getAttribute("aria-label"));
   return h("div", {},
     h("div", { class: "scroll" }, grid),
     mutant.terms.length > 0
       ? h("ul", { class: "keys" }, mutant.terms.map((term, number) => h("li", {}, s("svg", { width: 34, height: 10, "aria-hidden": "true" }, s("path", { class: "term", d: "M1,5H33", "data-term": number % INSETS.length })), h("b", {}, letterOf(number)), term.words)))
       : h("p", { class: "small" }, "Killed nowhere: no term to outline."),
-    h("p", { class: "small faint" }, "Neighbouring cells differ on one axis; opposite edges meet.  An outline is a term of the condition that is true in every killing situation and in none that survived.  What says nothing, as beside a red clean drone or where nothing was flown, may lie on either side.  Arrow keys move, Enter opens the flight."));
+    h("p", { class: "small faint" }, "Neighbouring cells differ on one axis; opposite edges meet.  An outline is a term of the condition that is true wherever there is a kill and nowhere that the fault was tested without one, or could change nothing.  What is no test, or was not flown, may lie on either side.  Arrow keys move, Enter opens a flight."));
 }
 
 const letterOf = (number) => String.fromCharCode(65 + (number % 26)) + (number >= 26 ? Math.floor(number / 26) : "");
 
 function mapCell(mutant, key, row, column) {
-  const place = PLACES.get(key);
-  const { state, share: killed, uncounted, said } = shown(mutant.results[place]);
-  const [, kills, eligible] = mutant.results[place] ?? [];
-  const text = !key ? "" : uncounted ? "killed, not counted" : state === "killed" && eligible > 1 ? `killed ${kills}/${eligible}` : STATES[state][0];
-  return h("div", { class: ["map-cell state", killed > 0.5 && "deep", uncounted && "uncounted", !key && "absent"].filter(Boolean).join(" "), role: "gridcell", tabindex: "-1",
-    "data-state": state, "data-key": key, "--share": killed, "--row": row, "--column": column,
-    "aria-label": key ? `${wordsOf(key)} (${key})\n${said}` : "The grid has no such situation." }, h("span", { class: "plate" }, text));
+  const { state, said, seed, by, counts } = shown(mutant.results[PLACES.get(key)], key);
+  const words = { kill: "kill", seen: "seen", tested: "nothing seen" }[state] ?? (state === "no_test" ? `no test: ${untested(key)}` : SIGNS[state][0]);
+  return h("div", { class: `map-cell state${key ? "" : " absent"}`, role: "gridcell", tabindex: "-1",
+    "data-state": state, "data-key": key, "data-seed": seed, "--row": row, "--column": column,
+    "aria-label": key ? `${wordsOf(key)} (${key})\n${said}` : "The grid has no such situation." }, h("span", { class: "plate" }, key ? [words, ...by, counts].join(" ").trim() : ""));
 }
 
 /** Per axis of a side its values, equal neighbours joined; what is not benign is shaded. */

@@ -1,8 +1,8 @@
 /* The kill matrix: mutants down, situations across in Gray-code order, so that neighbours differ in one axis. */
 const SORTS = {
   parameter: ["by parameter", null],
-  rate: ["by kill rate", (a, b) => (share(b.kill_rate) ?? -1) - (share(a.kill_rate) ?? -1)],
-  status: ["by status", (a, b) => DATA.statuses.indexOf(b.status) - DATA.statuses.indexOf(a.status)],
+  rate: ["by kills", (a, b) => (share(b.kill_rate) ?? -1) - (share(a.kill_rate) ?? -1)],
+  verdict: ["by verdict", (a, b) => DATA.verdicts.indexOf(a.verdict) - DATA.verdicts.indexOf(b.verdict)],
   guideword: ["by guideword", (a, b) => place("guidewords", a.guideword) - place("guidewords", b.guideword)],
 };
 const place = (kind, id) => DATA[kind].findIndex((entry) => entry.id === id);
@@ -37,66 +37,70 @@ function killMatrix() {
   arrange();
   tip.on(board, "td.state", (cell) => cell.getAttribute("aria-label"));
   light(board);
-  return part("kills", "The kill matrix", "Each line is a fault, each column a situation; neighbouring columns differ in one axis.  A result opens its flight, a fault's name the map of where it is killed.",
+  return part("kills", "The kill matrix", "Each line is a fault, each column a situation; neighbouring columns differ in one axis.  A result opens a flight that has what it says, a fault's name the map of where it is killed.",
     controls.node,
     h("ul", { class: "legend" },
-      h("li", {}, "killed: few", h("span", { class: "ramp" }), "all eligible flights"),
-      ["survived", "baseline_red", "masked", "not_infected", "not_reached"].map((state) => h("li", {}, swatch(state), STATES[state][0])),
-      SEVERAL && h("li", {}, h("b", {}, "2?"), "how many flights are killed, where not all are; ? where they do not decide"),
-      h("li", {}, h("span", { class: "swatch state uncounted", "data-state": "killed" }), "killed where nothing counts")),
+      h("li", {}, swatch("kill", "1"), h("b", {}, "kill"), `most flights of a detected fault violate ${SAFETY.map((name, number) => `${name} (${number + 1})`).join(" or ")}, which the unmutated drone holds in nine of ten`),
+      ["seen", "tested", "masked", "not_infected", "not_reached", "not_flown"].map((state) => h("li", {}, swatch(state), SIGNS[state][0])),
+      h("li", {}, swatch("no_test", "r"), h("b", {}, "no test"), "no safety requirement is steady: ", Object.entries(STATES).filter(([, [letter]]) => letter).map(([state, [letter]]) => `${letter} ${state === "unknown" ? "no pool" : state}`).join(", "))),
     h("div", { class: "matrix-box", tabindex: "-1" }, board),
-    h("p", { class: "small faint" }, "Right: situations killed of those eligible, with Wilson's 95 % interval.  Below: default mutants killed in each situation.  Arrow keys move, Enter opens."));
+    h("p", { class: "small faint" }, "At the top, below the axes: where the unmutated drone holds each safety requirement steadily (filled), else the letter of what it does.  Right: the verdict, and situations with a kill of those that put the fault to the test; of a control what shows it.  Below: default mutants with a kill in each situation.  Arrow keys move, Enter opens."));
 }
 
-/** One line an axis: black where the value is not the benign one, grey between. */
+/** One line an axis: black where the value is not the benign one, grey between; one a safety requirement: whether it tests. */
 function strip() {
-  const rows = DATA.axes.map((axis, number) => h("tr", {},
-    h("th", { class: "stub axis-name", scope: "row" }, `${axis.title}: ${axis.words.slice(1).join(", ")}`),
-    DATA.situations.map((situation) => {
-      const level = situation.levels[number];
-      return h("td", { class: "mark", "--level": axis.words.length > 1 ? level / (axis.words.length - 1) : 0, title: situation.words[number] }, h("span", {}));
-    })));
-  rows.at(-1)?.append(h("th", { class: "side", scope: "col" }, "killed/eligible, 0 to 100 %"), h("th", { class: "side", scope: "col" }, "killed where"));
-  return h("thead", {}, rows);
+  const line = (title, cells) => h("tr", {}, h("th", { class: "stub axis-name", scope: "row" }, title), cells);
+  const rows = DATA.axes.map((axis, number) => line(`${axis.title}: ${axis.words.slice(1).join(", ")}`, DATA.situations.map((situation) => {
+    const level = situation.levels[number];
+    return h("td", { class: "mark", "--level": axis.words.length > 1 ? level / (axis.words.length - 1) : 0, title: situation.words[number] }, h("span", {}));
+  })));
+  const tests = SAFETY.map((name) => line(`${name} tests`, DATA.situations.map(({ key }) => {
+    const state = stateOf(key, name);
+    const pair = pairOf(key, name);
+    return h("td", { class: "mark test", "data-pair": state, title: `${name} ${state}${pair ? `: violated by the ${besideText(pair)}` : ""}` }, h("span", {}, STATES[state][0]));
+  })));
+  tests[0]?.classList.add("tests");
+  [...rows, ...tests].at(-1)?.append(h("th", { class: "side", scope: "col" }, "verdict, kills of tests"), h("th", { class: "side", scope: "col" }, "killed where"));
+  return h("thead", {}, rows, tests);
 }
 
 function tallies() {
   const most = Math.max(1, ...DATA.by_situation.map((counts) => counts.killed));
   return h("tfoot", {}, h("tr", {}, h("th", { class: "stub axis-name", scope: "row" }, "default mutants killed"),
-    DATA.by_situation.map((counts, column) => h("td", { class: "tally", title: `${DATA.situations[column].key}: ${counts.killed} killed of ${counts.eligible} eligible` },
+    DATA.by_situation.map((counts, column) => h("td", { class: "tally", title: `${DATA.situations[column].key}: ${counts.killed} killed of ${counts.tested} put to the test` },
       counts.killed, h("span", { "--share": counts.killed / most }))),
     h("td", { class: "rate" }), h("td", { class: "said" })));
 }
 
 function groupRow(parameter) {
   const members = DATA.mutants.filter((mutant) => mutant.parameter === parameter && mutant.counts);
-  const killed = members.filter((mutant) => mutant.kill_rate.part).length;
-  const eligible = members.filter((mutant) => mutant.kill_rate.whole).length;
+  const found = members.filter((mutant) => mutant.verdict === "detected").length;
   return h("tr", { class: "group" }, h("th", { scope: "colgroup" }, titleOf("parameters", parameter)),
-    h("td", { colspan: DATA.situations.length }), h("td", { class: "rate faint small", colspan: 2 }, `${killed} of ${eligible} shown`));
+    h("td", { colspan: DATA.situations.length }), h("td", { class: "rate faint small", colspan: 2 }, members.length > 0 && `${found} of ${plural(members.length, "default mutant")} detected`));
 }
 
 function mutantRow(mutant) {
   return h("tr", { "data-mutant": mutant.id },
     h("th", { scope: "row" }, h("a", { class: "quiet", href: mutantHash(mutant.id), title: `${mutant.id}: where it is killed, as a map` }, mutant.id), mutant.control && h("span", { class: "tag", title: "crude control, in no ratio" }, "C")),
     mutant.results.map((result, column) => {
-      const { state, share: killed, glyph, uncounted, said } = shown(result);
       const situation = DATA.situations[column];
-      const classes = ["state", killed > 0.5 && "deep", uncounted && "uncounted"].filter(Boolean).join(" ");
-      return h("td", { class: classes, role: "gridcell", tabindex: "-1", "data-state": state, "data-column": column, "--share": killed,
+      const { state, glyph, said, seed } = shown(result, situation.key);
+      return h("td", { class: "state", role: "gridcell", tabindex: "-1", "data-state": state, "data-column": column, "data-seed": seed,
         "aria-label": `${mutant.id}\n${situation.words.join(", ")} (${situation.key})\n${said}` }, glyph);
     }),
-    h("td", { class: "rate" }, h("span", { class: "number" }, mutant.kill_rate.whole ? `${mutant.kill_rate.part}/${mutant.kill_rate.whole}` : "n/a"), " ", whisker(mutant.kill_rate, mutant.id)),
+    mutant.control ? h("td", { class: "rate" }, showsText(mutant))
+      : h("td", { class: "rate" }, h("span", { class: "mark-of" }, VERDICTS[mutant.verdict][0]), ` ${spaced(mutant.verdict)} `, h("span", { class: "number" }, mutant.kill_rate.whole ? shortText(mutant.kill_rate) : "")),
     h("td", { class: "said", title: killedWhere(mutant) }, killedWhere(mutant)));
 }
 
-/** The condition of its kills; where no score counts one, that is said first. */
-const killedWhere = (mutant) => (mutant.condition ? `${mutant.kill_rate.part ? "" : "uncounted: "}${mutant.condition}` : STATES[mutant.status][0]);
+/** The condition of its kills; of a mutant without one where a violation was seen, else where it stopped. */
+const killedWhere = (mutant) => {
+  if (mutant.condition) return `${mutant.kill_rate.part ? "" : "seen: "}${mutant.condition}`;
+  return mutant.verdict === "not_tested" ? SIGNS[stopped(mutant)][0] : "";
+};
 
 function openResult(cell) {
-  const mutant = cell.closest("tr").dataset.mutant;
-  const situation = DATA.situations[Number(cell.dataset.column)].key;
-  go(flightHash(mutant, situation, DATA.seeds[0] ?? 0));
+  go(flightHash(cell.closest("tr").dataset.mutant, DATA.situations[Number(cell.dataset.column)].key, Number(cell.dataset.seed)));
 }
 
 /** Mark the line and the column of the cell that is pointed at. */
@@ -121,17 +125,17 @@ function filters(changed) {
   const sort = chooser("order", Object.entries(SORTS).map(([value, [text]]) => [value, text]));
   const guideword = chooser("guideword", [["", "all"], ...DATA.guidewords.map((word) => [word.id, word.title])]);
   const parameter = chooser("parameter", [["", "all"], ...DATA.parameters.map((entry) => [entry.id, entry.title])]);
-  const status = chooser("status", [["", "all"], ...DATA.statuses.slice().reverse().map((id) => [id, STATES[id][0]])]);
+  const verdict = chooser("verdict", [["", "all"], ...DATA.verdicts.map((id) => [id, spaced(id)])]);
   const magnitude = chooser("magnitudes", [["", "all"], ["counts", "default, one a cell"], ...(DATA.mutants.some((one) => one.searched) ? [["ladder", "without searched ones"]] : [])]);
   const text = h("input", { type: "search", placeholder: "id or condition", oninput: changed, "aria-label": "text in id or condition" });
   const node = h("div", { class: "controls", role: "group", "aria-label": "Order and filter of the kill matrix" },
-    sort.node, guideword.node, parameter.node, status.node, magnitude.node, h("label", {}, "text", text));
+    sort.node, guideword.node, parameter.node, verdict.node, magnitude.node, h("label", {}, "text", text));
   const read = () => {
     const wanted = text.value.trim().toLowerCase();
     return {
       sort: sort.value,
       keep: (mutant) => (!guideword.value || mutant.guideword === guideword.value) && (!parameter.value || mutant.parameter === parameter.value)
-        && (!status.value || mutant.status === status.value)
+        && (!verdict.value || mutant.verdict === verdict.value)
         && (!magnitude.value || (magnitude.value === "counts" ? mutant.counts : !mutant.searched)) && (!wanted || `${mutant.id} ${mutant.condition}`.toLowerCase().includes(wanted)),
     };
   };

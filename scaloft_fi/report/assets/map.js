@@ -1,4 +1,4 @@
-/* The flight from above: what stands in the situation, the clean drone's path and the mutant's. */
+/* The flight from above: what stands in the situation, the unmutated drone's path and the mutant's. */
 const PIXELS_PER_METRE = 52;
 const HULL_M = 0.235;
 const X = () => DATA.columns.findIndex((column) => column.name === "x_m");

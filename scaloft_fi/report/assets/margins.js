@@ -20,21 +20,16 @@ function againstOf(name) {
   return [...new Set(names)];
 }
 
-/** A cell's margin; a kill beside a clean drone that holds nothing is in no score, and said to be so. */
-function marginText(name) {
-  const text = DATA.margins[name] ?? "";
-  const kills = text.split("; ").some((one) => one && !/^[<>] /.test(one));
-  const counted = CELLS.get(name).mutants.some((id) => MUTANTS.get(id).kill_rate.part);
-  return bounds(text) + (kills && !counted ? ", uncounted" : "");
-}
+const marginText = (name) => bounds(DATA.margins[name] ?? "");
 
 const limitLines = (names) => names.map((name) => h("span", { class: "line faint small" }, "limit of ", limitText(name)));
 
 function ladders() {
   const found = DATA.ladders;
-  return part("ladders", "How much fault does it take", "Share of eligible situations killed against the magnitude of the fault, with Wilson's 95 % interval; then the margin, the least magnitude that kills, situation by situation.  A magnitude has the unit of the fault, a limit that of its requirement: no number of one is a number of the other, so the robustness of the requirement is shown at both ends of a margin.",
-    found.length ? h("div", { class: "multiples" }, found.map(ladder)) : h("p", { class: "note" }, "No cell was flown with more than one magnitude.  ", h("code", {}, "scaloft-fi run --mutant 'LATE-human*'"), " flies a ladder, ", h("code", {}, "scaloft-fi margin LATE-human"), " searches between its rungs."),
-    DATA.thresholds.length > 0 && [h("h3", { class: "sub" }, "Margins by situation"), DATA.thresholds.some((entry) => entry.least.endsWith("!")) && h("p", { class: "small faint" }, "!: the response is not monotone; a severer magnitude survives where a milder one kills."), DATA.thresholds.map((entry) => margins(entry, DATA.thresholds.length === 1))]);
+  const laddered = DATA.cells.find((cell) => cell.default.includes("@"))?.name ?? "CELL";
+  return part("ladders", "How much fault does it take", "Share of the situations that put the fault to the test with a kill, against its magnitude, filled where it is detected; then the margin, the least magnitude with a kill, situation by situation.  A magnitude has the unit of the fault, a limit that of its requirement: no number of one is a number of the other, so the robustness of the requirement is shown at both ends of a margin.",
+    found.length ? h("div", { class: "multiples" }, found.map(ladder)) : h("p", { class: "note" }, "No cell was flown with more than one magnitude.  ", h("code", {}, `scaloft-fi run --mutant ${literal(`${laddered}*`)}`), " flies a ladder, ", h("code", {}, `scaloft-fi margin ${literal(laddered)}`), " searches between its rungs."),
+    DATA.thresholds.length > 0 && [h("h3", { class: "sub" }, "Margins by situation"), DATA.thresholds.some((entry) => entry.least.endsWith("!")) && h("p", { class: "small faint" }, "!: the response is not monotone; a severer magnitude survives where a milder one is killed or seen."), DATA.thresholds.map((entry) => margins(entry, DATA.thresholds.length === 1))]);
 }
 
 /** Kill share against magnitude, from mild to severe. */
@@ -44,8 +39,7 @@ function ladder(entry) {
   const { root, sx, sy } = frame;
   rungs.forEach((rung, number) => {
     const value = share(rung.kill_rate);
-    if (rung.kill_rate.interval) root.append(s("line", { class: "whisk", x1: sx(number), x2: sx(number), y1: sy(rung.kill_rate.interval[0]), y2: sy(rung.kill_rate.interval[1]) }));
-    if (value !== null) root.append(s("circle", { class: "dot", cx: sx(number), cy: sy(value), r: rung.default ? 5 : 4 }, s("title", {}, `${rung.id}: ${ratioText(rung.kill_rate)} ${intervalText(rung.kill_rate)}`)));
+    if (value !== null) root.append(s("circle", { class: rung.verdict === "detected" ? "dot" : "open", cx: sx(number), cy: sy(value), r: rung.default ? 5 : 4 }, s("title", {}, `${rung.id}: ${spaced(rung.verdict)}, ${ratioText(rung.kill_rate)}`)));
     else root.append(s("text", { x: sx(number), y: sy(0.5), "text-anchor": "middle" }, "n/a"));
   });
   return h("figure", { class: "small-multiple" },
@@ -58,17 +52,17 @@ function margins(entry, open) {
   const range = magnitudes(entry);
   const rows = entry.situations.map((found) => [
     [wordsOf(found.key), " ", h("span", { class: "faint small" }, found.key)],
-    span(found, range, entry), ended(found.survives, entry.unit), ended(found.kills, entry.unit), listed(found.by),
+    span(found, range, entry), ...[found.survives, found.seen, found.kills].map((value) => ended(value, entry.unit)), listed(found.by),
     entry.against.map((name) => h("span", { class: "line" }, entry.against.length > 1 ? `${name} ` : "", found.rho[name].map((value) => (twoDigits(value))).join(" / "))),
-    [found.again.length > 0 && `not monotone: survives again at ${found.again.map((value) => ended(value, entry.unit)).join(", ")}.  `, !found.counts && "Killed where the clean drone holds nothing to the end: in no score."],
+    found.again.length > 0 && `not monotone: survives again at ${found.again.map((value) => ended(value, entry.unit)).join(", ")}`,
   ]);
   const untold = entry.situations_flown - entry.situations.length;
   return h("details", { class: "fold", open },
     h("summary", {}, h("h3", { class: "inline" }, entry.fault), h("span", {}, ` margin ${entry.least ? bounds(entry.least) : "not known"}, against ${listed(entry.against)}`)),
     h("p", { class: "small" }, limitLines(entry.against)),
-    table(["situation", `${entry.unit ? `magnitude [${UNITS[entry.unit] ?? entry.unit}], ` : ""}${trimmed(range[0], 3)} to ${trimmed(range[1], 3)}`, { text: "survives", number: true }, { text: "kills", number: true }, "by", "robustness: survives / kills", ""], rows, { stack: false }),
-    h("p", { class: "small faint" }, `Open disc: the severest magnitude that survives below the kill; filled: the mildest that kills; the threshold lies between.  ${entry.worse > 0 ? "Larger" : "Smaller"} is worse.  Robustness below 0 is a violation; its unit: ${entry.against.map((name) => `${name} ${requirementOf(name)?.unit ?? ""}`).join("; ")}.`,
-      untold > 0 && `  ${plural(untold, "further situation")} flown ${untold === 1 ? "tells" : "tell"} nothing of it: the fault changes nothing there, or the clean drone holds no requirement that it puts at risk.`));
+    table(["situation", `${entry.unit ? `magnitude [${UNITS[entry.unit] ?? entry.unit}], ` : ""}${trimmed(range[0], 3)} to ${trimmed(range[1], 3)}`, { text: "survives", number: true }, { text: "seen", number: true }, { text: "killed", number: true }, "by", "robustness: survives / violates", ""], rows, { stack: false }),
+    h("p", { class: "small faint" }, `Open disc: the severest magnitude that survives; filled: the mildest that is killed; grey: the mildest of which most flights violate, too few for a verdict; the threshold lies between.  ${entry.worse > 0 ? "Larger" : "Smaller"} is worse.  Robustness below 0 is a violation; its unit: ${entry.against.map((name) => `${name} ${requirementOf(name)?.unit ?? ""}`).join("; ")}.`,
+      untold > 0 && `  ${plural(untold, "further situation")} flown ${untold === 1 ? "tells" : "tell"} nothing of it: the fault changes nothing there, or no requirement that it puts at risk is steady.`));
 }
 
 /** A robustness as `margin` prints it: near a threshold it is small, and its sign is what counts. */
@@ -85,11 +79,12 @@ function span(found, [from, to], { unit, worse }) {
   const x = scale(from, to, 6, 194);
   const at = (value, otherwise) => (typeof value === "number" ? x(value) : otherwise);
   const mildest = worse > 0 ? 6 : 194;
-  const [start, stop] = [at(found.survives, mildest), at(found.kills, 200 - mildest)];
+  const severe = found.seen ?? found.kills;
+  const [start, stop] = [at(found.survives, mildest), at(severe, 200 - mildest)];
   return s("svg", { class: "threshold", width: 200, height: 18, viewBox: "0 0 200 18", role: "img", "aria-label": `margin ${bounds(found.margin)}` },
     s("line", { class: "rail", x1: 6, x2: 194, y1: 9, y2: 9 }),
     s("line", { class: "span", x1: start, x2: stop, y1: 9, y2: 9 }),
     found.flown.filter((value) => typeof value === "number").map((value) => s("line", { class: "tick", x1: x(value), x2: x(value), y1: 5, y2: 13 }, s("title", {}, `flown at ${ended(value, unit)}`))),
     typeof found.survives === "number" && s("circle", { class: "open", cx: start, cy: 9, r: 4 }),
-    typeof found.kills === "number" && s("circle", { class: "dot", cx: stop, cy: 9, r: 4 }));
+    typeof severe === "number" && s("circle", { class: found.seen === null ? "dot" : "doubt", cx: stop, cy: 9, r: 4 }));
 }

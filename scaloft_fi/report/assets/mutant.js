@@ -1,4 +1,4 @@
-/* A mutant: its rates, where it is killed, its results; in the sheet of its cell, and with its Karnaugh map in a sheet of its own. */
+/* A mutant: its verdict and what it rests on, where it is killed, its results; in the sheet of its cell, and with its Karnaugh map in a sheet of its own. */
 function mutantSheet(id) {
   const mutant = MUTANTS.get(id);
   if (!mutant) return { title: id, lead: "", body: [h("p", { class: "notice" }, `The campaign holds no mutant ${id}.`)] };
@@ -10,7 +10,6 @@ function mutantSheet(id) {
         siblings(mutant).map((other) => h("a", { class: "id", href: mutantHash(other.id) }, other.id))),
       mutantFacts(mutant),
       h("dl", { class: "pairs" }, [
-        ["by requirement", Object.entries(mutant.requirements).map(([name, ratio]) => h("span", { class: "line" }, h("b", {}, name), ` in ${ratio.part} of ${plural(ratio.whole, "situation")} where the clean drone held it`))],
         ["margin of the cell", DATA.margins[mutant.cell] && [marginText(mutant.cell), limitLines(againstOf(mutant.cell))]],
       ].filter(([, told]) => told && told.length).map(([what, told]) => [h("dt", {}, what), h("dd", {}, told)])),
       h("h3", { class: "sub" }, "Where it is killed"), karnaughMap(mutant),
@@ -29,27 +28,34 @@ function mutantBlock(mutant) {
 }
 
 function mutantFacts(mutant) {
-  const first = mutant.earliest;
+  const { first, decided_at: decided } = mutant;
+  const word = mutant.control ? showsText(mutant) : verdictText(mutant);
   return [
-    h("div", { class: "row" }, h("span", {}, `${capital(STATES[mutant.status][0])}: kills ${ratioText(mutant.kill_rate)} ${intervalText(mutant.kill_rate)} of the eligible situations, ${ratioText(mutant.kill_rate_flown)} of those flown${SEVERAL ? `; decided: ${mutant.decisions.killed} killed, ${mutant.decisions.survived} survived, ${mutant.decisions.undecided} undecided` : ""}`), whisker(mutant.kill_rate, mutant.id)),
-    (mutant.condition || first) && h("p", { class: "small" }, mutant.condition && `${mutant.kill_rate.part ? "Killed where" : "Killed, but only where nothing counts"}: ${mutant.condition}.  `,
-      first && ["Earliest: ", h("a", { href: flightHash(mutant.id, ...splitFlight(first.flight)) }, `${first.requirement} at ${seconds(first.t_s)} in ${first.flight}`), "."]),
+    h("p", {}, h("b", {}, capital(word)), `.  ${mutant.control ? "" : VERDICTS[mutant.verdict][1]}  `, needed(mutant, decided)),
+    (mutant.condition || first) && h("p", { class: "small" }, mutant.condition && `${mutant.kill_rate.part ? "Killed" : "Violations seen, no kill,"} where: ${mutant.condition}.  `,
+      first && ["Earliest: ", h("a", { href: flightHash(mutant.id, first.situation, first.seed) }, `${first.requirement} at ${seconds(first.t_s)} in ${first.situation}, seed ${first.seed}`), "."]),
+    mutant.tests.length > 0 && table(["requirement that tests it", { text: "p", number: true }, { text: "kills of tests", number: true }, { text: "its flights that violate", number: true }, { text: "the unmutated drone's", number: true }],
+      mutant.tests.map(({ requirement, p, kills, flights, baseline }) => [requirement, pText(p), ...[kills, flights, baseline].map(shortText)]), { stack: false }),
+    mutant.tests.length > 0 && h("p", { class: "small faint" }, `Flights in the situations where the requirement tests it.  p, over all situations that can be judged: the chance of so many violations or more if the fault did nothing, adjusted for the number of requirements; detected where at most ${trimmed(decided.alpha, 4)}, at ${plural(decided.seeds, "seed")}.`),
     acceptance(mutant.id),
   ];
 }
 
-/** Its result in each situation flown, each a link to the flight. */
-function flownList(mutant) {
-  return h("ul", { class: "flown-list", "aria-label": `situations of ${mutant.id}` }, mutant.results.map((result, column) => {
-    const { state, share: killed, glyph, uncounted, said } = shown(result);
-    if (state === "not_flown") return null;
-    const situation = DATA.situations[column];
-    return h("li", {}, h("a", { class: `swatch state ${killed > 0.5 ? "deep" : ""} ${uncounted ? "uncounted" : ""}`, "data-state": state, "--share": killed, href: flightHash(mutant.id, situation.key, DATA.seeds[0] ?? 0),
-      "aria-label": `${situation.words.join(", ")}: ${said}`, title: `${situation.words.join(", ")}: ${said}` }, glyph));
-  }));
+/** The command whose flights would decide on an undecided mutant. */
+function needed(mutant, { needed: seeds, anew }) {
+  if (mutant.verdict !== "undecided" || mutant.control) return "";
+  if (!seeds) return mutant.tests.length ? "No more than 50 seeds would not decide." : "A baseline pool is missing where it infects; the same run flies it.";
+  const campaign = anew ? "NEW" : DATA.campaign;
+  return [`${seeds} seeds would decide if what was seen goes on: `, h("code", {}, `scaloft-fi run${campaign === "default" ? "" : ` --campaign ${literal(campaign)}`} --mutant ${literal(mutant.id)} --seeds ${seeds}`)];
 }
 
-function splitFlight(text) {
-  const slash = text.lastIndexOf("/");
-  return [text.slice(0, slash), text.slice(slash + 1)];
+/** Its result in each situation flown, each a link to a flight that has it. */
+function flownList(mutant) {
+  return h("ul", { class: "flown-list", "aria-label": `situations of ${mutant.id}` }, mutant.results.map((result, column) => {
+    const situation = DATA.situations[column];
+    const { state, glyph, said, seed } = shown(result, situation.key);
+    if (state === "not_flown") return null;
+    return h("li", {}, h("a", { class: "swatch state", "data-state": state, href: flightHash(mutant.id, situation.key, seed),
+      "aria-label": `${situation.words.join(", ")}: ${said}`, title: `${situation.words.join(", ")}: ${said}` }, glyph));
+  }));
 }

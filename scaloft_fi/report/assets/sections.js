@@ -1,36 +1,50 @@
 /* The sections below the matrices. */
-function baselineFindings() {
-  const red = DATA.baseline.filter((finding) => finding.violated.length);
-  const rows = red.map((finding) => [
-    h("a", { href: flightHash("baseline", finding.situation, finding.first?.seed ?? DATA.seeds[0] ?? 0) }, wordsOf(finding.situation), " ", h("span", { class: "faint small" }, finding.situation)),
-    `${finding.red}/${finding.flown}`, listed(finding.violated), listed(finding.open), listed(finding.vacuous), finding.first ? firstText(finding.first) : "–"]);
-  const green = DATA.gates.green_situations;
-  return part("baseline", "Findings about the drone itself", `Without any fault: ${green.part} of ${plural(green.whole, "situation")} hold every safety requirement in all flights.  The others are defects of the clean drone, or of what is asked of it, and no mutant can be shown there by the requirement that is red.`,
-    rows.length ? table(["situation", { text: "red flights", number: true }, "violated", "left open", "never triggered", "first safety violation"], rows) : h("p", {}, "No clean flight violates a requirement."),
-    h("h3", { class: "sub" }, "Requirements over the clean flights"),
+function unmutated() {
+  const names = [...SAFETY, ...DATA.requirements.filter((one) => one.kind === "operability").map((one) => one.name)];
+  const pooled = DATA.situations.map(({ key }) => key).filter((key) => names.some((name) => stateOf(key, name) !== "unknown"));
+  const lost = pooled.filter((key) => SAFETY.every((name) => stateOf(key, name) !== "steady"));
+  const ill = DATA.situations.map(({ key }) => key).filter((key) => names.some((name) => ["red", "unsteady", "open"].includes(stateOf(key, name))));
+  const firsts = new Map(DATA.firsts.map((first) => [first.situation, first]));
+  return part("baseline", "What the unmutated drone does", `Without any fault: ${names.map((name) => `${name} is steady in ${pooled.filter((key) => stateOf(key, name) === "steady").length}`).join(", ")} of ${plural(pooled.length, "situation")} with ten flights or more.  Only a steady pair of situation and requirement puts a fault to the test; a red or unsteady one is a finding about the drone, or about what is asked of it.`,
+    table(["pair of a situation with", ...names.map((text) => ({ text, number: true }))],
+      Object.entries(STATES).map(([state, [, says]]) => [[state, h("span", { class: "faint small" }, ` \u2013 ${says}`)], ...names.map((name) => String(DATA.pairs.filter((pair) => pair.requirement === name && pair.state === state).length))]), { stack: false }),
+    h("p", { class: "note" }, lost.length ? [h("b", {}, `${plural(lost.length, "situation")} of ${pooled.length} put no fault to the safety test`), ", because no safety requirement is steady there: ", lost.map((key, number) => [number ? "; " : "", wordsOf(key)]), "."] : "Every situation with a pool puts faults to the safety test."),
+    ill.length > 0 && table(["situation", ...names, "what is left to test", "first safety violation"], ill.map((key) => pairRow(key, names, firsts.get(key))), { caption: "Situations with a red, unsteady or open pair: flights that violate, of those judged to their ends." }),
+    h("h3", { class: "sub" }, "Requirements over the flights of the unmutated drone"),
     table(["requirement", "kind", ...verdicts().map((text) => ({ text, number: true })), { text: "triggered", number: true }, { text: "least robustness", number: true }, "its unit"],
-      DATA.tallies.map((tally) => [tally.requirement, tally.kind, ...verdicts().map((verdict) => String(tally.verdicts[verdict] ?? 0)), String(tally.triggered), signed(tally.least_rho), h("span", { class: "faint small" }, requirementOf(tally.requirement)?.unit ?? "")]), { stack: false }),
+      DATA.tallies.map((tally) => [tally.requirement, tally.kind, ...verdicts().map((verdict) => String(tally.verdicts[verdict] ?? 0)), String(tally.triggered), tally.triggered ? signed(tally.least_rho) : "\u2013", h("span", { class: "faint small" }, requirementOf(tally.requirement)?.unit ?? "")]), { stack: false }),
     h("p", { class: "small faint" }, "Flights by verdict.  Open: the flight was cut short before the requirement could be held to the end.  Vacuous: never triggered in the flight, so not passed."));
+}
+
+/** A situation where the unmutated drone leaves a pair that does not test: the pairs, what that takes, the first violation. */
+function pairRow(key, names, first) {
+  const steady = SAFETY.filter((name) => stateOf(key, name) === "steady");
+  const pair = (name) => {
+    const found = pairOf(key, name);
+    const state = stateOf(key, name);
+    const count = ["vacuous", "unknown"].includes(state) ? "" : state === "open" ? ` ${found.open}/${found.flights}` : ` ${found.violated}/${found.flights - found.open}`;
+    return h("span", { class: "pair", "data-pair": state }, h("span", { class: "faint narrow" }, `${name} `), state, count);
+  };
+  return [[wordsOf(key), " ", h("span", { class: "faint small" }, key)], ...names.map(pair), steady.length ? `${listed(steady)} still ${steady.length === 1 ? "tests" : "test"}` : h("b", {}, "nothing tests here"),
+    first ? h("a", { href: flightHash("baseline", key, first.seed) }, firstText(first)) : "\u2013"];
 }
 
 const verdicts = () => Object.keys(DATA.tallies[0]?.verdicts ?? {});
 const firstText = (first) => `${first.requirement} at ${seconds(first.t_s)}${first.struck ? `, strikes ${first.struck}` : ""}, seed\u00a0${first.seed}`;
 
 function survivors() {
-  const told = new Map(DATA.survivors.map((entry) => [entry.mutant, entry]));
-  const found = DATA.mutants.filter((mutant) => told.has(mutant.id) && !mutant.searched);
+  const found = DATA.survivors.filter(({ mutant }) => !MUTANTS.get(mutant).searched);
   const left = DATA.survivors.length - found.length;
-  const order = ["survived", "baseline_red", "masked", "not_infected", "not_reached", "invalid"];
-  return part("survivors", "What was not shown, and what to do next", "Mutants that no eligible flight kills, by the rung where the fault stopped.",
-    todo(DATA.survivors.filter(({ mutant }) => !MUTANTS.get(mutant).searched)), acceptances(),
+  return part("survivors", "What was not shown, and what to do next", "Mutants that no safety requirement detects, by verdict: where the fault stopped, and what would make it say something.",
+    todo(found), acceptances(),
     left > 0 && h("p", { class: "small faint" }, `${plural(left, "magnitude")} that a search for a margin flew in some situations only ${left === 1 ? "is" : "are"} not listed; they are in the margins above.`),
-    order.map((state) => {
-      const members = found.filter((mutant) => mutant.status === state);
+    DATA.verdicts.map((verdict) => {
+      const members = found.filter((entry) => entry.verdict === verdict);
       if (!members.length) return null;
-      return h("details", { open: members.length <= 12, class: "fold" }, h("summary", {}, h("h3", { class: "inline" }, `${capital(STATES[state][0])} (${members.length})`), h("span", {}, ` ${STATES[state][1]}`)),
-        table(["mutant", { text: "killed/eligible", number: true }, "change next", "why", "accepted"], members.map((mutant) => survivor(mutant, told.get(mutant.id)))));
+      return h("details", { open: members.length <= 12, class: "fold" }, h("summary", {}, h("h3", { class: "inline" }, `${capital(spaced(verdict))} (${members.length})`), h("span", {}, ` ${VERDICTS[verdict][1]}`)),
+        table(["mutant", "stopped at", "change next", "why", "accepted"], members.map((entry) => survivor(MUTANTS.get(entry.mutant), entry))));
     }),
-    !found.length && h("p", {}, "Every mutant flown is killed somewhere."));
+    !found.length && h("p", {}, "Every mutant flown is detected."));
 }
 
 /** How many survivors ask for what. */
@@ -43,10 +57,10 @@ function todo(entries) {
 /** A survivor's line: what it is, what to change, the facts that say so. */
 function survivor(mutant, told) {
   return [h("span", {}, h("a", { class: "id", href: mutantHash(mutant.id) }, mutant.id), h("span", { class: "faint small under" }, CELLS.get(mutant.cell)?.deviation ?? "")),
-    `${mutant.kill_rate.part}/${mutant.kill_rate.whole}`, h("b", {}, NEXT[told.next] ?? told.next), h("span", { class: "small" }, withCode(told.why)), acceptance(mutant.id) ?? h("span", { class: "faint", title: "The score does not count it against the tests." }, "\u2013")];
+    told.rung, h("b", {}, NEXT[told.next] ?? told.next), h("span", { class: "small" }, withCode(told.why)), acceptance(mutant.id) ?? h("span", { class: "faint", title: "The score does not count it against the tests." }, "\u2013")];
 }
 
-const NEXT = { repeat: "fly again", situation: "situation", magnitude: "magnitude", oracle: "requirement", operability: "nothing (operability shows it)", expected: "nothing (known beforehand)" };
+const NEXT = { repeat: "fly again", pool: "baseline pool", seeds: "seeds", situation: "situation", magnitude: "magnitude", oracle: "requirement", operability: "nothing (operability shows it)", expected: "nothing (known beforehand)" };
 
 function claims() {
   return part("claims", "What these figures do not claim", null,
@@ -54,7 +68,7 @@ function claims() {
       h("li", {}, "That no other fault is in the drone: only the faults of this HAZOP matrix, at these magnitudes, were tried."),
       h("li", {}, "That the simulator is the mine: mine, vehicle, sensors and light are a model, and many of its numbers are assumptions; the study names the source of each."),
       h("li", {}, "That the HAZOP study is complete: a deviation that nobody thought of is in no cell.")),
-    h("p", {}, "What they do claim: had one of the killed faults, of that magnitude or more where the ladder says so, been in the drone, flying these situations would have shown a violated requirement as often as the kill rate and its interval say."),
+    h("p", {}, "What they do claim: had one of the detected faults, of that magnitude, been in the drone, flying these situations with as many seeds would have shown violated requirements more often than the unmutated drone does; how many such verdicts chance explains stands at the top."),
     h("h3", { class: "sub" }, "Limits of the simulation"),
     h("ul", {},
       ["The situations are static: nobody walks, the light does not change during a flight, missions are shorter than the battery lasts.",
@@ -72,17 +86,20 @@ function reading() {
         h("dl", { class: "pairs" }, [
           ["mutant", "a fault made from one cell of the HAZOP matrix, with a magnitude, patched into one place of the drone's software"],
           ["situation", "one combination of values of the axes; the grid is all of them"],
-          ["eligible", "the fault changed a sample, and the clean drone, same situation and seed, held a safety requirement to its end"],
+          ["unmutated drone", "the drone without any fault; its flights in a situation are the pool, and the one with the same seed is a flight's baseline"],
+          ["pair", "a situation with a requirement"], ["steady", `a pair where ${STATES.steady[1]}`],
+          ["put to the test", "the fault changes a sample in a situation where a safety requirement is steady"],
+          ...DATA.verdicts.map((verdict) => [spaced(verdict), VERDICTS[verdict][1]]),
+          ["kill", `in a pair, ${SIGNS.kill[1]}`],
           ["default mutant", "of each cell the one magnitude that the ratios count; the others of its ladder are shown beside it"],
           ["infected", "the fault changed at least one sample that the software got"],
-          ["killed", STATES.killed[1]], ["survivor", "a mutant that no eligible flight kills"], ["baseline red", STATES.baseline_red[1]],
           ["control", "a fault so crude that any test must show it; it checks the test bench, and is in no ratio"],
-          ["PLACEBO", "a patch that changes nothing: its flights must equal the clean drone's to the bit"],
-          ["margin", "the least magnitude that kills: between the severest that survives and the mildest that kills"],
-          ["condition", "the shortest statement on the axes that is true wherever the mutant is killed and nowhere it survives"],
-          ["t-way", "of all combinations of values of t axes, those that occur in a flight"], ["clean drone", "the drone without any fault: the baseline of the same situation and seed"],
+          ["PLACEBO", "a patch that changes nothing: its flights must equal the unmutated drone's to the bit"],
+          ["margin", "the least magnitude with a kill: between the severest without one and the mildest with one"],
+          ["condition", "the shortest statement on the axes that is true wherever the mutant is killed and nowhere it was tested without a kill"],
+          ["t-way", "of all combinations of values of t axes, those that occur in a flight"],
           ["robustness", "how far a flight was from violating a requirement; below 0 it is violated"]].map(([what, text]) => [h("dt", {}, what), h("dd", {}, text)])))),
     h("details", {}, h("summary", {}, "Platform, and how this page was made"),
       h("dl", { class: "pairs" }, Object.entries(DATA.fingerprint).map(([what, text]) => [h("dt", {}, what), h("dd", {}, text)])),
-      h("p", { class: "small faint" }, DATA.detail, "  Made by ", h("code", {}, `scaloft-fi report --campaign ${literal(DATA.campaign)}`), DATA.stale ? `; ${plural(DATA.stale, "flight")} flown with other data or code left out.` : ".")));
+      h("p", { class: "small faint" }, withCode(DATA.detail), "  Made by ", h("code", {}, `scaloft-fi report --campaign ${literal(DATA.campaign)}`), DATA.stale ? `; ${plural(DATA.stale, "flight")} flown with other data or code left out.` : ".")));
 }

@@ -1,21 +1,49 @@
 /* Numbers and names as people read them. */
+/** A cell of the kill matrix: a name and what it says. */
+const SIGNS = {
+  kill: ["kill", "most flights of a detected fault violate a safety requirement that the unmutated drone holds in nine of ten flights"],
+  seen: ["violation seen, no kill", "of a requirement that tests the fault, but not in most flights, or no more often than chance explains"],
+  tested: ["tested, nothing seen", "the unmutated drone holds a safety requirement in nine of ten flights, and so does the fault's every flight"],
+  no_test: ["no test", "no safety requirement is steady, so nothing that happens here counts for or against the fault"],
+  masked: ["masked", "samples differed, the flight is the unmutated drone's to the bit"],
+  not_infected: ["not infected", "every mutated sample equalled the original"],
+  not_reached: ["not reached", "the place of the fault carried no sample"],
+  not_flown: ["not flown", "no flight that counts"],
+  not_meaningful: ["not meaningful", "the study says why the pair of words has no meaning"],
+};
+/** The verdict on a mutant: a mark, and what it says. */
+const VERDICTS = {
+  detected: ["\u2713", "It violates requirements more often than chance explains: the tests would have shown it."],
+  undecided: ["?", "Violations were seen, or so few flights were flown that none of their results could decide."],
+  not_detected: ["\u25cb", "It was put to the test, and nothing was seen."],
+  not_tested: ["\u2013", "It changes no sample where the unmutated drone holds a safety requirement steadily."],
+};
+/** A pair of situation and requirement, by what the unmutated drone does: a letter, and what it says. */
 const STATES = {
-  killed: ["killed", "A safety requirement is violated that the clean drone held up to that moment."],
-  survived: ["survived", "The flight went another way, and no safety requirement showed it."],
-  baseline_red: ["baseline red", "It violates only what the clean drone violates too: such a flight proves nothing."],
-  masked: ["masked", "Samples differed, the flight is the clean drone's to the bit."],
-  not_infected: ["not infected", "Every mutated sample equalled the original."],
-  not_reached: ["not reached", "The place of the fault carried no sample."],
-  invalid: ["invalid", "The test bench failed: never a kill, never a survivor."],
-  not_meaningful: ["not meaningful", "The study says why the pair of words has no meaning."],
-  not_flown: ["not flown", "No flight in this campaign."],
+  steady: ["", "the unmutated drone holds it in nine of ten flights: it tests faults"],
+  red: ["r", "most flights of the unmutated drone violate it"],
+  unsteady: ["u", "the unmutated drone holds it or not by chance"],
+  open: ["o", "more than a tenth of its flights are cut short before it is judged"],
+  unknown: ["?", "fewer than ten flights of the unmutated drone"],
+  vacuous: ["v", "it is not triggered in half of its flights, so nothing is tested"],
+};
+/** One flight beside that of the unmutated drone with the same seed: an observation, never a verdict. */
+const STATUSES = {
+  revealed: "A safety requirement is violated that the unmutated drone, same seed, held up to that moment.",
+  survived: "The flight went another way, and no safety requirement showed it.",
+  baseline_red: "It violates only what the unmutated drone, same seed, violates too.",
+  masked: "Samples differed, the flight is the unmutated drone's to the bit.",
+  not_infected: "Every mutated sample equalled the original.",
+  not_reached: "The place of the fault carried no sample.",
+  invalid: "The test bench failed.",
 };
 
+const spaced = (name) => name.replaceAll("_", " ");
 const percent = (share) => `${Math.round(100 * share)} %`;
 const share = ({ part, whole }) => (whole ? part / whole : null);
 const ratioText = (ratio) => `${ratio.part}/${ratio.whole} = ${ratio.whole ? percent(share(ratio)) : "n/a"}`;
-const intervalText = (ratio) =>
-  ratio.interval ? `[${Math.round(100 * ratio.interval[0])}, ${Math.round(100 * ratio.interval[1])}]` : "";
+const shortText = ({ part, whole }) => `${part}/${whole}`;
+const pText = (p) => (p < 1e-3 ? p.toExponential(1).replace("-", "\u2212") : trimmed(p, 3));
 const seconds = (value) => (value === null || value === undefined ? "–" : `${value.toFixed(2)} s`);
 const plural = (count, noun, many = `${noun}s`) => `${count} ${count === 1 ? noun : many}`;
 const listed = (words) => (words.length ? words.join(", ") : "–");

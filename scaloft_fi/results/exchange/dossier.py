@@ -8,24 +8,15 @@ from functools import cached_property
 
 from scaloft_fi.hazop.cell import Cell
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.flights import flights_of
+from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.requirement import Requirement
 from scaloft_fi.results.roster import Roster, cell_of
+from scaloft_fi.results.scoring.detection import Spending, Verdict
 from scaloft_fi.results.scoring.score import MutantScore, Score, score
 from scaloft_fi.results.situations.coverage import Coverage, coverage
 from scaloft_fi.results.space import Space
-from scaloft_fi.results.status import Status
-
-WORDS = {
-    Status.KILLED: "killed: a safety requirement is violated that the unmutated drone held",
-    Status.SURVIVED: "survived: the flights changed, no safety requirement speaks",
-    Status.MASKED: "masked: samples changed, no flight did",
-    Status.BASELINE_RED: "no verdict: it acts only where the unmutated drone holds no safety requirement to its end",
-    Status.NOT_INFECTED: "not infected: the fault changed no sample in any situation",
-    Status.NOT_REACHED: "not reached: the patched interface carried no sample in any situation",
-    Status.INVALID: "invalid: the harness failed",
-}
-"""What a mutant's status says, in a sentence."""
+from scaloft_fi.results.telling.verdict import next_command, verdict, why
 
 
 @dataclass(frozen=True)
@@ -38,6 +29,7 @@ class Dossier:
         platform: on which the campaign was flown.
         matrix, space, roster, requirements: of the study.
         outcomes: of the campaign that count.
+        spending: how the campaign spends alpha.
         sources: per file of the deviation matrix, by its path in the study, its text.
     """
 
@@ -50,12 +42,13 @@ class Dossier:
     roster: Roster
     requirements: tuple[Requirement, ...]
     outcomes: tuple[Outcome, ...]
+    spending: Spending
     sources: Mapping[str, str]
 
     @cached_property
     def score(self) -> Score:
         """The campaign's score."""
-        return score(self.outcomes, self.roster, self.space)
+        return score(self.outcomes, self.roster, self.space, self.spending)
 
     @cached_property
     def coverage(self) -> Coverage:
@@ -69,13 +62,35 @@ class Dossier:
 
     @property
     def counted(self) -> tuple[MutantScore, ...]:
-        """The mutants that the ratios count: one of each credible cell."""
-        return tuple(mutant for mutant in self.score.mutants if self.roster.counts(mutant.subject))
+        """The mutants that the ratios count: of each credible cell flown its default."""
+        return tuple(mutant for mutant in self.score.mutants if self.roster.counts(mutant.subject) and mutant.flown)
 
-    @property
-    def survivors(self) -> tuple[MutantScore, ...]:
-        """Those of them that were put to the test and not seen."""
-        return tuple(mutant for mutant in self.counted if lives(mutant))
+    def of(self, *verdicts: Verdict) -> tuple[MutantScore, ...]:
+        """Those of them with one of these verdicts."""
+        return tuple(mutant for mutant in self.counted if mutant.verdict in verdicts)
+
+    def verdict(self, mutant: MutantScore) -> str:
+        """The verdict on a mutant and what it rests on, in a line."""
+        return verdict(mutant, self.score.lacking)
+
+    def why(self, mutant: MutantScore) -> str:
+        """What the verdict rests on."""
+        return why(mutant, self.score.lacking)
+
+    def next_command(self, mutant: MutantScore) -> str:
+        """What to call next for a mutant that is undecided or not tested."""
+        return next_command(mutant, self.score.lacking, self.campaign)
+
+    def shows(self, control: MutantScore) -> bool:
+        """Whether a control shows itself by safety or operability.
+
+        It does when it is detected, or when it was flown once and that flight is told from its baseline.
+        """
+        if control.detected or control.operability.detected:
+            return True
+        own = [outcome for outcome in self.outcomes if outcome.mutant in (BASELINE, control.subject.id)]
+        flights = flights_of(own)
+        return len(flights) == 1 and bool(flights[0].revealed or flights[0].operability_revealed)
 
     def cell(self, mutant: MutantScore) -> Cell:
         """The cell that a mutant comes from."""
@@ -91,17 +106,3 @@ class Dossier:
         """A situation in words: `corner, light`."""
         point = self.space.point.get(situation)
         return ", ".join(self.space.word(axis, value) for axis, value in enumerate(point)) if point else situation
-
-
-def lives(mutant: MutantScore) -> bool:
-    """Whether a mutant was put to the test, in an eligible situation, and not seen: it counts against the score."""
-    return mutant.kill_rate.whole > 0 and not mutant.killed
-
-
-def verdict(mutant: MutantScore) -> str:
-    """Status, kills and by what, in a line."""
-    said = WORDS[mutant.status]
-    if not mutant.kill_rate.whole:
-        return said
-    by = ", ".join(f"{name} in {ratio.part} of {ratio.whole}" for name, ratio in mutant.requirements)
-    return f"{said}; kills in {mutant.kill_rate.plain} of the eligible situations{f' ({by})' if by else ''}"

@@ -1,31 +1,28 @@
 """The campaign as a report of mutation-testing-report-schema 2, which mutation-testing-elements and others show.
 
-A mutant stands in the file and on the line of its cell of the deviation matrix; the situations are its tests.  The
-schema's statuses are fewer than ours: what was put to the test and not seen is `Survived`, what never changed a sample
-is `NoCoverage`, what no ratio counts is `Ignored` with the reason.  So the score "of covered code" that its readers
-compute, killed / (killed + survived), is the mutation score.
+A mutant stands in the file and on the line of its cell of the deviation matrix; the situations are its tests, and
+cover it where they put it to the test.  Its readers know two scores.  Their mutation score, killed / (killed + survived
++ no coverage), is ours: detected mutants of those flown.  Their score of covered code, killed / (killed + survived), is
+detected mutants of those put to the test.  For that, of the default mutants of credible cells
+
+- `Killed` is detected,
+- `Survived` is put to the test and not detected, which undecided ones are too,
+- `NoCoverage` is not put to the test,
+- `Pending` is every one where there is no baseline pool to decide by: readers then show no score,
+
+and what no ratio counts (controls, other magnitudes) is `Ignored`.  The reason says more than the status.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from scaloft_fi.results.exchange.dossier import Dossier, lives, verdict
+from scaloft_fi.results.exchange.dossier import Dossier
 from scaloft_fi.results.scoring.score import MutantScore
-from scaloft_fi.results.status import Status
 
 SCHEMA_VERSION = "2"
 THRESHOLDS = {"high": 80, "low": 60}
 """Where readers turn the colour of a score: the defaults of StrykerJS."""
-
-UNTESTED = {
-    Status.BASELINE_RED: "Ignored",
-    Status.MASKED: "Ignored",
-    Status.NOT_INFECTED: "NoCoverage",
-    Status.NOT_REACHED: "NoCoverage",
-    Status.INVALID: "RuntimeError",
-}
-"""The projection of the statuses of mutants without an eligible situation."""
 
 
 def mutation_testing(dossier: Dossier) -> dict[str, Any]:
@@ -53,24 +50,34 @@ def mutation_testing(dossier: Dossier) -> dict[str, Any]:
 
 def _mutant(dossier: Dossier, mutant: MutantScore, line: int) -> dict[str, Any]:
     cell = dossier.cell(mutant)
-    status, reason = _status(mutant), verdict(mutant)
-    if not dossier.roster.counts(mutant.subject):
-        status, reason = "Ignored", f"in no ratio, only its cell's default is: {reason}"
     return {
         "id": mutant.subject.id,
         "mutatorName": cell.guideword,
         "description": cell.deviation,
         "replacement": mutant.subject.id,
         "location": {"start": {"line": line, "column": 1}, "end": {"line": line, "column": 1 + len(cell.guideword)}},
-        "status": status,
-        "statusReason": reason,
-        "coveredBy": [result.situation for result in mutant.results if result.flown and not result.harmless],
-        "killedBy": [result.situation for result in mutant.results if result.kills],
-        "testsCompleted": sum(result.flown > 0 for result in mutant.results),
+        "status": _status(dossier, mutant),
+        "statusReason": _reason(dossier, mutant),
+        "coveredBy": [result.situation for result in mutant.results if result.tested],
+        "killedBy": list(mutant.killing),
+        "testsCompleted": len(mutant.results),
     }
 
 
-def _status(mutant: MutantScore) -> str:
-    if mutant.killed:
+def _status(dossier: Dossier, mutant: MutantScore) -> str:
+    if not dossier.roster.counts(mutant.subject):
+        return "Ignored"
+    if not mutant.flown:
+        return "RuntimeError"
+    if not dossier.score.pooled:
+        return "Pending"
+    if mutant.detected:
         return "Killed"
-    return "Survived" if lives(mutant) else UNTESTED[mutant.status]
+    return "Survived" if mutant.tested else "NoCoverage"
+
+
+def _reason(dossier: Dossier, mutant: MutantScore) -> str:
+    reason = dossier.verdict(mutant)
+    if dossier.roster.is_control(mutant.subject):
+        return f"a control, in no ratio: {reason}"
+    return reason if dossier.roster.counts(mutant.subject) else f"in no ratio, only its cell's default is: {reason}"

@@ -9,7 +9,7 @@ from typing import Any
 from scaloft_fi.errors import InputError
 
 INTEGERS = frozenset({"seed", "carried", "altered"})
-LISTS = frozenset({"violated", "held", "killed_by", "violation_bodies", "triggered", "realised"})
+LISTS = frozenset({"violated", "held", "revealed_by", "violation_bodies", "triggered", "realised"})
 TEXTS = frozenset({"mutant", "situation", "status", "ending", "struck", "digest"})
 """Columns by type; every other one is a number."""
 

@@ -8,15 +8,18 @@ it is representative.  What only people can argue is left open, and says so.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Collection, Iterator
 from typing import Any
 
 from scaloft_fi.results.exchange.dossier import Dossier
 from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.requirement import Kind
 from scaloft_fi.results.scoring.baseline import Tally, findings, tallies
-from scaloft_fi.results.scoring.grouping import By, groups
+from scaloft_fi.results.scoring.detection import Verdict
+from scaloft_fi.results.scoring.ratio import Ratio
 from scaloft_fi.results.telling.table import Format, Table, render
+from scaloft_fi.results.telling.verdict import NO_POOL
 
 EDGES = 10
 """How many situations with the least robustness are named as edge cases."""
@@ -55,16 +58,37 @@ def to_json(dossier: Dossier) -> dict[str, Any]:
 
 
 def _cases(dossier: Dossier) -> Table:
-    flown = {outcome.situation for outcome in dossier.outcomes}
+    baselines, mutants = _seeds(dossier, baseline=True), _seeds(dossier, baseline=False)
     rows = tuple(
-        (key, dossier.words(key), ", ".join(str(seed) for seed in _seeds(dossier, key)))
-        for key in sorted(flown, key=dossier.space.rank)
+        (key, dossier.words(key), _ranges(mutants.get(key, set())), _ranges(baselines.get(key, set())))
+        for key in sorted(baselines.keys() | mutants.keys(), key=dossier.space.rank)
     )
-    return Table("Test case details", ("test case", "situation", "seeds"), rows)
+    headers = ("test case", "situation", "seeds of the mutants", "seeds of the unmutated drone")
+    return Table("Test case details", headers, rows)
 
 
-def _seeds(dossier: Dossier, situation: str) -> list[int]:
-    return sorted({o.seed for o in dossier.outcomes if o.situation == situation and o.mutant == BASELINE})
+def _seeds(dossier: Dossier, *, baseline: bool) -> dict[str, set[int]]:
+    """By situation the seeds flown, of the unmutated drone or of everything else."""
+    found: dict[str, set[int]] = {}
+    for outcome in dossier.outcomes:
+        if (outcome.mutant == BASELINE) == baseline:
+            found.setdefault(outcome.situation, set()).add(outcome.seed)
+    return found
+
+
+def _ranges(seeds: Collection[int]) -> str:
+    """Numbers with their runs in short.
+
+    >>> _ranges({0, 1, 2, 5, 7, 8})
+    '0-2, 5, 7-8'
+    """
+    runs: list[list[int]] = []
+    for seed in sorted(seeds):
+        if runs and seed == runs[-1][-1] + 1:
+            runs[-1].append(seed)
+        else:
+            runs.append([seed])
+    return ", ".join(f"{run[0]}-{run[-1]}" if len(run) > 1 else str(run[0]) for run in runs)
 
 
 def _required(dossier: Dossier) -> Table:
@@ -75,44 +99,59 @@ def _required(dossier: Dossier) -> Table:
 def _by_requirement(dossier: Dossier) -> Table:
     """Consideration 1: are there test cases for each safety requirement, and would they show its violation."""
     tested: dict[str, Tally] = {tally.requirement: tally for tally in tallies(dossier.outcomes)}
-    kills = {g.name: g for g in groups(dossier.score, By.REQUIREMENT, dossier.roster, dossier.space)}
     rows = tuple(
         (
             r.name,
             tested[r.name].triggered if r.name in tested else 0,
-            kills[r.name].killed.plain if r.name in kills else "n/a",
+            str(_detected_by(dossier, r.name)),
             f"{tested[r.name].least_rho:.3f}" if r.name in tested else "n/a",
         )
         for r in dossier.requirements
         if r.kind is not Kind.REPORTED
     )
-    headers = ("requirement", "times triggered", "mutants killed by it, of those it was a test of", "least robustness")
-    return Table(
-        "Sufficiency of coverage (1): safety requirements", headers, rows, ("Flights of the unmutated drone.",)
+    headers = (
+        *("requirement", "times triggered", "mutants detected by it, of those that it put to the test"),
+        "least robustness",
     )
+    fates = Counter(mutant.verdict for mutant in dossier.counted)
+    told = ", ".join(f"{fates[verdict]} {verdict.words}" for verdict in Verdict)
+    notes = (
+        "Triggered, robustness: flights of the unmutated drone.",
+        f"Mutants flown, by safety requirements: {told}." if dossier.score.pooled else f"No verdicts: {NO_POOL}.",
+    )
+    return Table("Sufficiency of coverage (1): safety requirements", headers, rows, notes)
+
+
+def _detected_by(dossier: Dossier, requirement: str) -> Ratio:
+    able = [mutant for mutant in dossier.counted if requirement in mutant.tests]
+    return Ratio(sum(requirement in (*m.safety.by, *m.operability.by) for m in able), len(able))
 
 
 def _domain(dossier: Dossier) -> Table:
     """Consideration 2: enough range of each feature of the domain, and enough combinations of features."""
-    rows = tuple((f"{strength}-way", ratio.plain) for strength, ratio in dossier.coverage.t_way)
+    rows = tuple((f"{strength}-way", str(ratio)) for strength, ratio in dossier.coverage.t_way)
     note = "Combinations of values of that many axes that some test case has, of all there are."
     return Table("Sufficiency of coverage (2): operational domain model", ("strength", "covered"), rows, (note,))
 
 
 def _scenarios(dossier: Dossier) -> Table:
     """Consideration 3: each operating scenario, what the unmutated drone does there, what a fault does."""
-    killing = {g.name: g for g in groups(dossier.score, By.SITUATION, dossier.roster, dossier.space)}
     rows = tuple(
-        (
-            f.situation,
-            ", ".join(f.violated) or "holds all",
-            ", ".join(f.vacuous),
-            killing[f.situation].killed.plain if f.situation in killing else "n/a",
-        )
+        (f.situation, _violated(dossier, f.situation), ", ".join(f.vacuous), str(_killed_in(dossier, f.situation)))
         for f in findings(dossier.outcomes, dossier.space)
     )
-    headers = ("situation", "the unmutated drone violates", "never tests", "mutants killed, of those eligible there")
+    headers = ("situation", "the unmutated drone violates", "never tests", "mutants killed, of those put to the test")
     return Table("Sufficiency of coverage (3): operating scenarios", headers, rows)
+
+
+def _violated(dossier: Dossier, situation: str) -> str:
+    pairs = [pair for pair in dossier.score.pool.pairs.values() if pair.situation == situation and pair.violated]
+    return ", ".join(f"{pair.requirement} in {pair.violated} of {pair.flights}" for pair in pairs) or "nothing"
+
+
+def _killed_in(dossier: Dossier, situation: str) -> Ratio:
+    tests = [r for mutant in dossier.counted for r in mutant.results if r.situation == situation and r.tested]
+    return Ratio(sum(bool(result.kills) for result in tests), len(tests))
 
 
 def _edges(dossier: Dossier) -> Table:

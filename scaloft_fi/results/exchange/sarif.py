@@ -1,20 +1,24 @@
-"""The survivors as SARIF 2.1.0, so that code scanning shows each on the line of its cell of the deviation matrix."""
+"""What is not detected as SARIF 2.1.0: code scanning shows each mutant on the line of its cell of the HAZOP matrix.
+
+What is undecided is a note, what is not detected or not tested is a warning.
+"""
 
 from __future__ import annotations
 
 from typing import Any
 from urllib.parse import quote
 
-from scaloft_fi.results.exchange.dossier import Dossier, verdict
+from scaloft_fi.results.exchange.dossier import Dossier
+from scaloft_fi.results.scoring.detection import Verdict
 from scaloft_fi.results.scoring.score import MutantScore
 
 SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 
 
 def sarif(dossier: Dossier) -> dict[str, Any]:
-    """The log as plain JSON values: a rule is a cell with a survivor, a result is that survivor."""
-    survivors = dossier.survivors
-    cells = list(dict.fromkeys(dossier.cell(mutant).name for mutant in survivors))
+    """The log as plain JSON values: a rule is a cell whose mutant is not detected, a result is that mutant."""
+    mutants = dossier.of(Verdict.UNDECIDED, Verdict.NOT_DETECTED, Verdict.NOT_TESTED)
+    cells = list(dict.fromkeys(dossier.cell(mutant).name for mutant in mutants))
     rules = [
         {
             "id": name,
@@ -28,7 +32,7 @@ def sarif(dossier: Dossier) -> dict[str, Any]:
     run = {
         "tool": {"driver": driver},
         "columnKind": "unicodeCodePoints",
-        "results": [_result(dossier, mutant, cells.index(dossier.cell(mutant).name)) for mutant in survivors],
+        "results": [_result(dossier, mutant, cells.index(dossier.cell(mutant).name)) for mutant in mutants],
     }
     return {"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}
 
@@ -39,8 +43,8 @@ def _result(dossier: Dossier, mutant: MutantScore, rule: int) -> dict[str, Any]:
     return {
         "ruleId": dossier.cell(mutant).name,
         "ruleIndex": rule,
-        "level": "warning",
-        "message": {"text": f"{mutant.subject.id} {verdict(mutant)}."},
+        "level": "note" if mutant.verdict is Verdict.UNDECIDED else "warning",
+        "message": {"text": f"{mutant.subject.id} is {dossier.verdict(mutant)}."},
         "locations": [{"physicalLocation": {"artifactLocation": {"uri": quote(name)}, "region": region}}],
         "partialFingerprints": {"mutant/v1": mutant.subject.id},
     }

@@ -2,46 +2,62 @@
 
 from __future__ import annotations
 
-from scaloft_fi.results.exchange.dossier import Dossier, verdict
-from scaloft_fi.results.scoring.baseline import findings
-from scaloft_fi.results.scoring.ratio import Ratio
+from scaloft_fi.results.exchange.dossier import Dossier
+from scaloft_fi.results.requirement import Kind
+from scaloft_fi.results.scoring.detection import Verdict
 from scaloft_fi.results.telling.table import Format, Table, render
+from scaloft_fi.results.telling.verdict import NO_POOL
 
 
 def summary(dossier: Dossier) -> str:
     """The page."""
-    scored, covered = dossier.score, dossier.coverage
-    ratios = (
-        ("mutation score", str(scored.mutation_score), "mutants killed, of those infected in an eligible situation"),
-        ("strict score", str(scored.strict_score), "mutants killed, of those flown"),
-        (
-            "decided score",
-            str(scored.decided_score),
-            "mutants decided as killed by repeated flights, of those decidable",
-        ),
-        ("exercised", str(scored.exercised), "credible cells of the HAZOP matrix flown, of all"),
-        ("situations", covered.situations.plain, "distinct situations flown, of the grid"),
+    mutants = [_of(dossier, verdict) for verdict in Verdict if dossier.of(verdict)]
+    return render((_ratios(dossier), *mutants, _findings(dossier)), Format.MARKDOWN)
+
+
+def _ratios(dossier: Dossier) -> Table:
+    scored = dossier.score
+    title, headers = f"scaloft-fi: campaign {dossier.campaign}", ("ratio", "part/whole", "of")
+    flown = ("situations", dossier.coverage.situations.short, "distinct situations flown, of the grid")
+    exercised = (
+        "exercised",
+        scored.exercised.short,
+        "credible cells of the HAZOP matrix whose mutant was flown, of all",
     )
-    survivors = tuple(
-        (mutant.subject.id, mutant.kill_rate.plain, verdict(mutant).split(";", maxsplit=1)[0])
-        for mutant in dossier.survivors
+    if not scored.pooled:
+        return Table(title, headers, (exercised, flown), (f"No score: {NO_POOL}.",))
+    rows = (
+        ("mutation score", str(scored.mutation_score), "mutants detected by safety requirements, of those flown"),
+        ("tested", str(scored.tested), "mutants put to the test, of those flown"),
+        ("operability", str(scored.operability), "mutants detected by operability requirements, of those flown"),
+        exercised,
+        flown,
     )
-    killed = tuple(
-        (mutant.subject.id, str(mutant.kill_rate), ", ".join(name for name, _ in mutant.requirements))
-        for mutant in dossier.counted
-        if mutant.killed
+    detected = (
+        "Detected: it violates safety requirements more often than chance explains, beside the unmutated drone's own "
+        f"flights; at alpha {scored.alpha:g} chance explains at most {scored.expected_false:.2g} of them."
     )
-    baselines = findings(dossier.outcomes, dossier.space)
-    red = tuple(
-        (finding.situation, Ratio(finding.red, finding.flown).plain, ", ".join(finding.violated))
-        for finding in baselines
-        if finding.red
+    killed = (
+        "A situation tests a mutant that changes a sample there, if the unmutated drone holds a safety requirement "
+        "steadily, in nine tenths of its flights there or more; a detected mutant is killed there if most of its "
+        "flights violate that requirement."
     )
-    interval = "In brackets Wilson's 95 % interval [%] over the row's population."
-    tables = (
-        Table(f"scaloft-fi: campaign {dossier.campaign}", ("ratio", "part/whole", "of"), ratios, (interval,)),
-        Table(f"{len(survivors)} survivors", ("mutant", "killed/eligible", "why"), survivors),
-        Table(f"{len(killed)} killed", ("mutant", "killed/eligible", "by"), killed),
-        Table(f"{len(red)} situations with a red baseline", ("situation", "red flights", "violated"), red),
+    return Table(title, headers, rows, (detected, killed))
+
+
+def _of(dossier: Dossier, verdict: Verdict) -> Table:
+    """The mutants of a verdict, each with what it rests on."""
+    rows = tuple((mutant.subject.id, dossier.why(mutant)) for mutant in dossier.of(verdict))
+    return Table(f"{len(rows)} {verdict.words}", ("mutant", "why"), rows)
+
+
+def _findings(dossier: Dossier) -> Table:
+    """Where the unmutated drone itself violates a safety requirement."""
+    rows = tuple(
+        (pair.situation, pair.requirement, f"{pair.violated}/{pair.flights}", pair.state.value)
+        for pair in sorted(dossier.score.pool.pairs.values(), key=lambda pair: dossier.space.rank(pair.situation))
+        if pair.kind is Kind.SAFETY and pair.violated
     )
-    return render(tables, Format.MARKDOWN)
+    count = len({row[0] for row in rows})
+    headers = ("situation", "requirement", "flights that violate it", "state")
+    return Table(f"{count} situations where the unmutated drone violates a safety requirement", headers, rows)

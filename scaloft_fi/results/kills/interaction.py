@@ -1,7 +1,7 @@
 """Kill interaction order: how many axes a tester must get right, at the least, for a mutant to die.
 
-The order of a mutant is the fewest literals of an implicant of its kills: the least t such that some values of t axes
-kill it in every situation that has them.  It is the analogue of the number of variables that trigger a failure in
+The order of a mutant is the fewest literals of an implicant of its kills: the least t such that it is killed in every
+situation that has certain values of t axes.  It is the analogue of the number of variables that trigger a failure in
 NIST's studies of software failures.
 """
 
@@ -44,7 +44,7 @@ class Interaction:
         order: fewest axes that have to be right; 0 when it dies wherever it is tested.
         at_most: the same if it survived in every situation that does not say: there the order may rest on nothing.
         killing: situations where it is killed.
-        unknown: situations that say nothing: not flown, or beside a baseline that held nothing to its end.
+        unknown: situations that say nothing: not flown, or it infects there and no safety requirement is steady.
     """
 
     mutant: str

@@ -29,8 +29,12 @@ OUTLINES = (
 )
 """Colour and dashes of an outline; the letter beside it says the same without either."""
 
+KILLED, SEEN = "killed", "seen"
+"""What a situation with a kill is called, and one where some flight violates a steady requirement without one."""
 FILLS = {
-    Status.KILLED.value: (INK, "#ffffff", ""),
+    KILLED: (INK, "#ffffff", ""),
+    SEEN: ("#d6d3d1", INK, ""),
+    Status.REVEALED.value: ("#ffffff", INK, "cross"),
     Status.SURVIVED.value: ("#ffffff", INK, ""),
     Status.MASKED.value: ("#ffffff", INK, "dots"),
     Status.NOT_INFECTED.value: ("#ffffff", INK, "rising"),
@@ -39,7 +43,7 @@ FILLS = {
     Status.INVALID.value: ("#e7e5e4", INK, ""),
     NOT_FLOWN: ("#e7e5e4", FAINT, ""),
 }
-"""Per state the fill, the ink and the hatching."""
+"""Per state, `killed` or `seen` the fill, the ink and the hatching."""
 
 _TILES = {
     "dots": '<circle cx="4" cy="4" r="1.1" fill="#9ca3af"/>',
@@ -150,10 +154,14 @@ def _cell(x: float, y: float, key: str | None, entry: Entry | None) -> list[str]
     box = f'x="{x:.1f}" y="{y:.1f}" width="{CELL_W:.1f}" height="{CELL_H:.1f}"'
     if key is None or entry is None:
         return [f'<rect {box} fill="#f5f5f4" stroke="{FAINT}" stroke-dasharray="2 3"/>']
-    fill, ink, hatch = FILLS[entry.state]
-    words = entry.state.replace("_", " ")
-    count = f"{entry.kills} of {entry.eligible}" if entry.killed and entry.eligible > 1 else ""
-    about = f"{key}: {words}" + (f", {count} eligible flights" if count else "")
+    told = KILLED if entry.kills else SEEN if entry.seen else entry.state
+    fill, ink, hatch = FILLS[told]
+    words, names = told.replace("_", " "), entry.kills or entry.seen
+    violated = dict(entry.violated)
+    count = f"{max(violated[name] for name in names)} of {entry.flown}" if names and entry.flown > 1 else ""
+    by = ", ".join(f"{name} violated in {violated[name]} of {entry.flown} flights" for name in names)
+    spared = "" if entry.tested or not entry.infected else "no safety requirement is steady here"
+    about = ", ".join(filter(None, (f"{key}: {words}", by, spared)))
     parts = ["<g>", f"<title>{escape(about)}</title>", f'<rect {box} fill="{fill}" stroke="{FAINT}"/>']
     middle = y + CELL_H / 2
     if hatch:
@@ -161,7 +169,7 @@ def _cell(x: float, y: float, key: str | None, entry: Entry | None) -> list[str]
         wide = 6.4 * len(words) + 6
         plate = f'x="{x + (CELL_W - wide) / 2:.1f}" y="{middle - 10:.1f}" width="{wide:.1f}" height="19"'
         parts.append(f'<rect {plate} rx="3" fill="{fill}"/>')
-    weight = "bold" if entry.killed else ""
+    weight = "bold" if entry.kills else ""
     up = 3 if count else -4.5
     parts.append(text(x + CELL_W / 2, middle - up, words, anchor="middle", colour=ink, size=12, weight=weight))
     if count:

@@ -124,6 +124,11 @@ class KillMatrix:
         """Per mutant with a kill its situations, as the scores count; controls and PLACEBO are not in it."""
         return {row.id: row.kills for row in self.mutants if row.kills}
 
+    @property
+    def scattered(self) -> tuple[str, ...]:
+        """Detected mutants without a kill: some flights violate in several situations, most in none."""
+        return tuple(row.id for row in self.mutants if row.verdict is Verdict.DETECTED and not row.kills)
+
     @cached_property
     def flown(self) -> tuple[str, ...]:
         """Situations with a flight that counts, in the grid's order."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from scaloft_fi.results.kills.interaction import NIST, NIST_SOURCE, Interaction, Orders
 from scaloft_fi.results.kills.kill_matrix import KillMatrix
@@ -10,16 +11,33 @@ from scaloft_fi.results.kills.minimal_suite import Suite
 from scaloft_fi.results.kills.situation_kills import ChosenKills, SituationKills, chosen_kills
 from scaloft_fi.results.kills.subsumption import Redundancy, Subsumption
 from scaloft_fi.results.kills.survivors import Next, Rung, Survivor
+from scaloft_fi.results.scoring.detection import Verdict
 from scaloft_fi.results.scoring.ratio import Ratio
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.telling.table import Cell, Table
 
-COUNTED = "Killed: by a flight whose baseline held a safety requirement to its end, as the scores count."
-INDENTED = "Indented: dies wherever a mutant of the layer before dies; subsumed by: those directly before it."
-ORDER = (
-    "Order: fewest axes whose values decide the kill.  Where situations say nothing (not flown, baseline red) it is a "
-    "range: from what is known to what it would be if the mutant survived there."
+COUNTED = (
+    "Killed in a situation: the mutant is detected, and most of its flights there violate a requirement that the "
+    "unmutated drone holds steadily there."
 )
+INDENTED = "Indented: killed wherever a mutant of the layer before is; subsumed by: those directly before it."
+ORDER = (
+    "Order: fewest axes whose values decide the kill.  Where situations say nothing (not flown, or no steady "
+    "requirement tests the mutant there) it is a range: from what is known to what it would be if the mutant survived "
+    "there."
+)
+
+
+def with_scattered(shown: Sequence[Table], matrix: KillMatrix) -> list[Table]:
+    """The same tables; the first names the detected mutants that have no kill, which all of them leave out."""
+    ids = matrix.scattered
+    if not ids or not shown:
+        return list(shown)
+    note = (
+        f"Detected without a kill, so in no table of kills: {', '.join(ids)}.  Their violations are spread over "
+        "situations; in none do most flights violate."
+    )
+    return [replace(shown[0], notes=(*shown[0].notes, note)), *shown[1:]]
 
 
 def interaction_table(found: Sequence[Interaction]) -> Table:
@@ -56,22 +74,27 @@ def situation_table(found: Sequence[SituationKills], space: Space, *, short: boo
         (
             entry.situation,
             _words(space, entry.situation),
-            Ratio(len(entry.killed), entry.eligible).plain,
-            entry.minimal.plain,
+            str(Ratio(len(entry.killed), entry.tested)),
+            str(entry.minimal),
             ", ".join(entry.alone),
         )
         for entry in shown
     )
     idle = [entry for entry in found if not entry.killed]
-    untested = sum(not entry.eligible for entry in idle)
+    untested = sum(not entry.tested for entry in idle)
     notes = [
-        f"{len(idle)} of {len(found)} situations flown kill nothing, {untested} because no flight there is eligible."
+        f"In {len(idle)} of {len(found)} situations flown no mutant is killed; {untested} of them put none to the test."
     ]
     notes.append(COUNTED)
     if short and len(shown) < len(found):
-        notes.insert(0, f"{len(found) - len(shown)} situations that kill, and nothing alone, are left out.")
+        notes.insert(
+            0, f"{len(found) - len(shown)} situations are left out: what is killed there is killed elsewhere too."
+        )
     return Table(
-        "Situations", ("situation", "values", "killed/eligible", "minimal mutants", "kills alone"), rows, tuple(notes)
+        "Situations",
+        ("situation", "values", "killed/tested", "minimal mutants", "killed only there"),
+        rows,
+        tuple(notes),
     )
 
 
@@ -86,22 +109,22 @@ def suite_table(suite: Suite, matrix: KillMatrix) -> Table:
         so_far, own = chosen_kills(matrix, suite.situations[:number]), chosen_kills(matrix, [key])
         needed = "yes" if key in suite.needed else ""
         words = _words(matrix.space, key)
-        rows.append((key, words, needed, own.killed.part, so_far.killed.plain, so_far.dominator.plain))
+        rows.append((key, words, needed, own.killed.part, str(so_far.killed), str(so_far.dominator)))
     size = len(suite.situations)
     if suite.exact:
         others = "an unknown number" if suite.alternatives is None else str(suite.alternatives)
         notes = [f"Fewest situations that keep every kill: {size}, proved; sets of that size: {others}."]
     else:
         notes = [f"Fewest situations that keep every kill: at most {size}; chosen greedily, too many to prove it."]
-    headers = ("situation", "values", "needed", "kills", "killed so far", "minimal so far")
+    headers = ("situation", "values", "needed", "killed there", "killed so far", "minimal so far")
     return Table("Smallest set of situations", headers, tuple(rows), (*notes, COUNTED))
 
 
 def chosen_table(chosen: ChosenKills) -> Table:
     """What some situations kill together."""
     rows = (
-        ("killed", chosen.killed.plain, "of the mutants that any situation flown kills"),
-        ("dominator score", chosen.dominator.plain, "minimal mutants killed, of all: redundant mutants do not count"),
+        ("killed", str(chosen.killed), "of the mutants killed in any situation flown"),
+        ("dominator score", str(chosen.dominator), "minimal mutants killed, of all: redundant mutants do not count"),
         ("lost", str(len(chosen.lost)), ", ".join(chosen.lost)),
     )
     note = "Dominator score: Kurtz et al., FSE 2016; of every situation flown together it is 1 by construction."
@@ -140,7 +163,7 @@ def subsumption_table(graph: Subsumption, *, short: bool = False) -> Table:
 def redundancy_table(found: Sequence[Redundancy]) -> Table:
     """Per cell with several killed mutants, how many say what another says."""
     rows = tuple(
-        (entry.cell, entry.redundant.plain, "; ".join(" = ".join(group) for group in entry.duplicates))
+        (entry.cell, str(entry.redundant), "; ".join(" = ".join(group) for group in entry.duplicates))
         for entry in found
     )
     notes = ("Redundant: killed magnitudes and phases of a cell with the kill set of another of them.",)
@@ -149,22 +172,32 @@ def redundancy_table(found: Sequence[Redundancy]) -> Table:
 
 def survivor_table(found: Sequence[Survivor]) -> Table:
     """Every survivor with the next thing to do."""
-    rows = tuple((entry.mutant, entry.rung.value, entry.next.value, entry.why) for entry in found)
-    return Table("Survivors", ("mutant", "stopped at", "next", "why"), rows, (_STOPPED, _WAY))
+    rows = tuple((entry.mutant, entry.verdict.words, entry.rung.value, entry.next.value, entry.why) for entry in found)
+    return Table("Survivors", ("mutant", "verdict", "stopped at", "next", "why"), rows, (_STOPPED, _STEADY, _WAY))
 
 
 def survivor_summary(found: Sequence[Survivor]) -> Table:
-    """How many survivors stopped where, by what to do next."""
-    groups: dict[tuple[Rung, Next], list[str]] = {(rung, then): [] for rung in Rung for then in Next}
+    """How many survivors have which verdict and stopped where, by what to do next."""
+    groups: dict[tuple[Rung, Verdict, Next], list[str]] = {
+        (rung, verdict, then): [] for rung in Rung for verdict in Verdict for then in Next
+    }
     for entry in found:
-        groups[entry.rung, entry.next].append(entry.mutant)
-    rows = tuple((rung.value, then.value, len(ids), ", ".join(ids)) for (rung, then), ids in groups.items() if ids)
-    notes = (_STOPPED, "`--show survivors` says of each why.")
-    return Table("Survivors", ("stopped at", "next", "mutants", "which"), rows, notes)
+        groups[entry.rung, entry.verdict, entry.next].append(entry.mutant)
+    rows = tuple(
+        (verdict.words, rung.value, then.value, len(ids), ", ".join(ids))
+        for (rung, verdict, then), ids in groups.items()
+        if ids
+    )
+    notes = (_STOPPED, "`--show survivors` says of each why, and what to do.")
+    return Table("Survivors", ("verdict", "stopped at", "next", "mutants", "which"), rows, notes)
 
 
-_WAY = "Off its path: from the path of the baseline, over eligible flights of the first seed."
+_WAY = "Off its path: from the path of the baseline, over flights of the first seed that put the mutant to the test."
 _STOPPED = (
-    "Stopped at: reach (no sample), infect (no sample changed), propagate (same flight), reveal (no requirement "
-    "violated that the baseline held); next: what to change to see more."
+    "Mutants that are not detected.  Stopped at: reach (no sample), infect (no sample changed), propagate (same "
+    "flight), reveal (another flight, no requirement violated more often than chance explains); next: what to change."
+)
+_STEADY = (
+    "A requirement in a situation is steady when the unmutated drone holds it in nine of ten flights, red when it "
+    "mostly violates it, vacuous when its trigger seldom comes true, open when flights end before it is judged."
 )

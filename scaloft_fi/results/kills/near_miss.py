@@ -1,12 +1,13 @@
-"""How near a surviving flight came to a kill: margin lost beside its baseline, way off the baseline's path."""
+"""How near a flight came to a violation: margin lost beside its baseline, way off the baseline's path."""
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
 from scaloft_fi.results.flights import Flight
-from scaloft_fi.results.requirement import Kind, Reading, Verdict
+from scaloft_fi.results.requirement import Reading, Verdict
 from scaloft_fi.results.track import TRACK_COLUMNS, unpack_track
 
 _X, _Y, _Z = (TRACK_COLUMNS.index(name) for name in ("x_m", "y_m", "z_m"))
@@ -16,7 +17,7 @@ _A_SECOND = 5
 
 @dataclass(frozen=True)
 class Loss:
-    """Robustness of a safety requirement in a flight beside its baseline's, in the requirement's unit.
+    """Robustness of a requirement in a flight beside its baseline's, in the requirement's unit.
 
     Attributes:
         requirement: name.
@@ -48,14 +49,14 @@ class Loss:
         }
 
 
-def losses(flight: Flight) -> tuple[Loss, ...]:
-    """Per safety requirement that flight and baseline held to their ends, none of them vacuously, what it lost."""
+def losses(flight: Flight, steady: Collection[str]) -> tuple[Loss, ...]:
+    """What a flight lost of each requirement, steady there, that it and its baseline held to their ends, triggered."""
     if flight.baseline is None:
         return ()
     found = []
     for reading in flight.outcome.readings:
         clean = flight.baseline.reading(reading.requirement)
-        if clean is not None and reading.kind is Kind.SAFETY and _held(reading) and _held(clean) and clean.rho > 0:
+        if clean is not None and reading.requirement in steady and _held(reading) and _held(clean) and clean.rho > 0:
             place = flight.outcome.situation, flight.outcome.seed
             found.append(Loss(reading.requirement, *place, clean.rho, reading.rho))
     return tuple(found)

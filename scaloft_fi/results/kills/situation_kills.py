@@ -19,14 +19,14 @@ class SituationKills:
     Attributes:
         situation: key.
         killed: ids of the mutants it kills, as the scores count.
-        eligible: mutants that could have been killed there: with a flight whose baseline held a safety requirement.
+        tested: mutants that could have been killed there: it puts them to the test.
         alone: those of the killed that no other situation kills.
         minimal: minimal mutants it kills, of all: what it would score without redundant mutants.
     """
 
     situation: str
     killed: tuple[str, ...]
-    eligible: int
+    tested: int
     alone: tuple[str, ...]
     minimal: Ratio
 
@@ -35,7 +35,7 @@ class SituationKills:
         return {
             "situation": self.situation,
             "killed": list(self.killed),
-            "eligible": self.eligible,
+            "tested": self.tested,
             "alone": list(self.alone),
             "minimal": {"part": self.minimal.part, "whole": self.minimal.whole},
         }
@@ -44,12 +44,12 @@ class SituationKills:
 def situation_kills(matrix: KillMatrix) -> tuple[SituationKills, ...]:
     """Every situation flown, in the grid's order, those that kill nothing too."""
     graph = subsumption(matrix.kills)
-    eligible = Counter(entry.situation for row in matrix.mutants for entry in row.entries if entry.eligible)
+    tested = Counter(entry.situation for row in matrix.mutants for entry in row.entries if entry.tested)
     return tuple(
         SituationKills(
             situation=key,
             killed=tuple(id_ for id_, keys in matrix.kills.items() if key in keys),
-            eligible=eligible[key],
+            tested=tested[key],
             alone=tuple(id_ for id_, keys in matrix.kills.items() if keys == {key}),
             minimal=graph.dominator_score([key]),
         )

@@ -8,16 +8,14 @@ subsumption graphs", Mutation 2014).  It holds of the situations flown, not of a
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.results.flights import flights_of
-from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.kills.kill_matrix import KillMatrix
 from scaloft_fi.results.roster import cell_of
 from scaloft_fi.results.scoring.ratio import Ratio
-from scaloft_fi.results.status import Status
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -134,17 +132,16 @@ def subsumption(kills: Mapping[str, Collection[str]]) -> Subsumption:
     return Subsumption(nodes, tuple(sorted(nx.transitive_reduction(full).edges)))
 
 
-def kills_by_requirement(outcomes: Iterable[Outcome], mutants: Collection[str]) -> dict[str, frozenset[str]]:
-    """Per mutant what kills it as `SITUATION SR`: an eligible flight's safety requirements, each for itself.
+def kills_by_requirement(matrix: KillMatrix) -> dict[str, frozenset[str]]:
+    """Per mutant with a kill what kills it as `SITUATION REQUIREMENT`, each requirement for itself.
 
     A flight that ends at a contact cannot show what it would have violated later.
     """
-    found: dict[str, set[str]] = {mutant: set() for mutant in mutants}
-    for flight in flights_of(outcomes):
-        outcome = flight.outcome
-        if outcome.mutant in found and flight.eligible and flight.status is Status.KILLED:
-            found[outcome.mutant] |= {f"{outcome.situation} {name}" for name in flight.kills}
-    return {mutant: frozenset(keys) for mutant, keys in found.items() if keys}
+    return {
+        row.id: frozenset(f"{entry.situation} {name}" for entry in row.entries for name in entry.kills)
+        for row in matrix.mutants
+        if row.kills
+    }
 
 
 @dataclass(frozen=True)
@@ -165,6 +162,10 @@ class Redundancy:
     def redundant(self) -> Ratio:
         """Mutants that could be left out without losing a kill set of the cell, of those killed."""
         return Ratio(sum(len(group) - 1 for group in self.duplicates), self.killed)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return {"cell": self.cell, "killed": self.killed, "duplicates": [list(group) for group in self.duplicates]}
 
 
 def redundancies(graph: Subsumption) -> tuple[Redundancy, ...]:

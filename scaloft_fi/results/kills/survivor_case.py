@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,20 +12,22 @@ from scaloft_fi.results.kills.background import Background
 from scaloft_fi.results.kills.condition import condition
 from scaloft_fi.results.kills.kill_matrix import KillMatrix, Row
 from scaloft_fi.results.kills.near_miss import Loss, losses, off_path_m
-from scaloft_fi.results.outcome import BASELINE, Outcome
+from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.requirement import Kind
-from scaloft_fi.results.roster import cell_of
+from scaloft_fi.results.scoring.pool import Pool, State
+from scaloft_fi.results.scoring.score import MutantScore, Score
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.status import Status
 
 
 @dataclass(frozen=True)
 class Campaign:
-    """The flights, by mutant, and what the baselines and the other faults of a seam show."""
+    """The flights and scores, by mutant, and what the baselines and the other faults of a seam show."""
 
     space: Space
+    pool: Pool
+    scores: Mapping[str, MutantScore]
     flights: Mapping[str, Sequence[Flight]]
-    baselines: Sequence[Outcome]
     carrying: Mapping[str, frozenset[str]]
     """Per seam the situations where it carried a sample in some flight."""
     units: Mapping[str, str]
@@ -33,14 +36,14 @@ class Campaign:
     def of(
         cls,
         outcomes: Iterable[Outcome],
+        scored: Score,
         matrix: KillMatrix,
         backgrounds: Mapping[str, Background],
         units: Mapping[str, str],
     ) -> Campaign:
-        """From outcomes, with or without trajectories; invalid flights say nothing."""
-        listed = list(outcomes)
+        """From outcomes, with or without trajectories, and their score; invalid flights say nothing."""
         flights: dict[str, list[Flight]] = {row.id: [] for row in matrix.rows}
-        for flight in flights_of(listed):
+        for flight in flights_of(outcomes):
             if flight.status is not Status.INVALID:
                 flights.setdefault(flight.outcome.mutant, []).append(flight)
         carrying: dict[str, set[str]] = {}
@@ -49,16 +52,21 @@ class Campaign:
             carrying.setdefault(background.seam, set()).update(reached)
         return cls(
             space=matrix.space,
+            pool=scored.pool,
+            scores={mutant.subject.id: mutant for mutant in scored.mutants},
             flights=flights,
-            baselines=[o for o in listed if o.mutant == BASELINE and not o.invalid],
             carrying={seam: frozenset(keys) for seam, keys in carrying.items()},
             units=units,
         )
 
-    @cached_property
-    def kinds(self) -> Mapping[str, Kind]:
-        """Of each requirement."""
-        return {reading.requirement: reading.kind for baseline in self.baselines for reading in baseline.readings}
+    @property
+    def safety(self) -> tuple[str, ...]:
+        """The safety requirements."""
+        return self.pool.requirements(Kind.SAFETY)
+
+    def states(self, requirement: str, situations: Iterable[str]) -> Counter[State]:
+        """In how many of some situations a requirement has each state."""
+        return Counter(self.pool.states.get((key, requirement), State.UNKNOWN) for key in situations)
 
     def where(self, true: Callable[[str], bool], known: Iterable[str]) -> str:
         """In words, the situations of `known` of which something is true."""
@@ -76,6 +84,11 @@ class Case:
     background: Background
 
     @property
+    def score(self) -> MutantScore:
+        """What its flights say together."""
+        return self.campaign.scores[self.row.id]
+
+    @property
     def flights(self) -> Sequence[Flight]:
         """Those that count."""
         return self.campaign.flights.get(self.row.id, ())
@@ -83,43 +96,40 @@ class Case:
     @cached_property
     def flown(self) -> frozenset[str]:
         """Situations with a flight of it that counts."""
-        return frozenset(flight.outcome.situation for flight in self.flights)
+        return frozenset(result.situation for result in self.score.results)
 
     @cached_property
     def infected(self) -> frozenset[str]:
         """Those where it changes a sample."""
-        return frozenset(flight.outcome.situation for flight in self.flights if flight.status.infected)
+        return frozenset(result.situation for result in self.score.results if result.infected)
 
     @cached_property
-    def eligible(self) -> tuple[Flight, ...]:
-        """Flights that could have killed."""
-        return tuple(flight for flight in self.flights if flight.eligible)
+    def steady(self) -> Mapping[str, tuple[str, ...]]:
+        """Per situation that puts it to the test the safety requirements that do."""
+        return {result.situation: result.steady for result in self.score.results if result.tested}
+
+    @property
+    def lacking(self) -> frozenset[str]:
+        """Situations where it infects and the pool has too few flights."""
+        return self.infected - self.campaign.pool.flown
+
+    @cached_property
+    def tested(self) -> tuple[Flight, ...]:
+        """Flights in situations that put it to the test."""
+        return tuple(flight for flight in self.flights if flight.outcome.situation in self.steady)
 
     @cached_property
     def loss(self) -> Loss | None:
-        """The greatest share of a margin lost in an eligible flight; the first of equals."""
-        return max((loss for f in self.eligible for loss in losses(f)), key=lambda loss: loss.share, default=None)
+        """The greatest share of a margin that a flight lost in a steady pair; the first of equals."""
+        found = (loss for f in self.tested for loss in losses(f, self.steady[f.outcome.situation]))
+        return max(found, key=lambda loss: loss.share, default=None)
 
     @cached_property
     def off_path_m(self) -> float:
-        """How far an eligible flight was off its baseline's path at the most [m]."""
-        return max((off_path_m(flight) for flight in self.eligible if flight.status is Status.SURVIVED), default=0.0)
-
-    @property
-    def left(self) -> str:
-        """What of the grid is left to fly."""
-        left = len(self.campaign.space.points) - len(self.flown)
-        return f"{left} situations of the grid were not flown." if left else "no situation of the grid does: add one."
+        """How far a flight that put it to the test was off its baseline's path at the most [m]."""
+        return max((off_path_m(flight) for flight in self.tested if flight.status is Status.SURVIVED), default=0.0)
 
     @property
     def infected_where(self) -> str:
         """The situations where it changes a sample, in words."""
         return self.campaign.where(self.infected.__contains__, self.flown)
-
-    @property
-    def larger(self) -> str:
-        """What to do where a larger fault may kill."""
-        return (
-            f"the next rung is {self.background.stronger[0]}; "
-            f"`scaloft-fi margin {cell_of(self.row.id)}` searches the least magnitude that kills."
-        )

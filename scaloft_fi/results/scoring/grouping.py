@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 from scaloft_fi.results.roster import Roster
-from scaloft_fi.results.scoring.ratio import Ratio
+from scaloft_fi.results.scoring.ratio import Ratio, share_json
 from scaloft_fi.results.scoring.score import MutantScore, Result, Score
 from scaloft_fi.results.space import Space
 
@@ -28,13 +29,18 @@ class Group:
 
     Attributes:
         name: of the part.
-        killed: killed, of those eligible; mutants, or for an axis value mutants in situations.
-        flown: the same killed, of those flown.
+        tested: detected mutants of those put to the test; of a situation, a requirement or an axis value those with a
+            kill there of those that it tests, and of an axis value mutants in situations.
+        flown: the same detected, of those flown.
     """
 
     name: str
-    killed: Ratio
+    tested: Ratio
     flown: Ratio
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return {"name": self.name, "tested": share_json(self.tested), "flown": share_json(self.flown)}
 
 
 def groups(scored: Score, by: By, roster: Roster, space: Space) -> tuple[Group, ...]:
@@ -46,7 +52,7 @@ def groups(scored: Score, by: By, roster: Roster, space: Space) -> tuple[Group, 
         return _of_mutants(mutants, lambda mutant: mutant.subject.parameter)
     if by is By.REQUIREMENT:
         return _of_requirements(mutants)
-    results = [result for mutant in mutants for result in mutant.results if result.flown]
+    results = [result for mutant in mutants for result in mutant.results]
     if by is By.SITUATION:
         keys = sorted({result.situation for result in results}, key=space.rank)
         return tuple(_of_results(key, (r for r in results if r.situation == key)) for key in keys)
@@ -70,23 +76,21 @@ def _of_mutants(mutants: Iterable[MutantScore], name: Callable[[MutantScore], st
 
 
 def _of_part(name: str, members: list[MutantScore]) -> Group:
-    killed = sum(mutant.killed for mutant in members)
-    return Group(
-        name, Ratio(killed, sum(mutant.kill_rate.whole > 0 for mutant in members)), Ratio(killed, len(members))
-    )
+    detected = sum(mutant.detected for mutant in members)
+    return Group(name, Ratio(detected, sum(mutant.tested for mutant in members)), Ratio(detected, len(members)))
 
 
 def _of_results(name: str, results: Iterable[Result]) -> Group:
     listed = list(results)
-    killed = sum(result.kills > 0 for result in listed)
-    return Group(name, Ratio(killed, sum(result.eligible > 0 for result in listed)), Ratio(killed, len(listed)))
+    killed = sum(bool(result.kills) for result in listed)
+    return Group(name, Ratio(killed, sum(result.tested for result in listed)), Ratio(killed, len(listed)))
 
 
 def _of_requirements(mutants: list[MutantScore]) -> tuple[Group, ...]:
-    names = dict.fromkeys(name for mutant in mutants for name in mutant.tested)
+    names = dict.fromkeys(name for mutant in mutants for name in mutant.tests)
     parts = []
     for name in names:
-        able = [mutant for mutant in mutants if name in mutant.tested]
-        killed = sum(any(killer == name for killer, _ in mutant.requirements) for mutant in able)
-        parts.append(Group(name, Ratio(killed, len(able)), Ratio(killed, len(mutants))))
+        able = [mutant for mutant in mutants if name in mutant.tests]
+        detected = sum(name in (*mutant.safety.by, *mutant.operability.by) for mutant in able)
+        parts.append(Group(name, Ratio(detected, len(able)), Ratio(detected, len(mutants))))
     return tuple(parts)

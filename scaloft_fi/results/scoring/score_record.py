@@ -5,24 +5,42 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from scaloft_fi.results.scoring.decision import Decision
-from scaloft_fi.results.scoring.ratio import ratio_json, share_json
-from scaloft_fi.results.scoring.redraw import NO_PAIRS
-from scaloft_fi.results.scoring.score import MutantScore, Result, Score
+from scaloft_fi.results.scoring.detection import Detection
+from scaloft_fi.results.scoring.grouping import Group
+from scaloft_fi.results.scoring.ratio import share_json
+from scaloft_fi.results.scoring.score import Kill, Moment, MutantScore, Score
 from scaloft_fi.results.situations.coverage import Coverage, coverage_json
 
+VERSION = 2
+"""Of this form; it changes when a name or its meaning does."""
+RATIOS = ("exercised", "infected", "tested", "mutation_score", "operability")
 
-def score_json(scored: Score, covered: Coverage, baselines: Sequence[tuple[str, Sequence[str]]]) -> dict[str, Any]:
-    """The score as plain JSON values; `baselines` names what each situation's baseline violates."""
-    ratios = ("exercised", "infected", "mutation_score", "strict_score")
+
+def score_json(
+    scored: Score, covered: Coverage, baselines: Sequence[tuple[str, Sequence[str]]], groups: Sequence[Group] = ()
+) -> dict[str, Any]:
+    """Plain JSON values.
+
+    Args:
+        scored: the campaign's score.
+        covered: its situation coverage.
+        baselines: names what each situation's baseline violates in any flight.
+        groups: the score part by part, where asked for.
+    """
     return {
-        "ratios": {name: ratio_json(getattr(scored, name)) for name in ratios},
+        "version": VERSION,
+        "alpha": scored.alpha,
+        "pooled": scored.pooled,
+        "ratios": {name: share_json(getattr(scored, name)) for name in RATIOS},
+        "expected_false": scored.expected_false,
+        "redraw": scored.redraw.to_json(),
         "mutants": [_mutant(mutant) for mutant in scored.mutants],
+        "controls": [_mutant(mutant) for mutant in scored.controls],
+        "pairs": [pair.to_json() for pair in scored.pool.pairs.values()],
+        "lacking": list(scored.lacking),
         "coverage": _coverage(covered),
         "baseline": [{"situation": key, "violated": list(violated)} for key, violated in baselines],
-        "decided_score": ratio_json(scored.decided_score),
-        "operability": ratio_json(scored.operability),
-        "redraw": _redraw(scored),
+        **({"groups": [group.to_json() for group in groups]} if groups else {}),
     }
 
 
@@ -41,37 +59,38 @@ def _mutant(mutant: MutantScore) -> dict[str, Any]:
         "parameter": mutant.subject.parameter,
         "magnitude": mutant.subject.magnitude,
         "status": mutant.status.value,
+        "verdict": mutant.verdict.value,
+        "p": dict(mutant.safety.p),
         "kill_rate": share_json(mutant.kill_rate),
         "kill_rate_flown": share_json(mutant.kill_rate_flown),
+        "kills": [_kill(kill) for kill in mutant.kills],
         "requirements": {name: share_json(ratio) for name, ratio in mutant.requirements},
-        "decisions": {
-            **{decision.value: len(mutant.decisions(decision)) for decision in Decision},
-            "situations": [_decided(r) for r in mutant.results if r.decided and r.decided.look],
+        "first": _moment(mutant.first),
+        "decided_at": _look(mutant.safety),
+        "operability": {
+            "verdict": mutant.operability.verdict.value,
+            "p": dict(mutant.operability.p),
+            "kills": [_kill(kill) for kill in mutant.operability_kills],
+            "decided_at": _look(mutant.operability),
         },
     }
 
 
-def _decided(result: Result) -> dict[str, Any]:
-    decided = result.decided
-    assert decided is not None
+def _look(detection: Detection) -> dict[str, Any]:
+    """The seeds that the verdict rests on, the share of alpha it is held against, the seeds that would decide it."""
+    return {"seeds": detection.seeds, "alpha": detection.share, "needed": detection.needed, "anew": detection.anew}
+
+
+def _kill(kill: Kill) -> dict[str, Any]:
     return {
-        "situation": result.situation,
-        "decision": decided.decision.value,
-        "requirement": decided.requirement,
-        "p": decided.p,
-        "flights": {"part": decided.k, "whole": decided.n},
-        "baseline": {"part": decided.b, "whole": decided.n0},
-        "look": decided.look,
+        "situation": kill.situation,
+        "requirement": kill.requirement,
+        "violated": kill.violated,
+        "flights": kill.flights,
     }
 
 
-def _redraw(scored: Score) -> dict[str, Any]:
-    measured, expected = scored.redraw, scored.false_kills
-    return {
-        "population": "ordered pairs of baseline seeds of one situation, the first of which held a safety requirement",
-        "rate": share_json(measured.rate),
-        "expected_false_kills": expected[0] if expected else None,
-        "eligible_flights": expected[1] if expected else 0,
-        "decided": {"seeds": measured.left_out, **share_json(measured.decided)},
-        "reason": "" if measured.pairs else NO_PAIRS,
-    }
+def _moment(moment: Moment | None) -> dict[str, Any] | None:
+    if moment is None:
+        return None
+    return moment._asdict() | {"position": list(moment.position)}

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.results.flights import apart
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.requirement import Kind, Verdict
-from scaloft_fi.results.scoring.ratio import Ratio
+from scaloft_fi.results.scoring.pool import Pool, State
+from scaloft_fi.results.scoring.ratio import Ratio, share_json
 from scaloft_fi.results.space import Space
-from scaloft_fi.results.status import held_to_end
 
 if TYPE_CHECKING:
     from scaloft_fi.results.situations.t_way import TWay
@@ -31,8 +32,7 @@ class Coverage:
         pool: those of them in which the baseline alone was flown, to decide by.
         combinations: per strength t, the combinations of values of t axes that were flown, of all that situations have.
         realised: situations whose every value came true together in a baseline flight, of the grid.
-        eligible: situations where a baseline held a safety requirement to its end, so that a fault could show, of the
-            grid.
+        states: how many safety pairs (situation flown x safety requirement) the baseline pool finds in each state.
         by_axis: per axis, the situations whose value there came true in a baseline flight, of those with one.
         requirements: per requirement, the situations where it was triggered in a baseline flight, of those with one: in
             the others it was vacuous or left open, and nothing was tested by it.
@@ -43,7 +43,7 @@ class Coverage:
     pool: int
     combinations: tuple[TWay, ...]
     realised: Ratio
-    eligible: Ratio
+    states: Mapping[State, int]
     by_axis: tuple[tuple[str, Ratio], ...]
     requirements: tuple[tuple[str, Ratio], ...]
 
@@ -51,6 +51,11 @@ class Coverage:
     def t_way(self) -> tuple[tuple[int, Ratio], ...]:
         """Per strength t, the combinations flown, of all."""
         return tuple((found.strength, found.total) for found in self.combinations)
+
+    @property
+    def steady(self) -> Ratio:
+        """Safety pairs that put a fault to the test, of those in situations with a pool."""
+        return Ratio(self.states[State.STEADY], sum(self.states.values()) - self.states[State.UNKNOWN])
 
 
 def coverage(outcomes: Iterable[Outcome], space: Space) -> Coverage:
@@ -63,7 +68,8 @@ def coverage_of(clean: Iterable[Outcome], draws: Collection[tuple[str, int]], sp
     """The same of the baselines `clean` and of the `draws` in which mutants were flown."""
     from scaloft_fi.results.situations.t_way import t_ways
 
-    baselines = [outcome for outcome in clean if not outcome.invalid and outcome.situation in space.point]
+    valid = (outcome for outcome in clean if not outcome.invalid and outcome.situation in space.point)
+    baselines = list({(outcome.situation, outcome.seed): outcome for outcome in valid}.values())
     beside = {draw for draw in draws if draw[0] in space.point}
     alone = {(outcome.situation, outcome.seed) for outcome in baselines} - beside
     judged = {outcome.situation for outcome in baselines}
@@ -72,19 +78,24 @@ def coverage_of(clean: Iterable[Outcome], draws: Collection[tuple[str, int]], sp
     whole = {
         outcome.situation for outcome in baselines if outcome.realised and all(true for _, true in outcome.realised)
     }
-    eligible = {outcome.situation for outcome in baselines if held_to_end(outcome, Kind.SAFETY)}
     return Coverage(
         situations=Ratio(len(flown), len(space.points)),
         draws=len(beside) + len(alone),
         pool=len(alone),
         combinations=t_ways(flown, space, STRENGTHS),
         realised=Ratio(len(whole), len(space.points)),
-        eligible=Ratio(len(eligible), len(space.points)),
+        states=_states(Pool.of(baselines), flown),
         by_axis=tuple(
             (axis, Ratio(sum((key, axis) in came_true for key in judged), len(judged))) for axis in space.axes
         ),
         requirements=_requirements(baselines, len(judged)),
     )
+
+
+def _states(pool: Pool, flown: Iterable[str]) -> dict[State, int]:
+    names = pool.requirements(Kind.SAFETY)
+    found = Counter(pool.states.get((key, name), State.UNKNOWN) for key in flown for name in names)
+    return {state: found[state] for state in State}
 
 
 def _requirements(baselines: Iterable[Outcome], judged: int) -> tuple[tuple[str, Ratio], ...]:
@@ -100,22 +111,19 @@ def _requirements(baselines: Iterable[Outcome], judged: int) -> tuple[tuple[str,
 def coverage_json(covered: Coverage) -> dict[str, Any]:
     """Every number of the coverage as plain JSON values; `t_way` per strength, with its (p, t)-completeness."""
     return {
-        "situations": _share(covered.situations),
+        "situations": share_json(covered.situations),
         "draws": covered.draws,
         "pool": covered.pool,
         "t_way": {
             str(found.strength): {
-                **_share(found.total),
-                "complete": {f"{share:g}": _share(found.complete(share)) for share in SHARES},
+                **share_json(found.total),
+                "complete": {f"{share:g}": share_json(found.complete(share)) for share in SHARES},
             }
             for found in covered.combinations
         },
-        "realised": _share(covered.realised),
-        "realised_by_axis": {axis: _share(ratio) for axis, ratio in covered.by_axis},
-        "eligible": _share(covered.eligible),
-        "requirements": {name: _share(ratio) for name, ratio in covered.requirements},
+        "realised": share_json(covered.realised),
+        "realised_by_axis": {axis: share_json(ratio) for axis, ratio in covered.by_axis},
+        "steady": share_json(covered.steady),
+        "states": {state.value: count for state, count in covered.states.items()},
+        "requirements": {name: share_json(ratio) for name, ratio in covered.requirements},
     }
-
-
-def _share(ratio: Ratio) -> dict[str, int]:
-    return {"part": ratio.part, "whole": ratio.whole}

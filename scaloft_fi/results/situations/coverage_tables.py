@@ -4,9 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from scaloft_fi.results.scoring.pool import LEAST, State
 from scaloft_fi.results.situations.coverage import SHARES, Coverage
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.telling.table import Table
+
+MEANINGS = {
+    State.STEADY: "at least nine tenths of the baseline's flights hold it: it tests a fault",
+    State.UNSTEADY: "the baseline holds it or not by chance",
+    State.RED: "most of the baseline's flights violate it",
+    State.OPEN: "more than a tenth of the baseline's flights end before it is judged",
+    State.VACUOUS: "less than half of the baseline's flights trigger it",
+    State.UNKNOWN: f"the situation has fewer than {LEAST} baseline flights",
+}
 
 
 def coverage_tables(covered: Coverage, space: Space, choices: Sequence[tuple[str, int, int, int]]) -> tuple[Table, ...]:
@@ -18,26 +28,23 @@ def coverage_tables(covered: Coverage, space: Space, choices: Sequence[tuple[str
         choices: per choice that was made its text, seed, test cases and distinct situations.
     """
     rows = [
-        ("distinct situations", covered.situations.plain, "situations of the grid"),
+        ("distinct situations", str(covered.situations), "situations of the grid"),
         ("draws", str(covered.draws), "test cases: situations flown, each seed anew"),
         *([("pool", str(covered.pool), "of these draws, the baseline's alone, to decide by")] if covered.pool else []),
-        ("realised", covered.realised.plain, "situations whose every value came true in a baseline flight"),
-        (
-            "eligible",
-            covered.eligible.plain,
-            "situations where a baseline held a safety requirement: a fault could show",
-        ),
+        ("realised", str(covered.realised), "situations whose every value came true in a baseline flight"),
+        ("steady pairs", str(covered.steady), "situation x safety requirement, where the baseline has a pool"),
     ]
     rows += [
-        (f"realised {axis}", ratio.plain, "flown situations where the value on that axis came true")
+        (f"realised {axis}", str(ratio), "flown situations where the value on that axis came true")
         for axis, ratio in covered.by_axis
     ]
     rows += [
-        (f"triggered {name}", ratio.plain, "flown situations whose baseline put the requirement to the test")
+        (f"triggered {name}", str(ratio), "flown situations where it was triggered and judged")
         for name, ratio in covered.requirements
     ]
     tables = [
         Table("Situation coverage", ("coverage", "part/whole", "of"), tuple(rows)),
+        _states(covered),
         _t_way(covered, len(space.axes)),
     ]
     if choices:
@@ -46,15 +53,20 @@ def coverage_tables(covered: Coverage, space: Space, choices: Sequence[tuple[str
     return tuple(tables)
 
 
+def _states(covered: Coverage) -> Table:
+    rows = tuple((state.value, covered.states[state], meaning) for state, meaning in MEANINGS.items())
+    return Table("Safety requirements in the situations flown", ("state", "pairs", "meaning"), rows)
+
+
 def _t_way(covered: Coverage, axes: int) -> Table:
     rows = tuple(
-        (f"{found.strength}-way", found.total.plain, *(found.complete(share).plain for share in SHARES))
+        (f"{found.strength}-way", str(found.total), *(str(found.complete(share)) for share in SHARES))
         for found in covered.combinations
         if found.strength <= axes
     )
     headers = ("combinations", "covered", *(f"p = {share:g}" for share in SHARES))
     notes = (
-        "Covered: combinations of the values of t axes that were flown, of all that situations of the grid have.",
-        "p: (p, t)-completeness, the choices of t axes with at least the share p of their combinations covered.",
+        "Covered: value combinations of t axes that were flown, of all that the grid has.",
+        "p: (p, t)-completeness: choices of t axes with at least the share p of these covered.",
     )
     return Table("Combinations of axis values", headers, rows, notes)

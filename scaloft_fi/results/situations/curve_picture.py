@@ -1,4 +1,4 @@
-"""Coverage against kills as one picture: kills, coverage and the difference to random situations over one axis of k."""
+"""Coverage against kills as one picture: kills, coverage, and kill sets beside those of random situations, over k."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ from scaloft_fi.results.telling.symbols import FAINT, FONT, INK
 
 WIDTH, HEIGHT, LEFT, TOP, GAP, LINE = 330.0, 260.0, 62.0, 108.0, 76.0, 19.0
 
-AREAS = "Expected values at equal k; areas: 5 to 95 % of random orders (left), 95 % interval over mutants (right)."
+AREAS = (
+    "Expected values at equal k; areas: 5 to 95 % of random orders (left), 95 % over redrawn campaigns (right).  "
+    "Mutants that die in the same situations have one kill set."
+)
 LOOKS = {
     "random": ("#000000", "", ""),
     "draws": ("#6b727b", "2 4", ""),
@@ -77,9 +80,9 @@ def curve_picture(found: Curves, *, strength: int = 2) -> str:
     """
     last = len(found.trial.situations)
     shown = [curve for curve in found.curves if curve.id in LOOKS]
-    told = [curve for curve in shown if curve.difference and not curve.oracle]
-    banded = [curve.difference for curve in told if curve.difference and curve.id != "lexicographic"]
-    lows = [value for curve in told if curve.difference for value in curve.difference.mean]
+    told = [curve for curve in shown if curve.distinct and not curve.oracle]
+    banded = [curve.distinct for curve in told if curve.distinct and curve.id != "lexicographic"]
+    lows = [value for curve in told if curve.distinct for value in curve.distinct.mean]
     highs = [*lows, *(value for band in banded for value in band.high)]
     lows += [value for band in banded for value in band.low]
     most = max(1.0, *(max(curve.kills.mean) for curve in shown))
@@ -101,17 +104,17 @@ def curve_picture(found: Curves, *, strength: int = 2) -> str:
         text(LEFT - 40, 58, AREAS),
         *kills.frame("mutants killed", steps),
         *share.frame(f"{strength}-way combinations covered", 20.0, " %"),
-        *more.frame("killed more than by k random situations", spread),
+        *more.frame("kill sets more than by k random situations", spread),
         kills.between(found.spread.low, found.spread.high, "#000000"),
         *_lines(kills, shown, lambda curve: curve.kills.mean),
         *_lines(share, shown, lambda curve: [100 * one for one in dict(curve.t_way).get(strength, ())]),
     ]
     parts += [
-        more.between(curve.difference.low, curve.difference.high, LOOKS[curve.id][0])
+        more.between(curve.distinct.low, curve.distinct.high, LOOKS[curve.id][0])
         for curve in told
-        if curve.difference in banded
+        if curve.distinct in banded
     ]
-    parts += _lines(more, told, lambda curve: curve.difference.mean if curve.difference else ())
+    parts += _lines(more, told, lambda curve: curve.distinct.mean if curve.distinct else ())
     parts += _legend(shown, TOP + HEIGHT + 66)
     return "\n".join([*parts, "</svg>", ""])
 

@@ -6,25 +6,33 @@ from collections.abc import Iterable
 from typing import Any
 
 from scaloft_fi.results.situations.curves import Band, Curve, Curves
-from scaloft_fi.results.situations.prediction import Prediction
+from scaloft_fi.results.situations.prediction import Prediction, interval
+from scaloft_fi.results.situations.redrawn import RESAMPLES
 from scaloft_fi.results.telling.table import Table
 
-SHOWN = (1, 2, 4, 6, 8, 10, 12, 16, 24, 32)
+SHOWN = (1, 2, 4, 6, 8, 10, 16, 24, 32)
 """Sizes k in the tables; JSON has all."""
+COMPARED = (4, 8, 16)
+"""Those at which orders are compared with random order; an array at its own size."""
 
 
 def curves_json(found: Curves, prediction: Prediction) -> dict[str, Any]:
     """All points of all curves.  Lists over k begin with k = 1; a strategy's lists may be shorter than `situations`.
 
-    `strategies[].kills`, `.difference` and `spread` are {mean, low, high}; `difference` (to random order, at equal k,
-    paired) is null for random order itself; `distinct` is the same where mutants with equal kill sets count once;
-    `t_way` has a list of shares for each strength.
+    `strategies[].kills` (mutants), `.kill_sets` (mutants with equal kill sets count once) and `spread` are {mean, low,
+    high}; `difference` and `distinct` are those of both to random order, at equal k, paired, and null for random order
+    itself; `t_way` has a list of shares for each strength.  `seeds` are those that all mutants have in common; they are
+    resampled where `seeds_resampled`, while flights with `more_seeds` stand.
     """
     trial = found.trial
     return {
         "mutants": len(trial.mutants),
-        "killed": int(trial.kills.any(axis=1).sum()),
+        "killed": trial.killed,
         "kill_sets": len(trial.kill_sets),
+        "unkilled": list(trial.unkilled),
+        "seeds": list(trial.seeds),
+        "more_seeds": list(trial.more_seeds),
+        "seeds_resampled": bool(trial.seed_sets),
         "left_out": list(trial.left_out),
         "situations": len(trial.situations),
         "grid": len(trial.space.points),
@@ -47,6 +55,7 @@ def _curve(curve: Curve) -> dict[str, Any]:
         "about": curve.about,
         "oracle": curve.oracle,
         "kills": _band(curve.kills),
+        "kill_sets": _band(curve.kill_sets),
         "difference": _band(curve.difference) if curve.difference else None,
         "distinct": _band(curve.distinct) if curve.distinct else None,
         "t_way": {str(strength): list(shares) for strength, shares in curve.t_way},
@@ -65,14 +74,7 @@ def curve_tables(found: Curves, prediction: Prediction) -> tuple[Table, ...]:
     """What a person reads: the answer, kills and coverage at k, differences to random, whole orders, correlations."""
     trial = found.trial
     sizes = _sizes(len(trial.situations))
-    answer = Table(
-        "Coverage against kills",
-        ("finding",),
-        tuple((sentence,) for sentence in prediction.answer),
-        ("Of this campaign's grid and mutants only; intervals are over mutants, the situations are all there are.",)
-        if len(trial.situations) == len(trial.space.points)
-        else ("Of this campaign's mutants and the situations flown only; intervals are over mutants.",),
-    )
+    answer = Table("Coverage against kills", ("finding",), tuple((sentence,) for sentence in prediction.answer))
     kills = Table(
         "Mutants killed by k situations",
         ("strategy", *(f"k={k}" for k in sizes)),
@@ -84,13 +86,47 @@ def curve_tables(found: Curves, prediction: Prediction) -> tuple[Table, ...]:
             *([f"Left out, not flown in all of these situations: {', '.join(trial.left_out)}."] * bool(trial.left_out)),
         ),
     )
-    differences = Table(
-        "Killed more than by k random situations",
-        ("strategy", *(f"k={k}" for k in sizes)),
-        tuple((curve.name, *_between(curve.difference, sizes)) for curve in found.curves if curve.difference),
-        ("In brackets 95 % intervals over mutants, resampled within their parameter, paired; the situations stand.",),
+    told = _coverage(found, sizes), _orders(found), _correlations(prediction, sizes)
+    return (answer, _differences(found), kills, *told)
+
+
+def _differences(found: Curves) -> Table:
+    rows = tuple(
+        (
+            curve.name,
+            k,
+            f"{curve.kill_sets.mean[k - 1]:.1f}",
+            interval(curve.distinct, k),
+            f"{curve.kills.mean[k - 1]:.1f}",
+            interval(curve.difference, k),
+        )
+        for curve in found.curves
+        if curve.distinct and curve.difference and not curve.oracle
+        for k in _compared(curve)
     )
-    return (answer, kills, differences, _coverage(found, sizes), _orders(found), _correlations(prediction, sizes))
+    trial = found.trial
+    seeds = "Seeds are not resampled."
+    if trial.seed_sets:
+        seeds = (
+            f"Each is judged by the seeds that come out of {len(trial.seeds)} draws, mostly fewer than were flown, so "
+            "intervals need not be centred."
+        )
+    notes = [
+        "More: than as many random situations, paired.  Kill sets: mutants with equal kill sets count once.",
+        f"In brackets 95 % intervals over {RESAMPLES} redrawn campaigns.",
+        seeds,
+        "Mutants are resampled within their parameter, kill sets among each other.",
+    ]
+    if trial.more_seeds:
+        notes.append("Seeds that only some of the mutants were flown with are not resampled.")
+    headers = ("strategy", "k", "kill sets", "more kill sets", "mutants", "more mutants")
+    return Table("Compared with k random situations", headers, rows, tuple(notes))
+
+
+def _compared(curve: Curve) -> tuple[int, ...]:
+    """The sizes at which a strategy is compared with random order."""
+    size = len(curve.kills.mean)
+    return tuple(k for k in COMPARED if k < size) if curve.matched is None else (size,)
 
 
 def _coverage(found: Curves, sizes: tuple[int, ...]) -> Table:
@@ -104,7 +140,7 @@ def _coverage(found: Curves, sizes: tuple[int, ...]) -> Table:
 
 
 def _orders(found: Curves) -> Table:
-    never = int((~found.trial.kills.any(axis=1)).sum())
+    never = len(found.trial.mutants) - found.trial.killed
     rows = tuple(
         (
             curve.name,
@@ -116,9 +152,9 @@ def _orders(found: Curves) -> Table:
         for curve in found.curves
     )
     notes = (
-        f"APFD (average percentage of faults detected) leaves out the {never} mutants that no situation kills.",
+        f"APFD (average percentage of faults detected) leaves out the {never} mutants killed in no situation.",
         "It has a value for orders of all situations only.",
-        "Area: mean share of all mutants killed at k = 1 to the last; compare it with random order over the same k.",
+        "Area: mean share of all mutants killed at k = 1 to the last; compare it with the random area.",
     )
     return Table("Orders as a whole", ("strategy", "APFD", "area", "random area", "last k"), rows, notes)
 
@@ -133,8 +169,9 @@ def _correlations(prediction: Prediction, sizes: tuple[int, ...]) -> Table:
         for one in prediction.correlations
     )
     notes = (
-        "Kendall's tau-b over random suites of k situations; n/a where all of them cover, or kill, the same number.",
-        "Pooled over all sizes it measures the size of the suites: it is shown beside the others, not to be used.",
+        "Kendall's tau-b of coverage and mutants killed over random suites of k situations.",
+        "n/a: all suites of that size cover, or kill, the same number.",
+        "Pooled over all sizes it measures the size of the suites: shown beside the others, not to be used.",
     )
     return Table("Coverage and kills within one size", ("coverage", *(f"k={k}" for k in sizes), "pooled"), rows, notes)
 
@@ -147,13 +184,4 @@ def _at(values: Iterable[float | None], sizes: tuple[int, ...], shape: str) -> l
     listed = list(values)
     return [
         "" if k > len(listed) else "n/a" if (value := listed[k - 1]) is None else shape.format(value) for k in sizes
-    ]
-
-
-def _between(band: Band | None, sizes: tuple[int, ...]) -> list[str]:
-    if band is None:
-        return [""] * len(sizes)
-    return [
-        f"{band.mean[k - 1]:+z.1f} [{band.low[k - 1]:+z.1f}, {band.high[k - 1]:+z.1f}]" if k <= len(band.mean) else ""
-        for k in sizes
     ]

@@ -6,7 +6,7 @@ detection, test adequacy criteria, and test set size", ASE 2020): the size of a 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from importlib.util import find_spec
@@ -26,15 +26,14 @@ from scaloft_fi.results.situations.chance import (
     without_replacement,
 )
 from scaloft_fi.results.situations.covering import covering_array
+from scaloft_fi.results.situations.redrawn import redrawn
 from scaloft_fi.results.situations.trial import Trial
-from scaloft_fi.sim.streams import generator
 
 ARRAYS = (2, 3, 4)
 ORDERS = 1_000
 """Random orders, for the spread between orders."""
 GREEDY = 320
 """Orders of the greedy strategy, as many of them as can be shared out evenly over the situations to begin with."""
-RESAMPLES = 2_000
 QUANTILES = (0.025, 0.975)
 Floats = tuple[float, ...]
 
@@ -54,16 +53,17 @@ class Curve:
 
     Attributes:
         id, name, about: of the strategy.
-        kills: mutants killed by k = 1, 2, ... situations, expected; 95 % interval by resampling mutants.
+        kills: mutants killed by k = 1, 2, ... situations, expected; 95 % interval over redrawn campaigns.
+        kill_sets: the same of kill sets: mutants with equal ones count once.
         t_way: per strength, the share of the combinations covered, expected.
         difference: mutants killed more than by random situations at equal k, with a paired 95 % interval; None for
             random order itself.
-        distinct: the same where mutants with equal kill sets count once, with a 95 % interval over those sets.
-        apfd: of the mutants that all situations kill; None for a strategy that does not order them all.
+        distinct: the same of kill sets: the headline, as mutants that die in the same situations say the same.
+        apfd: of the mutants killed in some situation; None for a strategy that does not order them all.
         area: mean of the share of mutants killed, over the k of this strategy.
         random_area: the same of random situations over the same k.
-        matched: the least k (with a fraction) at which random situations kill as many as the whole suite does; None for
-            a strategy that orders all of them.
+        matched: the least k (with a fraction) at which random situations meet as many kill sets as the whole suite;
+            None for a strategy that orders all of them.
         oracle: whether it knows the kills beforehand.
     """
 
@@ -71,6 +71,7 @@ class Curve:
     name: str
     about: str
     kills: Band
+    kill_sets: Band
     t_way: tuple[tuple[int, Floats], ...]
     difference: Band | None
     distinct: Band | None
@@ -147,16 +148,11 @@ def curves(trial: Trial) -> Curves:
 
 
 class _Compare:
-    """Follows strategies over one trial, with the same resampled mutants for all."""
+    """Follows strategies over one trial, with the same redrawn campaigns for all."""
 
     def __init__(self, trial: Trial) -> None:
-        size = len(trial.situations)
-        self._kills = trial.kills
-        self._random = without_replacement(size)[trial.kills.sum(axis=1)]
-        self._weights = resamples(trial.parameters)
-        self._sets = trial.kill_sets
-        self._sets_random = without_replacement(size)[self._sets.sum(axis=1)]
-        self._set_weights = resamples(["" for _ in self._sets])
+        self._again = redrawn(trial.parameters, trial.kills, trial.seed_sets)
+        self._random = without_replacement(len(trial.situations))[self._again.kill_sets.sum(axis=1)]
         self._combinations = trial.followed
 
     def ordered(self, id_: str, name: str, about: str, positions: NDArray[np.int64], *, oracle: bool = False) -> Curve:
@@ -174,48 +170,35 @@ class _Compare:
         oracle: bool = False,
     ) -> Curve:
         """A strategy by the chances that it meets things within k situations; whole: it ends with all of them."""
-        killed = chances(self._kills)
-        length = killed.shape[1]
+        met, again = chances(self._again.kill_sets), self._again
+        length = met.shape[1]
         random = self._random[:, :length]
-        at_random = self._random.sum(axis=0)
         partial = not whole and length < self._random.shape[1]
+        sets = _band(again.distinct @ met)
         return Curve(
             id=id_,
             name=name,
             about=about,
-            kills=self._band(killed, self._weights),
+            kills=_band(again.mutants @ met),
+            kill_sets=sets,
             t_way=tuple(
                 (strength, _floats(chances(found).sum(axis=0) / possible))
                 for strength, found, possible in self._combinations
             ),
-            difference=None if id_ == "random" else self._band(killed - random, self._weights),
-            distinct=None
-            if id_ == "random"
-            else self._band(chances(self._sets) - self._sets_random[:, :length], self._set_weights),
-            apfd=apfd(killed) if whole else None,
-            area=float(killed.mean()),
-            random_area=float(random.mean()),
-            matched=_matched(at_random, float(killed[:, -1].sum())) if partial else None,
+            difference=None if id_ == "random" else _band(again.mutants @ (met - random)),
+            distinct=None if id_ == "random" else _band(again.distinct @ (met - random)),
+            apfd=apfd(met[again.place]) if whole else None,
+            area=float(met[again.place].mean()),
+            random_area=float(random[again.place].mean()),
+            matched=_matched(again.distinct[0] @ self._random, sets.mean[-1]) if partial else None,
             oracle=oracle,
         )
 
-    @staticmethod
-    def _band(values: Chances, weights: NDArray[np.float64]) -> Band:
-        low, high = np.quantile(weights @ values, QUANTILES, axis=0)
-        return Band(_floats(values.sum(axis=0)), _floats(low), _floats(high))
 
-
-def resamples(parameters: Sequence[str]) -> NDArray[np.float64]:
-    """(resamples, mutants): how often each mutant is in each bootstrap sample.
-
-    Drawn within each parameter: the mutants of one parameter are no independent sample of those of another.
-    """
-    rng = generator("resampled mutants")
-    weights = np.zeros((RESAMPLES, len(parameters)))
-    for parameter in sorted(set(parameters)):
-        members = [place for place, other in enumerate(parameters) if other == parameter]
-        weights[:, members] = rng.multinomial(len(members), np.full(len(members), 1 / len(members)), RESAMPLES)
-    return weights
+def _band(values: NDArray[np.float64]) -> Band:
+    """Of (1 + resamples, k): first the campaign flown."""
+    low, high = np.quantile(values[1:], QUANTILES, axis=0)
+    return Band(_floats(values[0]), _floats(low), _floats(high))
 
 
 def _spread(kills: Found) -> Band:
@@ -227,10 +210,10 @@ def _spread(kills: Found) -> Band:
     return Band(_floats(at.mean(axis=0)), _floats(low), _floats(high))
 
 
-def _matched(at_random: NDArray[np.float64], killed: float) -> float:
-    """Where the curve of random situations reaches `killed`, between its points on a straight line."""
+def _matched(at_random: NDArray[np.float64], number: float) -> float:
+    """Where the curve of random situations reaches a number, between its points on a straight line."""
     steps = np.concatenate([[0.0], at_random])
-    return float(np.interp(killed, steps, np.arange(len(steps))))
+    return float(np.interp(number, steps, np.arange(len(steps))))
 
 
 def _floats(values: NDArray[np.float64]) -> Floats:

@@ -12,6 +12,9 @@ from scaloft_fi.results.situations.chance import firsts
 from scaloft_fi.results.situations.curves import ARRAYS, ORDERS, Band, Curve, Curves
 from scaloft_fi.results.situations.trial import Trial, sub_cube
 
+FEW_SEEDS = 5
+"""Below, the sets of seeds that may come out of a draw are too few for more than a rough interval."""
+
 
 @dataclass(frozen=True)
 class Correlation:
@@ -99,57 +102,62 @@ def _sub_cubes(trial: Trial) -> tuple[tuple[int | None, int], ...]:
 def _answer(
     found: Curves, correlations: tuple[Correlation, ...], cubes: tuple[tuple[int | None, int], ...]
 ) -> tuple[str, ...]:
+    """Sentences; the last one is the verdict, with what it rests on."""
     trial = found.trial
-    size, mutants, killed = len(trial.situations), len(trial.mutants), int(trial.kills.any(axis=1).sum())
-    said = [f"{mutants} default mutants were flown in the same {size} situations, which kill {killed} of them."]
-    if not killed or size < 2:
-        return (*said, "Nothing follows about coverage: that needs kills, and situations to choose from.")
+    size, sets = len(trial.situations), len(trial.kill_sets)
+    flown = (
+        f"{_count(len(trial.mutants), 'default mutant')} of this matrix, flown in the same {_count(size, 'situation')}"
+    )
+    killed = f"{trial.killed} of them are killed, in {_count(sets, 'different set')} of situations (kill sets)"
+    said = [f"{flown}, have {_count(len(trial.seeds), 'seed')} in common; {killed}."]
+    if trial.unkilled:
+        said.append(f"Detected, but killed in no situation and so in no curve: {', '.join(trial.unkilled)}.")
+    if not trial.killed or size < 2:
+        return (
+            *said,
+            "Nothing follows about coverage: that needs kills, and so a baseline pool, and situations to choose from.",
+        )
     random = found.curve("random")
     assert random is not None
     arrays = [(strength, curve) for strength in ARRAYS if (curve := found.curve(f"{strength}-way"))]
-    said += [_array(strength, curve, random) for strength, curve in arrays]
-    said += [_distinct(len(trial.kill_sets), arrays)] if arrays else []
+    said.append(
+        "Mutants that die in the same situations say the same: each kill set counts once; in parentheses, each mutant."
+    )
+    said += [_array(strength, curve, random, sets) for strength, curve in arrays]
     said += [_whole(curve) for name in ("greedy", "lexicographic") if (curve := found.curve(name))]
     said += [_correlation(one) for one in correlations if one.strength == 2]
     if cubes:
         blocks = sum(count for t, count in cubes if t is not None)
         said.append(
-            f"The kills of {blocks} of {killed} mutants are a block of the grid, fixed by t axes: for those the chance "
-            "of a kill by k random situations is the expected t-way coverage, by identity."
+            f"The kills of {blocks} of {trial.killed} mutants are a block of the grid, fixed by t axes: for those the "
+            "chance of a kill by k random situations is the expected t-way coverage, by identity."
         )
-    return (*said, _verdict([curve for _, curve in arrays]))
+    return (*said, f"{_verdict(arrays, sets)}  {_carried(trial)}")
 
 
-def _array(strength: int, curve: Curve, random: Curve) -> str:
-    assert curve.difference is not None
-    k = len(curve.kills.mean)
+def _array(strength: int, curve: Curve, random: Curve, sets: int) -> str:
+    k = len(curve.kill_sets.mean)
     covered = dict(curve.t_way).get(strength, (0.0,))[-1]
     by_chance = dict(random.t_way).get(strength, (0.0,) * k)[k - 1]
     worth = f", as many as {curve.matched:.1f} random ones" if curve.matched is not None else ""
     return (
         f"A {strength}-way covering array of {k} situations has {100 * covered:.0f} % of the {strength}-way "
-        f"combinations, {k} random situations {100 * by_chance:.0f} %; it kills {curve.kills.mean[-1]:.1f} mutants "
-        f"against {random.kills.mean[k - 1]:.1f}{worth}: {_interval(curve.difference, k - 1)}."
-    )
-
-
-def _distinct(sets: int, arrays: list[tuple[int, Curve]]) -> str:
-    parts = [f"{t}-way {_interval(one.distinct, len(one.kills.mean) - 1)}" for t, one in arrays if one.distinct]
-    return (
-        f"Mutants that die in the same situations say the same: with each of the {sets} different kill sets counted "
-        f"once, the arrays' differences are {', '.join(parts)}."
+        f"combinations, {k} random situations {100 * by_chance:.0f} %; it meets {curve.kill_sets.mean[-1]:.1f} of "
+        f"{_count(sets, 'kill set')} against {random.kill_sets.mean[k - 1]:.1f}{worth}: {_both(curve, k)}."
     )
 
 
 def _whole(curve: Curve) -> str:
+    at = [k for k in (4, 8, 16) if k < len(curve.kill_sets.mean)]
+    if not at:
+        return f"The {curve.name} has too few situations."
+    return f"Kill sets more than in random order, {curve.name}: {', '.join(f'{_both(curve, k)} at {k}' for k in at)}."
+
+
+def _both(curve: Curve, k: int) -> str:
+    assert curve.distinct is not None
     assert curve.difference is not None
-    at = [k for k in (4, 8, 16) if k < len(curve.kills.mean)]
-    parts = ", ".join(f"{_interval(curve.difference, k - 1)} at {k}" for k in at)
-    return (
-        f"Against random order, the {curve.name} kills {parts}."
-        if parts
-        else f"The {curve.name} has too few situations."
-    )
+    return f"{interval(curve.distinct, k)} (mutants {interval(curve.difference, k)})"
 
 
 def _correlation(one: Correlation) -> str:
@@ -157,31 +165,60 @@ def _correlation(one: Correlation) -> str:
         return f"Kendall's tau of {one.strength}-way coverage and kills has no value here."
     inside = [tau for tau in one.within if tau is not None]
     return (
-        f"Kendall's tau of {one.strength}-way coverage and kills is {one.pooled:.2f} over random suites of all sizes "
-        f"together, and {min(inside):.2f} to {max(inside):.2f} (median {one.median:.2f}) among suites of one size: "
-        "what lies between is the size of the suites."
+        f"Kendall's tau of {one.strength}-way coverage and mutants killed is {one.pooled:.2f} over random suites of "
+        f"all sizes together, and {min(inside):.2f} to {max(inside):.2f} (median {one.median:.2f}) among suites of one "
+        "size: what lies between is the size of the suites."
     )
 
 
-def _verdict(arrays: list[Curve]) -> str:
-    """One sentence, by whether the intervals of the arrays' differences to random contain 0."""
+def _verdict(arrays: list[tuple[int, Curve]], sets: int) -> str:
+    """By whether the intervals of the arrays' differences to random, as they are printed, contain 0."""
     said = "Does coverage predict kills beyond the number of situations?  "
-    ends = [(curve.difference.low[-1], curve.difference.high[-1]) for curve in arrays if curve.difference]
-    if not ends:
+    told = [(t, curve.distinct, len(curve.distinct.mean)) for t, curve in arrays if curve.distinct]
+    if not told:
         return said + "Not judged: there is no covering array to compare."
-    more, fewer = sum(low > 0 for low, _ in ends), sum(high < 0 for _, high in ends)
-    if not more and not fewer:
-        return said + "Not here: every covering array kills what as many random situations kill, within the interval."
-    if more and not fewer:
-        gain = max(curve.matched - len(curve.kills.mean) for curve in arrays if curve.matched is not None)
-        return (
-            f"{said}Here yes, for {more} of {len(ends)} covering arrays: at best an array is worth "
-            f"{gain:.1f} random situations more than it has."
+    more = sum(round(band.low[-1], 1) > 0 for _, band, _ in told)
+    fewer = sum(round(band.high[-1], 1) < 0 for _, band, _ in told)
+    some = more or fewer
+    meet = f"{some} of {_count(len(told), 'covering array')} meet{'s' * (some == 1)}"
+    beside = "kill sets than as many random situations"
+    if more and fewer:
+        answer = f"Not in one direction: {meet} more {beside}, {fewer} fewer"
+    elif some:
+        answer = f"Here yes: {meet} more {beside}" if more else f"No: {meet} fewer {beside}"
+    else:
+        answer = f"Not shown here: {meet} more {beside}, or fewer"
+    listed = ", ".join(f"{t}-way with {k} {interval(band, k)}" for t, band, k in told)
+    return f"{said}{answer} ({listed}; {_count(sets, 'kill set')} in all)."
+
+
+def _carried(trial: Trial) -> str:
+    """What was sampled, and so what the figures carry."""
+    sampled = "the mutants of this matrix within their parameter (or its kill sets)"
+    situations = len(trial.situations)
+    if trial.seed_sets:
+        said = (
+            f"The 95 % intervals resample {len(trial.seeds)} seeds and {sampled}: the figures carry to other seeds"
+            f"{', roughly as there are so few,' if len(trial.seeds) < FEW_SEEDS else ''} and to mutants like these."
         )
-    if fewer and not more:
-        return said + f"No: {fewer} of {len(ends)} covering arrays kill fewer than as many random situations."
-    return said + f"Not in one direction: of {len(ends)} covering arrays {more} kill more than random, {fewer} fewer."
+    else:
+        said = (
+            f"The 95 % intervals resample {sampled}, but no seeds, as the mutants have "
+            f"{'only one' if trial.seeds else 'none'} in common: the figures carry to mutants like these, and nothing "
+            f"follows beyond {'this seed' if trial.seeds and not trial.more_seeds else 'the seeds flown'}."
+        )
+    census = (
+        f"the {situations} situations are the whole grid, a census and no sample"
+        if situations == len(trial.space.points)
+        else f"the {situations} situations are those that were flown, no sample of others"
+    )
+    return f"{said}  They do not carry to another grid or another drone: this is one of each, and {census}."
 
 
-def _interval(band: Band, k: int) -> str:
-    return f"{band.mean[k]:+z.1f} [{band.low[k]:+z.1f}, {band.high[k]:+z.1f}]"
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'s' * (number != 1)}"
+
+
+def interval(band: Band, k: int) -> str:
+    """A difference at k situations with its interval."""
+    return f"{band.mean[k - 1]:+z.1f} [{band.low[k - 1]:+z.1f}, {band.high[k - 1]:+z.1f}]"

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from scaloft_fi.results.roster import Roster
-from scaloft_fi.results.scoring.score import Score
+from scaloft_fi.results.rulings import Rulings, Situations
+from scaloft_fi.results.scoring.detection import Spending
+from scaloft_fi.results.scoring.score import MutantScore, Score, mutant_score
 from scaloft_fi.results.situations.chance import Found
+from scaloft_fi.results.situations.redrawn import SeedSet, seed_draws
 from scaloft_fi.results.situations.t_way import choices, ids, levels_of, t_way
 from scaloft_fi.results.space import Space
+from scaloft_fi.results.status import INVALID
 
 STRENGTHS = (1, 2, 3, 4)
 """Strengths whose coverage is followed, as far as there are axes."""
@@ -29,8 +33,12 @@ class Trial:
         situations: keys, in the grid's order.
         mutants: canonical ids.
         parameters: of each mutant.
-        kills: (mutants, situations): whether a flight killed the mutant there, the eligible ones counted.
+        kills: (mutants, situations): whether a safety requirement kills the mutant there.
         left_out: ids of the default mutants that were not flown in all of the situations.
+        unkilled: ids of the mutants that are detected though they are killed in no situation.
+        seeds: that all of the mutants were flown with.
+        more_seeds: that some of them were flown with besides; their flights are in every redrawn campaign.
+        seed_sets: the campaign judged by some of `seeds`; empty where there are not two.
     """
 
     space: Space
@@ -38,7 +46,16 @@ class Trial:
     mutants: tuple[str, ...]
     parameters: tuple[str, ...]
     kills: Found
-    left_out: tuple[str, ...]
+    left_out: tuple[str, ...] = ()
+    unkilled: tuple[str, ...] = ()
+    seeds: tuple[int, ...] = ()
+    more_seeds: tuple[int, ...] = ()
+    seed_sets: tuple[SeedSet, ...] = ()
+
+    @property
+    def killed(self) -> int:
+        """Mutants killed in some situation."""
+        return int(self.kills.any(axis=1).sum())
 
     @property
     def kill_sets(self) -> Found:
@@ -67,10 +84,19 @@ class Trial:
         return np.stack(rows), t_way(self.situations, self.space, strength).total.whole
 
 
-def trial(scored: Score, roster: Roster, space: Space) -> Trial | None:
+def trial(
+    scored: Score, rulings: Rulings, roster: Roster, space: Space, spending: Spending | None = None
+) -> Trial | None:
     """The largest set of situations that many mutants have in common, and those mutants; None when nothing was flown.
 
     The situations are those that most mutants were flown in, the larger set of equals.
+
+    Args:
+        scored: the campaign's score.
+        rulings: what it was made of.
+        roster: which mutants count.
+        space: the grid.
+        spending: of alpha, as the score has it.
     """
     counted = [mutant for mutant in scored.mutants if roster.counts(mutant.subject)]
     flown = {m.subject.id: frozenset(r.situation for r in m.results if r.flown) & set(space.point) for m in counted}
@@ -80,15 +106,41 @@ def trial(scored: Score, roster: Roster, space: Space) -> Trial | None:
     common = max(sets, key=lambda found: (sets[found], len(found), sorted(found)))
     situations = tuple(sorted(common, key=space.rank))
     taken = [mutant for mutant in counted if common <= flown[mutant.subject.id]]
-    killed = [{result.situation for result in mutant.results if result.kills} for mutant in taken]
+    seeds = [_seeds(rulings.mutants[mutant.subject]) for mutant in taken]
+    shared, every = frozenset.intersection(*seeds), frozenset.union(*seeds)
+
+    def judged(mutant: MutantScore, drawn: Iterable[int]) -> MutantScore:
+        if not mutant.seen_in:  # what all flights do not violate some of them do not either
+            return mutant
+        kept = every - shared | set(drawn)
+        flights = rulings.mutants[mutant.subject].items()
+        fewer = {key: [one for one in own if one.seed in kept] for key, own in flights}
+        return mutant_score(mutant.subject, fewer, space, scored.pool, spending or Spending())
+
     return Trial(
         space=space,
         situations=situations,
         mutants=tuple(mutant.subject.id for mutant in taken),
         parameters=tuple(mutant.subject.parameter for mutant in taken),
-        kills=np.array([[key in found for key in situations] for found in killed], bool),
+        kills=_kills(taken, situations),
         left_out=tuple(mutant.subject.id for mutant in counted if mutant not in taken),
+        unkilled=tuple(mutant.subject.id for mutant in taken if mutant.detected and not mutant.kills),
+        seeds=tuple(sorted(shared)),
+        more_seeds=tuple(sorted(every - shared)),
+        seed_sets=tuple(
+            SeedSet(drawn, chance, _kills([judged(mutant, drawn) for mutant in taken], situations))
+            for drawn, chance in (seed_draws(sorted(shared)) if len(shared) > 1 else ())
+        ),
     )
+
+
+def _seeds(situations: Situations) -> frozenset[int]:
+    """Of a mutant's flights that count."""
+    return frozenset(one.seed for own in situations.values() for one in own if one.ruling is not INVALID)
+
+
+def _kills(mutants: Iterable[MutantScore], situations: Sequence[str]) -> Found:
+    return np.array([np.isin(situations, mutant.killing) for mutant in mutants], bool)
 
 
 def sub_cube(space: Space, killing: Sequence[str]) -> int | None:

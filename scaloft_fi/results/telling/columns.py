@@ -16,8 +16,7 @@ def limits(headers: Sequence[str], rows: Sequence[Sequence[str]], width: int) ->
     words are broken only when nothing else helps.
     """
     columns = list(zip(*rows, strict=True))
-    # tabulate keeps a column two wider than its header
-    least = [len(header) + 2 for header in headers]
+    least = [len(header) for header in headers]
     words = [max(low, max(map(_longest_word, column))) for low, column in zip(least, columns, strict=True)]
     natural = [max(low, *map(len, column)) for low, column in zip(least, columns, strict=True)]
     words[0] = natural[0]

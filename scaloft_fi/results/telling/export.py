@@ -1,9 +1,13 @@
 """One row per flight, as JSON or CSV: facts of the simulation only, no clock, host or worker.
 
-Every figure of the score can be recomputed from it.  Beyond the flight's status and first safety violation a row has
+Every figure of the score can be recomputed from it, with the study's kinds of requirements and alpha, and from which
+mutants `run` asked for with more than one set of seeds.  A mutant's status is what its flight shows beside the baseline
+of the same situation and seed; the verdict on a mutant follows from all flights and the baselines together.  Beyond
+status and first safety violation a row has
 
 - `held`: requirements neither violated nor left open by a flight cut short;
-- `killed_by`: safety, then operability requirements by which the flight is told from its baseline, each earliest first;
+- `revealed_by`: safety, then operability requirements by which the flight is told from its baseline, each earliest
+  first;
 - `violation_times_s`, `violation_bodies`: per requirement in `violated`, when, and what was struck at that moment;
 - `triggered`: requirements whose condition came true;
 - `realised`: for a baseline, axes whose value came true;
@@ -19,7 +23,7 @@ from collections.abc import Iterable, Sequence
 from functools import cache
 from typing import Any
 
-from scaloft_fi.results.flights import Flight, flights_of, whole
+from scaloft_fi.results.flights import Flight, flights_of
 from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.space import Space
@@ -30,7 +34,7 @@ Row = dict[str, Any]
 HEAD = ("mutant", "situation", "seed", "status", "ending", "violated")
 TAIL = ("infected_at_s", "violated_at_s", "x", "y", "z", "struck", "duration_s", "digest")
 BASIS = (
-    *("held", "killed_by", "violation_times_s", "violation_bodies", "triggered", "realised", "carried", "altered"),
+    *("held", "revealed_by", "violation_times_s", "violation_bodies", "triggered", "realised", "carried", "altered"),
 )
 """What else every figure of the score follows from."""
 
@@ -53,9 +57,9 @@ def export_rows(
 
 
 def ordered(outcomes: Iterable[Outcome], roster: Roster, space: Space) -> list[Outcome]:
-    """Whole flights by mutant (the baseline first, then PLACEBO, then the catalogue's order), situation, seed."""
+    """Flights by mutant (the baseline first, then PLACEBO, then the catalogue's order), situation, seed."""
     mutant_rank, situation_rank = cache(roster.rank), cache(space.rank)
-    return sorted(whole(outcomes), key=lambda o: (mutant_rank(o.mutant), situation_rank(o.situation), o.seed))
+    return sorted(outcomes, key=lambda o: (mutant_rank(o.mutant), situation_rank(o.situation), o.seed))
 
 
 def columns(rows: Sequence[Row], requirements: Sequence[str] = ()) -> list[str]:
@@ -64,11 +68,11 @@ def columns(rows: Sequence[Row], requirements: Sequence[str] = ()) -> list[str]:
 
 
 def _row(outcome: Outcome, flight: Flight | None, requirements: Sequence[str]) -> Row:
-    killed_by: tuple[str, ...] = ()
+    revealed_by: tuple[str, ...] = ()
     if flight is None:
         status = baseline_status(outcome)
     else:
-        status, killed_by = flight.status.value, flight.kills + flight.operability_kills
+        status, revealed_by = flight.status.value, flight.revealed + flight.operability_revealed
     violated = [reading for reading in outcome.readings if reading.violated]
     struck = {violation.requirement: violation.struck for violation in outcome.violations}
     rho = {reading.requirement: reading.rho for reading in outcome.readings}
@@ -90,7 +94,7 @@ def _row(outcome: Outcome, flight: Flight | None, requirements: Sequence[str]) -
         "duration_s": outcome.duration_s,
         "digest": outcome.digest,
         "held": [reading.requirement for reading in outcome.readings if not (reading.violated or reading.open)],
-        "killed_by": list(killed_by),
+        "revealed_by": list(revealed_by),
         "violation_times_s": [reading.violated_at_s for reading in violated],
         "violation_bodies": [struck.get(reading.requirement, "") for reading in violated],
         "triggered": [reading.requirement for reading in outcome.readings if reading.triggered],
@@ -115,7 +119,3 @@ def to_csv(rows: Sequence[Row], requirements: Sequence[str] = ()) -> str:
         for row in rows
     )
     return text.getvalue()
-
-
-def _cell(value: Any) -> Any:
-    return ";".join(map(str, value)) if isinstance(value, list) else value

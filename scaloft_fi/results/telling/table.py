@@ -13,7 +13,7 @@ from textwrap import fill
 from scaloft_fi.results.telling.columns import limits
 from scaloft_fi.results.telling.literal import markdown, printable
 
-WIDTH = 120
+WIDTH = 100
 """Columns of a terminal that a text table keeps within."""
 
 Cell = str | int | float | None
@@ -64,14 +64,15 @@ def _one(table: Table, how: Format) -> str:
         writer.writerow(table.headers)
         writer.writerows(["" if cell is None else cell for cell in row] for row in table.rows)
         return f"# {table.title}\n{text.getvalue()}"
-    from tabulate import tabulate
+    import tabulate
 
+    tabulate.MIN_PADDING = 0  # a header needs no more room than its letters
     literal = markdown if how is Format.MARKDOWN else printable
     rows = [["" if cell is None else literal(str(cell)) for cell in row] for row in table.rows]
     if how is Format.TABLE and rows:
         widths = limits(table.headers, rows, WIDTH)
         rows = [list(map(_wrapped, row, widths)) for row in rows]
-    body = tabulate(rows, table.headers, _TABULATE[how], disable_numparse=True)
+    body = tabulate.tabulate(rows, table.headers, _TABULATE[how], disable_numparse=True)
     if how is Format.LATEX:
         notes = "".join(f"% {note}\n" for note in table.notes)
         return f"% {table.title}\n{body}\n{notes}"

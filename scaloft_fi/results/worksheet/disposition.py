@@ -1,5 +1,6 @@
 """Dispositions: survivors that somebody looked at and accepted, and the ratchet that holds a campaign against them.
 
+A survivor is a mutant that the ratios count and that is not detected, or undecided: what is not decided is not shown.
 A file of decisions instead of a percentage: a score may fall without notice when mutants are added, a survivor that
 nobody has accepted may not.
 """
@@ -7,7 +8,7 @@ nobody has accepted may not.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 from datetime import date
 from enum import StrEnum
@@ -18,6 +19,7 @@ from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.results.roster import Roster
+from scaloft_fi.results.scoring.detection import Verdict
 from scaloft_fi.results.scoring.score import MutantScore, Score
 
 HEADER = """\
@@ -64,9 +66,9 @@ class State(StrEnum):
     EXPIRED = "expired"
     """The day of its disposition has passed."""
     STALE = "stale"
-    """It is killed now: the disposition can go."""
+    """It is detected now: the disposition can go."""
     UNTESTED = "untested"
-    """Accepted, but not flown where it could be killed."""
+    """Accepted, but not put to the test."""
 
     @property
     def fails(self) -> bool:
@@ -81,14 +83,21 @@ class Judged:
     Attributes:
         mutant: canonical id.
         state: how it stands.
-        surviving: keys of the situations where it was put to the test and survives.
+        surviving: keys of the situations that put it to the test, where it survives.
         disposition: None where there is none.
+        verdict: on the mutant; None where it was not flown.
     """
 
     mutant: str
     state: State
     surviving: tuple[str, ...] = ()
     disposition: Disposition | None = None
+    verdict: Verdict | None = None
+
+    @property
+    def words(self) -> str:
+        """The verdict as people read it."""
+        return self.verdict.words if self.verdict else "not flown"
 
 
 def load_dispositions(path: Path, matrix: Matrix, situations: Collection[str]) -> tuple[Disposition, ...]:
@@ -167,8 +176,8 @@ def parse_date(text: str) -> date | None:
 
 
 def survives(mutant: MutantScore) -> bool:
-    """Whether it was infected in an eligible situation and killed in none: what the mutation score counts against."""
-    return mutant.kill_rate.whole > 0 and not mutant.killed
+    """Whether it is not detected though it was put to the test, or undecided."""
+    return mutant.verdict in (Verdict.NOT_DETECTED, Verdict.UNDECIDED)
 
 
 def judge(
@@ -190,10 +199,10 @@ def judge(
 
 
 def _judged(name: str, mutant: MutantScore | None, known: Disposition | None, today: date | None) -> Judged:
-    surviving = tuple(r.situation for r in mutant.results if r.eligible and not r.killed) if mutant else ()
+    surviving = tuple(r.situation for r in mutant.results if r.tested and not r.kills) if mutant else ()
     if known is None:
-        return Judged(name, State.OPEN, surviving)
-    if mutant is not None and mutant.killed:
+        state = State.OPEN
+    elif mutant is not None and mutant.detected:
         state = State.STALE
     elif today is not None and today > known.expires:
         state = State.EXPIRED
@@ -203,26 +212,21 @@ def _judged(name: str, mutant: MutantScore | None, known: Disposition | None, to
         state = State.UNCOVERED
     else:
         state = State.ACCEPTED
-    return Judged(name, state, surviving, known)
-
-
-def at_stake(scored: Score, roster: Roster) -> int:
-    """How many counted mutants could have been killed: the denominator of the mutation score."""
-    return sum(roster.counts(mutant.subject) and mutant.kill_rate.whole > 0 for mutant in scored.mutants)
+    return Judged(name, state, surviving, known, mutant.verdict if mutant else None)
 
 
 def told(judged: Judged) -> str:
     """The sentence of one that does not pass, or can go.
 
-    >>> told(Judged("LATE-human@3s", State.OPEN, ("D0H1",)))
-    'LATE-human@3s survives (D0H1) and is not accepted'
+    >>> told(Judged("LATE-human@3s", State.OPEN, ("D0H1",), verdict=Verdict.NOT_DETECTED))
+    'LATE-human@3s is not detected (tested in D0H1) and not accepted'
     """
-    where = f" ({', '.join(judged.surviving[:3])}{' and more' * (len(judged.surviving) > 3)})"
     known = judged.disposition
     if known is None:
-        return f"{judged.mutant} survives{where} and is not accepted"
+        some = ", ".join(judged.surviving[:3]) + " and more" * (len(judged.surviving) > 3)
+        return f"{judged.mutant} is {judged.words}{f' (tested in {some})' if some else ''} and not accepted"
     if judged.state is State.STALE:
-        return f"{judged.mutant} is killed now; its disposition can go ({known.place})"
+        return f"{judged.mutant} is detected now; its disposition can go ({known.place})"
     if judged.state is State.EXPIRED:
         return f"{judged.mutant}: its disposition expired on {known.expires.isoformat()} ({known.place})"
     new = [key for key in judged.surviving if key not in known.situations]
@@ -239,8 +243,3 @@ def draft(judged: Sequence[Judged]) -> str:
         for entry in judged
         if entry.state is State.OPEN
     )
-
-
-def by_mutant(dispositions: Iterable[Disposition]) -> Mapping[str, Disposition]:
-    """The dispositions by the mutant's id."""
-    return {disposition.mutant: disposition for disposition in dispositions}

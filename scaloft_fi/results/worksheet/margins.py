@@ -9,10 +9,10 @@ from typing import Any
 from scaloft_fi.hazop.cell import Cell, CellStatus, Fault
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.mutants.mutant import parse
-from scaloft_fi.results.flights import Flight, flights_of
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.requirement import Kind, Requirement
-from scaloft_fi.results.status import Status
+from scaloft_fi.results.scoring.detection import LARGER, Verdict
+from scaloft_fi.results.scoring.score import MutantScore, Score
 from scaloft_fi.results.telling.table import Table
 from scaloft_fi.results.worksheet.margin import (
     Answer,
@@ -20,27 +20,30 @@ from scaloft_fi.results.worksheet.margin import (
     Scale,
     Subject,
     Tried,
-    kills_of,
+    detection_of,
     lowest,
     margins,
     subject_of,
 )
 
-HEADERS = ("situation", "margin", "survives", "kills", "by", "robustness", "flights killed", "flown at", "again")
+HEADERS = ("situation", "margin", "survives", "seen", "killed", "violated", "robustness", "flown at", "again")
 ENDS = (
-    "Survives: the severest magnitude below the kill that does; kills: the mildest that does.  Robustness: at both, of "
-    "the requirement that kills; below 0 it is violated."
+    "Survives: the severest magnitude that does, below the others.  Killed: the mildest at which the mutant is "
+    "detected and most flights violate a steady requirement; seen: the mildest at which most do, but too few to detect "
+    "it.  Violated: flights at the killed magnitude, else at the seen one; robustness: at the surviving one and there, "
+    "below 0 it is violated."
 )
 NOT_TOLD = "?"
 _NOTHING = Tried(math.nan, Answer.UNTESTED)
 LEGEND = (
-    "1.4 s      the smallest magnitude that kills in any situation, known to a tenth; nothing milder flown does",
-    "1-3 s      1 s survives, 3 s kills; nothing between was flown (scaloft-fi margin CELL bisects)",
-    "> 5 s      the severest magnitude flown kills nowhere;  < 0.1 m: the same where smaller is worse",
-    "<= 0.5 s   kills, and nothing milder was flown;  >= 60 s: the same where smaller is worse",
-    "!          not monotone: a severer magnitude survives where a milder one kills",
-    "kills      a fault without magnitudes kills (survives: it does not); y kills: of its named forms, these do",
-    "?          nothing flown tells;   -  not meaningful;   CONTROL  must be seen, has no margin",
+    "1.4 s      the smallest magnitude that is killed in any situation, known to a tenth; nothing milder flown is",
+    "1-3 s      1 s survives, 3 s is killed; nothing between is decided (scaloft-fi margin CELL bisects)",
+    "> 5 s      even the severest magnitude flown has no kill;  < 0.1 m: the same where smaller is worse",
+    "<= 0.5 s   is killed, and nothing milder was flown;  >= 60 s: the same where smaller is worse",
+    "seen 1-3 s 1 s survives, at 3 s most flights violate, too few to call the mutant detected: more seeds decide",
+    "!          not monotone: a severer magnitude survives where a milder one is killed or seen",
+    "detected   a fault without magnitudes is detected (or not detected, or undecided); y detected: in this form",
+    "?          nothing flown tells (a situation takes ten baselines);   -  not meaningful;  CONTROL  has no margin",
 )
 
 
@@ -53,13 +56,13 @@ def margin_tables(
 
 def _table(subject: Subject, listed: Sequence[Margin], requirements: Sequence[Requirement], seeds: int) -> Table:
     least = lowest(listed)
-    killers = {name for margin in listed for name in _killing(margin).requirements}
-    notes = [_smallest(listed, least), ENDS]
+    violated = {name for margin in listed for name in _severe(margin).requirements}
+    notes = [_smallest(listed, least), ENDS, *_seen(subject, listed)]
     if least and least.again:
-        notes.append("Not monotone (!): magnitudes under `again` survive although a milder one kills.")
+        notes.append("Not monotone (!): magnitudes under `again` survive although a milder one is killed or seen.")
     if any(not margin.told for margin in listed):
-        notes.append("?: the baseline holds no requirement that the cell puts at risk, or the fault changes nothing.")
-    notes += [f"{r.name}: {r.title}  {_limit(r)}" for r in requirements if r.name in killers]
+        notes.append("?: no requirement that the cell puts at risk is steady by ten baselines, or no sample changes.")
+    notes += [f"{r.name}: {r.title}  {_limit(r)}" for r in requirements if r.name in violated]
     if seeds == 1:
         notes.append("One seed: a threshold of these flights, not of the fault; fly more with --seeds.")
     return Table(f"Margin of {subject}", HEADERS, tuple(_row(margin) for margin in listed), tuple(notes))
@@ -69,30 +72,57 @@ def _smallest(listed: Sequence[Margin], least: Margin | None) -> str:
     of = f"Smallest over {sum(margin.told for margin in listed)} of {len(listed)} situations"
     if least is None:
         return f"{of}: nothing is told."
-    ends = (("survives", least.survives), ("kills", least.kills))
-    return f"{of}: {least} ({', '.join(f'{what} at {_said(least, m)}' for what, m in ends if m is not None)})."
+    ends = (("survives", least.survives), ("is seen", least.seen), ("is killed", least.kills))
+    return f"{of}: {least} ({', '.join(f'{_said(least, m)} {what}' for what, m in ends if m is not None)})."
+
+
+def _seen(subject: Subject, listed: Sequence[Margin]) -> list[str]:
+    """How many seeds would decide what is seen below every kill, with the command."""
+    groups: dict[tuple[int, bool], dict[float, str]] = {}
+    for margin in listed:
+        if margin.seen is not None:
+            entry = _at(margin, margin.seen)
+            many = (entry.needed or LARGER[-1] + 1, entry.anew)
+            groups.setdefault(many, {})[margin.seen] = margin.scale.said(margin.seen)
+    notes = []
+    for (seeds, anew), found in sorted(groups.items()):
+        at, fault = (
+            ", ".join(found[magnitude] for magnitude in sorted(found)),
+            subject.at(f"{min(found):g}{subject.unit}"),
+        )
+        if seeds > LARGER[-1]:
+            notes.append(f"Seen, too seldom for {LARGER[-1]} seeds to decide: {at}.")
+        elif anew:
+            command = f"scaloft-fi margin {fault} --campaign NAME --seeds {seeds}"
+            notes.append(f"Seen, decided by {seeds} seeds in a campaign of its own: {at} (`{command}`).")
+        else:
+            notes.append(f"Seen, decided by {seeds} seeds: {at} (`scaloft-fi margin {fault} --seeds {seeds}`).")
+    return notes
 
 
 def _row(margin: Margin) -> tuple[str, ...]:
-    kill, survivor = _killing(margin), _at(margin, margin.survives)
+    severe, survivor = _severe(margin), _at(margin, margin.survives)
     rho = [
-        (name, dict(survivor.rho).get(name, math.nan), value) for name, value in kill.rho if name in kill.requirements
+        (name, dict(survivor.rho).get(name, math.nan), value)
+        for name, value in severe.rho
+        if name in severe.requirements
     ]
     return (
         ", ".join(margin.situations),
         str(margin),
         _said(margin, margin.survives),
+        _said(margin, margin.seen),
         _said(margin, margin.kills),
-        ", ".join(kill.requirements),
+        ", ".join(f"{name} {count}/{severe.flown}" for name, count in severe.violated if name in severe.requirements),
         ", ".join(f"{name} {_number(before)} / {_number(after)}" for name, before, after in rho),
-        f"{kill.kills}/{kill.flown}" if margin.kills is not None else "",
         " ".join(f"{entry.magnitude:g}" for entry in margin.tried),
         " ".join(f"{magnitude:g}" for magnitude in margin.again),
     )
 
 
-def _killing(margin: Margin) -> Tried:
-    return _at(margin, margin.kills)
+def _severe(margin: Margin) -> Tried:
+    """What was flown at the magnitude that is killed, else at the one that is seen."""
+    return _at(margin, margin.seen if margin.kills is None else margin.kills)
 
 
 def _at(margin: Margin, magnitude: float | None) -> Tried:
@@ -127,14 +157,16 @@ def margin_json(found: Mapping[Subject, Sequence[Margin]]) -> list[dict[str, Any
                 {
                     "situation": ", ".join(margin.situations),
                     **_ends(margin),
-                    "requirements": list(_killing(margin).requirements),
+                    "requirements": list(_severe(margin).requirements),
                     "tried": [
                         {
                             "magnitude": _plain(entry.magnitude),
                             "answer": entry.answer.value,
-                            "kills": entry.kills,
+                            "violated": dict(entry.violated),
                             "flown": entry.flown,
                             "rho": {name: _plain(value) for name, value in entry.rho},
+                            "needed": entry.needed,
+                            "anew": entry.anew,
                         }
                         for entry in margin.tried
                     ],
@@ -150,6 +182,7 @@ def _ends(margin: Margin) -> dict[str, Any]:
     return {
         "margin": str(margin),
         "survives": _plain(margin.survives),
+        "seen": _plain(margin.seen),
         "kills": _plain(margin.kills),
         "monotone": not margin.again,
         "again": [_plain(magnitude) for magnitude in margin.again],
@@ -162,28 +195,27 @@ def _plain(value: float | None) -> float | str | None:
     return f"{value:g}"
 
 
-def cell_margins(outcomes: Iterable[Outcome], matrix: Matrix, kind: Kind = Kind.SAFETY) -> Mapping[str, str]:
+def cell_margins(
+    outcomes: Iterable[Outcome], scored: Score, matrix: Matrix, kind: Kind = Kind.SAFETY
+) -> Mapping[str, str]:
     """What each cell of the matrix shows: its faults' smallest margins over all situations, unshifted in time.
 
     Args:
         outcomes: of a campaign.
+        scored: their score.
         matrix: whose cells.
         kind: of the requirements whose violation kills.
 
     Returns:
         By the cell's name.
     """
-    listed = list(outcomes)
-    found = margins(listed, matrix, kind)
-    told: dict[str, list[Flight]] = {}
-    for flight in flights_of(listed):
-        if flight.status is not Status.INVALID:
-            told.setdefault(flight.outcome.mutant, []).append(flight)
-    return {cell.name: _cell_margin(cell, found, told, kind) for cell in matrix}
+    found = margins(outcomes, scored, matrix, kind)
+    scores = {mutant.subject.id: mutant for mutant in scored.mutants}
+    return {cell.name: _cell_margin(cell, found, scores, kind) for cell in matrix}
 
 
 def _cell_margin(
-    cell: Cell, found: Mapping[Subject, Sequence[Margin]], told: Mapping[str, Sequence[Flight]], kind: Kind
+    cell: Cell, found: Mapping[Subject, Sequence[Margin]], scores: Mapping[str, MutantScore], kind: Kind
 ) -> str:
     if cell.status is not CellStatus.CREDIBLE:
         return "-" if cell.status is CellStatus.NOT_MEANINGFUL else "CONTROL"
@@ -193,19 +225,16 @@ def _cell_margin(
             least = lowest(found.get(subject_of(cell.name, fault), ()))
             texts.append(str(least) if least else NOT_TOLD)
         else:
-            texts.append(_named(cell, fault, told, kind))
+            texts.append(_named(cell, fault, scores, kind))
     return "; ".join(text for text in texts if text != NOT_TOLD) or NOT_TOLD
 
 
-def _named(cell: Cell, fault: Fault, told: Mapping[str, Sequence[Flight]], kind: Kind) -> str:
-    """Which forms of a fault without an order kill."""
+def _named(cell: Cell, fault: Fault, scores: Mapping[str, MutantScore], kind: Kind) -> str:
+    """Which forms of a fault without an order are detected; else the verdict that says most."""
     ids = [cell.mutant_ids(fault, rung)[0] for rung in fault.rungs]
-    tested = [id_ for id_ in ids if any(_tested(flight, kind) for flight in told.get(id_, ()))]
-    killing = [id_ for id_ in ids if any(kills_of(flight, kind) for flight in told.get(id_, ()))]
-    if killing:
-        return " ".join([*filter(None, (parse(id_).magnitude for id_ in killing)), "kills"])
-    return "survives" if tested else NOT_TOLD
-
-
-def _tested(flight: Flight, kind: Kind) -> bool:
-    return flight.eligible if kind is Kind.SAFETY else flight.operability_eligible
+    verdicts = {id_: detection_of(scores[id_], kind).verdict for id_ in ids if id_ in scores}
+    for verdict in (Verdict.DETECTED, Verdict.UNDECIDED, Verdict.NOT_DETECTED):
+        forms = [parse(id_).magnitude for id_, said in verdicts.items() if said is verdict]
+        if forms:
+            return " ".join([*filter(None, forms if verdict is Verdict.DETECTED else ()), verdict.words])
+    return NOT_TOLD

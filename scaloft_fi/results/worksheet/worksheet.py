@@ -7,7 +7,7 @@ can fill.  It never invents a risk matrix: severity and likelihood stay empty.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,11 +18,11 @@ from scaloft_fi.hazop.render import ladder
 from scaloft_fi.hazop.worksheet import record
 from scaloft_fi.mutants.derive import default_of
 from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.scoring.decision import Decision
-from scaloft_fi.results.scoring.ratio import Ratio, ratio_json
+from scaloft_fi.results.scoring.detection import Verdict
+from scaloft_fi.results.scoring.ratio import share_json
 from scaloft_fi.results.scoring.score import MutantScore, Score
 from scaloft_fi.results.space import Space
-from scaloft_fi.results.status import Status
+from scaloft_fi.results.telling.verdict import NO_POOL, would_decide
 from scaloft_fi.results.worksheet.disposition import Disposition
 from scaloft_fi.results.worksheet.margins import NOT_TOLD, cell_margins
 
@@ -67,15 +67,22 @@ FINDINGS = (
     Column("situations_flown", "Situations flown", "with a flight that counts", width=11),
     Column("reached", "Reached", "situations where the fault's seam carried a sample", width=11),
     Column("infected", "Infected", "situations where it changed a sample", width=11),
-    Column("killed", "Killed", "situations killed, of the eligible", width=9),
-    Column("eligible", "Eligible", "situations infected beside a baseline that held a safety requirement", width=9),
-    Column("kill_rate", "Kill rate", "killed / eligible situations, Wilson's 95 % interval [%]", short=True, width=22),
-    Column("killed_by", "Killed by", "requirements, with situations killed / where the baseline held it", width=18),
-    Column("decision", "Decision", "over the seeds; situations", short=True, width=22),
-    Column("margin", "Margin", "smallest magnitude that kills in any situation", short=True, width=14),
-    Column("killed_where", "Killed where", "shortest condition over the axes", short=True, width=30),
-    Column("killing", "Killing situations", "their keys", width=30),
-    Column("stopped_at", "Survivors stopped at", "rung of the situations that are not killed", short=True, width=26),
+    Column("verdict", "Verdict", "by safety requirements", short=True, width=14),
+    Column("operability", "Operability", "verdict by operability requirements", short=True, width=14),
+    Column("p", "p", "chance of as many violations if the mutant did nothing (Holm), per requirement", width=18),
+    Column("needed", "Would decide", "what would decide an undecided mutant, if what was seen goes on", width=22),
+    Column("kill_rate", "Kills", "situations with a kill, of those that test the mutant", short=True, width=10),
+    Column("killed_by", "Killed by", "requirements, with situations killed in / tested in", width=18),
+    Column("margin", "Margin", "smallest magnitude that is killed in any situation", short=True, width=14),
+    Column(
+        "where",
+        "Where",
+        "shortest condition for the situations with a kill; without one, for those where a violation was seen",
+        short=True,
+        width=30,
+    ),
+    Column("killing", "Situations with a kill", "their keys", width=30),
+    Column("stopped_at", "Stopped at", "rung reached in situations without a kill, with situations", width=26),
     Column("disposition", "Disposition", "of a survivor that somebody accepted", short=True, width=30),
 )
 TEAM = (
@@ -122,7 +129,7 @@ def worksheet(
         dispositions: of the study.
     """
     flown = {mutant.subject.id: mutant for mutant in (*scored.mutants, *scored.controls)}
-    margins = cell_margins(outcomes, matrix)
+    margins = cell_margins(outcomes, scored, matrix)
     accepted = {disposition.mutant: disposition for disposition in dispositions}
     parameters = {parameter.id: parameter for parameter in matrix.parameters}
     rows = []
@@ -137,7 +144,7 @@ def worksheet(
             if cell.status is CellStatus.CREDIBLE and margins[cell.name] != NOT_TOLD:
                 values |= {"margin": margins[cell.name]}
             values |= {"disposition": str(accepted[mutant])} if mutant in accepted else {}
-            values |= _of_flights(score, space) if score else {}
+            values |= _of_flights(score, space, scored.lacking) if score else {}
         rows.append(Row(cell, values, score))
     return tuple(rows)
 
@@ -159,32 +166,31 @@ def _of_study(cell: Cell, parameter: Parameter) -> dict[str, Value]:
     }
 
 
-def _of_flights(score: MutantScore, space: Space) -> dict[str, Value]:
-    results = [result for result in score.results if result.flown]
-    reached = sum(result.status.rung > Status.NOT_REACHED.rung for result in results)
+def _of_flights(score: MutantScore, space: Space, lacking: Collection[str]) -> dict[str, Value]:
     return {
-        "situations_flown": len(results),
-        "reached": reached,
-        "infected": sum(not result.harmless for result in results),
-        "killed": score.kill_rate.part,
-        "eligible": score.kill_rate.whole,
-        "kill_rate": str(score.kill_rate),
-        "killed_by": ", ".join(f"{name} {ratio.part}/{ratio.whole}" for name, ratio in score.requirements),
-        "decision": _decision(score),
-        "killed_where": score.condition(space),
+        "situations_flown": len(score.results),
+        "reached": sum(result.reached for result in score.results),
+        "infected": sum(result.infected for result in score.results),
+        "verdict": score.verdict.words,
+        "operability": score.operability.verdict.words,
+        "p": ", ".join(f"{name} {p:.2g}" for name, p in _p(score).items()) or None,
+        "needed": would_decide(score, lacking) or None,
+        "kill_rate": f"{score.kill_rate.part} of {score.kill_rate.whole}" if score.tested else None,
+        "killed_by": ", ".join(f"{name} {ratio.short}" for name, ratio in score.requirements),
+        "where": score.condition(space),
         "killing": " ".join(score.killing),
         "stopped_at": _stopped(score),
     }
 
 
-def _decision(score: MutantScore) -> str:
-    counts = [(decision.value, len(score.decisions(decision))) for decision in Decision]
-    return ", ".join(f"{name} {count}" for name, count in counts if count)
+def _p(score: MutantScore) -> Mapping[str, float]:
+    """Nothing of a mutant that was not put to the test: there is nothing to explain."""
+    return score.safety.p if score.tested else {}
 
 
 def _stopped(score: MutantScore) -> str:
-    """The rungs where the fault stopped in situations that are not killed, highest first."""
-    counts = Counter(result.status for result in score.results if not result.killed)
+    """The highest rungs that flights reached in situations without a kill, with situations, highest first."""
+    counts = Counter(result.status for result in score.results if not result.kills)
     return ", ".join(
         f"{status.value} {counts[status]}" for status in sorted(counts, key=lambda s: s.rung, reverse=True)
     )
@@ -197,14 +203,17 @@ def to_records(rows: Sequence[Row]) -> list[dict[str, Any]]:
 
 def _record(row: Row) -> dict[str, Any]:
     score, values = row.score, row.values
-    keys = ("situations_flown", "reached", "infected", "decision", "killed_where", "stopped_at")
+    keys = ("situations_flown", "reached", "infected", "needed", "where", "stopped_at")
     found = None
     if score is not None:
         found = {key: values[key] for key in keys} | {
-            "kill_rate": ratio_json(score.kill_rate),
-            "kill_rate_flown": ratio_json(score.kill_rate_flown),
-            "requirements": {name: ratio_json(ratio) for name, ratio in score.requirements},
             "status": score.status.value,
+            "verdict": score.verdict.value,
+            "operability": score.operability.verdict.value,
+            "p": dict(_p(score)),
+            "kill_rate": share_json(score.kill_rate),
+            "kill_rate_flown": share_json(score.kill_rate_flown),
+            "requirements": {name: share_json(ratio) for name, ratio in score.requirements},
             "killing": list(score.killing),
         }
     told = {key: values[key] for key in ("node", "design_intent", "margin", "disposition")}
@@ -212,11 +221,14 @@ def _record(row: Row) -> dict[str, Any]:
 
 
 def population(rows: Sequence[Row]) -> str:
-    """What the kill rates speak of, in a sentence."""
-    flown = [row for row in rows if row.score is not None]
-    most = max((row.values["situations_flown"] or 0 for row in flown), key=lambda n: float(n or 0), default=0)
-    exercised = Ratio(len(flown), sum(row.cell.status is not CellStatus.NOT_MEANINGFUL for row in rows))
+    """What the findings speak of, in a few sentences."""
+    flown = [row.score for row in rows if row.score is not None]
+    most = max((len(score.results) for score in flown), default=0)
+    meaningful = sum(row.cell.status is not CellStatus.NOT_MEANINGFUL for row in rows)
+    pooled = any(score.tested for score in flown) or not any(score.verdict is Verdict.UNDECIDED for score in flown)
     return (
-        f"Findings speak of each cell's default mutant: {exercised.plain} of the cells that can happen were flown, in "
-        f"up to {most} situations; a kill rate is situations killed of those where it could have been (Wilson, 95 %)."
-    )
+        f"Findings speak of each cell's default mutant: {len(flown)} of the {meaningful} cells that can happen were "
+        f"flown, in up to {most} situations.  A situation tests a mutant that changes a sample there, if the unmutated "
+        "drone holds a safety requirement there steadily; it is a kill if most flights of a detected mutant violate "
+        "that one."
+    ) + ("" if pooled else f"  No verdict: {NO_POOL}.")

@@ -19,9 +19,7 @@ from scaloft_fi.campaign.plan.task import Task, alone
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.wire import SeamCount
-from scaloft_fi.results.flights import flight_of
 from scaloft_fi.results.outcome import Outcome, Subject
-from scaloft_fi.results.status import Status
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
 
@@ -77,31 +75,6 @@ def test_shared_flights_are_the_whole_flights_digest_for_digest_and_field_for_fi
 
 @pytest.mark.flight
 @pytest.mark.skipif(not CAN_FORK, reason="this platform flies every flight whole")
-def test_a_flight_cut_at_its_first_kill_says_of_the_kill_what_the_whole_one_says() -> None:
-    situation: Situation = _study().grid.situation("T0O0W0D0H1")
-    names = ("LATE-human@3s", "LATE-human@0.5s", "REVERSE-goal")
-    flights = tuple(Flight(realise(_study().matrix, name), situation, 0) for name in names)
-    clean = Flight(None, situation, 0)
-    whole = _outcomes([Task((clean, *flights), shared=True)])
-    baseline = whole[clean.name]
-    cut = _outcomes([Task(flights, shared=True, baseline=baseline)])
-    assert cut == _outcomes([replace(task, baseline=baseline) for task in alone(flights)])
-    statuses = set()
-    for flight in flights:
-        short, long = (flight_of(found[flight.name], baseline) for found in (cut, whole))
-        statuses.add(short.status)
-        assert (short.status, short.kills[:1], short.killed_at_s) == (long.status, long.kills[:1], long.killed_at_s)
-        if short.outcome.truncated:
-            assert short.status is Status.KILLED
-            assert short.killed_at_s <= short.outcome.duration_s < long.outcome.duration_s
-        else:
-            assert short.outcome == long.outcome
-    assert statuses == {Status.KILLED, Status.SURVIVED}
-    assert any(outcome.truncated for outcome in cut.values())
-
-
-@pytest.mark.flight
-@pytest.mark.skipif(not CAN_FORK, reason="this platform flies every flight whole")
 def test_a_whole_flight_that_takes_its_process_with_it_takes_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
     situation: Situation = _study().grid.situation("T0O0W0D0H1")
     names = ("MORE-depth@1.25x", "REVERSE-depth", "LATE-human@3s", "LESS-depth@0.9x")
@@ -110,11 +83,11 @@ def test_a_whole_flight_that_takes_its_process_with_it_takes_no_other(monkeypatc
     ]
     whole, fly_whole = [], Physics.__call__
 
-    def fly(self: Physics, study: Study, flight: Flight, baseline: Outcome | None = None) -> Outcome:
+    def fly(self: Physics, study: Study, flight: Flight) -> Outcome:
         whole.append(flight)
         if flight == deadly:
             os._exit(1)
-        outcome = fly_whole(self, study, flight, baseline)
+        outcome = fly_whole(self, study, flight)
         return replace(outcome, ending=f"after {len(whole)}")
 
     monkeypatch.setattr(Physics, "__call__", fly)

@@ -14,7 +14,7 @@ import pytest
 from scaloft_fi.campaign.held.folder import STORE_NAME
 from scaloft_fi.campaign.held.held import Held, current, current_in, current_rulings, held, held_in, latest
 from scaloft_fi.campaign.held.key import Keys
-from scaloft_fi.campaign.plan.plan import Flight, plan
+from scaloft_fi.campaign.plan.plan import plan
 from scaloft_fi.campaign.progress.progress import Silence
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import run
@@ -58,7 +58,7 @@ def _why(study: Any) -> dict[str, int]:
 
 def test_of_an_unchanged_study_nothing_is_stale_or_owed(fly: Callable[..., Held]) -> None:
     found = fly()
-    assert (len(found.current), found.stale, found.owed, found.truncated) == (16, 0, 0, 0)
+    assert (len(found.current), found.stale, found.owed) == (16, 0, 0)
 
 
 @pytest.mark.parametrize(
@@ -119,20 +119,6 @@ def test_what_is_owed_is_planned_as_the_study_is_now(study: Any, fly: Callable[.
         store._connection.execute("DELETE FROM outcomes WHERE mutant = ?", (LATE,))
     assert held(study, f"{study.folder}/c").owed == 4
     assert held(_inputs(study, sim="x"), f"{study.folder}/c").owed == 0
-
-
-def test_flights_cut_short_are_neither_current_nor_stale(study: Any, fly: Callable[..., Held]) -> None:
-    first = next(outcome for outcome in fly().current if outcome.mutant == LATE)
-    cut = replace(first, truncated="first kill", digest="cut")
-    flight = Flight(realise(study.matrix, LATE), study.grid.situation(cut.situation), cut.seed)
-    with Store(study.folder / "c" / STORE_NAME) as store:
-        store.put(Keys(study).key(flight, cut.truncated), cut)
-    found = held(study, f"{study.folder}/c")
-    assert (len(found.current), found.truncated, found.stale) == (16, 1, 0)
-    assert cut not in latest(study, f"{study.folder}/c")
-    assert held(_inputs(study, cutting="x"), f"{study.folder}/c").why == {
-        "flown by an earlier version, which kept no reasons": 1
-    }
 
 
 def test_the_latest_are_the_current_ones_else_the_stale(study: Any, fly: Callable[..., Held], log: Any) -> None:

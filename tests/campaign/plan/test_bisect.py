@@ -44,6 +44,21 @@ def test_a_threshold_within_the_ladder_is_bracketed_to_a_tenth(threshold: float)
     assert not found.again
 
 
+@given(st.floats(0.05, 40.0), st.floats(1.0, 2.0))
+def test_where_a_fault_is_only_seen_the_search_goes_on_as_if_it_were_killed(threshold: float, detected: float) -> None:
+    def shown(magnitude: float) -> Answer:
+        if magnitude < threshold:
+            return Answer.SURVIVED
+        return Answer.KILLED if magnitude >= detected * threshold else Answer.SEEN
+
+    found, flown = searched(LATE, shown)
+    killed, flown_too = searched(LATE, kills_from(threshold))
+    assert flown == flown_too
+    assert (found.survives, found.end) == (killed.survives, killed.kills)
+    assert found.kills == min((m for m in flown if shown(m) is Answer.KILLED), default=None)
+    assert str(found).startswith("seen") == (found.seen is not None and found.kills is None)
+
+
 @given(st.floats(0.01, 40.0), st.floats(0.01, 2.0))
 def test_a_tolerance_in_the_faults_own_unit_is_kept_where_the_threshold_is_found(threshold: float, wide: float) -> None:
     found, _ = searched(Search(SECONDS, LADDER, tolerance=wide), kills_from(threshold))

@@ -22,7 +22,7 @@ def test_the_order_is_baselines_then_placebo_then_the_mutants_as_asked(study: An
     assert [f.name for f in planned.baselines[:3]] == ["baseline/D0H0/0", "baseline/D0H0/1", "baseline/D0H1/0"]
     order = list(dict.fromkeys(f.subject.id for f in planned.mutants))
     assert order == ["PLACEBO", "MORE-goal", "LATE-human"]
-    assert planned.flights == 4 * 4 * 2
+    assert len(planned.known) == 4 * 4 * 2
 
 
 def test_a_control_among_the_mutants_needs_no_canary(study: Any) -> None:
@@ -52,9 +52,32 @@ def test_a_range_of_seeds_has_both_ends(first: int, more: int) -> None:
     assert (meant[0], meant[-1], len(meant)) == (first, first + more, more + 1)
 
 
-def test_a_pool_is_baselines_of_more_seeds_each_once_and_is_shared_out_over_the_shards(study: Any) -> None:
-    planned = plan(study.grid, (0, 1), [_mutant("MORE-goal")], None).with_pool(range(5))
-    assert all(flight.mutant is None and flight.seed >= 2 for flight in planned.pool)
-    assert planned.flights == len({flight.name for flight in planned.known}) == 4 * (5 + 2 * 2)
+def test_a_pool_fills_up_to_ten_seeds_beside_the_mutants_own(study: Any) -> None:
+    planned = plan(study.grid, (3, 4), [_mutant("MORE-goal")], None).with_pool()
+    for situation in study.grid:
+        seeds = [flight.seed for flight in planned.pool(situation)]
+        assert seeds == [0, 1, 2, 5, 6, 7, 8, 9]
+        assert all(flight.mutant is None for flight in planned.pool(situation))
+    assert planned.seeds == (3, 4)
+
+
+def test_a_pool_of_given_seeds_has_those_and_a_plan_without_one_has_none(study: Any) -> None:
+    planned = plan(study.grid, (0, 1), [_mutant("MORE-goal")], None)
+    (situation, *_) = study.grid
+    assert [flight.seed for flight in planned.with_pool(range(5)).pool(situation)] == [2, 3, 4]
+    assert planned.pool(situation) == ()
+
+
+def test_a_pool_is_flown_where_a_mutant_infects_and_nowhere_else(study: Any, log: Any) -> None:
+    planned = plan(study.grid, (0,), [_mutant("LATE-human@3s")], None).with_pool()
+    outcomes = [log(study, flight) for flight in planned.known]
+    assert [situation.key for situation in planned.infected(outcomes)] == ["D0H1", "D1H1"]
+    clean = [outcome for outcome in outcomes if outcome.mutant in ("baseline", "PLACEBO")]
+    assert planned.infected(clean) == ()
+
+
+def test_shards_part_the_flights_and_each_knows_the_seeds_of_the_whole_run(study: Any) -> None:
+    planned = plan(study.grid, (0, 1), [_mutant("MORE-goal")], None).with_pool()
     parts = [planned.shard(number, 3) for number in (1, 2, 3)]
     assert sorted(f.name for part in parts for f in part.known) == sorted(f.name for f in planned.known)
+    assert all(part.seeds == (0, 1) and part.pool_seeds is None for part in parts)

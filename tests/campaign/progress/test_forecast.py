@@ -1,4 +1,4 @@
-"""How well the rest of a campaign is foretold, and what the tally and the alarm say meanwhile."""
+"""How well the rest of a campaign is foretold."""
 
 from __future__ import annotations
 
@@ -12,15 +12,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from scaloft_fi.campaign.plan.plan import Flight, plan
-from scaloft_fi.campaign.progress.alarm import Alarm
 from scaloft_fi.campaign.progress.forecast import FLIGHT_S, PRIOR_FLOWN, PRIOR_SHARE, Forecast
-from scaloft_fi.campaign.progress.tally import Tally
-from scaloft_fi.mutants.derive import defaults, realise
+from scaloft_fi.mutants.derive import defaults
 from scaloft_fi.results.outcome import Outcome
 
 EACH_S = FLIGHT_S * (2 + 10 * PRIOR_FLOWN)
 """What baseline, PLACEBO and ten mutants are expected to cost beside their length, in each of four situations [s]."""
-LATE, CONTROL = "LATE-human@3s", "REVERSE-velcmd"
 
 
 def _flights(study: Any, mutants: int = 10) -> list[Flight]:
@@ -114,52 +111,3 @@ def test_a_carrier_flown_again_is_flown_but_was_not_expected(study: Any, log: An
     forecast = Forecast(share=True)
     assert not forecast.home(baseline, log(study, baseline), 30.0)
     assert forecast.done_s == 30.0 + FLIGHT_S
-
-
-def test_what_is_dropped_is_left_no_longer(study: Any) -> None:
-    forecast = Forecast(share=True)
-    for flight in _flights(study):
-        forecast.expect(flight, 30.0)
-    assert [forecast.drop(flight) for flight in _flights(study)] == [True] * 48
-    assert not forecast.drop(_flights(study)[0])
-    assert forecast.left_s == 0.0
-
-
-def test_kills_are_counted_by_guideword_once_their_baseline_is_home_and_controls_are_not(study: Any, log: Any) -> None:
-    mutants = [realise(study.matrix, name) for name in (LATE, CONTROL)]
-    planned = plan(study.grid, (0,), mutants, None)
-    tally = Tally(study.roster)
-    for flight in planned.mutants:
-        tally.add(log(study, flight))
-    assert str(tally) == ""
-    for flight in planned.baselines:
-        tally.add(log(study, flight))
-    assert str(tally) == "LATE 1"
-    other = Tally(study.roster)
-    for flight in (*planned.baselines, *planned.mutants):
-        other.add(log(study, flight))
-    assert other.kills == tally.kills
-
-
-def test_a_named_mutant_is_told_in_full_a_whole_campaign_once_a_mutant_and_requirement(study: Any, log: Any) -> None:
-    planned = plan(study.grid, (0,), [realise(study.matrix, CONTROL)], None)
-    outcomes = [log(study, flight) for flight in (*planned.baselines, *planned.mutants)]
-    every, some = Alarm(every=True), Alarm(every=False)
-    in_full = [line for outcome in outcomes for line in every.lines(outcome)]
-    told = [line for outcome in outcomes for line in some.lines(outcome)]
-    violations = sum(len(outcome.violations) for outcome in outcomes)
-    assert len(in_full) == violations
-    assert sum("baseline/" in line for line in told) == sum("baseline/" in line for line in in_full) == 1
-    assert sum(f"{CONTROL}/" in line and "SR1" in line for line in told) == 1
-    assert len(told) + some.untold == violations
-    assert list(some.last()) == [
-        f"warning: {some.untold} more violations by mutants named above are in the mission log"
-    ]
-    assert list(every.last()) == []
-
-
-def test_an_invalid_flight_is_always_told(study: Any, log: Any) -> None:
-    broken = replace(log(study, _flights(study)[0]), invalid="no memory", violations=())
-    alarm = Alarm(every=False)
-    for _ in range(2):
-        assert list(alarm.lines(broken)) == ["warning: invalid, not counted: baseline/D0H0/0: no memory"]

@@ -77,11 +77,11 @@ def test_without_a_terminal_there_is_one_line_every_ten_seconds() -> None:
     progress, clock = _progress(stream)
     for number in range(8):
         clock.now_s += LINE_EVERY_S / 4
-        progress.kills = "LATE 3, NO 5" if number > 4 else ""
+        progress.violations = "8 (baseline 3, mutants 5)" if number > 4 else ""
         _advance(progress, 40.0)
     assert stream.getvalue().splitlines() == [
         "4/10 flights  0.4/s  15 s left",
-        "8/10 flights  0.4/s  5 s left  kills: LATE 3, NO 5",
+        "8/10 flights  0.4/s  5 s left  violations: 8 (baseline 3, mutants 5)",
     ]
 
 
@@ -100,10 +100,23 @@ def test_a_live_line_never_wraps(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "60")
     stream = Terminal()
     progress, clock = _progress(stream)
-    progress.kills = ", ".join(f"GUIDEWORD{number} 99" for number in range(12))
+    progress.violations = "2900 (baseline 16, mutants 2868, PLACEBO 16)"
     clock.now_s += 1.0
     _advance(progress, 200.0)
-    assert len(stream.getvalue().removeprefix("\r\x1b[K")) == 59
+    shown = stream.getvalue().removeprefix("\r\x1b[K")
+    assert len(shown) == 59
+    assert shown.startswith("1/10 flights  1.0/s  1 s left  violations: 2900 (")
+
+
+def test_the_bar_leaves_room_for_the_violations(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    stream = Terminal()
+    progress, clock = _progress(stream)
+    progress.violations = "8 (baseline 3, mutants 5)"
+    clock.now_s += 1.0
+    _advance(progress, 200.0)
+    shown = "[####....] 1/10 flights  1.0/s  1 s left  violations: 8 (baseline 3, mutants 5)"
+    assert stream.getvalue() == f"\r\x1b[K{shown}"
 
 
 def test_the_end_leaves_a_summary() -> None:

@@ -5,14 +5,12 @@ from __future__ import annotations
 import os
 import signal
 from dataclasses import replace
-from itertools import pairwise
 from typing import Any
 
 import pytest
 
 from scaloft_fi.campaign.plan.plan import Flight, Plan, plan
 from scaloft_fi.campaign.progress.progress import Silence
-from scaloft_fi.campaign.runs.baseline_pool import joined
 from scaloft_fi.campaign.runs.interrupt import Interrupted
 from scaloft_fi.campaign.runs.looks import Look, look_table, run_looks
 from scaloft_fi.campaign.runs.options import RunOptions
@@ -20,7 +18,8 @@ from scaloft_fi.campaign.runs.run import Report
 from scaloft_fi.errors import GateError
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.scoring.decision import LOOKS, Decision, decisions
+from scaloft_fi.results.scoring.detection import LOOKS, Verdict
+from scaloft_fi.results.scoring.score import score
 from scaloft_fi.results.telling.export import export_rows, to_json
 
 LATE, MORE, CONTROL = "LATE-human@3s", "MORE-goal@1m", "REVERSE-velcmd"
@@ -28,7 +27,7 @@ LATE, MORE, CONTROL = "LATE-human@3s", "MORE-goal@1m", "REVERSE-velcmd"
 
 def _plan(study: Any) -> Plan:
     mutants = [realise(study.matrix, name) for name in (LATE, MORE)]
-    return plan(study.grid, (0,), mutants, realise(study.matrix, CONTROL)).with_pool(range(50))
+    return plan(study.grid, (0,), mutants, realise(study.matrix, CONTROL)).with_pool()
 
 
 def _looks(study: Any, log: Any, folder: str = "c", **options: Any) -> tuple[Report, tuple[Look, ...]]:
@@ -44,29 +43,39 @@ def _seeds(report: Report, mutant: str, situation: str) -> set[int]:
     return {o.seed for o in report.outcomes if (o.mutant, o.situation) == (mutant, situation)}
 
 
-def test_only_undecided_pairs_fly_on(study: Any, log: Any) -> None:
+def test_only_undecided_mutants_fly_on_each_look_with_a_quarter_of_alpha(study: Any, log: Any) -> None:
+    """LATE violates SR2 in one situation that tests it: p is 0.18, 0.0070 and 0.0007 with 1, 3 and 5 seeds."""
     report, looks = _looks(study, log)
-    assert [look.seeds for look in looks] == list(LOOKS[: len(looks)])
-    assert looks[0].pairs == 8
-    for before, after in pairwise(looks):
-        assert after.pairs == before.decided[Decision.UNDECIDED]
-    said = decisions(report.outcomes, joined(report.outcomes, ()))
-    for (mutant, situation), decided in said.items():
-        if mutant in (LATE, MORE) and decided.decision is not Decision.UNDECIDED:
-            assert _seeds(report, mutant, situation) == set(range(decided.look))
+    assert [look.seeds for look in looks] == list(LOOKS[:3])
+    assert [look.mutants for look in looks] == [2, 1, 1]
+    assert [look.fates[Verdict.UNDECIDED] for look in looks] == [1, 1, 0]
+    assert looks[0].fates[Verdict.NOT_DETECTED] == 1
+    assert looks[2].fates[Verdict.DETECTED] == 1
+    assert _seeds(report, LATE, "D0H1") == set(range(5))
+    assert _seeds(report, MORE, "D0H1") == {0}
 
 
 def test_what_the_run_decided_is_what_its_outcomes_decide(study: Any, log: Any) -> None:
-    report, looks = _looks(study, log)
-    said = decisions(report.outcomes, joined(report.outcomes, ()))
-    final = [entry.decision for (mutant, _), entry in said.items() if mutant in (LATE, MORE)]
-    settled = sum(sum(look.decided[d] for d in (Decision.KILLED, Decision.SURVIVED)) for look in looks)
-    assert settled == sum(decision is not Decision.UNDECIDED for decision in final)
-
-
-def test_a_pair_that_cannot_be_tested_flies_no_further_than_the_first_look(study: Any, log: Any) -> None:
     report, _ = _looks(study, log)
-    assert _seeds(report, LATE, "D0H0") == set(range(LOOKS[0]))
+    scored = score(report.outcomes, study.roster, study.space, report.spending)
+    assert {mutant.subject.id: mutant.verdict for mutant in scored.mutants} == {
+        LATE: Verdict.DETECTED,
+        MORE: Verdict.NOT_DETECTED,
+    }
+    late = next(mutant for mutant in scored.mutants if mutant.subject.id == LATE)
+    assert (late.safety.seeds, late.safety.share) == (5, 0.0025)
+
+
+def test_a_mutant_flies_on_only_where_the_pool_has_a_steady_pair(study: Any, log: Any) -> None:
+    def red(flight: Flight, outcome: Outcome) -> Outcome:
+        if flight.situation.key != "D1H1" or flight.mutant is not None:
+            return outcome
+        return replace(outcome, readings=tuple(replace(r, violated_at_s=2.0) for r in outcome.readings))
+
+    log.change = red
+    report, _ = _looks(study, log)
+    assert _seeds(report, LATE, "D1H1") == {0}
+    assert _seeds(report, LATE, "D0H1") == set(range(5))
 
 
 def test_placebo_flies_wherever_a_mutant_does(study: Any, log: Any) -> None:
@@ -75,10 +84,10 @@ def test_placebo_flies_wherever_a_mutant_does(study: Any, log: Any) -> None:
     assert flown <= {(o.situation, o.seed) for o in report.outcomes if o.mutant == "PLACEBO"}
 
 
-def test_the_pool_is_flown_before_anything_is_decided_and_no_mutant_beyond_the_looks(study: Any, log: Any) -> None:
-    report, _ = _looks(study, log)
-    assert _seeds(report, "baseline", "D0H0") == set(range(50))
-    assert max(o.seed for o in report.outcomes if o.mutant != "baseline") < LOOKS[-1]
+def test_the_pool_is_the_same_at_every_look(study: Any, log: Any) -> None:
+    report, looks = _looks(study, log)
+    assert len(looks) == 3
+    assert _seeds(report, "baseline", "D0H1") == set(range(10))
 
 
 @pytest.mark.parametrize("options", [{"jobs": 2}, {"jobs": 1, "share": False}])
@@ -89,7 +98,7 @@ def test_neither_jobs_nor_sharing_changes_anything(study: Any, log: Any, options
     assert _export(study, other) == _export(study, one)
 
 
-@pytest.mark.parametrize("at", [f"{MORE}/D0H1/1", f"{MORE}/D0H1/4", "PLACEBO/D1H0/3", "baseline/D1H1/30"])
+@pytest.mark.parametrize("at", [f"{MORE}/D0H1/0", f"{LATE}/D0H1/4", "PLACEBO/D1H0/3", "baseline/D1H1/7"])
 def test_an_interruption_and_a_resumption_change_nothing(study: Any, log: Any, at: str) -> None:
     undisturbed, looks = _looks(study, log, "undisturbed")
 
@@ -109,21 +118,15 @@ def test_an_interruption_and_a_resumption_change_nothing(study: Any, log: Any, a
 
 def test_baselines_of_another_campaign_decide_too(study: Any, log: Any) -> None:
     own = plan(study.grid, (0,), [realise(study.matrix, LATE)], None)
-    clean = [log(study, flight) for flight in own.with_pool(range(50)).pool]
-    red = [replace(o, readings=tuple(replace(r, violated_at_s=9.0) for r in o.readings)) for o in clean]
-    killed = []
+    clean = [log(study, Flight(None, situation, seed)) for situation in study.grid for seed in range(50)]
+    red = [replace(o, readings=tuple(replace(r, violated_at_s=9.0) for r in o.readings), violations=()) for o in clean]
+    fates = []
     for number, others in enumerate(([], clean, red)):
-        where = study.folder / str(number)
-        _, looks = run_looks(study, own, where, others=others, progress=Silence(), flyer=log)
-        killed.append(looks[0].decided[Decision.KILLED])
-    assert killed == [1, 1, 0]
-
-
-def test_a_baseline_of_both_pools_counts_once(study: Any, log: Any) -> None:
-    flights = _plan(study).baselines
-    clean = [log(study, flight) for flight in flights]
-    assert joined(clean, clean) == joined(clean, ())
-    assert {key: len(found) for key, found in joined(clean, ()).items()} == {s.key: 1 for s in study.grid}
+        _, looks = run_looks(study, own, study.folder / str(number), others=others, progress=Silence(), flyer=log)
+        fates.append((len(looks), looks[-1].fates))
+    assert fates[0] == (1, {Verdict.UNDECIDED: 1})  # nothing is steady without a pool, so nothing flies on
+    assert fates[1] == (2, {Verdict.DETECTED: 1})
+    assert fates[2] == (1, {Verdict.NOT_TESTED: 1})
 
 
 def test_the_gates_are_held(study: Any, log: Any) -> None:
@@ -135,5 +138,5 @@ def test_the_gates_are_held(study: Any, log: Any) -> None:
 def test_the_table_says_how_the_looks_went(study: Any, log: Any) -> None:
     _, looks = _looks(study, log)
     first = look_table(looks).records()[0]
-    assert (first["seeds"], first["pairs"], first["flights"]) == (3, 8, 24)
-    assert first["not tested"] == 8 - looks[0].decided.total()
+    assert (first["seeds"], first["mutants"], first["flights"]) == (1, 2, 8)
+    assert (first["undecided"], first["not detected"]) == (1, 1)

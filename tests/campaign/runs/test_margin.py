@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,21 +11,23 @@ from typing import Any
 import pytest
 
 from scaloft_fi.campaign.held.folder import STORE_NAME
-from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.campaign.plan.plan import Flight, plan
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.margin import find, target
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import run
 from scaloft_fi.errors import InputError
+from scaloft_fi.mutants.derive import realise
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.results.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.results.scoring.score import score
 from scaloft_fi.results.store import Store
-from scaloft_fi.results.worksheet.margin import Margin, Subject, lowest, margins
+from scaloft_fi.results.worksheet.margin import Answer, Margin, Subject, lowest, margins
 from scaloft_fi.results.worksheet.margins import cell_margins
 from scaloft_fi.study import Study
 
 LATE = Subject("LATE-human", "s")
+THREE = (0, 1, 2)
 THRESHOLDS = {"D0H0": 1e9, "D0H1": 1.3, "D1H0": 2.2, "D1H1": 0.0}
 """From which delay LATE-human is too fast [s]; D1H1 is red without it."""
 
@@ -55,6 +58,10 @@ def late(log: Any) -> Any:
     return log
 
 
+def quiet() -> Progress:
+    return Progress(stream=io.StringIO())
+
+
 def search(study: Any, flyer: Any, *texts: str, seeds: tuple[int, ...] = (0,), **more: Any) -> dict[str, Margin]:
     targets = [target(study.matrix, text, more.get("tolerance")) for text in texts or ("LATE-human",)]
     rounds = [more.get("rounds", 1000)]
@@ -63,15 +70,15 @@ def search(study: Any, flyer: Any, *texts: str, seeds: tuple[int, ...] = (0,), *
         rounds[0] -= 1
         if rounds[0] < 0:
             raise RuntimeError("the power failed")
-        return Progress(stream=io.StringIO())
+        return quiet()
 
     options = RunOptions(jobs=1)
     found = find(study, targets, study.grid, seeds, study.folder / "c", options, progress=say, flyer=flyer)
     return {margin.situations[0]: margin for margin in found[targets[0].subject]}
 
 
-def test_each_situation_has_its_own_threshold_between_what_survives_and_what_kills(study: Any, late: Any) -> None:
-    found = search(study, late)
+def test_each_situation_has_its_own_threshold_between_what_survives_and_what_is_killed(study: Any, late: Any) -> None:
+    found = search(study, late, seeds=THREE)
     for key in ("D0H1", "D1H0"):
         survives, kills = found[key].survives, found[key].kills
         assert survives is not None
@@ -91,9 +98,9 @@ def test_where_the_baseline_is_red_nothing_is_searched_beyond_the_ladder(study: 
 
 def test_a_tolerance_in_seconds_is_kept(study: Any, late: Any) -> None:
     found = search(study, late, tolerance=0.02)["D0H1"]
-    assert found.kills is not None
+    assert found.end is not None
     assert found.survives is not None
-    assert found.kills - found.survives == pytest.approx(0.02)
+    assert found.end - found.survives == pytest.approx(0.02)
 
 
 def test_the_same_search_again_flies_nothing_and_finds_the_same(study: Any, late: Any) -> None:
@@ -104,9 +111,6 @@ def test_the_same_search_again_flies_nothing_and_finds_the_same(study: Any, late
 
 
 def test_what_another_verb_has_flown_is_not_flown_again(study: Any, late: Any) -> None:
-    from scaloft_fi.campaign.plan.plan import plan
-    from scaloft_fi.mutants.derive import realise
-
     planned = plan(study.grid, (0,), [realise(study.matrix, "LATE-human@3s")], None)
     run(study, planned, study.folder / "c", progress=Progress(stream=io.StringIO()), flyer=late)
     search(study, late)
@@ -126,16 +130,54 @@ def test_a_search_that_dies_goes_on_where_it_stopped(study: Any, late: Any) -> N
     assert sorted(name for name in late.flown if name.startswith("LATE")) == flown
 
 
-def test_every_seed_counts_and_one_kill_is_a_kill(study: Any, late: Any) -> None:
+def test_with_one_seed_a_threshold_is_only_seen_and_found_all_the_same(study: Any, late: Any) -> None:
+    found = search(study, late, seeds=(0,))["D0H1"]
+    assert (found.kills, str(found)[:5]) == (None, "seen ")
+    assert found.survives is not None
+    assert found.end is not None
+    assert found.survives < 1.3 <= found.end
+    (seen,) = [entry for entry in found.tried if entry.magnitude == found.seen]
+    assert (seen.answer, seen.violated, seen.flown) == (Answer.SEEN, (("SR2", 1),), 1)
+    assert seen.needed is not None
+
+
+def test_a_kill_takes_most_of_the_flights(study: Any, late: Any) -> None:
     def seeded(flight: Flight, flown: Outcome) -> Outcome:
-        done = delayed(flight, flown)
-        calm = flight.seed == 1 and flight.mutant is not None and flight.mutant.cell == "LATE-human"
-        return replace(flown, altered=3, digest=flight.name) if calm and flight.situation.key != "D1H1" else done
+        """Calm with two seeds of three."""
+        calm = flight.seed in (1, 2) and flight.mutant is not None and flight.mutant.cell == "LATE-human"
+        quiet = replace(flown, readings=tuple(replace(r, rho=1.0, violated_at_s=None) for r in flown.readings))
+        return replace(quiet, violations=(), altered=3, digest=flight.name) if calm else delayed(flight, flown)
 
     late.change = seeded
-    found = search(study, late, seeds=(0, 1))["D0H1"]
-    (kill,) = [entry for entry in found.tried if entry.magnitude == found.kills]
-    assert (kill.kills, kill.flown) == (1, 2)
+    assert str(search(study, late, seeds=THREE)["D0H1"]) == "> 40 s"
+
+
+def test_the_pool_is_flown_where_a_magnitude_infects_and_nowhere_else(study: Any, log: Any) -> None:
+    def near(flight: Flight, flown: Outcome) -> Outcome:
+        """LATE-human infects where a person is."""
+        late = flight.mutant is not None and flight.mutant.cell == "LATE-human" and flight.situation.key.endswith("H0")
+        return replace(flown, altered=0, infected_at_s=None) if late else flown
+
+    log.change = near
+    search(study, log)
+    flown = Counter(name.split("/")[1] for name in set(log.flown) if name.startswith("baseline/"))
+    assert flown == {"D0H0": 1, "D0H1": 10, "D1H0": 1, "D1H1": 10}
+
+
+def test_a_campaign_without_a_pool_is_given_one(study: Any, late: Any) -> None:
+    rungs = [realise(study.matrix, f"LATE-human@{rung}s") for rung in ("0.5", "1", "3", "5")]
+    run(study, plan(study.grid, THREE, rungs, None), study.folder / "c", progress=quiet(), flyer=late)
+    assert sum(name.startswith("baseline/D0H1") for name in set(late.flown)) == 3
+    found = search(study, late, seeds=THREE)
+    assert sum(name.startswith("baseline/D0H1") for name in set(late.flown)) == 10
+    assert found["D0H1"].kills == pytest.approx(1.3, rel=0.1)
+
+
+def test_more_seeds_than_asked_for_count_and_are_not_flown_again(study: Any, late: Any) -> None:
+    whole = search(study, late, seeds=THREE)
+    flown = len(late.flown)
+    assert search(study, late, seeds=(0,)) == whole
+    assert len(late.flown) == flown
 
 
 def test_magnitudes_off_the_ladder_are_in_no_ratio(study: Any, late: Any) -> None:
@@ -148,7 +190,7 @@ def test_magnitudes_off_the_ladder_are_in_no_ratio(study: Any, late: Any) -> Non
     only = [outcome for outcome in outcomes if outcome.mutant in (BASELINE, PLACEBO.id, "LATE-human@3s")]
     bare = score(only, study.roster, study.space)
     assert len({outcome.mutant for outcome in outcomes}) > 8
-    for name in ("exercised", "infected", "mutation_score", "strict_score", "operability"):
+    for name in ("exercised", "infected", "tested", "mutation_score", "operability"):
         assert getattr(scored, name) == getattr(bare, name)
 
 
@@ -158,12 +200,13 @@ def test_the_matrix_shows_the_margin_from_the_store_alone(study: Any, late: Any)
     found = search(study, late)
     with Store(study.folder / "c" / STORE_NAME) as store:
         outcomes = held_in(study, store, study.folder / "c").current
-    told = cell_margins(outcomes, study.matrix)
+    scored = score(outcomes, study.roster, study.space)
+    told = cell_margins(outcomes, scored, study.matrix)
     assert told["LATE-human"] == str(lowest(found.values()))
     assert told["REVERSE-human"] == "CONTROL"
     assert told["EARLY-collision"] == "-"
     assert told["MORE-goal"] == "?"
-    assert {margin.situations[0]: margin for margin in margins(outcomes, study.matrix)[LATE]} == found
+    assert {margin.situations[0]: margin for margin in margins(outcomes, scored, study.matrix)[LATE]} == found
 
 
 def test_a_phase_has_a_margin_of_its_own(study: Any) -> None:
@@ -195,13 +238,13 @@ def test_a_fault_without_an_order_is_refused_in_a_sentence(study: Any, text: str
 
 @pytest.mark.flight
 def test_the_margin_of_late_human_in_flight_lies_between_its_rungs(tmp_path: Path) -> None:
-    """Delays of the detection beyond the time that SR2 allows kill, delays within the drone's slack do not."""
+    """Delays of the detection beyond the time that SR2 allows violate it, delays within the drone's slack do not."""
     study = Study.open(Path(__file__).parents[3])
     goal = target(study.matrix, "LATE-human", tolerance=0.5)
     (situation,) = study.grid.select(["T0O0W0D0H1"])
     found = find(study, [goal], [situation], (0,), tmp_path, progress=lambda: Progress(stream=io.StringIO()))
     (margin,) = found[goal.subject]
     assert margin.survives is not None
-    assert margin.kills is not None
-    assert margin.kills - margin.survives <= 0.5
-    assert margin.kills <= 3.0
+    assert margin.end is not None
+    assert margin.end - margin.survives <= 0.5
+    assert margin.end <= 3.0

@@ -23,6 +23,7 @@ from scaloft_fi.campaign.runs.run import Report, run
 from scaloft_fi.errors import GateError, InputError
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.scoring.detection import Spending
 from scaloft_fi.results.store import Store
 from scaloft_fi.results.telling.export import export_rows, to_json
 
@@ -91,12 +92,14 @@ def test_more_seeds_fly_only_what_is_new(study: Any, log: Any) -> None:
     assert {name.rsplit("/", 1)[1] for name in log.flown[flown:-1]} == {"1"}
 
 
-def test_a_violation_is_a_warning_line_the_baselines_too(study: Any, log: Any) -> None:
+def test_as_many_violations_are_counted_as_the_mission_log_has(study: Any, log: Any) -> None:
     stream = io.StringIO()
     run(study, _plan(study), study.folder / "c", progress=Progress(stream=stream), flyer=log)
-    warnings = [line for line in stream.getvalue().splitlines() if line.startswith("warning: ")]
-    assert any("SR2 violated at 6.00 s" in line and "baseline/D1H1/0" in line for line in warnings)
-    assert any("SR2 violated at 7.00 s" in line and "LATE-human@3s/D0H1/0" in line for line in warnings)
+    path = study.folder / "c" / LOG_NAME
+    listed = len(json.loads(path.read_text())["violations"])
+    assert stream.getvalue().splitlines()[:-1] == [
+        f"violations: {listed} (baseline 1, mutants 3, PLACEBO 1); all of them are in {path}"
+    ]
 
 
 def test_the_mission_log_names_every_safety_violation(study: Any, log: Any) -> None:
@@ -128,7 +131,7 @@ def test_a_repeat_that_differs_fails_the_gate(study: Any, log: Any) -> None:
         _run(study, log)
 
 
-def test_a_control_that_survives_fails_the_gate(study: Any, log: Any) -> None:
+def test_a_control_that_shows_nothing_fails_the_gate(study: Any, log: Any) -> None:
     def tame(flight: Flight, outcome: Outcome) -> Outcome:
         if flight.subject.id != CONTROL:
             return outcome
@@ -136,7 +139,7 @@ def test_a_control_that_survives_fails_the_gate(study: Any, log: Any) -> None:
         return replace(outcome, readings=calm, violations=())
 
     log.change = tame
-    with pytest.raises(GateError, match="a control survives, so faults may not reach the drone: REVERSE-velcmd"):
+    with pytest.raises(GateError, match="a control shows nothing, so faults may not reach the drone: REVERSE-velcmd"):
         _run(study, log)
 
 
@@ -260,19 +263,61 @@ def test_an_interrupted_run_says_the_command_that_resumes_it(study: Any, log: An
         run(study, _plan(study), study.folder / "c", typed, progress=Progress(stream=io.StringIO()), flyer=log)
 
 
-def test_a_pool_is_flown_and_a_green_baseline_in_it_reveals_nothing(study: Any, log: Any) -> None:
-    report = _run(study, log, planned=_plan(study).with_pool(range(3)))
-    assert sum(o.mutant == "baseline" for o in report.outcomes) == 3 * 4
+def _seeds(report: Report, situation: str) -> set[int]:
+    return {o.seed for o in report.outcomes if o.mutant == "baseline" and o.situation == situation}
+
+
+def test_a_pool_of_ten_is_flown_in_each_situation_where_a_mutant_infects(study: Any, log: Any) -> None:
+    report = _run(study, log, planned=plan(study.grid, (0,), [realise(study.matrix, LATE)], None).with_pool())
+    assert {key: _seeds(report, key) for key in ("D0H0", "D0H1", "D1H0", "D1H1")} == {
+        "D0H0": {0},
+        "D0H1": set(range(10)),
+        "D1H0": {0},
+        "D1H1": set(range(10)),
+    }
     assert {o.seed for o in report.outcomes if o.mutant != "baseline"} == {0}
 
+
+def test_a_resumed_run_completes_the_pool_and_flies_nothing_twice(study: Any, log: Any) -> None:
+    planned = _plan(study)
+    _run(study, log, planned=planned)
+    before = len(log.flown)
+    report = _run(study, log, planned=planned.with_pool())
+    assert [len(_seeds(report, key)) for key in ("D0H0", "D0H1", "D1H0", "D1H1")] == [1, 10, 1, 10]
+    # the last one is the flight that each run repeats
+    assert len(log.flown) - before == 2 * 9 + 1
+
+
+def test_a_pool_in_which_no_pair_is_steady_fails_the_gate(study: Any, log: Any) -> None:
     def red(flight: Flight, outcome: Outcome) -> Outcome:
-        if flight.seed:
+        if flight.mutant is not None or flight.seed % 2:
+            return outcome
+        return replace(outcome, readings=tuple(replace(r, violated_at_s=2.0) for r in outcome.readings))
+
+    log.change = red
+    with pytest.raises(GateError, match="no situation flown has a steady pair"):
+        _run(study, log, planned=_plan(study).with_pool())
+
+
+def test_without_a_pool_some_baseline_must_hold_a_safety_requirement(study: Any, log: Any) -> None:
+    def red(flight: Flight, outcome: Outcome) -> Outcome:
+        if flight.mutant is not None:
             return outcome
         return replace(outcome, readings=tuple(replace(r, violated_at_s=2.0) for r in outcome.readings))
 
     log.change = red
     with pytest.raises(GateError, match="no situation flown has a baseline that holds a safety requirement"):
-        _run(study, log, planned=_plan(study).with_pool(range(3)), folder="red")
+        _run(study, log)
+
+
+def test_a_campaign_remembers_with_which_seeds_its_mutants_were_asked_for(study: Any, log: Any) -> None:
+    late, more = (realise(study.matrix, name) for name in (LATE, "MORE-goal@1m"))
+    once = _run(study, log, planned=plan(study.grid, (0,), [late, more], None))
+    assert once.spending == Spending(0.01, frozenset())
+    again = _run(study, log, planned=plan(study.grid, (0,), [late], None))
+    assert again.spending.grown == frozenset()
+    grown = _run(study, log, planned=plan(study.grid, range(3), [late], None))
+    assert grown.spending.grown == {LATE, "PLACEBO"}
 
 
 def test_a_disk_that_fills_up_is_one_sentence_and_the_same_command_resumes(

@@ -43,7 +43,7 @@ class Flyer:
     def prepare(self, study, say):
         pass
 
-    def __call__(self, study, flight, baseline=None):
+    def __call__(self, study, flight):
         if self.mark:
             with open(self.mark, "w") as file:
                 file.write(f"{os.getpid()}\\n")

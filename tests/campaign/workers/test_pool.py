@@ -202,6 +202,52 @@ def test_a_worker_started_clean_ends_with_the_process_that_started_it(work: Any)
     assert not _runs(int(done.stdout))
 
 
+INTERRUPTED = """
+import os, signal, sys
+import clean_work
+from scaloft_fi.campaign.workers import hire
+
+run, heard = os.getpid(), []
+
+def hear(number, frame):
+    if os.getpid() != run:
+        raise KeyboardInterrupt
+    heard.append(number)
+
+signal.signal(signal.SIGINT, hear)
+print("begun", flush=True)
+for number in range(8):
+    hired = getattr(hire, sys.argv[1])(clean_work.work, ())
+    hired.connection.send(("pid", 0))
+    assert hired.connection.recv()[0] == "result"
+    assert hired.connection.recv() == ("done", None)
+    hired.connection.close()
+    hired.process.join()
+signal.signal(signal.SIGINT, signal.SIG_IGN)
+print(len(heard))
+"""
+"""Starts workers one after the other; whoever hears Ctrl-C but this process itself ends with a traceback."""
+
+
+@pytest.mark.parametrize("hire", ["forked", "started_clean"])
+def test_a_worker_hears_no_ctrl_c_from_its_first_moment_on(work: Any, hire: str) -> None:
+    run = subprocess.Popen(
+        [sys.executable, "-c", INTERRUPTED, hire],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert run.stdout
+    assert run.stdout.readline() == "begun\n"
+    while run.poll() is None:
+        os.killpg(run.pid, signal.SIGINT)
+        time.sleep(0.0005)
+    heard, said = run.communicate()
+    assert (run.returncode, said) == (0, "")
+    assert int(heard) > 0
+
+
 def _runs(process: int) -> bool:
     try:
         os.kill(process, 0)

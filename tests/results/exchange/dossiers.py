@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from builders import GRID, KINDS, ROSTER, campaigns
+from builders import GRID, KINDS, ROSTER, campaigns, seeded
 from hypothesis import strategies as st
 
 from scaloft_fi.hazop.cell import Cell, CellStatus
@@ -12,6 +12,7 @@ from scaloft_fi.hazop.parameter import Parameter
 from scaloft_fi.results.exchange.dossier import Dossier
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.requirement import Requirement
+from scaloft_fi.results.scoring.detection import Spending
 
 HOSTILE = "<script>alert('1')</script> \"&\" =cmd|' /C calc'!A0 ]]> 人 \\textbf{x} " + "long " * 60
 WORDS, PARAMETERS = ("NO", "LATE", "MORE", "REVERSE"), ("human", "goal")
@@ -46,9 +47,11 @@ def dossier(outcomes: list[Outcome]) -> Dossier:
         roster=ROSTER,
         requirements=tuple(Requirement(name, kind, "always(x > 0)", title=HOSTILE) for name, kind in KINDS.items()),
         outcomes=tuple(outcomes),
+        spending=Spending(),
         sources=SOURCES,
     )
 
 
 def dossiers() -> st.SearchStrategy[Dossier]:
-    return campaigns().map(dossier)
+    """Of campaigns without a pool, and with one."""
+    return st.one_of(campaigns(), seeded()).map(dossier)

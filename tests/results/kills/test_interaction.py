@@ -3,14 +3,13 @@ from __future__ import annotations
 from itertools import product
 
 import pytest
-from builders import GRID, ROSTER, outcome
+from builders import GRID, ROSTER, ten, thrice
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaloft_fi.results.kills.condition import admits
 from scaloft_fi.results.kills.interaction import NIST, Interaction, interactions, order, orders
 from scaloft_fi.results.kills.kill_matrix import kill_matrix
-from scaloft_fi.results.outcome import BASELINE
 from scaloft_fi.results.scoring.score import score
 from scaloft_fi.results.space import Space
 
@@ -66,11 +65,11 @@ def test_no_order_without_a_kill() -> None:
 
 def test_what_is_not_known_makes_the_order_a_range() -> None:
     human, nobody = "T0O0W0D0H1", "T0O0W0D0H0"
-    flights = [outcome(BASELINE, key) for key in (human, nobody)]
-    flights += [outcome("LATE-human@3s", human, violated={"SR2": 9.0}), outcome("LATE-human@3s", nobody)]
+    late = "LATE-human@3s"
+    flights = [*ten(human, nobody), *thrice(late, human, violated={"SR2": 9.0}), *thrice(late, nobody)]
     scored = score(flights, ROSTER, GRID)
     assert interactions(kill_matrix(scored, ROSTER, GRID)) == (
-        Interaction("LATE-human@3s", True, "human", order=1, at_most=5, killing=1, unknown=30),
+        Interaction(late, True, "human", order=1, at_most=5, killing=1, unknown=30),
     )
 
 

@@ -5,14 +5,14 @@ import xml.etree.ElementTree as ET
 from itertools import product
 
 import pytest
-from builders import GRID, ROSTER, campaigns, outcome
+from builders import GRID, ROSTER, outcome, seeded, ten
 from hypothesis import given, settings
 
 from scaloft_fi.results.kills.condition import condition
 from scaloft_fi.results.kills.karnaugh import KarnaughMap, karnaugh_map
 from scaloft_fi.results.kills.karnaugh_picture import draw_karnaugh
 from scaloft_fi.results.kills.kill_matrix import Row, kill_matrix
-from scaloft_fi.results.outcome import BASELINE, Outcome
+from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.scoring.score import score
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.telling.picture import png
@@ -30,7 +30,7 @@ def map_of(row: Row, space: Space = GRID) -> KarnaughMap:
 
 def flown(space: Space, killing: set[str]) -> list[Outcome]:
     late = [outcome(LATE, key, violated={"SR2": 9.0} if key in killing else {}) for key in space.point]
-    return [*(outcome(BASELINE, key) for key in space.point), *late]
+    return [*ten(*space.point), *late]
 
 
 HUMAN_IN_LIGHT = {key for key in GRID.point if "D0" in key and "H1" in key}
@@ -57,7 +57,7 @@ def test_neighbours_on_the_map_differ_on_one_axis_also_across_its_edges() -> Non
 
 
 @settings(deadline=None, max_examples=30)
-@given(campaigns())
+@given(seeded())
 def test_the_blocks_hold_every_kill_and_no_survivor(outcomes: list[Outcome]) -> None:
     for row in kill_matrix(score(outcomes, ROSTER, GRID), ROSTER, GRID).rows:
         found = map_of(row)
@@ -75,6 +75,20 @@ def test_the_picture_names_states_axes_and_terms_and_can_be_drawn() -> None:
     assert ">human &amp; light<" in svg
     assert all(f">{axis}<" in svg for axis in GRID.axes)
     assert png(svg).startswith(b"\x89PNG")
+
+
+def test_a_violation_that_decides_nothing_is_seen_and_not_killed() -> None:
+    row = row_of(flown(GRID, {"T0O0W0D0H1"}))
+    svg = draw_karnaugh(GRID, map_of(row), row)
+    assert (svg.count(">seen<"), svg.count(">killed<")) == (1, 0)
+    assert "T0O0W0D0H1: seen, SR2 violated in 1 of 1 flights" in svg
+    assert "Killed nowhere." in svg
+
+
+def test_a_situation_without_a_steady_requirement_says_so() -> None:
+    late = [*ten("T0O0W0D0H1", violated={"SR1": 30.0}, struck="bar"), outcome(LATE, "T0O0W0D0H1")]
+    row = row_of(late)
+    assert "survived, no safety requirement is steady here" in draw_karnaugh(GRID, map_of(row), row)
 
 
 def test_a_mutant_killed_nowhere_has_a_map_that_says_so() -> None:

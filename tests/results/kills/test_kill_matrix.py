@@ -3,11 +3,12 @@ from __future__ import annotations
 import json
 from itertools import pairwise
 
-from builders import GRID, ROSTER, campaigns, outcome
+from builders import GRID, ROSTER, campaigns, outcome, seeded, ten, thrice
 from hypothesis import given, settings
 
 from scaloft_fi.results.kills.kill_matrix import NOT_FLOWN, KillMatrix, kill_matrix
-from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
+from scaloft_fi.results.outcome import PLACEBO, Outcome
+from scaloft_fi.results.scoring.detection import Verdict
 from scaloft_fi.results.scoring.score import score
 
 LATE, NO, CONTROL = "LATE-human@3s", "NO-human@100%", "REVERSE-human"
@@ -19,14 +20,13 @@ def matrix_of(outcomes: list[Outcome]) -> KillMatrix:
 
 
 CAMPAIGN = [
-    outcome(BASELINE, HUMAN),
-    outcome(BASELINE, NOBODY),
-    outcome(BASELINE, DARK, violated={"SR1": 30.0}, struck="bar"),
+    *ten(HUMAN, NOBODY),
+    *ten(DARK, violated={"SR1": 30.0}, struck="bar"),
     outcome(PLACEBO, HUMAN, altered=0),
-    outcome(CONTROL, HUMAN, violated={"SR2": 9.0}),
-    outcome(LATE, HUMAN, violated={"SR2": 12.35}),
-    outcome(LATE, NOBODY, carried=0, altered=0),
-    outcome(LATE, DARK, violated={"SR2": 12.0}),
+    *thrice(CONTROL, HUMAN, violated={"SR2": 9.0}),
+    *thrice(LATE, HUMAN, violated={"SR2": 12.35}),
+    *thrice(LATE, NOBODY, carried=0, altered=0),
+    *thrice(LATE, DARK, violated={"SR2": 12.0}),
     outcome(NO, HUMAN, digest="clean"),
     outcome(NO, NOBODY, altered=0),
     outcome(NO, DARK, invalid="the worker died"),
@@ -36,34 +36,50 @@ CAMPAIGN = [
 def test_every_state_has_its_name() -> None:
     found = matrix_of(CAMPAIGN)
     states = {row.id: {e.situation: e.state for e in row.entries if e.state != NOT_FLOWN} for row in found.rows}
-    assert states[LATE] == {HUMAN: "killed", NOBODY: "not_reached", DARK: "killed"}
-    assert states[NO] == {HUMAN: "masked", NOBODY: "not_infected", DARK: "invalid"}
+    assert states[LATE] == {HUMAN: "revealed", NOBODY: "not_reached", DARK: "revealed"}
+    assert states[NO] == {HUMAN: "masked", NOBODY: "not_infected"}
     assert [row.kind for row in found.rows] == ["mutant", "mutant", "control", "placebo"]
 
 
-def test_a_kill_beside_a_baseline_that_holds_nothing_to_its_end_is_shown_and_not_counted() -> None:
+def test_where_nothing_is_steady_nothing_is_killed_survived_or_tested() -> None:
     row = matrix_of(CAMPAIGN).row[LATE]
-    assert row.killing == (HUMAN, DARK)
+    (dark,) = [entry for entry in row.entries if entry.situation == DARK]
+    assert (dark.kills, dark.seen, dark.tested, dark.survived) == ((), (), False, False)
+    assert dict(dark.violated) == {"SR2": 3}
     assert row.kills == {HUMAN}
+    assert row.surviving == (NOBODY,)
     assert matrix_of(CAMPAIGN).kills == {LATE: {HUMAN}}
 
 
-def test_decisions_stand_beside_the_flights() -> None:
-    assert [entry.decision for entry in matrix_of(CAMPAIGN).row[LATE].entries if entry.decision] == ["undecided"]
+def test_what_does_not_decide_is_seen_and_no_kill() -> None:
+    row = matrix_of([*ten(HUMAN), outcome(LATE, HUMAN, violated={"SR2": 9.0})]).row[LATE]
+    (entry,) = [entry for entry in row.entries if entry.flown]
+    assert (row.verdict, entry.seen, entry.kills) == (Verdict.UNDECIDED, ("SR2",), ())
 
 
-@settings(deadline=None, max_examples=40)
-@given(campaigns())
+def test_a_detected_mutant_without_a_kill_is_named() -> None:
+    keys = [key for key, _ in GRID.points[:8]]
+    spread = [outcome(LATE, key, seed, violated={"SR2": 9.0} if seed == 1 else {}) for key in keys for seed in range(3)]
+    found = matrix_of([*ten(*keys), *spread])
+    assert (found.scattered, found.kills) == ((LATE,), {})
+    assert matrix_of(CAMPAIGN).scattered == ()
+
+
+@settings(deadline=None, max_examples=20)
+@given(seeded())
 def test_the_matrix_says_what_the_score_says(outcomes: list[Outcome]) -> None:
     scored = score(outcomes, ROSTER, GRID)
     found = kill_matrix(scored, ROSTER, GRID)
     assert [row.id for row in found.mutants] == [mutant.subject.id for mutant in scored.mutants]
     for mutant, row in zip(scored.mutants, found.mutants, strict=True):
-        assert row.killing == mutant.killing
-        assert row.surviving == mutant.surviving
+        assert (row.killing, row.verdict) == (mutant.killing, mutant.verdict)
         assert len(row.kills) == mutant.kill_rate.part
-    counted = [row for row in found.mutants if row.counted]
-    assert sum(bool(row.kills) for row in counted) == scored.mutation_score.part
+        spared = [r.situation for r in mutant.results if not r.kills and (r.tested or not r.infected)]
+        assert list(row.surviving) == spared
+        assert mutant.detected or not row.kills
+    if scored.pooled:
+        counted = [row for row in found.mutants if row.counted]
+        assert sum(row.verdict is Verdict.DETECTED for row in counted) == scored.mutation_score.part
 
 
 @settings(deadline=None, max_examples=20)

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import pytest
-from builders import GRID, ROSTER, campaigns, outcome
+from builders import GRID, ROSTER, outcome, seeded, ten, thrice
 from hypothesis import given, settings
 
 from scaloft_fi.results.kills import kill_tables as tables
@@ -10,7 +10,7 @@ from scaloft_fi.results.kills.kill_matrix import KillMatrix, kill_matrix
 from scaloft_fi.results.kills.minimal_suite import minimal_suite
 from scaloft_fi.results.kills.situation_kills import chosen_kills, situation_kills
 from scaloft_fi.results.kills.subsumption import redundancies, subsumption
-from scaloft_fi.results.outcome import BASELINE, Outcome
+from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.scoring.score import score
 from scaloft_fi.results.telling.table import WIDTH, Format, Table, render
 
@@ -39,13 +39,14 @@ def all_tables(outcomes: list[Outcome]) -> list[Table]:
 
 KILLS = {(LATE, HUMAN), (NO, HUMAN), (NO, DARK), (GOAL, NOBODY)}
 CAMPAIGN = [
-    *(outcome(BASELINE, key) for key in (HUMAN, NOBODY, DARK)),
+    *ten(HUMAN, NOBODY, DARK),
     *(
-        outcome(mutant, key, violated={"SR2": 9.0} if (mutant, key) in KILLS else {})
+        flight
         for mutant in (LATE, NO, GOAL)
         for key in (HUMAN, NOBODY, DARK)
+        for flight in thrice(mutant, key, violated={"SR2": 9.0} if (mutant, key) in KILLS else {})
     ),
-    outcome(BASELINE, "T1O0W0D1H0", violated={"SR1": 30.0}, struck="bar"),
+    *ten("T1O0W0D1H0", violated={"SR1": 30.0}, struck="bar"),
     outcome(LATE, "T1O0W0D1H0"),
 ]
 
@@ -55,14 +56,14 @@ def test_a_situation_tells_what_it_alone_kills() -> None:
     assert rows[HUMAN].killed == (NO, LATE)
     assert rows[HUMAN].alone == (LATE,)
     assert rows[DARK].alone == ()
-    assert (rows[HUMAN].eligible, rows["T1O0W0D1H0"].eligible) == (3, 0)
+    assert (rows[HUMAN].tested, rows["T1O0W0D1H0"].tested) == (3, 0)
     # LATE and MORE-goal are the minimal ones
-    assert [str(rows[key].minimal.plain) for key in (HUMAN, DARK)] == ["1/2 = 50 %", "0/2 = 0 %"]
+    assert [str(rows[key].minimal) for key in (HUMAN, DARK)] == ["1/2 = 50 %", "0/2 = 0 %"]
 
 
 def test_some_situations_are_scored_with_and_without_redundant_mutants() -> None:
     found = chosen_kills(matrix_of(CAMPAIGN), [HUMAN, DARK])
-    assert (str(found.killed.plain), str(found.dominator.plain)) == ("2/3 = 67 %", "1/2 = 50 %")
+    assert (str(found.killed), str(found.dominator)) == ("2/3 = 67 %", "1/2 = 50 %")
     assert found.lost == (GOAL,)
     whole = chosen_kills(matrix_of(CAMPAIGN), GRID.point)
     assert (whole.killed.value, whole.dominator.value, whole.lost) == (1.0, 1.0, ())
@@ -71,9 +72,21 @@ def test_some_situations_are_scored_with_and_without_redundant_mutants() -> None
 def test_the_tables_say_it_in_words() -> None:
     text = " ".join(render(all_tables(CAMPAIGN), Format.TABLE).split())
     assert "Fewest situations that keep every kill: 2, proved; sets of that size: 1." in text
-    assert "1 of 4 situations flown kill nothing, 1 because no flight there is eligible." in text
+    assert "In 1 of 4 situations flown no mutant is killed; 1 of them put none to the test." in text
     assert f"> {NO} 2 {LATE}" in text
     assert "3 killed mutants, 3 different kill sets, 2 of them minimal" in text
+
+
+def test_the_first_table_names_what_is_detected_without_a_kill() -> None:
+    keys = [key for key, _ in GRID.points[:8]]
+    spread = [outcome(LATE, key, 1, violated={"SR2": 9.0}) for key in keys]
+    calm = [outcome(LATE, key, seed) for key in keys for seed in (0, 2)]
+    matrix = matrix_of([*ten(*keys), *spread, *calm])
+    shown = tables.with_scattered([tables.interaction_table(interactions(matrix))] * 2, matrix)
+    assert f"Detected without a kill, so in no table of kills: {LATE}." in shown[0].notes[-1]
+    assert shown[1].notes == tables.interaction_table(()).notes
+    assert tables.with_scattered([], matrix) == []
+    assert tables.with_scattered(shown, matrix_of(CAMPAIGN)) == shown
 
 
 def test_a_greedy_suite_says_at_most() -> None:
@@ -83,7 +96,7 @@ def test_a_greedy_suite_says_at_most() -> None:
 
 
 @settings(deadline=None, max_examples=12)
-@given(campaigns())
+@given(seeded())
 def test_every_table_of_every_campaign_fits_a_terminal_and_every_node_is_listed_once(outcomes: list[Outcome]) -> None:
     text = render(all_tables(outcomes), Format.TABLE)
     assert max(len(line) for line in text.splitlines()) <= WIDTH

@@ -4,13 +4,14 @@ from itertools import permutations
 
 import networkx as nx
 import pytest
-from builders import outcome
+from builders import GRID, ROSTER, ten, thrice
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from scaloft_fi.results.kills.kill_matrix import kill_matrix
 from scaloft_fi.results.kills.subsumption import Redundancy, kills_by_requirement, redundancies, subsumption
-from scaloft_fi.results.outcome import BASELINE
 from scaloft_fi.results.scoring.ratio import Ratio
+from scaloft_fi.results.scoring.score import score
 
 COLUMNS = "abcdef"
 matrices = st.dictionaries(
@@ -75,12 +76,12 @@ def test_duplicates_are_counted_within_a_cell() -> None:
 def test_a_requirement_can_be_told_from_another() -> None:
     human = "T0O0W0D0H1"
     flights = [
-        outcome(BASELINE, human),
-        outcome("LATE-human@3s", human, violated={"SR2": 9.0}),
-        outcome("NO-human@100%", human, violated={"SR2": 8.0, "SR1": 12.0}, struck="person"),
-        outcome("MORE-goal@0.6m", human, violated={"OP1": 60.0}),
+        *ten(human),
+        *thrice("LATE-human@3s", human, violated={"SR2": 9.0}),
+        *thrice("NO-human@100%", human, violated={"SR2": 8.0, "SR1": 12.0}),
+        *thrice("MORE-goal@0.6m", human, violated={"OP1": 60.0}),
     ]
-    found = kills_by_requirement(flights, ["LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"])
+    found = kills_by_requirement(kill_matrix(score(flights, ROSTER, GRID), ROSTER, GRID))
     assert found == {"LATE-human@3s": {f"{human} SR2"}, "NO-human@100%": {f"{human} SR1", f"{human} SR2"}}
 
 

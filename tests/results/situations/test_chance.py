@@ -77,7 +77,7 @@ TABLE = {
 
 @pytest.mark.parametrize("k", TABLE)
 def test_expected_coverage_of_the_reference_grid_is_as_published(k: int) -> None:
-    trial = Trial(FIVE, tuple(keys_of(FIVE)), (), (), np.zeros((0, 32), bool), ())
+    trial = Trial(FIVE, tuple(keys_of(FIVE)), (), (), np.zeros((0, 32), bool))
     for strength, wanted in enumerate(TABLE[k], start=1):
         found, possible = trial.combinations(strength)
         expected = without_replacement(32)[found.sum(axis=1), k - 1].sum() / possible

@@ -3,12 +3,13 @@ from __future__ import annotations
 from itertools import combinations, product
 
 import pytest
-from builders import GRID, campaigns, flights, outcome
+from builders import GRID, campaigns, flights, outcome, pool
 from hypothesis import given
 
-from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.outcome import BASELINE, Outcome
+from scaloft_fi.results.scoring.pool import State
 from scaloft_fi.results.scoring.ratio import Ratio
-from scaloft_fi.results.situations.coverage import coverage
+from scaloft_fi.results.situations.coverage import coverage, coverage_json
 from scaloft_fi.results.situations.t_way import t_way
 
 KEYS = [key for key, _ in GRID.points]
@@ -57,9 +58,28 @@ def test_an_invalid_flight_covers_nothing() -> None:
     assert coverage([outcome(invalid="worker died")], GRID) == coverage([], GRID)
 
 
+def test_steady_pairs_are_counted_of_the_situations_that_have_a_pool() -> None:
+    outcomes = pool(KEYS[0]) + pool(KEYS[1], vacuous=("SR2",)) + pool(KEYS[2], red=9, violated={"SR2": 3.0})
+    outcomes += [*pool(KEYS[3], seeds=9), outcome("LATE-human@3s", KEYS[4])]
+    found = coverage(outcomes, GRID)
+    assert found.steady == Ratio(4, 6)
+    assert found.states[State.STEADY] == 4
+    assert sum(found.states.values()) == 10
+    told = coverage_json(found)
+    assert told["steady"] == {"part": 4, "whole": 6}
+    assert told["states"] == {"steady": 4, "unsteady": 0, "red": 1, "open": 0, "vacuous": 1, "unknown": 4}
+
+
+@given(campaigns())
+def test_every_safety_pair_of_the_situations_flown_has_one_state(outcomes: list[Outcome]) -> None:
+    found = coverage(outcomes, GRID)
+    requirements = 2 if any(o.subject.id == BASELINE and not o.invalid for o in outcomes) else 0
+    assert sum(found.states.values()) == requirements * found.situations.part
+
+
 def parts(found: list[Outcome]) -> list[int]:
     covered = coverage(found, GRID)
-    ratios = [covered.situations, covered.realised, covered.eligible, *(ratio for _, ratio in covered.t_way)]
+    ratios = [covered.situations, covered.realised, *(ratio for _, ratio in covered.t_way)]
     ratios += [found.complete(share) for found in covered.combinations for share in (0.5, 1.0)]
     ratios += [ratio for _, ratio in covered.requirements]
     return [covered.draws, *(ratio.part for ratio in ratios), *(ratio.part for _, ratio in covered.by_axis)]

@@ -15,7 +15,7 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 
 def found(kills: np.ndarray) -> Curves:
-    return curves(Trial(FIVE, tuple(keys_of(FIVE)), ("m",) * len(kills), ("p",) * len(kills), kills, ()))
+    return curves(Trial(FIVE, tuple(keys_of(FIVE)), ("m",) * len(kills), ("p",) * len(kills), kills))
 
 
 @pytest.fixture(scope="module")

@@ -1,24 +1,23 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations, product
 
 import numpy as np
 import pytest
-from builders import GRID, ROSTER, outcome
 from grids import FIVE, keys_of, space_of, spaces
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.scoring.score import score
 from scaloft_fi.results.situations.chance import without_replacement
 from scaloft_fi.results.situations.covering import covering_array
 from scaloft_fi.results.situations.curve_tables import curve_tables, curves_json
-from scaloft_fi.results.situations.curves import curves, resamples
+from scaloft_fi.results.situations.curves import curves
 from scaloft_fi.results.situations.orders import relabelled
 from scaloft_fi.results.situations.prediction import correlate, predict
+from scaloft_fi.results.situations.redrawn import SeedSet
 from scaloft_fi.results.situations.t_way import t_way
-from scaloft_fi.results.situations.trial import Trial, sub_cube, trial
+from scaloft_fi.results.situations.trial import Trial, sub_cube
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.telling.table import Format, render
 
@@ -28,7 +27,7 @@ KEYS = tuple(keys_of(FIVE))
 def made(kills: np.ndarray, space: Space = FIVE, keys: tuple[str, ...] | None = None) -> Trial:
     names = tuple(f"NO-p{number % 4}@{number}s" for number in range(len(kills)))
     keys = keys or tuple(keys_of(space))
-    return Trial(space, keys, names, tuple(name.split("-")[1].split("@")[0] for name in names), kills, ())
+    return Trial(space, keys, names, tuple(name.split("-")[1].split("@")[0] for name in names), kills)
 
 
 def blocks() -> np.ndarray:
@@ -62,7 +61,7 @@ def test_a_covering_array_kills_every_block_of_its_strength_and_random_situation
     assert array.kills.mean[-1] == pytest.approx(40)
     assert array.difference.low[-1] > 0
     assert array.matched > 6
-    assert "Here yes" in predict(found).answer[-1]
+    assert "Here yes: 2 of 3 covering arrays meet more" in predict(found).answer[-1]
 
 
 def test_mutants_that_die_everywhere_or_nowhere_tell_nothing() -> None:
@@ -70,7 +69,7 @@ def test_mutants_that_die_everywhere_or_nowhere_tell_nothing() -> None:
     found = curves(made(kills))
     assert all(curve.kills.mean[-1] == pytest.approx(1) for curve in found.curves)
     said = predict(found)
-    assert "Not here" in said.answer[-1]
+    assert "Not shown here" in said.answer[-1]
     assert all(tau is None for one in said.correlations for tau in one.within)
     assert "nothing follows" in predict(curves(made(kills[1:]))).answer[-1].lower()
 
@@ -86,7 +85,50 @@ def test_an_array_that_kills_fewer_than_random_situations_is_said_to() -> None:
     assert array.kills.mean[-1] == pytest.approx(60)
     assert random.kills.mean[15] == pytest.approx(120 * (1 - 15 * 16 / (31 * 32)))
     assert array.difference.high[-1] < 0
-    assert "of 3 covering arrays 1 kill more than random, 1 fewer" in predict(found).answer[-1]
+    assert array.distinct.high[-1] < 0
+    assert "No: 1 of 3 covering arrays meets fewer" in predict(found).answer[-1]
+
+
+def test_arrays_that_differ_in_both_directions_are_said_to() -> None:
+    # pairs of one parity, which an array of 16 meets less often, and blocks, which one of 6 meets more often
+    even = [number for number, (_, point) in enumerate(FIVE.points) if point.count("1") % 2 == 0]
+    pairs = [np.isin(np.arange(32), pair) for pair in combinations(even, 2)]
+    kills = np.array([*pairs, *(row for row in blocks() if row.sum() == 8)])
+    assert "Not in one direction: 2 of 3 covering arrays meet more" in predict(curves(made(kills))).answer[-1]
+
+
+def test_mutants_that_die_in_the_same_situations_count_once_in_the_headline() -> None:
+    # twenty mutants that an array finds sooner, all of one kill set, beside single ones that it does not
+    block = next(row for row in blocks() if row.sum() == 8)
+    kills = np.array([*[block] * 20, *np.eye(32, dtype=bool)])
+    array = curves(made(kills)).curve("2-way")
+    assert array.kills.mean[-1] == pytest.approx(20 + 6)
+    assert array.kill_sets.mean[-1] == pytest.approx(1 + 6)
+    chance = without_replacement(32)[8, 5]
+    assert array.difference.mean[-1] == pytest.approx(20 * (1 - chance))
+    assert array.distinct.mean[-1] == pytest.approx(1 - chance)
+    assert array.distinct.low[-1] <= array.distinct.mean[-1] <= array.distinct.high[-1]
+
+
+def test_what_another_seed_kills_widens_the_intervals_and_moves_no_expected_value() -> None:
+    kills = scattered()
+    alone = made(kills)
+    seeds = (SeedSet((0,), 0.25, kills), SeedSet((1,), 0.25, kills & (np.arange(32) < 4)), SeedSet((0, 1), 0.5, kills))
+    one, both = curves(alone), curves(replace(alone, seeds=(0, 1), seed_sets=seeds))
+    for before, after in zip(one.curves, both.curves, strict=True):
+        assert (before.kills.mean, before.t_way) == (after.kills.mean, after.t_way)
+        assert after.kills.low[-1] < before.kills.low[-1]
+    assert "resample 2 seeds" in predict(both).answer[-1]
+    assert "nothing follows beyond" not in predict(both).answer[-1]
+
+
+def test_the_answer_ends_with_what_the_figures_carry_and_what_not() -> None:
+    whole, part = predict(curves(made(scattered()))), predict(curves(made(scattered()[:, :8], keys=KEYS[:8])))
+    for said in (whole.answer[-1], part.answer[-1]):
+        assert "mutants of this matrix within their parameter" in said
+        assert "do not carry to another grid or another drone" in said
+    assert whole.answer[-1].endswith("the 32 situations are the whole grid, a census and no sample.")
+    assert part.answer[-1].endswith("the 8 situations are those that were flown, no sample of others.")
 
 
 @settings(max_examples=15, deadline=None)
@@ -136,13 +178,6 @@ def test_axes_of_different_size_keep_their_places() -> None:
     assert len(set(np.bincount(suites.ravel(), minlength=6))) == 1
 
 
-def test_mutants_are_resampled_within_their_parameter() -> None:
-    weights = resamples(["a", "b", "a", "a"])
-    assert (weights[:, [0, 2, 3]].sum(axis=1) == 3).all()
-    assert (weights[:, 1] == 1).all()
-    assert (weights == resamples(["a", "b", "a", "a"])).all()
-
-
 def test_random_suites_pooled_over_sizes_correlate_and_within_a_size_they_do_not() -> None:
     """Simpson: coverage and kills both grow with the size, and are unrelated among suites of one size."""
     [two] = [one for one in correlate(made(scattered(60))) if one.strength == 2]
@@ -159,23 +194,6 @@ def test_blocks_are_told_from_other_sets() -> None:
     three = space_of([3, 2])
     assert sub_cube(three, ["Aa0Ab0", "Aa1Ab0"]) is None
     assert sub_cube(three, ["Aa0Ab0", "Aa1Ab0", "Aa2Ab0"]) == 1
-
-
-def flown(mutant: str, situations: list[str], killing: list[str]) -> list[Outcome]:
-    return [outcome(mutant, key, violated={"SR1": 5.0} if key in killing else {}, digest=mutant) for key in situations]
-
-
-def test_the_trial_takes_the_default_mutants_that_were_flown_together() -> None:
-    grid = [key for key, _ in GRID.points][:6]
-    outcomes = [outcome(situation=key) for key in grid]
-    outcomes += flown("LATE-human@3s", grid[:4], grid[:1]) + flown("NO-human@100%", grid[:4], grid[1:3])
-    outcomes += flown("MORE-goal@0.6m", grid[4:], []) + flown("LATE-human@1s", grid, grid) + flown("PLACEBO", grid, [])
-    found = trial(score(outcomes, ROSTER, GRID), ROSTER, GRID)
-    assert found.situations == tuple(grid[:4])
-    assert found.mutants == ("NO-human@100%", "LATE-human@3s")
-    assert found.left_out == ("MORE-goal@0.6m",)
-    assert found.kills.tolist() == [[False, True, True, False], [True, False, False, False]]
-    assert trial(score([], ROSTER, GRID), ROSTER, GRID) is None
 
 
 def test_part_of_the_grid_covers_part_of_the_combinations() -> None:
@@ -198,7 +216,10 @@ def test_json_and_tables_tell_the_same() -> None:
     assert random["kills"]["mean"] == pytest.approx(list(expected))
     assert random["difference"] is None
     assert len(said["correlation"][1]["within"]) == 32
+    assert (said["kill_sets"], said["seeds"], said["seeds_resampled"]) == (len(found.trial.kill_sets), [], False)
     text = render(curve_tables(found, predict(found)), Format.TABLE)
+    assert max(map(len, text.splitlines())) <= 100
+    assert "Seeds are not resampled" in " ".join(text.split())
     assert f"{expected[5]:.1f}" in text
     assert " ".join(said["answer"][0].split()) in " ".join(text.split())
 

@@ -22,10 +22,10 @@ def test_a_table_fits_where_its_columns_can_be_made_narrow_enough(rows, width):
     headers = ("first", "second", "third")
     found = limits(headers, rows, width)
     natural = [
-        max(len(header) + 2, *map(len, column)) for header, column in zip(headers, zip(*rows, strict=True), strict=True)
+        max(len(header), *map(len, column)) for header, column in zip(headers, zip(*rows, strict=True), strict=True)
     ]
     widths = [wanted if limit is None else limit for limit, wanted in zip(found, natural, strict=True)]
-    assert sum(widths) + 4 <= width or widths == [len(header) + 2 for header in headers]
+    assert sum(widths) + 4 <= width or widths == [len(header) for header in headers]
     assert all(limit is None or limit < wanted for limit, wanted in zip(found, natural, strict=True))
     assert sum(natural) + 4 > width or found == [None] * 3
 

@@ -15,13 +15,13 @@ def _compare(first: list[Outcome], second: list[Outcome]) -> Comparison:
     return compare(first, second, ROSTER, GRID)
 
 
-def test_another_verdict_is_a_difference() -> None:
+def test_another_status_is_a_difference() -> None:
     compared = _compare([outcome(), outcome(M, violated={"SR2": 5.0})], [outcome(), outcome(M)])
     assert compared.same == 1
-    assert compared.differences == (Difference(M, "T0O0W0D0H0", 0, Said("killed", ("SR2",)), Said("survived", ())),)
+    assert compared.differences == (Difference(M, "T0O0W0D0H0", 0, Said("revealed", ("SR2",)), Said("survived", ())),)
 
 
-def test_other_bits_with_the_same_verdict_are_only_counted() -> None:
+def test_other_bits_with_the_same_status_are_only_counted() -> None:
     compared = _compare([outcome(), outcome(M, digest="a")], [outcome(), outcome(M, digest="b")])
     assert (compared.same, compared.other_bits, compared.differences) == (1, 1, ())
 
@@ -35,7 +35,7 @@ def test_the_table_names_both_campaigns() -> None:
     compared = _compare([outcome(), outcome(M, violated={"SR2": 5.0})], [outcome(), outcome(M)])
     table = comparison_table(compared, "old", "new")
     assert table.headers[3:] == ("old", "new")
-    assert table.rows == ((M, "T0O0W0D0H0", 0, "killed SR2", "survived"),)
+    assert table.rows == ((M, "T0O0W0D0H0", 0, "revealed SR2", "survived"),)
     assert "1 flights are the same bit for bit" in table.notes[0]
 
 

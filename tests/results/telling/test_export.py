@@ -4,13 +4,13 @@ import csv
 import io
 import json
 import random
-from dataclasses import replace
 
-from builders import GRID, KINDS, ROSTER, campaigns, outcome
-from hypothesis import given
+from builders import GRID, KINDS, ROSTER, campaigns, outcome, seeded
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
+from scaloft_fi.results.scoring.pool import Pool
 from scaloft_fi.results.telling.export import columns, export_rows, to_csv, to_json
 
 M = "LATE-human@3s"
@@ -18,7 +18,7 @@ RHO = [f"rho_{name}" for name in KINDS]
 COLUMNS = [
     *("mutant", "situation", "seed", "status", "ending", "violated", *RHO),
     *("infected_at_s", "violated_at_s", "x", "y", "z", "struck", "duration_s", "digest"),
-    *("held", "killed_by", "violation_times_s", "violation_bodies", "triggered", "realised", "carried", "altered"),
+    *("held", "revealed_by", "violation_times_s", "violation_bodies", "triggered", "realised", "carried", "altered"),
 ]
 
 
@@ -28,10 +28,10 @@ def test_a_row_has_the_columns_of_the_contract_in_their_order() -> None:
     assert columns([], list(KINDS)) == COLUMNS
 
 
-def test_a_killed_flight_says_when_where_and_what_was_struck() -> None:
+def test_a_flight_that_reveals_its_fault_says_when_where_and_what_was_struck() -> None:
     flown = outcome(M, violated={"SR1": 20.0, "OP1": 5.0}, struck="")
     (_, row) = export_rows([outcome(), flown], ROSTER, GRID)
-    assert (row["status"], row["violated"]) == ("killed", ["SR1", "OP1"])
+    assert (row["status"], row["violated"]) == ("revealed", ["SR1", "OP1"])
     assert (row["violated_at_s"], row["x"], row["y"], row["z"], row["struck"]) == (20.0, 1.0, 2.0, 1.65, "")
     (_, row) = export_rows([outcome(), outcome(M, violated={"SR1": 20.0}, struck="wall")], ROSTER, GRID)
     assert (row["struck"], row["ending"], row["duration_s"]) == ("wall", "struck", 20.0)
@@ -57,24 +57,33 @@ def test_rows_are_ordered_baseline_placebo_catalogue_then_off_the_ladder_situati
 
 def test_csv_joins_lists_and_leaves_what_there_is_not_empty() -> None:
     text = to_csv(export_rows([outcome(), outcome(M, violated={"SR1": 20.0, "SR2": 9.0})], ROSTER, GRID))
-    held, killed = csv.DictReader(io.StringIO(text))
+    held, revealed = csv.DictReader(io.StringIO(text))
     assert (held["violated"], held["violated_at_s"], held["infected_at_s"], held["status"]) == ("", "", "", "held")
-    assert (killed["violated"], killed["violated_at_s"]) == ("SR1;SR2", "9.0")
+    assert (revealed["violated"], revealed["violated_at_s"]) == ("SR1;SR2", "9.0")
 
 
 def test_a_row_says_what_the_figures_of_the_score_follow_from() -> None:
     struck = outcome(M, violated={"SR1": 20.0, "SR2": 9.0, "OP1": 5.0})
     base, row = export_rows([outcome(), struck], ROSTER, GRID)
-    assert (base["held"], base["realised"], base["killed_by"]) == (list(KINDS), ["T", "O", "W", "D", "H"], [])
-    assert (row["held"], row["killed_by"]) == (["SR2-literal"], ["SR2", "SR1", "OP1"])
+    assert (base["held"], base["realised"], base["revealed_by"]) == (list(KINDS), ["T", "O", "W", "D", "H"], [])
+    assert (row["held"], row["revealed_by"]) == (["SR2-literal"], ["SR2", "SR1", "OP1"])
     assert (row["violated"], row["violation_times_s"]) == (["SR1", "SR2", "OP1"], [20.0, 9.0, 5.0])
     cut = outcome(M, violated={"SR1": 20.0}, struck="wall")
     (_, row) = export_rows([outcome(), cut], ROSTER, GRID)
     assert (row["held"], row["violation_bodies"], row["carried"], row["altered"]) == ([], ["wall"], 100, 5)
 
 
-def test_a_flight_cut_at_its_first_kill_is_not_exported() -> None:
-    assert export_rows([replace(outcome(M), truncated="first kill")], ROSTER, GRID) == []
+@given(seeded())
+@settings(deadline=None, max_examples=30)
+def test_the_pool_of_a_campaign_follows_from_its_rows(outcomes: list[Outcome]) -> None:
+    rows = [row for row in export_rows(outcomes, ROSTER, GRID) if row["mutant"] == BASELINE and row["ending"]]
+    for (situation, name), pair in Pool.of(outcomes).pairs.items():
+        own = [row for row in rows if row["situation"] == situation]
+        violated = [name in row["violated"] for row in own]
+        held = [name in row["held"] for row in own]
+        triggered = [name in (*row["violated"], *row["triggered"]) for row in own]
+        counts = (len(own), sum(violated), len(own) - sum(violated) - sum(held), sum(triggered))
+        assert (pair.flights, pair.violated, pair.open, pair.triggered) == counts
 
 
 def test_an_export_of_nothing_is_an_empty_list_and_a_header() -> None:
@@ -100,4 +109,4 @@ def test_json_and_csv_say_the_same_of_every_flight(outcomes: list[Outcome]) -> N
     assert len(parsed) == len(outcomes)
     for row, other in zip(rows, parsed, strict=True):
         assert all(str(row[name]) == other[name] for name in ("mutant", "situation", "seed", "status", "digest"))
-        assert (row["status"] == "killed") <= bool(row["violated"])
+        assert (row["status"] == "revealed") <= bool(row["violated"])

@@ -6,13 +6,14 @@ from datetime import date, timedelta
 from pathlib import Path
 
 import pytest
-from builders import GRID, ROSTER, campaigns, outcome
-from hypothesis import given
+from builders import GRID, ROSTER, campaigns, outcome, pool, seeded
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.results.scoring.detection import Verdict
 from scaloft_fi.results.scoring.score import score
 from scaloft_fi.results.worksheet.disposition import Disposition, Judged, State, draft, judge, load_dispositions, told
 
@@ -78,9 +79,12 @@ def test_a_mutant_that_stands_twice_is_refused_however_it_is_written(tmp_path: P
         loaded(tmp_path, GOOD + GOOD.replace("LATE-human", again))
 
 
-def flown(*, killed: bool, keys: tuple[str, ...] = ("T0O0W0D0H1",)) -> list[Outcome]:
+def flown(*, killed: bool, keys: tuple[str, ...] = ("T0O0W0D0H1",), seeds: int = 3) -> list[Outcome]:
     violated = {"SR2": 8.0} if killed else {}
-    return [made for key in keys for made in (outcome(situation=key), outcome(LATE.mutant, key, violated=violated))]
+    return [
+        *pool(*keys),
+        *(outcome(LATE.mutant, key, seed, violated=violated) for key in keys for seed in range(seeds)),
+    ]
 
 
 def state(outcomes: list[Outcome], *dispositions: Disposition, today: date | None = DAY) -> list[State]:
@@ -103,7 +107,19 @@ def test_a_survival_in_a_situation_that_is_not_named_is_to_be_looked_at() -> Non
     assert state(flown(killed=False, keys=("T0O0W0D0H1", "T1O0W0D0H1")), there) == [State.UNCOVERED]
 
 
-def test_an_accepted_mutant_that_is_killed_is_stale_and_passes() -> None:
+def test_an_undecided_mutant_is_a_survivor_whose_verdict_is_told() -> None:
+    (entry,) = judge(score(flown(killed=True, seeds=1), ROSTER, GRID), ROSTER, ())
+    assert (entry.state, entry.verdict) == (State.OPEN, Verdict.UNDECIDED)
+    assert told(entry) == "LATE-human@3s is undecided (tested in T0O0W0D0H1) and not accepted"
+
+
+def test_a_violation_where_the_unmutated_drone_is_red_neither_detects_nor_survives() -> None:
+    red = "T0O0W0D1H1"
+    late = [outcome(LATE.mutant, red, seed, violated={"SR2": 8.0}) for seed in range(3)]
+    assert state([*pool(red, red=10, violated={"SR1": 20.0, "SR2": 20.0}), *late], LATE) == [State.UNTESTED]
+
+
+def test_an_accepted_mutant_that_is_detected_is_stale_and_passes() -> None:
     assert state(flown(killed=True), LATE) == [State.STALE]
     assert not State.STALE.fails
 
@@ -113,12 +129,14 @@ def test_a_disposition_of_what_was_not_flown_is_untested_but_expires_all_the_sam
     assert state([], LATE, today=DAY + timedelta(days=1)) == [State.EXPIRED]
 
 
-@given(campaigns(), st.booleans())
-def test_every_mutant_the_score_counts_is_killed_or_listed(outcomes: list[Outcome], accepted: bool) -> None:
+@given(st.one_of(campaigns(), seeded()), st.booleans())
+@settings(deadline=None, max_examples=50)
+def test_every_mutant_put_to_the_test_is_detected_or_listed(outcomes: list[Outcome], accepted: bool) -> None:
     scored = score(outcomes, ROSTER, GRID)
     judged = judge(scored, ROSTER, [LATE] if accepted else [], DAY)
     survivors = {entry.mutant for entry in judged if entry.surviving and entry.mutant in ROSTER.defaults.values()}
-    assert len(survivors) == scored.mutation_score.whole - scored.mutation_score.part
+    detected = {m.subject.id for m in scored.mutants if ROSTER.counts(m.subject) and m.detected}
+    assert len(survivors - detected) + len(detected) == scored.tested.part
     assert len({entry.mutant for entry in judged}) == len(judged)
     for entry in judged:
         assert entry.state.fails == (entry.state in (State.OPEN, State.UNCOVERED, State.EXPIRED))

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from builders import GRID, outcome
+from builders import GRID, outcome, pool
 
 from scaloft_fi.hazop.cell import CellStatus
 from scaloft_fi.hazop.load import load_matrix
@@ -53,8 +53,8 @@ def with_text(text: str) -> Matrix:
 
 def sheet(matrix: Matrix) -> str:
     roster = Roster.of(matrix, [mutant.id for mutant in derive(matrix)])
-    flown = [outcome(situation=key) for key, _ in GRID.points]
-    flown += [outcome("LATE-human@3s", "T0O0W0D0H1", violated={"SR2": 8.0})]
+    flown = pool(*(key for key, _ in GRID.points))
+    flown += [outcome("LATE-human@3s", "T0O0W0D0H1", seed, violated={"SR2": 8.0}) for seed in range(3)]
     return to_latex(worksheet(matrix, flown, score(flown, roster, GRID), GRID, ()))
 
 

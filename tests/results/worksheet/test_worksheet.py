@@ -12,7 +12,7 @@ from datetime import date
 from pathlib import Path
 
 import pytest
-from builders import GRID, campaigns, outcome
+from builders import GRID, campaigns, outcome, pool, seeded
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from openpyxl import load_workbook
@@ -27,7 +27,7 @@ from scaloft_fi.results.scoring.score import score
 from scaloft_fi.results.telling.literal import FORMULA, latex, line, markdown, printable
 from scaloft_fi.results.worksheet.disposition import Disposition
 from scaloft_fi.results.worksheet.spreadsheet import LONGEST, to_xlsx
-from scaloft_fi.results.worksheet.worksheet import COLUMNS, FINDINGS, TEAM, Row, to_records, worksheet
+from scaloft_fi.results.worksheet.worksheet import COLUMNS, FINDINGS, TEAM, Row, population, to_records, worksheet
 from scaloft_fi.results.worksheet.worksheet_text import to_csv, to_latex, to_markdown, to_text
 
 MATRIX = load_matrix(Path(__file__).parents[3] / "hazop").only(
@@ -35,12 +35,13 @@ MATRIX = load_matrix(Path(__file__).parents[3] / "hazop").only(
 )
 ROSTER = Roster.of(MATRIX, [mutant.id for mutant in derive(MATRIX)])
 HUMAN, DARK, NOBODY = "T0O0W0D0H1", "T0O0W0D1H1", "T0O0W0D0H0"
+SEEDS = range(3)
 FLOWN = [
-    *(outcome(situation=key) for key in (HUMAN, DARK, NOBODY)),
-    outcome("LATE-human@3s", HUMAN, violated={"SR2": 8.0}),
-    outcome("LATE-human@3s", DARK, digest="clean"),
-    outcome("LATE-human@3s", NOBODY, altered=0, carried=0, digest="clean"),
-    outcome("LATE-human@1s", HUMAN),
+    *pool(HUMAN, DARK, NOBODY),
+    *(outcome("LATE-human@3s", HUMAN, seed, violated={"SR2": 8.0}) for seed in SEEDS),
+    *(outcome("LATE-human@3s", DARK, seed, digest=f"clean{seed}") for seed in SEEDS),
+    *(outcome("LATE-human@3s", NOBODY, seed, altered=0, carried=0) for seed in SEEDS),
+    *(outcome("LATE-human@1s", HUMAN, seed) for seed in SEEDS),
 ]
 HOSTILE = (
     "<script>alert(1)</script>",
@@ -85,14 +86,39 @@ def with_text(text: str) -> Matrix:
 def test_a_row_says_what_its_default_mutant_did() -> None:
     values = named(rows(FLOWN), "LATE-human").values
     assert (values["situations_flown"], values["reached"], values["infected"]) == (3, 2, 2)
-    assert (values["killed"], values["eligible"]) == (1, 2)
-    assert values["kill_rate"] == "1/2 = 50 % [9, 91]"
+    assert (values["verdict"], values["operability"]) == ("detected", "not detected")
+    assert (values["kill_rate"], values["killed_by"]) == ("1 of 2", "SR2 1/2")
+    assert (values["p"], values["needed"]) == ("SR1 1, SR2 0.007", None)
     assert values["margin"] == "1-3 s"
     assert values["killing"] == HUMAN
-    assert values["killed_where"] == "human & light"
+    assert values["where"] == "human & light"
     assert values["stopped_at"] == "masked 1, not_reached 1"
     assert values["requirements"] == "SR2"
     assert values["node"] == "person detector -> speed limit"
+
+
+def test_an_undecided_row_says_what_would_decide_and_where_a_violation_was_seen() -> None:
+    flown = [*pool(HUMAN, DARK), outcome("LATE-human@3s", HUMAN, violated={"SR2": 8.0}), outcome("LATE-human@3s", DARK)]
+    values = named(rows(flown), "LATE-human").values
+    assert (values["verdict"], values["kill_rate"], values["p"]) == ("undecided", "0 of 2", "SR1 1, SR2 0.18")
+    assert (values["needed"], values["where"]) == ("5 seeds", "light")
+    assert values["stopped_at"] == "revealed 1, survived 1"
+
+
+def test_a_row_that_was_not_tested_has_neither_kills_nor_p() -> None:
+    red = pool(DARK, red=10, violated={"SR1": 20.0, "SR2": 20.0})
+    flown = [*red, *(outcome("LATE-human@3s", DARK, seed, violated={"SR2": 8.0}) for seed in SEEDS)]
+    values = named(rows(flown), "LATE-human").values
+    assert (values["verdict"], values["kill_rate"], values["p"]) == ("not tested", None, None)
+
+
+def test_without_a_pool_the_sheet_says_what_would_decide_and_what_to_call() -> None:
+    found = rows([outcome(situation=HUMAN), outcome("LATE-human@3s", HUMAN, violated={"SR2": 8.0})])
+    values = named(found, "LATE-human").values
+    assert (values["verdict"], values["kill_rate"]) == ("undecided", None)
+    assert values["needed"] == "10 baseline flights in each situation"
+    assert "No verdict: no situation in which a mutant changes a sample has 10 baseline flights" in population(found)
+    assert "No verdict" not in population(rows(FLOWN))
 
 
 def test_a_cell_that_was_not_flown_says_nothing_of_flights() -> None:
@@ -124,8 +150,8 @@ def test_deviations_that_are_not_credible_are_in_a_log_with_their_reason() -> No
     ]
 
 
-@given(campaigns())
-@settings(max_examples=25)
+@given(st.one_of(campaigns(), seeded()))
+@settings(max_examples=25, deadline=None)
 def test_every_figure_is_the_scores(outcomes: list[Outcome]) -> None:
     scored = score(outcomes, ROSTER, GRID)
     flown = {mutant.subject.id: mutant for mutant in (*scored.mutants, *scored.controls)}
@@ -141,6 +167,7 @@ def test_every_figure_is_the_scores(outcomes: list[Outcome]) -> None:
                 mutant.kill_rate.whole,
             )
             assert found["killing"] == list(mutant.killing)
+            assert (found["verdict"], found["p"]) == (mutant.verdict, dict(mutant.safety.p) if mutant.tested else {})
             assert found["situations_flown"] == mutant.kill_rate_flown.whole
             assert found["infected"] <= found["reached"] <= found["situations_flown"]
 

@@ -1,0 +1,30 @@
+"""Counts violations as they come home.  All those of whole flights are in the mission log."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
+from scaloft_fi.results.requirement import Kind
+from scaloft_fi.results.telling.mission_log import violation_line
+
+MUTANTS = "mutants"
+
+
+class Violations:
+    """How often safety and operability requirements were violated, by what was flown."""
+
+    def __init__(self) -> None:
+        self._counts = Counter[str]()
+
+    def add(self, outcome: Outcome) -> list[str]:
+        """Count those of an outcome; returns a line for each."""
+        group = outcome.mutant if outcome.mutant in (BASELINE, PLACEBO) else MUTANTS
+        lines = [violation_line(outcome, entry) for entry in outcome.violations if entry.kind is not Kind.REPORTED]
+        self._counts[group] += len(lines)
+        return lines
+
+    def __str__(self) -> str:
+        """`57 (baseline 16, mutants 25, PLACEBO 16)`; empty before the first one."""
+        groups = [f"{group} {self._counts[group]}" for group in (BASELINE, MUTANTS, PLACEBO) if self._counts[group]]
+        return f"{self._counts.total()} ({', '.join(groups)})" if groups else ""

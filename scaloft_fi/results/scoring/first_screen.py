@@ -1,0 +1,215 @@
+"""The first screen after `run` and `score`: four answers, the mutants by verdict, coverage, what the drone does.
+
+All of it fits 100 columns.  Long groups are cut unless everything is asked for; the other tables stand behind `--all`.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from textwrap import fill, indent
+
+from scaloft_fi.results.kills.background import Background
+from scaloft_fi.results.requirement import Kind
+from scaloft_fi.results.roster import Roster
+from scaloft_fi.results.scoring.answers import Answer, answers
+from scaloft_fi.results.scoring.detection import Verdict
+from scaloft_fi.results.scoring.pool import Pool, State
+from scaloft_fi.results.scoring.score import MutantScore, Score
+from scaloft_fi.results.situations.coverage import Coverage
+from scaloft_fi.results.space import Space
+from scaloft_fi.results.status import Status
+from scaloft_fi.results.telling.literal import printable
+from scaloft_fi.results.telling.table import WIDTH, Format, Table, render
+
+MANY, SHOWN = 30, 10
+"""Of more mutants than `MANY` each group shows its first `SHOWN`."""
+WIDEST = 24
+"""Longest condition that a row shows."""
+TITLE = "Would your tests have shown it?"
+COLUMNS = {
+    Verdict.DETECTED: ("kills", "by", "where", "first", "effect"),
+    Verdict.UNDECIDED: ("seen", "where", "first", "effect", "next"),
+    Verdict.NOT_DETECTED: ("tested in", "effect", "next"),
+    Verdict.NOT_TESTED: ("effect", "next"),
+}
+"""What each group tells of its mutants."""
+CONTROL_COLUMNS = ("kills", "shown by", "effect")
+LEGEND = (
+    "kills: situations where most flights of a detected fault violate, of those that put it to the test:",
+    "where it changes samples and nine in ten unmutated flights hold the requirement.",
+    "by: the same per requirement.  where: `mixed` is told by `scaloft-fi kills ID`.",
+    "first: earliest such violation [s from take-off].",
+    "next: the seeds of `scaloft-fi run --mutant ID` that would decide; anew: in a campaign of their own.",
+)
+_STOPPED = {
+    Status.INVALID: "the harness failed",
+    Status.NOT_REACHED: "its seam carries nothing",
+    Status.NOT_INFECTED: "changes no sample",
+    Status.MASKED: "flies the same to the bit",
+    Status.BASELINE_RED: "violates as the baseline",
+    Status.SURVIVED: "flies otherwise",
+    Status.REVEALED: "flies otherwise",
+}
+
+
+def first_screen(
+    scored: Score,
+    roster: Roster,
+    space: Space,
+    covered: Coverage,
+    backgrounds: Mapping[str, Background],
+    *,
+    campaign: str = "default",
+    whole: bool = False,
+) -> tuple[Table, ...]:
+    """The screen as tables: the answers, a table a group, and the two lines.
+
+    Args:
+        scored: the campaign's score.
+        roster: which mutants count.
+        space: the grid.
+        covered: its situation coverage.
+        backgrounds: of the mutants, by id.
+        campaign: its name, for the commands.
+        whole: whether groups are shown to their ends.
+    """
+    told = answers(scored, roster, campaign)
+    lines = (Answer("Situations", coverage_line(covered)), Answer("Unmutated drone", baseline_line(scored.pool)))
+    counted = Counter(mutant.verdict for mutant in scored.mutants if mutant.flown and roster.counts(mutant.subject))
+    groups = [
+        *(
+            _group(verdict.words.capitalize(), COLUMNS[verdict], rows, whole, counted[verdict])
+            for verdict, rows in _rows(scored, space, backgrounds)
+        ),
+        _group("Controls, in no ratio", CONTROL_COLUMNS, [_control(mutant) for mutant in scored.controls], whole),
+    ]
+    groups = [group for group in groups if group.rows]
+    if groups:
+        groups[-1] = replace(groups[-1], notes=(*groups[-1].notes, *LEGEND))
+    return (Table(TITLE, ("question", "answer"), tuple(told)), *groups, Table("Besides", ("what", "finding"), lines))
+
+
+def screen_text(screen: Sequence[Table], *, bold: bool = False) -> str:
+    """The screen as a terminal shows it: answers and findings as lines, the groups as tables between them."""
+    first, *groups, last = screen
+    parts = [_lines(first, bold), *(_emphasised(render([table], Format.TABLE), bold) for table in groups)]
+    return "\n".join([*parts, _lines(last, bold)])
+
+
+def _lines(table: Table, bold: bool) -> str:
+    """A table of two columns as lines: the first column is what the others are indented by."""
+    wide = max(len(str(name)) for name, _ in table.rows) + 2
+    lines = []
+    for name, text in table.rows:
+        told = indent(fill(printable(str(text)), WIDTH - wide), " " * wide).lstrip()
+        lines.append(f"{_strong(str(name), bold)}{' ' * (wide - len(str(name)))}{told}\n")
+    return "".join(lines)
+
+
+def _emphasised(text: str, bold: bool) -> str:
+    """The first line, which is the title, emphasised."""
+    title, rest = text.split("\n", 1)
+    return f"{_strong(title, bold)}\n{rest}"
+
+
+def _strong(text: str, bold: bool) -> str:
+    return f"\x1b[1m{text}\x1b[0m" if bold else text
+
+
+def coverage_line(covered: Coverage) -> str:
+    """The situations in a sentence."""
+    ways = ", ".join(f"{t}-way {100 * (r.value or 0):.0f} %" for t, r in covered.t_way if 2 <= t <= 3)
+    return f"{covered.situations.short} flown, {ways} covered; in {covered.realised.short} every value came true."
+
+
+def baseline_line(pool: Pool) -> str:
+    """What the unmutated drone itself violates, in a sentence."""
+    pairs = [pair for pair in pool.pairs.values() if pair.kind is Kind.SAFETY]
+    if not any(pair.state is not State.UNKNOWN for pair in pairs):
+        red = sum(pair.violated > 0 for pair in pairs)
+        return f"violates a safety requirement in {red} of {len(pairs)} pairs of situation and requirement; no pool."
+    found = []
+    for name in pool.requirements(Kind.SAFETY):
+        states = Counter(pair.state for pair in pairs if pair.requirement == name)
+        ill = [f"{states[s]} {s.value}" for s in (State.RED, State.UNSTEADY, State.OPEN, State.VACUOUS) if states[s]]
+        found.append(
+            f"holds {name} steadily in {states[State.STEADY]} situations" + (f" ({', '.join(ill)})" if ill else "")
+        )
+    return f"{'; '.join(found)}."
+
+
+def _rows(
+    scored: Score, space: Space, backgrounds: Mapping[str, Background]
+) -> Iterator[tuple[Verdict, list[tuple[str, ...]]]]:
+    """The rows of each verdict; among the detected those with most kills first."""
+    flown = [mutant for mutant in scored.mutants if mutant.flown]
+    for verdict in Verdict:
+        members = [mutant for mutant in flown if mutant.verdict is verdict]
+        if verdict is Verdict.DETECTED:
+            members.sort(key=lambda mutant: -len(mutant.killing))
+        facts = [_facts(mutant, space, backgrounds.get(mutant.subject.id)) for mutant in members]
+        yield verdict, [(one["mutant"], *(one[column] for column in COLUMNS[verdict])) for one in facts]
+
+
+def _group(
+    title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...]], whole: bool, counted: int | None = None
+) -> Table:
+    """A group's table; `counted` of its mutants are in the ratios, the others are more magnitudes of a cell."""
+    shown = rows if whole or len(rows) <= MANY else rows[:SHOWN]
+    notes = (f"... and {len(rows) - len(shown)} more: `scaloft-fi score --all`",) if len(shown) < len(rows) else ()
+    said = "" if counted in (None, len(rows)) else f", of which {counted} count in the score"
+    return Table(f"{title}: {len(rows)}{said}", ("mutant", *columns), tuple(shown), notes)
+
+
+def _facts(mutant: MutantScore, space: Space, background: Background | None) -> dict[str, str]:
+    where = mutant.condition(space)
+    seen = Counter(name for result in mutant.results for name in result.seen)
+    return {
+        "mutant": mutant.subject.id,
+        "kills": mutant.kill_rate.short,
+        "by": ", ".join(f"{name} {ratio.short}" for name, ratio in mutant.requirements if name in mutant.safety.p)
+        or ", ".join(mutant.safety.by),
+        "seen": ", ".join(f"{name} in {count}/{mutant.kill_rate.whole}" for name, count in seen.items()),
+        "tested in": str(mutant.kill_rate.whole),
+        "where": where if len(where) <= WIDEST else "mixed",
+        "first": f"{mutant.first.t_s:.1f}" if mutant.first else "",
+        "effect": effect(mutant),
+        "next": _next(mutant, background),
+    }
+
+
+def _control(mutant: MutantScore) -> tuple[str, ...]:
+    by = ", ".join((*mutant.safety.by, *mutant.operability.by)) or "nothing"
+    return mutant.subject.id, mutant.kill_rate.short, by, effect(mutant)
+
+
+def effect(mutant: MutantScore) -> str:
+    """What the fault does to the flight, in words."""
+    struck = list(dict.fromkeys(kill.first.struck for kill in mutant.kills if kill.first.struck))
+    if not struck and mutant.first is not None and mutant.first.struck:
+        struck = [mutant.first.struck]
+    if struck:
+        return f"strikes {struck[0]}" + f" +{len(struck) - 1}" * (len(struck) > 1)
+    if mutant.detected:
+        return "no contact"
+    if mutant.operability.detected:
+        return f"breaks {', '.join(mutant.operability.by)}"
+    if mutant.infected and not mutant.tested:
+        return "acts only where no pair is steady"
+    return _STOPPED[mutant.status]
+
+
+def _next(mutant: MutantScore, background: Background | None) -> str:
+    if mutant.verdict is Verdict.UNDECIDED:
+        if mutant.safety.needed is None:
+            return "more than 50 seeds" if mutant.tested else "a baseline pool"
+        return f"--seeds {mutant.safety.needed}" + ", anew" * mutant.safety.anew
+    if background is not None and background.expected and not mutant.infected:
+        return "nothing: expected"
+    if mutant.verdict is Verdict.NOT_TESTED:
+        return "another situation"
+    if background is not None and background.stronger:
+        return f"try {background.stronger[0]}"
+    return "an oracle or situation"

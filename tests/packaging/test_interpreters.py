@@ -1,0 +1,54 @@
+"""The other supported Python with the newest libraries: the matrix loads, and every operator takes its seam."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+OTHER = "3.12" if sys.version_info[:2] == (3, 11) else "3.11"
+BUILT = "pybullet"
+"""Has wheels for some interpreters only; what is tried here flies nothing."""
+
+
+def _interpreter() -> str | None:
+    """A Python of that version that starts, on the path or among pyenv's."""
+    pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv"))
+    found = [shutil.which(f"python{OTHER}"), *sorted(map(str, pyenv.glob(f"versions/{OTHER}.*/bin/python{OTHER}")))]
+    for candidate in filter(None, found):
+        if subprocess.run([candidate, "-c", ""], capture_output=True, check=False).returncode == 0:
+            return candidate
+    return None
+
+
+def _call(*words: str | Path) -> str:
+    clean = {key: value for key, value in os.environ.items() if not key.startswith(("PYTHON", "PIP_TARGET"))}
+    environment = clean | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run(list(map(str, words)), cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
+    return done.stdout
+
+
+def test_the_matrix_and_the_operators_load_on_the_other_python_with_the_newest_libraries(tmp_path: Path) -> None:
+    python = _interpreter()
+    if python is None:
+        pytest.skip(f"there is no Python {OTHER} on this machine")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    needed = [name for name in project["dependencies"] if not name.startswith(BUILT)]
+    _call(python, "-m", "venv", tmp_path / "venv")
+    own = tmp_path / "venv" / "bin" / "python"
+    _call(own, "-m", "pip", "install", "--quiet", *needed, "hypothesis", "pytest")
+    tests = (
+        "tests/hazop",
+        "tests/mutants/operators",
+        "tests/mutants/test_operators.py",
+        "tests/mutants/test_derive.py",
+    )
+    options = ("-q", "-m", "not flight", "-p", "no:cacheprovider", "-W", "ignore::DeprecationWarning")
+    assert " passed" in _call(own, "-m", "pytest", *options, *tests)
