@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.report.karnaugh import terms
 from scaloft_fi.report.severity import searched
-from scaloft_fi.report.signs import Sign, opening, shown_by, sign_of
+from scaloft_fi.report.signs import Sign, opening, seen_in, shown_by, sign_of
 from scaloft_fi.results.kills.gray import gray_order
 from scaloft_fi.results.kills.kill_matrix import Entry, KillMatrix
 from scaloft_fi.results.roster import Roster, cell_of
@@ -167,8 +167,9 @@ def _result(entry: Entry, result: Result | None, flights: Situations, pool: Pool
         return None
     told = {name: count for name, count in entry.violated if (entry.situation, name) in pool.pairs}
     operability = result.operability_kills if result else ()
-    seed = opening(flights[entry.situation], (*entry.kills, *operability, *entry.seen, *told))
-    return [SIGNS.index(sign_of(entry)), entry.flown, seed, told, list(entry.kills or entry.seen)]
+    seen = seen_in(entry, pool)
+    seed = opening(flights[entry.situation], (*entry.kills, *operability, *seen, *told))
+    return [SIGNS.index(sign_of(entry, seen)), entry.flown, seed, told, list(entry.kills or seen)]
 
 
 def by_situation(scored: Score, roster: Roster, keys: Sequence[str]) -> list[dict[str, int]]:

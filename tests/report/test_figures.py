@@ -59,9 +59,9 @@ def sign(count: Count, verdict: str) -> tuple[str, list[str]]:
         return "kill", count.most
     if stopped:
         return stopped[0], []
-    if not count.tests:
-        return "no_test", []
-    return ("seen", seen) if seen else ("tested", [])
+    if seen:
+        return "seen", seen
+    return ("tested" if count.tests else "no_test"), []
 
 
 def test_the_head_answers_four_questions_as_the_score_does(told: dict[str, Any], evidence: Evidence) -> None:
@@ -164,7 +164,9 @@ def test_a_control_names_what_shows_it(told: dict[str, Any], study: Study, quick
     assert told["gates"]["controls"] == {"part": 1, "whole": 1}
     few = quick(evidence_of(study, campaign(study, ("REVERSE-velcmd",), range(1), range(1))))
     assert (few["pooled"], few["mutants"][0]["by"], few["mutants"][0]["shows"]) == (False, [], ["SR1"])
-    assert few["answers"][0]["name"] == "Shown"
+    # without a pool nothing is told but what was seen
+    assert {few["signs"][result[0]] for result in few["mutants"][0]["results"]} == {"seen"}
+    assert few["ratios"][3].items() >= {"name": "mutation_score", "part": 0, "whole": 0}.items()
 
 
 def test_the_line_below_the_matrix_counts_default_mutants(
