@@ -1,39 +1,62 @@
-"""How the paper's rows move when the study's assumptions vary by 30 %.
+"""How the paper's rows move when the study's assumptions vary.
 
-    python benchmarks/sensitivity.py [--jobs N] [--only PATH_GLOB] [--output results/published/sensitivity.md]
+    python benchmarks/sensitivity.py [--jobs N] [--only PATH_GLOB]... [--pages]
 
 Each number that `sim/sources.yaml` calls an assumption is multiplied by 0.7 and by 1.3, one at a time (whole numbers
-are rounded; the corridor's and the branch's widths vary as a whole).  Per variation the baseline and the row's mutants
-fly the row's situation; the table says whether the verdict is that of the study as it stands.
+are rounded; the corridor's and the branch's widths vary as a whole).  Of a number that is 0 there is no 30 %: it takes
+the values declared in `ZEROS`, and one that is not declared there stops the script.  Per variation the baseline and the
+row's mutants fly the row's situation once: what is told is what single flights beside their baseline reveal.
+
+Writes `sensitivity.csv` and, from it, `sensitivity.md` into `results/published/`.  With `--only` the other variations
+stay in the CSV as they were flown; `--pages` flies nothing.
 """
 
 from __future__ import annotations
 
-import checkout  # noqa: F401 - first: it sets the path and the threads
+from checkout import ROOT  # first: it sets the path and the threads
 
 # isort: split
 
 import argparse
+import csv
 import fnmatch
 import multiprocessing
-from collections.abc import Iterator, Mapping
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from scaloft_fi.campaign.flights.fly import facts
+from varied import Beside, flown
+
 from scaloft_fi.errors import ScaloftError
-from scaloft_fi.mutants.derive import realise
-from scaloft_fi.mutants.wire import contexts, wire_for
 from scaloft_fi.results.flights import flight_of
-from scaloft_fi.results.outcome import Outcome, Subject, outcome_of
 from scaloft_fi.results.requirement import Kind
-from scaloft_fi.sim.flight import fly
-from scaloft_fi.sim.load import load
-from scaloft_fi.sim.log import FlightLog
 from scaloft_fi.study import Study
 
+PUBLISHED = ROOT / "results" / "published"
 SHARES = (0.7, 1.3)
 WHOLE = {"expansions", "children", "plan_every", "min_pixels", "sectors", "dilation_bins"}
+FOOTPRINT = "world.mine.footprint."
+
+
+@dataclass(frozen=True)
+class Zero:
+    """Values that an assumption of 0 takes instead of its 70 and 130 %, in words of its unit, and why these."""
+
+    values: tuple[float, ...]
+    unit: str
+    reason: str
+
+
+ZEROS: Mapping[str, Zero] = {
+    "world.mission.yaw_deg": Zero(
+        (-90.0, -27.0, 27.0, 90.0), "deg", "a right angle to either side, which is along the corridor, and 30 % of it"
+    ),
+    "sensors.detector.false_positives": Zero(
+        (0.003, 0.3), "per picture", "30 % of one picture in a hundred (5 pictures a second), and of every picture"
+    ),
+}
+"""By path; an assumption can be below 0 only where the study admits it."""
 
 
 @dataclass(frozen=True)
@@ -55,137 +78,196 @@ ROWS = (
 
 @dataclass(frozen=True)
 class Variation:
-    """Overrides of the study's numbers, and what to call them."""
+    """Overrides of the study's numbers, and what to call them; without any it is the study as it stands."""
 
     name: str
     change: str
     overrides: Mapping[str, float]
 
-    def touches(self, pattern: str) -> bool:
+    def touches(self, patterns: Sequence[str]) -> bool:
         """Whether it changes a number whose path matches."""
-        return any(fnmatch.fnmatch(path, pattern) for path in self.overrides)
+        return any(fnmatch.fnmatch(path, pattern) for path in self.overrides for pattern in patterns)
 
 
 @dataclass(frozen=True)
 class Finding:
-    """What a variation does to a row: safety violations of the baseline, kills by mutant, least clearance by mutant."""
+    """What a variation does to a row.
 
-    baseline: str
-    kills: tuple[str, ...]
-    clearance_m: tuple[float, ...]
+    Attributes:
+        baseline: safety requirements that the baseline violates, `-` for none.
+        revealed: by mutant, the safety requirements that reveal it.
+        clearance_m: least of the baseline and of each mutant; empty where only the page was kept.
+        impossible: why the study cannot be flown so.
+    """
+
+    baseline: str = ""
+    revealed: tuple[str, ...] = ()
+    clearance_m: tuple[str, ...] = ()
+    impossible: str = ""
+
+    @property
+    def says(self) -> tuple[str, ...]:
+        """What is compared."""
+        return (self.baseline, *self.revealed)
+
+
+Findings = dict[tuple[str, str, str], Finding]
+"""By row, assumption and change."""
 
 
 def variations(numbers: Mapping[str, float]) -> Iterator[Variation]:
-    """Each assumption down and up; the footprint by its widths."""
+    """Each assumption down and up, or by its declared values; the footprint by its widths."""
     yield Variation("as it stands", "", {})
     for path, value in numbers.items():
-        if ".footprint." in path or value == 0.0:
-            continue
-        for share in SHARES:
-            changed = value * share
-            if path.rsplit(".", 1)[-1] in WHOLE:
-                changed = round(changed)
-            if changed != value:
+        if not path.startswith(FOOTPRINT):
+            for changed in changes(path, value):
                 yield Variation(path, f"{value:g} -> {changed:g}", {path: changed})
     for share in SHARES:
         half = 1.2 * share
         low, high = 8.0 - half, 8.0 + half
         corners = {"4": high, "5": high, "6": low, "7": low}
-        moved = {f"world.mine.footprint.{k}.1": y for k, y in corners.items()}
+        moved = {f"{FOOTPRINT}{k}.1": y for k, y in corners.items()}
         yield Variation("width of the branch", f"2.4 -> {2 * half:g}", moved)
         half = 1.5 * share
         sides = {"0": -half, "1": half, "2": half, "3": -half, "4": -half, "7": -half}
-        moved = {f"world.mine.footprint.{k}.0": x for k, x in sides.items()}
+        moved = {f"{FOOTPRINT}{k}.0": x for k, x in sides.items()}
         yield Variation("width of the corridor", f"3 -> {2 * half:g}", moved)
 
 
-def fly_row(task: tuple[Path, Variation, Row]) -> Finding | str:
-    """Fly the row under the variation; a sentence when the study does not allow it."""
+def changes(path: str, value: float) -> Sequence[float]:
+    """The values that a number takes instead."""
+    if value == 0.0:
+        if path not in ZEROS:
+            raise SystemExit(f"{path} is 0, which has no 30 %: declare in ZEROS which values it takes, and why")
+        return ZEROS[path].values
+    whole = path.rsplit(".", 1)[-1] in WHOLE
+    found = [round(value * share) if whole else value * share for share in SHARES]
+    return [changed for changed in found if changed != value]
+
+
+def fly_row(task: tuple[Path, Variation, Row]) -> Finding:
+    """Fly the row under the variation."""
     folder, variation, row = task
-    study = Study.open(folder)
     try:
-        config = load(folder / "sim", variation.overrides)
-        scenario = config.scenario(config.grid.situation(row.situation))
+        baseline, *mutants = flown(Beside(folder, variation.overrides, row.situation, 0, row.mutants))
     except ScaloftError as error:
-        return str(error).rsplit(": ", 1)[-1]
-    sigma = config.sensors.imu
-
-    def outcome(mutant_id: str | None) -> tuple[Outcome, FlightLog]:
-        mutant = realise(study.matrix, mutant_id) if mutant_id else None
-        context = contexts(mutant_id or "baseline", row.situation, 0, scenario.nominal_s, facts(scenario, sigma))
-        log = fly(config, scenario.situation, 0, wire_for(mutant, context))
-        judged = outcome_of(
-            log, Subject.of(mutant), row.situation, 0, requirements=study.requirements, realisation=None
-        )
-        return judged, log
-
-    clean, clean_log = outcome(None)
-    kills, clearances = [], [float(clean_log.signals["clearance_m"].min())]
-    for mutant_id in row.mutants:
-        flown, log = outcome(mutant_id)
-        kills.append("+".join(flight_of(flown, clean).kills) or "-")
-        clearances.append(float(log.signals["clearance_m"].min()))
+        return Finding(impossible=str(error).rsplit(": ", 1)[-1])
+    clean = baseline[0]
     red = "+".join(r.requirement for r in clean.readings if r.violated and r.kind is Kind.SAFETY)
-    return Finding(red or "-", tuple(kills), tuple(clearances))
+    revealed = tuple("+".join(flight_of(outcome, clean).revealed) or "-" for outcome, _ in mutants)
+    clearances = tuple(f"{log.signals['clearance_m'].min():.2f}" for _, log in (baseline, *mutants))
+    return Finding(red or "-", revealed, clearances)
+
+
+def read(path: Path) -> Findings:
+    """The findings of a CSV."""
+    with path.open(encoding="utf-8", newline="") as file:
+        return {
+            (line["row"], line["assumption"], line["change"]): Finding(
+                line["baseline"], _split(line["revealed"]), _split(line["clearance_m"]), line["impossible"]
+            )
+            for line in csv.DictReader(file)
+        }
+
+
+def _split(cell: str) -> tuple[str, ...]:
+    return tuple(cell.split(";")) if cell else ()
+
+
+def write(path: Path, findings: Findings, order: Iterable[Variation]) -> None:
+    """A CSV of the findings, of each row in the order of the variations."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(("row", "assumption", "change", "baseline", "revealed", "clearance_m", "impossible"))
+        listed = list(order)
+        for row in ROWS:
+            for v in listed:
+                found = findings.get((row.name, v.name, v.change))
+                if found:
+                    joined = (";".join(found.revealed), ";".join(found.clearance_m))
+                    writer.writerow((row.name, v.name, v.change, found.baseline, *joined, found.impossible))
+
+
+HEAD = """# Sensitivity: each assumption varied by 30 %, one at a time
+
+Seed 0; one situation a row, each mutant one flight beside its baseline.  `SR1`: that requirement reveals the mutant
+there, `-`: none does: observations of single flights, no verdicts on mutants.  Of the footprint the widths of corridor
+and branch vary, not their lengths.  Made by `python benchmarks/sensitivity.py`; every flight is in `sensitivity.csv`
+(lines without a clearance are those of an earlier run on another platform, of which only its page was kept).
+"""
+
+
+def page(findings: Findings, order: Sequence[Variation]) -> str:
+    """The Markdown page: per row a count and every variation that moves it, then the numbers that are 0."""
+    return HEAD + "".join(_section(row, findings, order) for row in ROWS) + _zeros(findings, order)
+
+
+def _section(row: Row, findings: Findings, order: Sequence[Variation]) -> str:
+    own = [(v, found) for v in order if (found := findings.get((row.name, v.name, v.change)))]
+    stands = next(found for v, found in own if not v.overrides)
+    varied = [(v, found) for v, found in own if v.overrides]
+    flew = [found for _, found in varied if not found.impossible]
+    same = sum(found.says == stands.says for found in flew)
+    some = sum(any(names != "-" for names in found.revealed) for found in flew)
+    shown = ", ".join(f"{mutant}: {names}" for mutant, names in zip(row.mutants, stands.revealed, strict=True))
+    lines = [
+        "",
+        f"## {row.name} in {row.situation}",
+        "",
+        f"As it stands: baseline violates {stands.baseline}; {shown}; least clearance",
+        f"{', '.join(stands.clearance_m)} m (baseline first).",
+        "",
+        f"{len(flew)} variations flown, {len(varied) - len(flew)} not possible: {same} leave all of it as it is;",
+        f"in {some} at least one mutant of the row is revealed.",
+        "",
+        "| assumption | from -> to | baseline | " + " | ".join(row.mutants) + " |",
+        "|---|---|---|" + "---|" * len(row.mutants),
+    ]
+    lines += [_line(v, found, len(row.mutants)) for v, found in varied if found.says != stands.says]
+    return "\n".join(lines) + "\n"
+
+
+def _line(variation: Variation, found: Finding, mutants: int) -> str:
+    if found.impossible:
+        return f"| {variation.name} | {variation.change} | not possible: {found.impossible} |{' |' * mutants}"
+    return f"| {variation.name} | {variation.change} | {' | '.join(found.says)} |"
+
+
+def _zeros(findings: Findings, order: Sequence[Variation]) -> str:
+    lines = ["", "## Numbers that are 0", "", "Every flight of theirs, whether it moves a row or not."]
+    for path, zero in ZEROS.items():
+        values = ", ".join(f"{value:g}" for value in zero.values)
+        lines += ["", f"`{path}`: {values} {zero.unit}: {zero.reason}.", ""]
+        lines += ["| row | to | baseline | mutants, in the row's order |", "|---|---|---|---|"]
+        for row in ROWS:
+            for v in order:
+                if v.name == path:
+                    found = findings[row.name, v.name, v.change]
+                    end = found.impossible or f"{found.baseline} | {', '.join(found.revealed)}"
+                    lines.append(f"| {row.name} | {v.overrides[path]:g} | {end} |")
+    return "\n".join(lines) + "\n"
 
 
 def main() -> None:
-    """Fly all variations and write the table."""
+    """Fly what is asked for, and write."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--jobs", type=int, default=multiprocessing.cpu_count())
-    parser.add_argument("--only", default="*", help="glob over the assumptions' paths")
-    parser.add_argument("--output", type=Path, help="a Markdown file (default: print)")
+    parser.add_argument("--only", action="append", default=[], help="glob over the assumptions' paths, repeatable")
+    parser.add_argument("--pages", action="store_true", help="fly nothing")
     options = parser.parse_args()
-    study = Study.open(None)
-    chosen = [v for v in variations(study.sim.assumptions) if not v.overrides or v.touches(options.only)]
-    tasks = [(study.folder, variation, row) for variation in chosen for row in ROWS]
-    with multiprocessing.Pool(options.jobs) as pool:
-        findings = list(pool.imap(fly_row, tasks))
-    text = table([task[1:] for task in tasks], findings)
-    if options.output:
-        options.output.write_text(text, encoding="utf-8")
-    else:
-        print(text)
-
-
-def table(tasks: list[tuple[Variation, Row]], findings: list[Finding | str]) -> str:
-    """The Markdown page: per row a count, then every variation that moves its verdict."""
-    lines = ["# Sensitivity: each assumption varied by 30 %, one at a time", ""]
-    lines += ["Seed 0; one situation a row.  `-`: not killed.  Made by `python benchmarks/sensitivity.py`.", ""]
-    for row in ROWS:
-        own = [(v, f) for (v, r), f in zip(tasks, findings, strict=True) if r is row]
-        stands = own[0][1]
-        assert isinstance(stands, Finding)
-        flown = [(v, f) for v, f in own[1:] if isinstance(f, Finding)]
-        same = [f for _, f in flown if f.kills == stands.kills and f.baseline == stands.baseline]
-        some = [f for _, f in flown if any(k != "-" for k in f.kills)]
-        lines += [
-            f"## {row.name} in {row.situation}",
-            "",
-            f"As it stands: baseline violates {stands.baseline}; "
-            + ", ".join(f"{m}: {k}" for m, k in zip(row.mutants, stands.kills, strict=True))
-            + "; least clearance "
-            + ", ".join(f"{c:.2f}" for c in stands.clearance_m)
-            + " m (baseline first).",
-            "",
-            (
-                f"{len(flown)} variations flown, {len(own) - 1 - len(flown)} not possible: {len(same)} leave baseline "
-                f"and verdicts as they are; in {len(some)} at least one mutant of the row is killed."
-            ),
-            "",
-            "| assumption | from -> to | baseline | " + " | ".join(row.mutants) + " |",
-            "|---|---|---|" + "---|" * len(row.mutants),
-        ]
-        for variation, finding in own[1:]:
-            if isinstance(finding, str):
-                lines.append(
-                    f"| {variation.name} | {variation.change} | not possible: {finding} |{' |' * len(row.mutants)}"
-                )
-            elif finding.kills != stands.kills or finding.baseline != stands.baseline:
-                cells = " | ".join(finding.kills)
-                lines.append(f"| {variation.name} | {variation.change} | {finding.baseline} | {cells} |")
-        lines.append("")
-    return "\n".join(lines)
+    study = Study.open(ROOT)
+    order = list(variations(study.sim.assumptions))
+    kept = PUBLISHED / "sensitivity.csv"
+    findings = read(kept) if options.only or options.pages else {}
+    if not options.pages:
+        chosen = [v for v in order if not v.overrides or v.touches(options.only or ["*"])]
+        tasks = [(study.folder, variation, row) for variation in chosen for row in ROWS]
+        with multiprocessing.Pool(options.jobs) as pool:
+            for (_, variation, row), found in zip(tasks, pool.imap(fly_row, tasks), strict=True):
+                findings[row.name, variation.name, variation.change] = found
+                print(row.name, variation.name, variation.change, *found.says, found.impossible, file=sys.stderr)
+        write(kept, findings, order)
+    (PUBLISHED / "sensitivity.md").write_text(page(findings, order), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -41,6 +41,10 @@ FLYING_DATA = ("world", "vehicle", "sensors", "stack")
 """The documents of `sim/` that enter every flight; of `situations.yaml` only the situation's own values do."""
 
 
+_APART = (".yaml", ".md")
+"""Files of `sim/` that do not enter a flight as they are: documents enter as they are parsed, words for readers not."""
+
+
 @dataclass(frozen=True)
 class Study:
     """A study; each part is read when it is first asked for.
@@ -234,7 +238,7 @@ class Study:
         """Content hashes of what decides an outcome, by part; comments and the order of keys are no content."""
         sim = self.folder / "sim"
         documents = {name: load(sim / f"{name}.yaml").plain() for name in FLYING_DATA}
-        others = {path.relative_to(sim).as_posix(): _bytes(path) for path in _files(sim) if path.suffix != ".yaml"}
+        others = {path.relative_to(sim).as_posix(): _bytes(path) for path in _files(sim) if path.suffix not in _APART}
         judged = [(r.name, r.kind, r.text, r.trigger, r.definitions) for r in self.requirements]
         return {
             "sim": _digest([documents, others]),

@@ -78,6 +78,7 @@ def _flight(study: Study, name: str) -> Flight:
 
 
 def _facts(study: Study, flight: Flight, outcome: Outcome, log: FlightLog) -> str:
+    from scaloft_fi.results.robustness import told_rho
     from scaloft_fi.results.telling.table import Format, Table, render
 
     rows: list[tuple[str, str]] = [
@@ -89,7 +90,9 @@ def _facts(study: Study, flight: Flight, outcome: Outcome, log: FlightLog) -> st
         rows.append(("samples altered", f"{outcome.altered} of {outcome.carried}{first}"))
     for reading in outcome.readings:
         at = f" at {reading.violated_at_s:.2f} s" if reading.violated_at_s is not None else ""
-        rows.append((reading.requirement, f"{reading.verdict.value}{at}, robustness {reading.rho:.3f}"))
+        rho = told_rho(reading)
+        told = "" if rho is None else f", robustness {rho:.3f}"
+        rows.append((reading.requirement, f"{reading.verdict.value}{at}{told}"))
     if outcome.stack_error:
         rows.append(("stack", outcome.stack_error))
     rows.append(("digest", outcome.digest))

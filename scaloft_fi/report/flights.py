@@ -15,6 +15,7 @@ from scaloft_fi.report.tracks import QUANTUM, Whole, coded, quantised, quantum, 
 from scaloft_fi.results.flights import Flight, flight_of
 from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.results.requirement import Reading
+from scaloft_fi.results.robustness import told_rho
 from scaloft_fi.results.status import baseline_status
 from scaloft_fi.results.track import TRACK_COLUMNS, TRACK_EVERY, unpack_track
 from scaloft_fi.sim.signals import SAMPLE_HZ
@@ -219,8 +220,7 @@ def _revealed(flight: Flight | None) -> Mapping[str, Any]:
 
 def _reading(reading: Reading) -> list[Any]:
     """Robustness (none of what was never triggered), moment of the violation, verdict, episodes of the trigger."""
-    rho = reading.rho if reading.triggered or reading.violated else None
-    return [_short(rho, 4), _short(reading.violated_at_s), reading.verdict.value, reading.triggered]
+    return [_short(told_rho(reading), 4), _short(reading.violated_at_s), reading.verdict.value, reading.triggered]
 
 
 def _short(value: float | None, digits: int = 3) -> float | None:

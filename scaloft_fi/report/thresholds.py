@@ -21,7 +21,7 @@ def thresholds(
     Returns:
         Per fault `least`, its margin over all situations, `against`, the names of the requirements that are violated,
         else of those that its cell puts at risk, and per situation the ends of its margin, with the robustness of those
-        requirements at both, null where none was flown.
+        requirements at both, null where none was put to the test.
     """
     found = margins(outcomes, scored, cells)
     safety = [requirement.name for requirement in requirements if requirement.kind is Kind.SAFETY]

@@ -1,7 +1,7 @@
 """How far signals of the flight log are measured, and formulas that ask for more.
 
-Beyond its cap a signal says the same whatever the drone does, so that a comparison with a threshold there is true, or
-false, in every flight.
+Beyond its cap a signal says the same whatever the drone does.  A comparison with a threshold there is true, or false,
+in every flight, or says no more than one with the cap: `person_sight_m < 8` is `person_sight_m < 6`.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Cap:
     itself: bool = False
 
     def allows(self, threshold_m: float) -> bool:
-        """Whether flights can differ in a comparison with `threshold_m` [m]."""
+        """Whether a comparison with `threshold_m` [m] says what it seems to."""
         return threshold_m < self.most_m or (self.itself and threshold_m == self.most_m)
 
 

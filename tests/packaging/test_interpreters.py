@@ -1,4 +1,4 @@
-"""The other Python that is supported, with the newest libraries: the matrix loads, and every operator takes its seam."""
+"""The other supported Python with the newest libraries: the matrix loads, and every operator takes its seam."""
 
 from __future__ import annotations
 

@@ -33,7 +33,11 @@ def test_both_matrices_are_drawn_whole(visit: Opened, text: str) -> None:
             rate = mutant["kill_rate"]
             assert mutant["verdict"].replace("_", " ") in said
             assert said.endswith(f"{rate['part']}/{rate['whole']}" if rate["whole"] else "tested")
-    for cell, text in (("LATE-human", "\u2713\u00a08/16"), ("MORE-goal", "\u25cb\u00a00/30"), ("LESS-goal", "?\u00a00/30")):
+    for cell, text in (
+        ("LATE-human", "\u2713\u00a08/16"),
+        ("MORE-goal", "\u25cb\u00a00/30"),
+        ("LESS-goal", "?\u00a00/30"),
+    ):
         assert page.locator(f'#hazop td[data-cell="{cell}"]').inner_text().split("\n")[0] == text
     assert page.locator('#hazop td[data-cell="REVERSE-velcmd"]').inner_text() == "SR1"
 

@@ -14,6 +14,7 @@ from reading import embedded, unpacked
 
 from scaloft_fi.report.evidence import Evidence
 from scaloft_fi.report.page import page
+from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.scoring.answers import answers
 from scaloft_fi.results.scoring.detection import Spending
 from scaloft_fi.results.scoring.score import score
@@ -272,3 +273,16 @@ def test_a_baseline_that_raises_or_stands_fails_the_gates_of_the_page(
 def test_gates_that_fail_are_told(evidence: Evidence, quick: Figures) -> None:
     outcomes = tuple(replace(o, digest="other") if o.mutant == "PLACEBO" else o for o in evidence.outcomes)
     assert "PLACEBO differs" in quick(replace(evidence, outcomes=outcomes))["gates"]["failed"]
+
+
+def test_a_requirement_that_was_never_put_to_the_test_has_no_least_robustness(
+    evidence: Evidence, quick: Figures
+) -> None:
+    def idle(outcome: Outcome) -> Outcome:
+        readings = [replace(r, rho=24.0, triggered=0) if r.requirement == "OP1" else r for r in outcome.readings]
+        return replace(outcome, readings=tuple(readings))
+
+    outcomes = tuple(map(idle, evidence.outcomes))
+    told = {t["requirement"]: t["least_rho"] for t in quick(replace(evidence, outcomes=outcomes))["tallies"]}
+    assert told["OP1"] is None
+    assert told["SR2"] is not None

@@ -12,7 +12,7 @@ from papers import column
 from reading import unpacked
 
 from scaloft_fi.report.evidence import Evidence
-from scaloft_fi.report.flights import DETAILS, Detail, columns, packs, rows_of
+from scaloft_fi.report.flights import DETAILS, Detail, columns, packs, record, rows_of
 from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.results.track import unpack_track
 
@@ -95,3 +95,10 @@ def test_a_track_with_other_columns_is_no_track(evidence: Evidence) -> None:
     assert rows_of(evidence.outcomes[0].track) == rows
     assert rows_of(zlib.compress(values.tobytes())) == []
     assert rows_of(zlib.compress(values[:-1].tobytes())) == []
+
+
+def test_a_reading_that_tests_nothing_has_no_robustness(evidence: Evidence) -> None:
+    flown = next(outcome for outcome in evidence.outcomes if outcome.mutant == BASELINE and not outcome.struck)
+    idle = replace(flown, readings=tuple(replace(r, rho=24.0, triggered=0) for r in flown.readings[:1]))
+    told = record(idle, None, NAMES)["readings"]
+    assert told == [[None, None, "vacuous", 0], None, None, None]

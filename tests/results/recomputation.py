@@ -247,7 +247,7 @@ def score(
         acts = {key for key, some in flights.items() if any(row["altered"] for row in some)}
         if id_ == "PLACEBO":
             continue
-        acted |= acts
+        acted |= acts if id_.partition("@")[0] not in controls else set()
         by_safety, by_operability = (
             verdict(flights, acts, table, by_kind[kind], alpha) for kind in ("safety", "operability")
         )

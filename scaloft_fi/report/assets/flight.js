@@ -159,7 +159,7 @@ function readings(flight, clean) {
       ...(clean ? side(clean, number) : []), ...side(flight, number), own ? seconds(own[1]) : "–", h("span", { class: "faint small unit" }, requirement.unit)];
   });
   const headers = ["requirement", ...(clean ? ["unmutated drone", { text: "robustness", number: true }] : []), clean ? "this flight" : "verdict", { text: "robustness", number: true }, { text: "violated at", number: true }, "unit of robustness"];
-  return h("div", {}, h("h3", { class: "sub" }, "Robustness: below 0 a requirement is violated"), table(headers, rows, { stack: false }));
+  return h("div", {}, h("h3", { class: "sub" }, "Robustness: below 0 a requirement is violated; \u2013 where it was not put to the test"), table(headers, rows, { stack: false }));
 }
 
 function command(mutant, situation, seed) {

@@ -15,6 +15,7 @@ from typing import Any
 from scaloft_fi.results.exchange.dossier import Dossier
 from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.requirement import Kind
+from scaloft_fi.results.robustness import spelt_rho
 from scaloft_fi.results.scoring.baseline import Tally, findings, tallies
 from scaloft_fi.results.scoring.detection import Verdict
 from scaloft_fi.results.scoring.ratio import Ratio
@@ -104,7 +105,7 @@ def _by_requirement(dossier: Dossier) -> Table:
             r.name,
             tested[r.name].triggered if r.name in tested else 0,
             str(_detected_by(dossier, r.name)),
-            f"{tested[r.name].least_rho:.3f}" if r.name in tested else "n/a",
+            spelt_rho(tested[r.name].least_rho) if r.name in tested else "n/a",
         )
         for r in dossier.requirements
         if r.kind is not Kind.REPORTED

@@ -38,7 +38,7 @@ def answers(scored: Score, roster: Roster, campaign: str = "default") -> tuple[A
     return tuple(Answer(name, tell(scored, faults, campaign)) for name, tell in zip(NAMES, told, strict=True))
 
 
-def _shown(scored: Score, faults: Sequence[MutantScore], _campaign: str) -> str:
+def _shown(_scored: Score, faults: Sequence[MutantScore], _campaign: str) -> str:
     if not faults:
         return "nothing: no mutant was flown."
     safety = Ratio(sum(mutant.detected for mutant in faults), len(faults))
@@ -64,7 +64,8 @@ def _not_shown(_scored: Score, faults: Sequence[MutantScore], _campaign: str) ->
 def _how_sure(scored: Score, faults: Sequence[MutantScore], _campaign: str) -> str:
     tested = sum(mutant.tested for mutant in faults)
     found = sum(mutant.detected for mutant in faults)
-    said = f"of the {found} shown, chance explains at most {scored.alpha * tested:.2g} ({scored.alpha:g} x {tested} tested)"
+    chance = f"{scored.alpha * tested:.2g} ({scored.alpha:g} x {tested} tested)"
+    said = f"of the {found} shown, chance explains at most {chance}"
     drawn = scored.redraw
     if drawn.seeds:
         said += f"; of {drawn.safety.whole} redraws of the unmutated drone {drawn.safety.part} would have been shown"
@@ -80,8 +81,8 @@ def _seen(_scored: Score, faults: Sequence[MutantScore], _campaign: str) -> str:
         return "nothing: no mutant was flown."
     revealed = sum(mutant.status.value == "revealed" for mutant in faults)
     return (
-        f"not known: there is no baseline pool.  {revealed} of {_faults(len(faults))} violated a safety requirement in a "
-        "flight whose own baseline held it."
+        f"not known: there is no baseline pool.  {revealed} of {_faults(len(faults))} violated a safety requirement "
+        "in a flight whose own baseline held it."
     )
 
 
@@ -106,7 +107,8 @@ def _next(scored: Score, faults: Sequence[MutantScore], campaign: str) -> str:
     silent = [mutant for mutant in faults if not mutant.detected]
     if silent:
         where = f" --campaign {campaign}" * (campaign != "default")
-        return f"`scaloft-fi kills{where} --show survivors` says of each fault not shown where it stopped, and what to change."
+        told = f"`scaloft-fi kills{where} --show survivors`"
+        return f"{told} says of each fault not shown where it stopped, and what to change."
     if faults:
         return f"`scaloft-fi margin {faults[0].subject.id}` finds the smallest magnitude that is still shown."
     return "`scaloft-fi run --mutant ID` flies a mutant; `scaloft-fi mutants` lists them."

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from scaloft_fi.results.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.results.requirement import Kind, Reading, Verdict
+from scaloft_fi.results.robustness import told_rho
 from scaloft_fi.results.space import Space
 
 
@@ -61,13 +62,16 @@ def _finding(situation: str, baselines: list[Outcome]) -> Finding:
 
 @dataclass(frozen=True)
 class Tally:
-    """A requirement over flights: how many of each verdict, how often it was triggered, the least robustness."""
+    """A requirement over flights: how many of each verdict, how often it was triggered, the least robustness.
+
+    The robustness is that of flights that put it to the test; None when none did.
+    """
 
     requirement: str
     kind: Kind
     verdicts: tuple[tuple[Verdict, int], ...]
     triggered: int
-    least_rho: float
+    least_rho: float | None
 
 
 def tallies(outcomes: Iterable[Outcome]) -> tuple[Tally, ...]:
@@ -87,5 +91,5 @@ def _tally(name: str, readings: list[Reading]) -> Tally:
         kind=readings[0].kind,
         verdicts=tuple((verdict, said.count(verdict)) for verdict in Verdict),
         triggered=sum(reading.triggered for reading in readings),
-        least_rho=min(reading.rho for reading in readings),
+        least_rho=min((rho for r in readings if (rho := told_rho(r)) is not None), default=None),
     )

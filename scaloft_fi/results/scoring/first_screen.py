@@ -1,4 +1,4 @@
-"""The first screen after `run` and `score`: four answers, the mutants by verdict, what was covered, what the drone does.
+"""The first screen after `run` and `score`: four answers, the mutants by verdict, coverage, what the drone does.
 
 All of it fits 100 columns.  Long groups are cut unless everything is asked for; the other tables stand behind `--all`.
 """

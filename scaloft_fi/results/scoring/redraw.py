@@ -28,6 +28,9 @@ SEED = 20251
 """Of the choices; a fixed number, so that a score is the same whenever it is asked for."""
 
 
+NONE = Ratio(0, 0)
+
+
 @dataclass(frozen=True)
 class Redraw:
     """What redraws of the unmutated drone gave.
@@ -38,8 +41,8 @@ class Redraw:
     """
 
     seeds: int = 0
-    safety: Ratio = Ratio(0, 0)
-    operability: Ratio = Ratio(0, 0)
+    safety: Ratio = NONE
+    operability: Ratio = NONE
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""

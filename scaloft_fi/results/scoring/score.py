@@ -199,7 +199,7 @@ class Score:
         placebo: PLACEBO, when flown.
         pool: the pairs of the unmutated drone.
         redraw: how often redraws of the unmutated drone are called detected.
-        lacking: situations where a mutant infects and the pool has too few flights, in the grid's order.
+        lacking: situations where a mutant, controls left out, infects and the pool has too few flights, in order.
     """
 
     alpha: float
@@ -218,7 +218,7 @@ class Score:
     @property
     def pooled(self) -> bool:
         """Whether there is a pool to decide by: without one nothing is told but what was seen."""
-        infected = {r.situation for m in (*self.mutants, *self.controls) for r in m.results if r.infected}
+        infected = {r.situation for m in self.mutants for r in m.results if r.infected}
         return not infected or bool(infected & self.pool.flown)
 
     @property
@@ -266,7 +266,7 @@ def score_of(
     scored = [mutant_score(subject, situations, space, pool, spending) for subject, situations in ranked]
     mutants = tuple(m for m in scored if m.subject.id != PLACEBO and not roster.is_control(m.subject))
     counted = [mutant for mutant in mutants if roster.counts(mutant.subject) and mutant.flown]
-    infected = {r.situation for m in scored if m.subject.id != PLACEBO for r in m.results if r.infected}
+    infected = {r.situation for m in mutants for r in m.results if r.infected}
     whole = len(counted) if not infected or infected & pool.flown else 0
     seeds = max((result.flown for mutant in counted for result in mutant.results), default=0)
     return Score(

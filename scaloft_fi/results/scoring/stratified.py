@@ -1,4 +1,4 @@
-"""The exact stratified test: does a subject violate a requirement more often than the baseline pool, over situations?
+"""The exact stratified test of whether a subject violates a requirement more often than the baseline pool.
 
 Each situation is a stratum.  Given the t violations among the n flights of the subject and the m flights of the pool,
 the subject's k are hypergeometric if both violate at the same rate (Fisher, The Design of Experiments, 1935).  A

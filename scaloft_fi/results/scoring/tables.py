@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from scaloft_fi.results.outcome import PLACEBO
 from scaloft_fi.results.requirement import Verdict
+from scaloft_fi.results.robustness import spelt_rho
 from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.rulings import Rulings
 from scaloft_fi.results.scoring.baseline import Finding, Tally, findings, tallies
@@ -53,8 +54,8 @@ def ratio_table(scored: Score) -> Table:
     notes = [f"False detections expected, at most: {scored.expected_false:.2g} ({scored.alpha:g} a mutant tested)."]
     if drawn.seeds:
         notes.append(
-            f"Of {drawn.safety.whole} redraws of the unmutated drone ({drawn.seeds} seeds beside ten) {drawn.safety.part} "
-            f"are called detected by safety, {drawn.operability.part} by operability requirements."
+            f"Of {drawn.safety.whole} redraws of the unmutated drone ({drawn.seeds} seeds beside ten) "
+            f"{drawn.safety.part} are called detected by safety, {drawn.operability.part} by operability requirements."
         )
     else:
         notes.append("No redraws: they need 20 baseline flights and more in every situation (`--baseline-seeds`).")
@@ -142,10 +143,13 @@ def requirement_table(tallied: Sequence[Tally]) -> Table:
     """What the baseline flights say about each requirement."""
     headers = ("requirement", "kind", *(verdict.value for verdict in Verdict), "triggered", "least robustness")
     rows = tuple(
-        (t.requirement, t.kind.value, *(count for _, count in t.verdicts), t.triggered, f"{t.least_rho:.3f}")
+        (t.requirement, t.kind.value, *(count for _, count in t.verdicts), t.triggered, spelt_rho(t.least_rho))
         for t in tallied
     )
-    notes = ("Baseline flights by verdict; triggered: episodes in which the requirement's condition came true.",)
+    notes = (
+        "Baseline flights by verdict; triggered: episodes in which the requirement's condition came true.",
+        "Least robustness: of flights in which it came true, or that violate it.",
+    )
     return Table("Requirements of the unmutated drone (flights)", headers, rows, notes)
 
 

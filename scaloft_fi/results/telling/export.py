@@ -9,6 +9,8 @@ status and first safety violation a row has
 - `revealed_by`: safety, then operability requirements by which the flight is told from its baseline, each earliest
   first;
 - `violation_times_s`, `violation_bodies`: per requirement in `violated`, when, and what was struck at that moment;
+- `rho_<requirement>`: robustness, in the requirement's unit; null (an empty cell of CSV) where the flight did not put
+  it to the test, for its condition never came true and nothing violates it: so in every vacuous reading;
 - `triggered`: requirements whose condition came true;
 - `realised`: for a baseline, axes whose value came true;
 - `carried`, `altered`: samples that crossed the patched seams, and how many were changed there.
@@ -25,6 +27,7 @@ from typing import Any
 
 from scaloft_fi.results.flights import Flight, flights_of
 from scaloft_fi.results.outcome import BASELINE, Outcome
+from scaloft_fi.results.robustness import told_rho
 from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.status import baseline_status
@@ -75,7 +78,7 @@ def _row(outcome: Outcome, flight: Flight | None, requirements: Sequence[str]) -
         status, revealed_by = flight.status.value, flight.revealed + flight.operability_revealed
     violated = [reading for reading in outcome.readings if reading.violated]
     struck = {violation.requirement: violation.struck for violation in outcome.violations}
-    rho = {reading.requirement: reading.rho for reading in outcome.readings}
+    rho = {reading.requirement: told_rho(reading) for reading in outcome.readings}
     first = outcome.first_violation
     return {
         "mutant": outcome.mutant,

@@ -57,12 +57,13 @@ def next_command(mutant: MutantScore, lacking: Collection[str], campaign: str) -
         return command(campaign, [mutant], seeds)
     if safety.needed:
         return command("ANOTHER" if safety.anew else campaign, [mutant], safety.needed)
-    return f"scaloft-fi kills {mutant.subject.id} --show survivors"
+    where = f" --campaign {campaign}" * (campaign != "default")
+    return f"scaloft-fi kills{where} {mutant.subject.id} --show survivors"
 
 
 def lacks_pool(mutant: MutantScore, lacking: Collection[str]) -> bool:
-    """Whether it changes samples in a situation where the pool has too few flights."""
-    return any(result.infected and result.situation in lacking for result in mutant.results)
+    """Whether an undecided mutant changes samples in a situation where the pool has too few flights."""
+    return not mutant.tested or any(result.infected and result.situation in lacking for result in mutant.results)
 
 
 def _detected(mutant: MutantScore) -> str:

@@ -18,6 +18,7 @@ from scaloft_fi.mutants.mutant import parse, split_magnitude
 from scaloft_fi.results.flights import apart
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.requirement import Kind
+from scaloft_fi.results.robustness import told_rho
 from scaloft_fi.results.scoring.detection import Detection
 from scaloft_fi.results.scoring.score import MutantScore, Result, Score
 
@@ -91,10 +92,10 @@ class Tried:
     Attributes:
         magnitude: in the scale's unit.
         answer: what its flights say together.
-            flown: flights that count.
+        flown: flights that count.
         requirements: what kills the mutant here, or is seen to be violated.
         violated: per requirement, the flights that violate it, where any does.
-        rho: the least robustness over the flights of each requirement, in the requirement's unit.
+        rho: the least robustness of each requirement over the flights that put it to the test, in its own unit.
         seeds: flown.
         needed: of `seen`, the number of seeds that would decide if it goes on; None where none would.
         anew: whether that takes a campaign of its own.
@@ -298,7 +299,9 @@ def _tried(
     rho: dict[str, float] = {}
     for outcome in flights:
         for reading in outcome.readings:
-            rho[reading.requirement] = min(reading.rho, rho.get(reading.requirement, math.inf))
+            told = told_rho(reading)
+            if told is not None:
+                rho[reading.requirement] = min(told, rho.get(reading.requirement, math.inf))
     return Tried(
         magnitude,
         answer,

@@ -129,7 +129,7 @@ def worksheet(
         dispositions: of the study.
     """
     flown = {mutant.subject.id: mutant for mutant in (*scored.mutants, *scored.controls)}
-    margins = cell_margins(outcomes, matrix)
+    margins = cell_margins(outcomes, scored, matrix)
     accepted = {disposition.mutant: disposition for disposition in dispositions}
     parameters = {parameter.id: parameter for parameter in matrix.parameters}
     rows = []

@@ -16,7 +16,7 @@ from scaloft_fi.results.worksheet.worksheet import COLUMNS, Column, Row, Value, 
 
 TITLE, LOG_TITLE = "HAZOP worksheet", "Deviations not credible"
 LOG_KEYS = ("cell", "parameter", "rationale")
-IN_TERMINAL = ("cell", "requirements", "verdict", "operability", "kill_rate", "margin", "where", "disposition")
+IN_TERMINAL = ("cell", "verdict", "operability", "kill_rate", "margin", "where", "disposition")
 LATEX_NOTE = (
     "% needs longtable, booktabs, array, pdflscape\n"
     "% letters that are not Latin need XeLaTeX or LuaLaTeX, with a font that has them"

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 from builders import outcome, pool
 from dossiers import dossier, dossiers
@@ -50,11 +51,8 @@ def test_a_requirement_is_listed_with_the_mutants_that_it_put_to_the_test() -> N
 
 def test_a_situation_says_what_the_unmutated_drone_violates_and_which_mutants_are_killed() -> None:
     late = [outcome("LATE-human@3s", seed=seed, violated={"SR2": 7.0}) for seed in range(3)]
-    flights = [
-        *pool("T0O0W0D0H0", red=1, violated={"SR1": 20.0, "SR2": 20.0}),
-        *pool("T0O0W0D1H1", red=10, violated={"SR1": 20.0, "SR2": 20.0}),
-        *late,
-    ]
+    both = {"SR1": 20.0, "SR2": 20.0}
+    flights = [*pool("T0O0W0D0H0", red=1, violated=both), *pool("T0O0W0D1H1", red=10, violated=both), *late]
     rows = to_json(dossier(flights))[HEADINGS[4]]["rows"]
     assert [list(row.values()) for row in rows] == [
         ["T0O0W0D0H0", "SR1 in 1 of 10, SR2 in 1 of 10", "", "0/1 = 0 %"],
@@ -71,3 +69,10 @@ def test_a_test_case_has_the_seeds_of_the_mutants_and_of_the_unmutated_drone() -
 def test_without_a_pool_there_are_no_verdicts() -> None:
     notes = to_json(dossier([outcome(), outcome("LATE-human@3s")]))[HEADINGS[2]]["notes"]
     assert notes[1].startswith("No verdicts: no situation in which a mutant changes a sample has 10 baseline flights")
+
+
+def test_a_requirement_that_nothing_put_to_the_test_has_no_robustness() -> None:
+    flown = outcome()
+    idle = tuple(replace(r, rho=24.0, triggered=0) if r.requirement == "SR2" else r for r in flown.readings)
+    rows = {row["requirement"]: row for row in to_json(dossier([replace(flown, readings=idle)]))[HEADINGS[2]]["rows"]}
+    assert (rows["SR1"]["least robustness"], rows["SR2"]["least robustness"]) == ("0.300", "n/a")

@@ -93,6 +93,14 @@ def test_without_a_pool_there_is_no_ratio_of_what_was_shown() -> None:
     assert {mutant.verdict for mutant in found.mutants} == {Verdict.UNDECIDED}
 
 
+def test_a_control_flown_once_beside_its_baseline_lacks_no_pool() -> None:
+    control = outcome("REVERSE-human", DARK_CORNER, 0, violated={"OP1": 9.0})
+    alone = [outcome(situation=DARK_CORNER), control]
+    quiet = [one for one in campaign() if one.mutant == BASELINE]
+    assert scored(*alone).pooled
+    assert scored(*quiet, *alone[1:]).lacking == scored(*alone).lacking == ()
+
+
 def test_another_campaigns_baselines_make_a_pool() -> None:
     few = [one for one in campaign() if one.mutant != BASELINE or one.seed == 0]
     lent = [one for one in campaign() if one.mutant == BASELINE]

@@ -121,7 +121,7 @@ def test_the_next_command_flies_what_would_decide_with_the_seeds_that_were_asked
     assert called(*pool(HERE, seeds=3), *flown()) == f"{own} --seeds 3"
     another = own.replace("mine", "ANOTHER")
     assert called(*pool(HERE), *flown(seeds=10, violating=4)) == f"{another} --seeds 20"
-    assert called(*pool(HERE), *flown(altered=0)) == "scaloft-fi kills LATE-human@3s --show survivors"
+    assert called(*pool(HERE), *flown(altered=0)) == "scaloft-fi kills --campaign mine LATE-human@3s --show survivors"
 
 
 @settings(deadline=None, max_examples=50)

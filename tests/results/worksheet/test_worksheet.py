@@ -106,10 +106,8 @@ def test_an_undecided_row_says_what_would_decide_and_where_a_violation_was_seen(
 
 
 def test_a_row_that_was_not_tested_has_neither_kills_nor_p() -> None:
-    flown = [
-        *pool(DARK, red=10, violated={"SR1": 20.0, "SR2": 20.0}),
-        *(outcome("LATE-human@3s", DARK, seed, violated={"SR2": 8.0}) for seed in SEEDS),
-    ]
+    red = pool(DARK, red=10, violated={"SR1": 20.0, "SR2": 20.0})
+    flown = [*red, *(outcome("LATE-human@3s", DARK, seed, violated={"SR2": 8.0}) for seed in SEEDS)]
     values = named(rows(flown), "LATE-human").values
     assert (values["verdict"], values["kill_rate"], values["p"]) == ("not tested", None, None)
 

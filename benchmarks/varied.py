@@ -1,0 +1,74 @@
+"""Flights of the study with some of its numbers changed; for the scripts that ask what an assumption decides.
+
+They fly whole and in no campaign: the outcome and the log of each are in the hands of the script.
+"""
+
+from __future__ import annotations
+
+import checkout  # noqa: F401 - first: it sets the path and the threads
+
+# isort: split
+
+import multiprocessing
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+from scaloft_fi.campaign.flights.fly import facts
+from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.wire import contexts, wire_for
+from scaloft_fi.results.outcome import Outcome, Subject, outcome_of
+from scaloft_fi.sim.flight import fly
+from scaloft_fi.sim.load import load
+from scaloft_fi.sim.log import FlightLog
+from scaloft_fi.study import Study
+
+
+class Beside(NamedTuple):
+    """A draw with some numbers of the study changed: its baseline, and the mutants that fly beside it.
+
+    overrides: numbers by path, as `sim/sources.yaml` names them.
+    """
+
+    folder: Path
+    overrides: Mapping[str, float]
+    situation: str
+    seed: int
+    mutants: tuple[str, ...] = ()
+
+
+def flown(beside: Beside) -> Iterator[tuple[Outcome, FlightLog]]:
+    """The baseline's flight, then the mutants'.
+
+    Raises:
+        ScaloftError: the study cannot be flown with these numbers.
+    """
+    study = Study.open(beside.folder)
+    config = load(beside.folder / "sim", beside.overrides)
+    scenario = config.scenario(config.grid.situation(beside.situation))
+    known = facts(scenario, config.sensors.imu)
+    for mutant_id in ("", *beside.mutants):
+        mutant = realise(study.matrix, mutant_id) if mutant_id else None
+        context = contexts(mutant_id or "baseline", beside.situation, beside.seed, scenario.nominal_s, known)
+        log = fly(config, scenario.situation, beside.seed, wire_for(mutant, context))
+        yield (
+            outcome_of(
+                log,
+                Subject.of(mutant),
+                beside.situation,
+                beside.seed,
+                requirements=study.requirements,
+                realisation=None,
+            ),
+            log,
+        )
+
+
+def outcomes(besides: Iterable[Beside], jobs: int) -> list[list[Outcome]]:
+    """The outcomes of each draw, the baseline's first; `jobs` processes fly."""
+    with multiprocessing.Pool(jobs) as pool:
+        return pool.map(_outcomes, list(besides), chunksize=1)
+
+
+def _outcomes(beside: Beside) -> list[Outcome]:
+    return [outcome for outcome, _ in flown(beside)]
