@@ -12,7 +12,7 @@ function unmutated() {
     ill.length > 0 && table(["situation", ...names, "what is left to test", "first safety violation"], ill.map((key) => pairRow(key, names, firsts.get(key))), { caption: "Situations with a red, unsteady or open pair: flights that violate, of those judged to their ends." }),
     h("h3", { class: "sub" }, "Requirements over the flights of the unmutated drone"),
     table(["requirement", "kind", ...verdicts().map((text) => ({ text, number: true })), { text: "triggered", number: true }, { text: "least robustness", number: true }, "its unit"],
-      DATA.tallies.map((tally) => [tally.requirement, tally.kind, ...verdicts().map((verdict) => String(tally.verdicts[verdict] ?? 0)), String(tally.triggered), tally.triggered ? signed(tally.least_rho) : "\u2013", h("span", { class: "faint small unit" }, requirementOf(tally.requirement)?.unit ?? "")]), { stack: false }),
+      DATA.tallies.map((tally) => [tally.requirement, tally.kind, ...verdicts().map((verdict) => String(tally.verdicts[verdict] ?? 0)), String(tally.triggered), signed(tally.least_rho), h("span", { class: "faint small unit" }, requirementOf(tally.requirement)?.unit ?? "")]), { stack: false }),
     h("p", { class: "small faint" }, "Flights by verdict.  Open: the flight was cut short before the requirement could be held to the end.  Vacuous: never triggered in the flight, so not passed."));
 }
 
