@@ -163,10 +163,12 @@ def test_a_control_names_what_shows_it(told: dict[str, Any], study: Study, quick
     assert shows.pop("REVERSE-velcmd") == ["SR1"]
     assert not any(shows.values())
     assert told["gates"]["controls"] == {"part": 1, "whole": 1}
-    few = quick(evidence_of(study, campaign(study, ("REVERSE-velcmd",), range(1), range(1))))
-    assert (few["pooled"], few["mutants"][0]["by"], few["mutants"][0]["shows"]) == (False, [], ["SR1"])
+    few = quick(evidence_of(study, campaign(study, ("LATE-human@3s", "REVERSE-velcmd"), range(1), range(1))))
+    late, control = few["mutants"]
+    assert (few["pooled"], control["by"], control["shows"]) == (False, [], ["SR1"])
     # without a pool nothing is told but what was seen
-    assert {few["signs"][result[0]] for result in few["mutants"][0]["results"]} == {"seen"}
+    assert {few["signs"][result[0]] for result in control["results"]} == {"seen"}
+    assert {few["signs"][result[0]] for result in late["results"]} == {"seen", "no_test", "not_infected"}
     assert few["ratios"][3].items() >= {"name": "mutation_score", "part": 0, "whole": 0}.items()
 
 
