@@ -12,7 +12,7 @@ function mutantSheet(id) {
       h("dl", { class: "pairs" }, [
         ["margin of the cell", DATA.margins[mutant.cell] && [marginText(mutant.cell), limitLines(againstOf(mutant.cell))]],
       ].filter(([, told]) => told && told.length).map(([what, told]) => [h("dt", {}, what), h("dd", {}, told)])),
-      h("h3", { class: "sub" }, "Where it is killed"), karnaughMap(mutant),
+      h("h3", { class: "sub" }, "Where a safety requirement kills it"), karnaughMap(mutant),
       DATA.karnaugh.reason && flownList(mutant),
     ],
   };

@@ -57,7 +57,7 @@ function todo(entries) {
 /** A survivor's line: what it is, what to change, the facts that say so. */
 function survivor(mutant, told) {
   return [h("span", {}, h("a", { class: "id", href: mutantHash(mutant.id) }, mutant.id), h("span", { class: "faint small under" }, CELLS.get(mutant.cell)?.deviation ?? "")),
-    told.rung, h("b", {}, NEXT[told.next] ?? told.next), h("span", { class: "small" }, withCode(told.why)), acceptance(mutant.id) ?? h("span", { class: "faint", title: "The score does not count it against the tests." }, "\u2013")];
+    [h("span", { class: "faint narrow" }, "stopped at "), told.rung], h("b", {}, h("span", { class: "narrow" }, "change "), NEXT[told.next] ?? told.next), h("span", { class: "small" }, withCode(told.why)), acceptance(mutant.id) ?? h("span", { class: "faint", title: "The score does not count it against the tests." }, "\u2013")];
 }
 
 const NEXT = { repeat: "fly again", pool: "baseline pool", seeds: "seeds", situation: "situation", magnitude: "magnitude", oracle: "requirement", operability: "nothing (operability shows it)", expected: "nothing (known beforehand)" };
