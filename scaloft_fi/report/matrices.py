@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.report.karnaugh import terms
 from scaloft_fi.report.severity import searched
-from scaloft_fi.report.signs import Sign, opening, shown_by, sign_of
+from scaloft_fi.report.signs import Sign, opening, seen_in, shown_by, sign_of
 from scaloft_fi.results.kills.gray import gray_order
 from scaloft_fi.results.kills.kill_matrix import Entry, KillMatrix
+from scaloft_fi.results.requirement import Kind
 from scaloft_fi.results.roster import Roster, cell_of
 from scaloft_fi.results.rulings import Rulings, Situations
 from scaloft_fi.results.scoring.pool import Pool
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 SIGNS = [sign.value for sign in Sign]
 KEPT = (
     *("id", "guideword", "parameter", "magnitude", "status", "verdict"),
-    *("kill_rate", "kill_rate_flown", "requirements", "decided_at"),
+    *("kill_rate", "kill_rate_flown", "decided_at"),
 )
 """What the page tells of a mutant as the score's JSON does."""
 
@@ -124,12 +125,10 @@ def _mutant(scored: MutantScore, flights: Situations, roster: Roster, space: Spa
         "counts": roster.counts(scored.subject),
         "by": [*scored.safety.by, *scored.operability.by],
         "shows": list(shown_by(scored, flights)) if roster.is_control(scored.subject) else [],
-        "operability": scored.operability.verdict.value,
         "condition": scored.condition(space),
         "first": {"requirement": first.requirement, "t_s": first.t_s, "situation": first.situation, "seed": first.seed}
         if first
         else None,
-        "rungs": {status.value: count for status, count in scored.rungs},
     }
 
 
@@ -141,8 +140,10 @@ def _tests(scored: MutantScore, pool: Pool) -> list[dict[str, Any]]:
         `baseline`: of the pool that violate, of those judged, in these.
     """
     found, p = [], {**scored.safety.p, **scored.operability.p}
-    for name in scored.tests:
+    for name in (*pool.requirements(Kind.SAFETY), *pool.requirements(Kind.OPERABILITY)):
         tests = [result for result in scored.results if name in (*result.steady, *result.steady_operability)]
+        if not tests:
+            continue
         kills = sum(name in (*result.kills, *result.operability_kills) for result in tests)
         pairs = [pool.pairs[result.situation, name] for result in tests]
         violated = sum(dict(result.violated).get(name, 0) for result in tests)
@@ -167,8 +168,9 @@ def _result(entry: Entry, result: Result | None, flights: Situations, pool: Pool
         return None
     told = {name: count for name, count in entry.violated if (entry.situation, name) in pool.pairs}
     operability = result.operability_kills if result else ()
-    seed = opening(flights[entry.situation], (*entry.kills, *operability, *entry.seen, *told))
-    return [SIGNS.index(sign_of(entry)), entry.flown, seed, told, list(entry.kills or entry.seen)]
+    seen = seen_in(entry, pool)
+    seed = opening(flights[entry.situation], (*entry.kills, *operability, *seen, *told))
+    return [SIGNS.index(sign_of(entry, seen)), entry.flown, seed, told, list(entry.kills or seen)]
 
 
 def by_situation(scored: Score, roster: Roster, keys: Sequence[str]) -> list[dict[str, int]]:

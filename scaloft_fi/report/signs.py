@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from enum import StrEnum
 
 from scaloft_fi.results.kills.kill_matrix import Entry
+from scaloft_fi.results.requirement import Kind
 from scaloft_fi.results.rulings import Ruled, Situations
+from scaloft_fi.results.scoring.pool import Pool, State
 from scaloft_fi.results.scoring.score import MutantScore
 from scaloft_fi.results.status import INVALID, Status
 
@@ -24,19 +26,27 @@ class Sign(StrEnum):
     """No sample was changed."""
     MASKED = "masked"
     """Samples were changed, the drone flew the same to the bit."""
-    NO_TEST = "no_test"
-    """No safety requirement is steady here, so nothing is tested."""
     SEEN = "seen"
-    """A requirement that tests the fault is violated, and that makes no kill."""
+    """A requirement that tests the fault, or may do so, is violated, and that makes no kill."""
     TESTED = "tested"
     """Put to the test, and nothing was seen."""
+    NO_TEST = "no_test"
+    """No safety requirement is steady here, so nothing is tested."""
 
 
 _STOPPED = {status: Sign(status) for status in (Status.NOT_REACHED, Status.NOT_INFECTED, Status.MASKED)}
 
 
-def sign_of(entry: Entry) -> Sign:
-    """The sign of a mutant in a situation."""
+def seen_in(entry: Entry, pool: Pool) -> tuple[str, ...]:
+    """Safety requirements that are violated and test the fault; where no pool says what tests, those of any flight."""
+    if entry.tested or entry.state != Status.REVEALED:
+        return entry.seen
+    pairs = [pool.pairs.get((entry.situation, name)) for name, _ in entry.violated]
+    return tuple(p.requirement for p in pairs if p and p.kind is Kind.SAFETY and p.state is State.UNKNOWN)
+
+
+def sign_of(entry: Entry, seen: Collection[str]) -> Sign:
+    """The sign of a mutant in a situation where these requirements are `seen_in` it."""
     if not entry.flown:
         return Sign.NOT_FLOWN
     if entry.kills:
@@ -44,9 +54,9 @@ def sign_of(entry: Entry) -> Sign:
     stopped = _STOPPED.get(Status(entry.state))
     if stopped is not None:
         return stopped
-    if not entry.tested:
-        return Sign.NO_TEST
-    return Sign.SEEN if entry.seen else Sign.TESTED
+    if seen:
+        return Sign.SEEN
+    return Sign.TESTED if entry.tested else Sign.NO_TEST
 
 
 def opening(flights: Sequence[Ruled], wanted: Iterable[str]) -> int:

@@ -46,7 +46,7 @@ def test_no_two_signs_of_the_kill_matrix_look_the_same_without_colour(visit: Ope
     page = visit().page
     looks = page.locator("#kills td.state").evaluate_all(
         """cells => cells.map((cell) => [cell.dataset.state, JSON.stringify([
-            cell.dataset.state === "kill" || cell.dataset.state === "no_test" ? cell.textContent.replace(/./g, "x") : "",
+            ["kill", "no_test"].includes(cell.dataset.state) ? cell.textContent.replace(/./g, "x") : "",
             getComputedStyle(cell, "::before").content, getComputedStyle(cell).backgroundImage,
             getComputedStyle(cell).boxShadow === "none"])])"""
     )

@@ -60,9 +60,9 @@ def sign(count: Count, verdict: str) -> tuple[str, list[str]]:
         return "kill", count.most
     if stopped:
         return stopped[0], []
-    if not count.tests:
-        return "no_test", []
-    return ("seen", seen) if seen else ("tested", [])
+    if seen:
+        return "seen", seen
+    return ("tested" if count.tests else "no_test"), []
 
 
 def test_the_head_answers_four_questions_as_the_score_does(told: dict[str, Any], evidence: Evidence) -> None:
@@ -163,9 +163,13 @@ def test_a_control_names_what_shows_it(told: dict[str, Any], study: Study, quick
     assert shows.pop("REVERSE-velcmd") == ["SR1"]
     assert not any(shows.values())
     assert told["gates"]["controls"] == {"part": 1, "whole": 1}
-    few = quick(evidence_of(study, campaign(study, ("REVERSE-velcmd",), range(1), range(1))))
-    assert (few["pooled"], few["mutants"][0]["by"], few["mutants"][0]["shows"]) == (False, [], ["SR1"])
-    assert few["answers"][0]["name"] == "Shown"
+    few = quick(evidence_of(study, campaign(study, ("LATE-human@3s", "REVERSE-velcmd"), range(1), range(1))))
+    late, control = few["mutants"]
+    assert (few["pooled"], control["by"], control["shows"]) == (False, [], ["SR1"])
+    # without a pool nothing is told but what was seen
+    assert {few["signs"][result[0]] for result in control["results"]} == {"seen"}
+    assert {few["signs"][result[0]] for result in late["results"]} == {"seen", "no_test", "not_infected"}
+    assert few["ratios"][3].items() >= {"name": "mutation_score", "part": 0, "whole": 0}.items()
 
 
 def test_the_line_below_the_matrix_counts_default_mutants(
@@ -213,10 +217,9 @@ def test_every_flight_tells_what_its_row_of_the_export_tells(
         }
         readings = dict(zip(names, flight["readings"], strict=True))
         assert [name for name, reading in readings.items() if reading and reading[2] == "violated"] == row["violated"]
-        for name, reading in readings.items():
-            # what was never triggered has no robustness
-            expected = row[f"rho_{name}"] if name in (*row["triggered"], *row["violated"]) else None
-            assert (reading and reading[0]) == expected
+        assert [(f"rho_{name}", reading and reading[0]) for name, reading in readings.items()] == [
+            (column, row[column]) for column in row if column.startswith("rho_")
+        ]
     assert not flights
 
 

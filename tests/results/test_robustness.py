@@ -84,6 +84,6 @@ def test_an_end_of_a_margin_that_tests_nothing_has_no_robustness() -> None:
     flights = [*pool(HUMAN), untested(outcome("LATE-human@1s", HUMAN)), *kills]
     found = margins(flights, score(flights, ROSTER, GRID), matrix)
     (table,) = margin_tables(found, (), 1)
-    assert table.rows[0][5] == "SR2 ? / -0.1"
+    assert table.rows[0][6] == "SR2 ? / -0.1"
     (entry,) = margin_json(found)
     assert ["SR2" in tried["rho"] for tried in entry["situations"][0]["tried"]] == [False, True]

@@ -85,6 +85,17 @@ def test_two_processes_may_write_one_store(tmp_path: Path) -> None:
         assert one.known("ab") == two.known("ab") == {"a", "b"}
 
 
+def test_a_moment_within_another_is_part_of_it(tmp_path: Path) -> None:
+    with Store(tmp_path / "s.sqlite") as store, Store(tmp_path / "s.sqlite") as writer:
+        store.put("k", outcome(M))
+        with store.snapshot():
+            with store.snapshot():
+                assert len(store.flights()) == 1
+            writer.put("later", outcome(M, seed=1))
+            assert len(store.flights()) == 1
+        assert len(store.flights()) == 2
+
+
 def test_a_writer_killed_in_the_middle_loses_nothing_that_was_put(tmp_path: Path) -> None:
     path = tmp_path / "s.sqlite"
     script = f"""

@@ -16,6 +16,8 @@ const besideText = (pair) => `unmutated drone ${pair.violated} of ${pair.flights
 /** Of the requirements that are not steady, the state that says most. */
 const untested = (situation) => ["red", "unsteady", "open", "unknown", "vacuous"].find((state) => SAFETY.some((name) => stateOf(situation, name) === state));
 
+const stateWord = (state) => (state === "unknown" ? "no pool" : state);
+
 /** What the kill matrix shows of a mutant in a situation: a sign, letters in it, what it says, the seed that a click opens. */
 function shown(result, situation) {
   if (!result) return { state: "not_flown", glyph: "", said: SIGNS.not_flown[0], seed: DATA.seeds[0] ?? 0, by: [], counts: "" };
@@ -27,7 +29,7 @@ function shown(result, situation) {
     kill: () => `kill: ${by.map(beside).join("; ")}`,
     seen: () => `violation seen, no kill: ${by.map(beside).join("; ")}`,
     tested: () => `tested by ${listed(steady)}, nothing seen in ${plural(flown, "flight")}`,
-    no_test: () => `no test: ${SAFETY.map((name) => `${name} ${stateOf(situation, name)}`).join(", ")}`,
+    no_test: () => `no test: ${SAFETY.map((name) => `${name} ${stateWord(stateOf(situation, name))}`).join(", ")}`,
   }[state]?.() ?? SIGNS[state][0];
   const others = Object.keys(violated).filter((name) => !by.includes(name));
   const glyph = { kill: by.map((name) => SAFETY.indexOf(name) + 1).join(""), no_test: STATES[untested(situation)]?.[0] }[state] ?? "";

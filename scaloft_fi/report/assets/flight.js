@@ -156,7 +156,7 @@ function readings(flight, clean) {
   const rows = DATA.requirements.map((requirement, number) => {
     const own = flight.readings[number];
     return [h("span", { title: requirement.title }, requirement.name, h("span", { class: "faint small" }, ` ${requirement.kind}`)),
-      ...(clean ? side(clean, number) : []), ...side(flight, number), own ? seconds(own[1]) : "–", h("span", { class: "faint small" }, requirement.unit)];
+      ...(clean ? side(clean, number) : []), ...side(flight, number), own ? seconds(own[1]) : "–", h("span", { class: "faint small unit" }, requirement.unit)];
   });
   const headers = ["requirement", ...(clean ? ["unmutated drone", { text: "robustness", number: true }] : []), clean ? "this flight" : "verdict", { text: "robustness", number: true }, { text: "violated at", number: true }, "unit of robustness"];
   return h("div", {}, h("h3", { class: "sub" }, "Robustness: below 0 a requirement is violated; \u2013 where it was not put to the test"), table(headers, rows, { stack: false }));

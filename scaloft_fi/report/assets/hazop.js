@@ -11,9 +11,13 @@ function cellState(cell) {
 
 /** Where a mutant that is never put to the test stopped: a sign of the kill matrix. */
 const stopped = ({ status }) => (Object.hasOwn(SIGNS, status) ? status : status === "invalid" ? "not_flown" : "no_test");
-const killsText = ({ kill_rate: rate }) => `kills in ${rate.part} of ${plural(rate.whole, "situation")} that put it to the test`;
+const killsText = ({ kill_rate: rate, kill_rate_flown: flown }) => `kills in ${rate.part} of ${plural(rate.whole, "situation")} that put it to the test, of ${flown.whole} flown`;
 const showsText = ({ shows }) => (shows.length ? `shows itself by ${shows.join(" and ")}` : "does not show itself");
-const verdictText = (mutant) => spaced(mutant.verdict) + (mutant.verdict === "detected" ? ` by ${listed(mutant.by.filter((name) => SAFETY.includes(name)))}` : mutant.verdict === "not_tested" && stopped(mutant) !== "no_test" ? `, ${SIGNS[stopped(mutant)][0]}` : "");
+const verdictText = (mutant) => {
+  const [safety, others] = [true, false].map((wanted) => mutant.by.filter((name) => SAFETY.includes(name) === wanted));
+  const why = safety.length ? ` by ${listed(safety)}` : mutant.verdict === "not_tested" && stopped(mutant) !== "no_test" ? `, ${SIGNS[stopped(mutant)][0]}` : "";
+  return `${spaced(mutant.verdict)}${why}${others.length ? `; operability shows it, by ${listed(others)}` : ""}`;
+};
 
 function hazop() {
   const board = h("table", { class: "hazop", role: "grid", "aria-label": "HAZOP matrix: parameters down, guidewords across" },

@@ -25,7 +25,8 @@ function seedText() {
 function summary() {
   return part("summary", "The figures", "Part of whole.  Every whole is a closed list, of cells or of mutants, and no sample of anything: so there is no interval.  0/0 is n/a.",
     table(["ratio", { text: "part/whole", number: true }, { text: "share", number: true }, "0 to 100 %", "population"],
-      DATA.ratios.map((ratio) => [ratio.title, shortText(ratio), ratio.whole ? percent(share(ratio)) : "n/a", meter(ratio, ratio.title), h("span", { class: "faint" }, ratio.population)])),
+      DATA.ratios.filter(({ name }) => DATA.pooled || ["exercised", "infected"].includes(name)).map((ratio) => [ratio.title, shortText(ratio), ratio.whole ? percent(share(ratio)) : "n/a", meter(ratio, ratio.title), h("span", { class: "faint" }, ratio.population)])),
+    !DATA.pooled && h("p", { class: "note" }, "Without a baseline pool there is no verdict, and so no score."),
     h("div", { class: "columns" },
       h("div", {}, h("h3", { class: "sub" }, "The verdicts on the faults"), fates()),
       h("div", {}, h("h3", { class: "sub" }, "May the figures be believed?"), gates(),

@@ -24,7 +24,7 @@ const letterOf = (number) => String.fromCharCode(65 + (number % 26)) + (number >
 
 function mapCell(mutant, key, row, column) {
   const { state, said, seed, by, counts } = shown(mutant.results[PLACES.get(key)], key);
-  const words = { kill: "kill", seen: "seen", tested: "nothing seen" }[state] ?? (state === "no_test" ? `no test: ${untested(key)}` : SIGNS[state][0]);
+  const words = { kill: "kill", seen: "seen", tested: "nothing seen" }[state] ?? (state === "no_test" ? `no test: ${stateWord(untested(key))}` : SIGNS[state][0]);
   return h("div", { class: `map-cell state${key ? "" : " absent"}`, role: "gridcell", tabindex: "-1",
     "data-state": state, "data-key": key, "data-seed": seed, "--row": row, "--column": column,
     "aria-label": key ? `${wordsOf(key)} (${key})\n${said}` : "The grid has no such situation." }, h("span", { class: "plate" }, key ? [words, ...by, counts].join(" ").trim() : ""));

@@ -42,7 +42,7 @@ function killMatrix() {
     h("ul", { class: "legend" },
       h("li", {}, swatch("kill", "1"), h("b", {}, "kill"), `most flights of a detected fault violate ${SAFETY.map((name, number) => `${name} (${number + 1})`).join(" or ")}, which the unmutated drone holds in nine of ten`),
       ["seen", "tested", "masked", "not_infected", "not_reached", "not_flown"].map((state) => h("li", {}, swatch(state), SIGNS[state][0])),
-      h("li", {}, swatch("no_test", "r"), h("b", {}, "no test"), "no safety requirement is steady: ", Object.entries(STATES).filter(([, [letter]]) => letter).map(([state, [letter]]) => `${letter} ${state === "unknown" ? "no pool" : state}`).join(", "))),
+      h("li", {}, swatch("no_test", "r"), h("b", {}, "no test"), "no safety requirement is steady: ", Object.entries(STATES).filter(([, [letter]]) => letter).map(([state, [letter]]) => `${letter} ${stateWord(state)}`).join(", "))),
     h("div", { class: "matrix-box", tabindex: "-1" }, board),
     h("p", { class: "small faint" }, "At the top, below the axes: where the unmutated drone holds each safety requirement steadily (filled), else the letter of what it does.  Right: the verdict, and situations with a kill of those that put the fault to the test; of a control what shows it.  Below: default mutants with a kill in each situation.  Arrow keys move, Enter opens."));
 }
@@ -57,7 +57,7 @@ function strip() {
   const tests = SAFETY.map((name) => line(`${name} tests`, DATA.situations.map(({ key }) => {
     const state = stateOf(key, name);
     const pair = pairOf(key, name);
-    return h("td", { class: "mark test", "data-pair": state, title: `${name} ${state}${pair ? `: violated by the ${besideText(pair)}` : ""}` }, h("span", {}, STATES[state][0]));
+    return h("td", { class: "mark test", "data-pair": state, title: `${name} ${state}${pair ? `: violated by the ${besideText(pair)}` : ""}` }, h("span", {}, pair && STATES[state][0]));
   })));
   tests[0]?.classList.add("tests");
   [...rows, ...tests].at(-1)?.append(h("th", { class: "side", scope: "col" }, "verdict, kills of tests"), h("th", { class: "side", scope: "col" }, "killed where"));
@@ -76,7 +76,7 @@ function groupRow(parameter) {
   const members = DATA.mutants.filter((mutant) => mutant.parameter === parameter && mutant.counts);
   const found = members.filter((mutant) => mutant.verdict === "detected").length;
   return h("tr", { class: "group" }, h("th", { scope: "colgroup" }, titleOf("parameters", parameter)),
-    h("td", { colspan: DATA.situations.length }), h("td", { class: "rate faint small", colspan: 2 }, members.length > 0 && `${found} of ${plural(members.length, "default mutant")} detected`));
+    h("td", { colspan: DATA.situations.length }), h("td", { class: "rate faint small", colspan: 2 }, DATA.pooled && members.length > 0 && `${found} of ${plural(members.length, "default mutant")} detected`));
 }
 
 function mutantRow(mutant) {

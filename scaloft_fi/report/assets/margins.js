@@ -35,7 +35,7 @@ function ladders() {
 /** Kill share against magnitude, from mild to severe. */
 function ladder(entry) {
   const rungs = entry.rungs;
-  const frame = plot({ width: 300, height: 170, x: [-0.5, rungs.length - 0.5], y: [0, 1], left: 40, top: 14, bottom: 30, xTicks: rungs.map((_, number) => number), xText: (number) => rungs[number].magnitude, yTicks: [0, 0.5, 1], yText: percent, label: `${entry.cell}: kill share against magnitude` });
+  const frame = plot({ width: 300, height: 170, x: [-0.5, rungs.length - 0.5], y: [0, 1], left: 46, top: 14, bottom: 30, xTicks: rungs.map((_, number) => number), xText: (number) => rungs[number].magnitude, yTicks: [0, 0.5, 1], yText: percent, label: `${entry.cell}: kill share against magnitude` });
   const { root, sx, sy } = frame;
   rungs.forEach((rung, number) => {
     const value = share(rung.kill_rate);

@@ -12,7 +12,7 @@ function mutantSheet(id) {
       h("dl", { class: "pairs" }, [
         ["margin of the cell", DATA.margins[mutant.cell] && [marginText(mutant.cell), limitLines(againstOf(mutant.cell))]],
       ].filter(([, told]) => told && told.length).map(([what, told]) => [h("dt", {}, what), h("dd", {}, told)])),
-      h("h3", { class: "sub" }, "Where it is killed"), karnaughMap(mutant),
+      h("h3", { class: "sub" }, "Where a safety requirement kills it"), karnaughMap(mutant),
       DATA.karnaugh.reason && flownList(mutant),
     ],
   };
@@ -34,9 +34,9 @@ function mutantFacts(mutant) {
     h("p", {}, h("b", {}, capital(word)), `.  ${mutant.control ? "" : VERDICTS[mutant.verdict][1]}  `, needed(mutant, decided)),
     (mutant.condition || first) && h("p", { class: "small" }, mutant.condition && `${mutant.kill_rate.part ? "Killed" : "Violations seen, no kill,"} where: ${mutant.condition}.  `,
       first && ["Earliest: ", h("a", { href: flightHash(mutant.id, first.situation, first.seed) }, `${first.requirement} at ${seconds(first.t_s)} in ${first.situation}, seed ${first.seed}`), "."]),
-    mutant.tests.length > 0 && table(["requirement that tests it", { text: "p", number: true }, { text: "kills of tests", number: true }, { text: "its flights that violate", number: true }, { text: "the unmutated drone's", number: true }],
+    mutant.tests.length > 0 && table(["tested by", { text: "p", number: true }, { text: "kills", number: true }, { text: "flights", number: true }, { text: "unmutated", number: true }],
       mutant.tests.map(({ requirement, p, kills, flights, baseline }) => [requirement, pText(p), ...[kills, flights, baseline].map(shortText)]), { stack: false }),
-    mutant.tests.length > 0 && h("p", { class: "small faint" }, `Flights in the situations where the requirement tests it.  p, over all situations that can be judged: the chance of so many violations or more if the fault did nothing, adjusted for the number of requirements; detected where at most ${trimmed(decided.alpha, 4)}, at ${plural(decided.seeds, "seed")}.`),
+    mutant.tests.length > 0 && h("p", { class: "small faint" }, `Kills: of the situations where the requirement tests it.  Flights: those there that violate it, of the mutant and of the unmutated drone.  p, over all situations that can be judged: the chance of so many violations or more if the fault did nothing, adjusted for the number of requirements; detected where at most ${trimmed(decided.alpha, 4)}, at ${plural(decided.seeds, "seed")}.`),
     acceptance(mutant.id),
   ];
 }
@@ -46,7 +46,7 @@ function needed(mutant, { needed: seeds, anew }) {
   if (mutant.verdict !== "undecided" || mutant.control) return "";
   if (!seeds) return mutant.tests.length ? "No more than 50 seeds would not decide." : "A baseline pool is missing where it infects; the same run flies it.";
   const campaign = anew ? "NEW" : DATA.campaign;
-  return [`${seeds} seeds would decide if what was seen goes on: `, h("code", {}, `scaloft-fi run${campaign === "default" ? "" : ` --campaign ${literal(campaign)}`} --mutant ${literal(mutant.id)} --seeds ${seeds}`)];
+  return [`${seeds} seeds would decide if what was seen goes on: `, inCode(`scaloft-fi run${campaign === "default" ? "" : ` --campaign ${literal(campaign)}`} --mutant ${literal(mutant.id)} --seeds ${seeds}`)];
 }
 
 /** Its result in each situation flown, each a link to a flight that has it. */

@@ -24,8 +24,8 @@ const STATES = {
   red: ["r", "most flights of the unmutated drone violate it"],
   unsteady: ["u", "the unmutated drone holds it or not by chance"],
   open: ["o", "more than a tenth of its flights are cut short before it is judged"],
-  unknown: ["?", "fewer than ten flights of the unmutated drone"],
   vacuous: ["v", "it is not triggered in half of its flights, so nothing is tested"],
+  unknown: ["?", "fewer than ten flights of the unmutated drone"],
 };
 /** One flight beside that of the unmutated drone with the same seed: an observation, never a verdict. */
 const STATUSES = {
@@ -66,8 +66,9 @@ const UNITS = { mps: "m/s", m: "m", s: "s", deg: "°", rad: "rad" };
 const unitOf = (column) => UNITS[column.split("_").at(-1)] ?? "";
 const quantity = (column) => QUANTITIES[column] ?? column.split("_").slice(0, unitOf(column) ? -1 : undefined).join(" ");
 
-/** What stands between backticks is set as code. */
-const withCode = (text) => text.split("`").map((piece, number) => (number % 2 ? h("code", {}, piece) : piece));
+/** What stands between backticks is set as code, whose lines break between its words only. */
+const withCode = (text) => text.split("`").map((piece, number) => (number % 2 ? inCode(piece) : piece));
+const inCode = (text) => h("code", {}, text.split(" ").map((word, number) => [number ? " " : "", h("span", { class: "word" }, word)]));
 const bounds = (text) => text.replaceAll("<=", "\u2264").replaceAll(">=", "\u2265").replaceAll(/ mps\b/g, " m/s");
 
 const flightHash = (mutant, situation, seed) =>
