@@ -164,13 +164,12 @@ def _text(
         for table in extra:
             values[table.title.lower().replace(",", "").replace(" ", "_")] = table.records()
         return json.dumps(values, indent=2, allow_nan=False) + "\n"
-    told = [mutant.subject.id for mutant in (*scored.mutants, *scored.controls)]
     screen = first_screen(
         scored,
         study.roster,
         study.space,
         covered,
-        backgrounds(study.matrix, told),
+        lambda id_: backgrounds(study.matrix, [id_])[id_],
         campaign=campaign,
         whole=everything or style != Format.TABLE,
     )

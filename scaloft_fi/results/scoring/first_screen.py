@@ -6,7 +6,7 @@ All of it fits 100 columns.  Long groups are cut unless everything is asked for;
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from textwrap import fill, indent
 
@@ -23,8 +23,8 @@ from scaloft_fi.results.status import Status
 from scaloft_fi.results.telling.literal import printable
 from scaloft_fi.results.telling.table import WIDTH, Format, Table, render
 
-MANY, SHOWN = 30, 10
-"""Of more mutants than `MANY` each group shows its first `SHOWN`."""
+MANY, SHOWN = 12, 10
+"""Of a group of more mutants than `MANY` the first `SHOWN` are shown."""
 WIDEST = 24
 """Longest condition that a row shows."""
 TITLE = "Would your tests have shown it?"
@@ -59,7 +59,7 @@ def first_screen(
     roster: Roster,
     space: Space,
     covered: Coverage,
-    backgrounds: Mapping[str, Background],
+    background: Callable[[str], Background | None],
     *,
     campaign: str = "default",
     whole: bool = False,
@@ -71,20 +71,28 @@ def first_screen(
         roster: which mutants count.
         space: the grid.
         covered: its situation coverage.
-        backgrounds: of the mutants, by id.
+        background: of the mutant with an id; None where nothing is known of it.
         campaign: its name, for the commands.
         whole: whether groups are shown to their ends.
     """
     told = answers(scored, roster, campaign)
     lines = (Answer("Situations", coverage_line(covered)), Answer("Unmutated drone", baseline_line(scored.pool)))
     counted = Counter(mutant.verdict for mutant in scored.mutants if mutant.flown and roster.counts(mutant.subject))
-    groups = [
-        *(
-            _group(verdict.words.capitalize(), COLUMNS[verdict], rows, whole, counted[verdict])
-            for verdict, rows in _rows(scored, space, backgrounds)
-        ),
-        _group("Controls, in no ratio", CONTROL_COLUMNS, [_control(mutant) for mutant in scored.controls], whole),
-    ]
+    groups = []
+    for verdict in Verdict:
+        members = [mutant for mutant in scored.mutants if mutant.flown and mutant.verdict is verdict]
+        if verdict is Verdict.DETECTED:
+            members.sort(key=lambda mutant: -len(mutant.killing))
+        shown = _shown(members, whole=whole)
+        facts = [_facts(mutant, space, background(mutant.subject.id)) for mutant in shown]
+        rows = [(one["mutant"], *(one[column] for column in COLUMNS[verdict])) for one in facts]
+        title = f"{verdict.words.capitalize()}: {len(members)}"
+        if counted[verdict] != len(members):
+            title += f", of which {counted[verdict]} count in the score"
+        groups.append(_group(title, COLUMNS[verdict], rows, len(members)))
+    controls = [_control(mutant) for mutant in _shown(scored.controls, whole=whole)]
+    title = f"Controls, in no ratio: {len(scored.controls)}"
+    groups.append(_group(title, CONTROL_COLUMNS, controls, len(scored.controls)))
     groups = [group for group in groups if group.rows]
     if groups:
         groups[-1] = replace(groups[-1], notes=(*groups[-1].notes, *LEGEND))
@@ -140,27 +148,14 @@ def baseline_line(pool: Pool) -> str:
     return f"{'; '.join(found)}."
 
 
-def _rows(
-    scored: Score, space: Space, backgrounds: Mapping[str, Background]
-) -> Iterator[tuple[Verdict, list[tuple[str, ...]]]]:
-    """The rows of each verdict; among the detected those with most kills first."""
-    flown = [mutant for mutant in scored.mutants if mutant.flown]
-    for verdict in Verdict:
-        members = [mutant for mutant in flown if mutant.verdict is verdict]
-        if verdict is Verdict.DETECTED:
-            members.sort(key=lambda mutant: -len(mutant.killing))
-        facts = [_facts(mutant, space, backgrounds.get(mutant.subject.id)) for mutant in members]
-        yield verdict, [(one["mutant"], *(one[column] for column in COLUMNS[verdict])) for one in facts]
+def _shown(members: Sequence[MutantScore], *, whole: bool) -> Sequence[MutantScore]:
+    return members if whole or len(members) <= MANY else members[:SHOWN]
 
 
-def _group(
-    title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...]], whole: bool, counted: int | None = None
-) -> Table:
-    """A group's table; `counted` of its mutants are in the ratios, the others are more magnitudes of a cell."""
-    shown = rows if whole or len(rows) <= MANY else rows[:SHOWN]
-    notes = (f"... and {len(rows) - len(shown)} more: `scaloft-fi score --all`",) if len(shown) < len(rows) else ()
-    said = "" if counted in (None, len(rows)) else f", of which {counted} count in the score"
-    return Table(f"{title}: {len(rows)}{said}", ("mutant", *columns), tuple(shown), notes)
+def _group(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...]], members: int) -> Table:
+    """A group's table; its note counts the members that are not shown."""
+    notes = (f"... and {members - len(rows)} more: `scaloft-fi score --all`",) if len(rows) < members else ()
+    return Table(title, ("mutant", *columns), tuple(rows), notes)
 
 
 def _facts(mutant: MutantScore, space: Space, background: Background | None) -> dict[str, str]:

@@ -131,7 +131,16 @@ class Pool:
 
     def steady(self, situation: str, kind: Kind) -> tuple[str, ...]:
         """The requirements of a kind that are steady in a situation."""
-        return tuple(n for n in self.requirements(kind) if self.states.get((situation, n)) is State.STEADY)
+        return self._steady.get((situation, kind), ())
+
+    @cached_property
+    def _steady(self) -> Mapping[tuple[str, Kind], tuple[str, ...]]:
+        found: dict[tuple[str, Kind], tuple[str, ...]] = {}
+        for name, kind in self._requirements.items():
+            for (situation, other), state in self.states.items():
+                if other == name and state is State.STEADY:
+                    found[situation, kind] = (*found.get((situation, kind), ()), name)
+        return found
 
     @cached_property
     def flown(self) -> frozenset[str]:

@@ -297,7 +297,10 @@ def mutant_score(subject: Subject, situations: Situations, space: Space, pool: P
     )
     kills = tuple(_kill(r, name, flown[r.situation]) for r in results for name in r.kills)
     seen = [kill.first for kill in kills] or [_first(r, n, flown[r.situation]) for r in results for n in r.seen]
-    rungs = Counter(one.ruling.status for flights in situations.values() for one in flights)
+    rungs = Counter[Status]()
+    # few rulings differ, so they are counted first
+    for ruling, number in Counter([one.ruling for flights in situations.values() for one in flights]).items():
+        rungs[ruling.status] += number
     return MutantScore(
         subject=subject,
         status=highest(rungs),
@@ -312,24 +315,23 @@ def mutant_score(subject: Subject, situations: Situations, space: Space, pool: P
 
 
 def _sample(situation: str, flights: Sequence[Ruled]) -> Sample:
-    infected = any(one.ruling.status.infected for one in flights)
+    infected = any(ruling.status.infected for ruling in {one.ruling for one in flights})
     return Sample(situation, tuple([one.ruling.violated for one in flights]), infected)
 
 
 def _result(sample: Sample, flights: Sequence[Ruled], pool: Pool, detected: bool, operability_detected: bool) -> Result:
-    violated = Counter(name for names in sample.violated for name in names)
     steady, operable = (
         pool.steady(sample.situation, kind) if sample.infected else () for kind in (Kind.SAFETY, Kind.OPERABILITY)
     )
-    status = highest({one.ruling.status for one in flights})
-    most = {name for name, count in violated.items() if 2 * count > len(flights)}
+    status = highest({ruling.status for ruling in {one.ruling for one in flights}})
+    most = {name for name, count in sample.counts.items() if 2 * count > len(flights)}
     return Result(
         situation=sample.situation,
         status=status,
         flown=len(flights),
         reached=status is not Status.NOT_REACHED,
         infected=sample.infected,
-        violated=tuple(sorted(violated.items())),
+        violated=tuple(sorted(sample.counts.items())),
         steady=steady,
         steady_operability=operable,
         kills=tuple(name for name in steady if detected and name in most),

@@ -32,7 +32,7 @@ CAMPAIGN = [
 
 def screen(outcomes: list[Outcome], *, whole: bool = False, roster: Roster = ROSTER) -> tuple[Table, ...]:
     known = {GOAL: Background("goal", stronger=("MORE-goal@1m",), laddered=True)}
-    return first_screen(score(outcomes, roster, GRID), roster, GRID, coverage(outcomes, GRID), known, whole=whole)
+    return first_screen(score(outcomes, roster, GRID), roster, GRID, coverage(outcomes, GRID), known.get, whole=whole)
 
 
 def told(outcomes: list[Outcome]) -> dict[str, str]:
