@@ -25,7 +25,7 @@ def test_two_shards_merged_export_the_bytes_of_the_undivided_run(call: Call, tmp
     call("run", *WORDS)
     names = _shards(call, tmp_path)
     merged = call("merge", *names, "--campaign", f"{tmp_path}/both", campaign=False)
-    assert merged.stdout == f"13 flights added to {tmp_path}/both, 0 known already\n"
+    assert merged.stdout == f"31 flights added to {tmp_path}/both, 0 known already\n"
     both = call("export", "--campaign", f"{tmp_path}/both", campaign=False)
     assert both.stdout == call("export").stdout
 

@@ -17,7 +17,7 @@ Call = Callable[..., Result]
 def test_status_counts_flights(call: Call) -> None:
     call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
     out = call("status").stdout
-    assert "killed" in out
+    assert "revealed" in out
     assert "stale" in out
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pyarrow.parquet
 import pytest
-from builders import GRID, KINDS, ROSTER, outcome
+from builders import GRID, KINDS, ROSTER, outcome, pool
 
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.results.exchange.parquet import parquet
@@ -18,6 +18,7 @@ from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.requirement import Kind, Reading, Verdict
 from scaloft_fi.results.robustness import told_rho
 from scaloft_fi.results.scoring.baseline import tallies
+from scaloft_fi.results.scoring.score import score
 from scaloft_fi.results.scoring.tables import requirement_table
 from scaloft_fi.results.telling.export import columns, export_rows, to_csv, to_json
 from scaloft_fi.results.worksheet.margin import margins
@@ -79,9 +80,10 @@ def test_the_least_robustness_is_that_of_the_flights_that_put_it_to_the_test() -
 
 def test_an_end_of_a_margin_that_tests_nothing_has_no_robustness() -> None:
     matrix = load_matrix(Path(__file__).parents[2] / "hazop")
-    kill = outcome("LATE-human@3s", HUMAN, violated={"SR2": 8.0})
-    found = margins([outcome(situation=HUMAN), untested(outcome("LATE-human@1s", HUMAN)), kill], matrix)
+    kills = [outcome("LATE-human@3s", HUMAN, seed, violated={"SR2": 8.0}) for seed in range(3)]
+    flights = [*pool(HUMAN), untested(outcome("LATE-human@1s", HUMAN)), *kills]
+    found = margins(flights, score(flights, ROSTER, GRID), matrix)
     (table,) = margin_tables(found, (), 1)
-    assert table.rows[0][5] == "SR2 ? / -0.1"
+    assert table.rows[0][6] == "SR2 ? / -0.1"
     (entry,) = margin_json(found)
     assert ["SR2" in tried["rho"] for tried in entry["situations"][0]["tried"]] == [False, True]
