@@ -19,8 +19,9 @@ from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.roster import Roster, cell_of
 from scaloft_fi.results.rulings import Rulings
 from scaloft_fi.results.scoring.detection import Spending, Verdict
+from scaloft_fi.results.scoring.mutant_score import MutantScore
 from scaloft_fi.results.scoring.ratio import share_json
-from scaloft_fi.results.scoring.score import MutantScore, Score
+from scaloft_fi.results.scoring.score import Score
 from scaloft_fi.results.situations.curve_tables import curves_json
 from scaloft_fi.results.situations.curves import curves
 from scaloft_fi.results.situations.prediction import predict

@@ -44,8 +44,12 @@ class Detail:
 
     def __str__(self) -> str:
         """Rows in a second, and the steps."""
+        return self.told(TRACK_HZ)
+
+    def told(self, track_hz: float) -> str:
+        """The same of tracks with so many rows in a second."""
         step = f"{QUANTUM * self.coarse:g}"
-        return f"{TRACK_HZ / self.every:g} Hz, in steps of {step} m and {step} m/s"
+        return f"{track_hz / self.every:g} Hz, in steps of {step} m and {step} m/s"
 
 
 DETAILS = (
@@ -94,14 +98,21 @@ def packs(outcomes: Iterable[Outcome], requirements: Sequence[str], detail: Deta
         for entry in records:
             if not entry["invalid"]:
                 tracked.setdefault((entry["mutant"] != BASELINE, entry["seed"]), []).append(entry["track"] is not None)
-    return Packed(texts, tracks_told(detail, tracked))
+    hz = next((found for listed in by_situation.values() for o in listed if (found := _rate_hz(o.track))), TRACK_HZ)
+    return Packed(texts, tracks_told(detail.told(hz), tracked))
 
 
-def tracks_told(detail: Detail, tracked: Mapping[tuple[bool, int], Sequence[bool]]) -> str:
+def _rate_hz(track: bytes) -> float | None:
+    """Rows of a track in a second; None where it has too few."""
+    rows = rows_of(track)
+    return round(1 / (rows[1][0] - rows[0][0]), 2) if len(rows) > 2 else None
+
+
+def tracks_told(detail: str, tracked: Mapping[tuple[bool, int], Sequence[bool]]) -> str:
     """The sentences that say of which flights the page has tracks.
 
     Args:
-        detail: how they are kept.
+        detail: how they are kept, in words.
         tracked: by whether a mutant flew, and seed: of each flight that counts, whether it has one.
     """
     every = [has for flags in tracked.values() for has in flags]

@@ -14,9 +14,10 @@ from scaloft_fi.results.kills.kill_matrix import Entry, KillMatrix
 from scaloft_fi.results.requirement import Kind
 from scaloft_fi.results.roster import Roster, cell_of
 from scaloft_fi.results.rulings import Rulings, Situations
+from scaloft_fi.results.scoring.mutant_score import MutantScore, Result
 from scaloft_fi.results.scoring.pool import Pool
 from scaloft_fi.results.scoring.ratio import Ratio, share_json
-from scaloft_fi.results.scoring.score import MutantScore, Result, Score
+from scaloft_fi.results.scoring.score import Score
 from scaloft_fi.results.space import Space
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.mutants.mutant import parse, split_magnitude
 from scaloft_fi.results.roster import Roster, cell_of
-from scaloft_fi.results.scoring.score import MutantScore
+from scaloft_fi.results.scoring.mutant_score import MutantScore
 from scaloft_fi.results.worksheet.margin import Scale
 
 

@@ -8,8 +8,8 @@ from enum import StrEnum
 from scaloft_fi.results.kills.kill_matrix import Entry
 from scaloft_fi.results.requirement import Kind
 from scaloft_fi.results.rulings import Ruled, Situations
+from scaloft_fi.results.scoring.mutant_score import MutantScore
 from scaloft_fi.results.scoring.pool import Pool, State
-from scaloft_fi.results.scoring.score import MutantScore
 from scaloft_fi.results.status import INVALID, Status
 
 

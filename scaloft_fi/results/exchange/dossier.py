@@ -13,7 +13,8 @@ from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.results.requirement import Requirement
 from scaloft_fi.results.roster import Roster, cell_of
 from scaloft_fi.results.scoring.detection import Spending, Verdict
-from scaloft_fi.results.scoring.score import MutantScore, Score, score
+from scaloft_fi.results.scoring.mutant_score import MutantScore
+from scaloft_fi.results.scoring.score import Score, score
 from scaloft_fi.results.situations.coverage import Coverage, coverage
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.telling.verdict import next_command, verdict, why

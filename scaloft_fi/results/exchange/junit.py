@@ -13,7 +13,7 @@ from xml.etree import ElementTree as ET
 
 from scaloft_fi.results.exchange.dossier import Dossier
 from scaloft_fi.results.scoring.detection import Verdict
-from scaloft_fi.results.scoring.score import MutantScore
+from scaloft_fi.results.scoring.mutant_score import MutantScore
 
 CONTROLS = "controls"
 _ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")

@@ -18,7 +18,7 @@ from __future__ import annotations
 from typing import Any
 
 from scaloft_fi.results.exchange.dossier import Dossier
-from scaloft_fi.results.scoring.score import MutantScore
+from scaloft_fi.results.scoring.mutant_score import MutantScore
 
 SCHEMA_VERSION = "2"
 THRESHOLDS = {"high": 80, "low": 60}

@@ -10,7 +10,7 @@ from urllib.parse import quote
 
 from scaloft_fi.results.exchange.dossier import Dossier
 from scaloft_fi.results.scoring.detection import Verdict
-from scaloft_fi.results.scoring.score import MutantScore
+from scaloft_fi.results.scoring.mutant_score import MutantScore
 
 SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 

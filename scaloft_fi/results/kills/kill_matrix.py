@@ -11,8 +11,9 @@ from scaloft_fi.results.kills.gray import gray_order
 from scaloft_fi.results.outcome import Subject
 from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.scoring.detection import Verdict
+from scaloft_fi.results.scoring.mutant_score import MutantScore, Result
 from scaloft_fi.results.scoring.ratio import Ratio
-from scaloft_fi.results.scoring.score import MutantScore, Result, Score
+from scaloft_fi.results.scoring.score import Score
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.status import Status
 

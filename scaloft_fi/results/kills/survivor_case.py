@@ -14,8 +14,9 @@ from scaloft_fi.results.kills.kill_matrix import KillMatrix, Row
 from scaloft_fi.results.kills.near_miss import Loss, losses, off_path_m
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.requirement import Kind
+from scaloft_fi.results.scoring.mutant_score import MutantScore
 from scaloft_fi.results.scoring.pool import Pool, State
-from scaloft_fi.results.scoring.score import MutantScore, Score
+from scaloft_fi.results.scoring.score import Score
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.status import Status
 

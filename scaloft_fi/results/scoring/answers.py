@@ -8,9 +8,10 @@ from typing import NamedTuple
 
 from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.scoring.detection import Verdict
+from scaloft_fi.results.scoring.mutant_score import MutantScore
 from scaloft_fi.results.scoring.pool import LEAST
 from scaloft_fi.results.scoring.ratio import Ratio
-from scaloft_fi.results.scoring.score import MutantScore, Score
+from scaloft_fi.results.scoring.score import Score
 
 SHOWN, NOT_SHOWN, HOW_SURE, NEXT = NAMES = ("Shown", "Not shown", "How sure", "What next")
 MOST_NAMED = 4

@@ -15,8 +15,9 @@ from scaloft_fi.results.requirement import Kind
 from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.scoring.answers import Answer, answers
 from scaloft_fi.results.scoring.detection import Verdict
+from scaloft_fi.results.scoring.mutant_score import MutantScore
 from scaloft_fi.results.scoring.pool import Pool, State
-from scaloft_fi.results.scoring.score import MutantScore, Score
+from scaloft_fi.results.scoring.score import Score
 from scaloft_fi.results.situations.coverage import Coverage
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.status import Status

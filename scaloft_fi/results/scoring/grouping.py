@@ -8,8 +8,9 @@ from enum import StrEnum
 from typing import Any
 
 from scaloft_fi.results.roster import Roster
+from scaloft_fi.results.scoring.mutant_score import MutantScore, Result
 from scaloft_fi.results.scoring.ratio import Ratio, share_json
-from scaloft_fi.results.scoring.score import MutantScore, Result, Score
+from scaloft_fi.results.scoring.score import Score
 from scaloft_fi.results.space import Space
 
 

@@ -7,8 +7,9 @@ from typing import Any
 
 from scaloft_fi.results.scoring.detection import Detection
 from scaloft_fi.results.scoring.grouping import Group
+from scaloft_fi.results.scoring.mutant_score import Kill, Moment, MutantScore
 from scaloft_fi.results.scoring.ratio import share_json
-from scaloft_fi.results.scoring.score import Kill, Moment, MutantScore, Score
+from scaloft_fi.results.scoring.score import Score
 from scaloft_fi.results.situations.coverage import Coverage, coverage_json
 
 VERSION = 2

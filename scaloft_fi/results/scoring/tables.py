@@ -12,9 +12,10 @@ from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.rulings import Rulings
 from scaloft_fi.results.scoring.baseline import Finding, Tally, findings, tallies
 from scaloft_fi.results.scoring.grouping import By, groups
+from scaloft_fi.results.scoring.mutant_score import MutantScore
 from scaloft_fi.results.scoring.pool import Pool, State
 from scaloft_fi.results.scoring.ratio import Ratio
-from scaloft_fi.results.scoring.score import MutantScore, Score
+from scaloft_fi.results.scoring.score import Score
 from scaloft_fi.results.situations.coverage import Coverage
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.status import Status

@@ -12,7 +12,8 @@ import numpy as np
 from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.rulings import Rulings, Situations
 from scaloft_fi.results.scoring.detection import Spending
-from scaloft_fi.results.scoring.score import MutantScore, Score, mutant_score
+from scaloft_fi.results.scoring.mutant_score import MutantScore, mutant_score
+from scaloft_fi.results.scoring.score import Score
 from scaloft_fi.results.situations.chance import Found
 from scaloft_fi.results.situations.redrawn import SeedSet, seed_draws
 from scaloft_fi.results.situations.t_way import choices, ids, levels_of, t_way

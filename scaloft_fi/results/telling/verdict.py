@@ -6,8 +6,8 @@ from collections.abc import Collection
 
 from scaloft_fi.results.scoring.answers import command
 from scaloft_fi.results.scoring.detection import LARGER, Verdict
+from scaloft_fi.results.scoring.mutant_score import MutantScore
 from scaloft_fi.results.scoring.pool import LEAST
-from scaloft_fi.results.scoring.score import MutantScore
 from scaloft_fi.results.status import Status
 
 NO_POOL = (

@@ -20,7 +20,8 @@ from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.results.roster import Roster
 from scaloft_fi.results.scoring.detection import Verdict
-from scaloft_fi.results.scoring.score import MutantScore, Score
+from scaloft_fi.results.scoring.mutant_score import MutantScore
+from scaloft_fi.results.scoring.score import Score
 
 HEADER = """\
 # Survivors that were looked at and accepted; `scaloft-fi score --ratchet` fails on any other.

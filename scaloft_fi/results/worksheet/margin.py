@@ -20,7 +20,8 @@ from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.requirement import Kind
 from scaloft_fi.results.robustness import told_rho
 from scaloft_fi.results.scoring.detection import Detection
-from scaloft_fi.results.scoring.score import MutantScore, Result, Score
+from scaloft_fi.results.scoring.mutant_score import MutantScore, Result
+from scaloft_fi.results.scoring.score import Score
 
 RELATIVE = 0.1
 """An interval no wider than a tenth of its severe end is told as one number, and is what a search ends at."""

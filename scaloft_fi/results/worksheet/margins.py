@@ -12,7 +12,8 @@ from scaloft_fi.mutants.mutant import parse
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.requirement import Kind, Requirement
 from scaloft_fi.results.scoring.detection import LARGER, Verdict
-from scaloft_fi.results.scoring.score import MutantScore, Score
+from scaloft_fi.results.scoring.mutant_score import MutantScore
+from scaloft_fi.results.scoring.score import Score
 from scaloft_fi.results.telling.table import Table
 from scaloft_fi.results.worksheet.margin import (
     Answer,

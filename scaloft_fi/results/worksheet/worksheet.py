@@ -19,8 +19,9 @@ from scaloft_fi.hazop.worksheet import record
 from scaloft_fi.mutants.derive import default_of
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.scoring.detection import Verdict
+from scaloft_fi.results.scoring.mutant_score import MutantScore
 from scaloft_fi.results.scoring.ratio import share_json
-from scaloft_fi.results.scoring.score import MutantScore, Score
+from scaloft_fi.results.scoring.score import Score
 from scaloft_fi.results.space import Space
 from scaloft_fi.results.telling.verdict import NO_POOL, would_decide
 from scaloft_fi.results.worksheet.disposition import Disposition

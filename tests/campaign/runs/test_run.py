@@ -23,7 +23,6 @@ from scaloft_fi.campaign.runs.run import Report, run
 from scaloft_fi.errors import GateError, InputError
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.scoring.detection import Spending
 from scaloft_fi.results.store import Store
 from scaloft_fi.results.telling.export import export_rows, to_json
 
@@ -261,63 +260,6 @@ def test_an_interrupted_run_says_the_command_that_resumes_it(study: Any, log: An
     typed = RunOptions(command="scaloft-fi run --mutant 'LATE-human*'")
     with pytest.raises(Interrupted, match=r"the same command resumes: scaloft-fi run --mutant 'LATE-human\*'$"):
         run(study, _plan(study), study.folder / "c", typed, progress=Progress(stream=io.StringIO()), flyer=log)
-
-
-def _seeds(report: Report, situation: str) -> set[int]:
-    return {o.seed for o in report.outcomes if o.mutant == "baseline" and o.situation == situation}
-
-
-def test_a_pool_of_ten_is_flown_in_each_situation_where_a_mutant_infects(study: Any, log: Any) -> None:
-    report = _run(study, log, planned=plan(study.grid, (0,), [realise(study.matrix, LATE)], None).with_pool())
-    assert {key: _seeds(report, key) for key in ("D0H0", "D0H1", "D1H0", "D1H1")} == {
-        "D0H0": {0},
-        "D0H1": set(range(10)),
-        "D1H0": {0},
-        "D1H1": set(range(10)),
-    }
-    assert {o.seed for o in report.outcomes if o.mutant != "baseline"} == {0}
-
-
-def test_a_resumed_run_completes_the_pool_and_flies_nothing_twice(study: Any, log: Any) -> None:
-    planned = _plan(study)
-    _run(study, log, planned=planned)
-    before = len(log.flown)
-    report = _run(study, log, planned=planned.with_pool())
-    assert [len(_seeds(report, key)) for key in ("D0H0", "D0H1", "D1H0", "D1H1")] == [1, 10, 1, 10]
-    # the last one is the flight that each run repeats
-    assert len(log.flown) - before == 2 * 9 + 1
-
-
-def test_a_pool_in_which_no_pair_is_steady_fails_the_gate(study: Any, log: Any) -> None:
-    def red(flight: Flight, outcome: Outcome) -> Outcome:
-        if flight.mutant is not None or flight.seed % 2:
-            return outcome
-        return replace(outcome, readings=tuple(replace(r, violated_at_s=2.0) for r in outcome.readings))
-
-    log.change = red
-    with pytest.raises(GateError, match="no situation flown has a steady pair"):
-        _run(study, log, planned=_plan(study).with_pool())
-
-
-def test_without_a_pool_some_baseline_must_hold_a_safety_requirement(study: Any, log: Any) -> None:
-    def red(flight: Flight, outcome: Outcome) -> Outcome:
-        if flight.mutant is not None:
-            return outcome
-        return replace(outcome, readings=tuple(replace(r, violated_at_s=2.0) for r in outcome.readings))
-
-    log.change = red
-    with pytest.raises(GateError, match="no situation flown has a baseline that holds a safety requirement"):
-        _run(study, log)
-
-
-def test_a_campaign_remembers_with_which_seeds_its_mutants_were_asked_for(study: Any, log: Any) -> None:
-    late, more = (realise(study.matrix, name) for name in (LATE, "MORE-goal@1m"))
-    once = _run(study, log, planned=plan(study.grid, (0,), [late, more], None))
-    assert once.spending == Spending(0.01, frozenset())
-    again = _run(study, log, planned=plan(study.grid, (0,), [late], None))
-    assert again.spending.grown == frozenset()
-    grown = _run(study, log, planned=plan(study.grid, range(3), [late], None))
-    assert grown.spending.grown == {LATE, "PLACEBO"}
 
 
 def test_a_disk_that_fills_up_is_one_sentence_and_the_same_command_resumes(

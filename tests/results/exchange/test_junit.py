@@ -9,7 +9,7 @@ from scaloft_fi.results.exchange.dossier import Dossier
 from scaloft_fi.results.exchange.junit import junit
 from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.results.scoring.detection import Verdict
-from scaloft_fi.results.scoring.score import MutantScore
+from scaloft_fi.results.scoring.mutant_score import MutantScore
 
 HERE = "T0O0W0D0H0"
 CONTROL = "REVERSE-human"
