@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sqlite3
+import time
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -22,6 +23,8 @@ from scaloft_fi.results.selection import Flown, Stand, outcomes, rulings, those_
 _NOTE = "note: "
 BUSY_S = 30.0
 """How long a writer waits for another process [s]."""
+RETRY_S = 0.01
+"""How long it waits where SQLite does not wait by itself [s]."""
 _PAGE_BYTES = 16384
 """Of a new file.  Outcomes lie between tracks, which scores leave out: larger pages are fewer to fetch from a disk."""
 
@@ -81,12 +84,24 @@ class Store:
         run = self._connection.execute
         current = self._schema() == SCHEMA
         run(f"PRAGMA page_size={_PAGE_BYTES}")
-        run("PRAGMA journal_mode=WAL")
+        self._keep_log()
         run("PRAGMA synchronous=FULL")
         if current:
             return
         with self._transaction():
             migrate(self._connection, self._schema())  # asked again, as another process may have been faster
+
+    def _keep_log(self) -> None:
+        """Have a write-ahead log; SQLite itself does not wait for another process that is beginning the same file."""
+        end_s = time.monotonic() + BUSY_S
+        while True:
+            try:
+                self._connection.execute("PRAGMA journal_mode=WAL")
+                return
+            except sqlite3.OperationalError as error:
+                if "locked" not in str(error) or time.monotonic() > end_s:
+                    raise
+                time.sleep(RETRY_S)
 
     def _schema(self) -> int:
         """Version of the tables in the file.

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import multiprocessing
 import os
 import signal
 import sqlite3
@@ -10,6 +11,7 @@ import textwrap
 from contextlib import closing
 from dataclasses import asdict, replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from builders import campaigns, outcome
@@ -299,3 +301,25 @@ def test_what_a_writer_has_not_folded_into_the_file_is_read_all_the_same(tmp_pat
         writer.put("k", outcome(M))
         with Store(path, create=False) as store:
             assert list(store.outcomes()) == [outcome(M)]
+
+
+def _open(path: Path, barrier: Any, said: Any) -> None:
+    barrier.wait()
+    try:
+        Store(path).close()
+        said.put("")
+    except Exception as error:  # noqa: BLE001 - told by the test
+        said.put(str(error))
+
+
+def test_processes_that_begin_one_store_at_once_wait_for_each_other(tmp_path: Path) -> None:
+    context = multiprocessing.get_context("fork")
+    for number in range(20):
+        barrier, said = context.Barrier(6), context.Queue()
+        words = (tmp_path / str(number) / "outcomes.sqlite", barrier, said)
+        processes = [context.Process(target=_open, args=words) for _ in range(6)]
+        for process in processes:
+            process.start()
+        assert [said.get() for _ in processes] == [""] * 6
+        for process in processes:
+            process.join()
