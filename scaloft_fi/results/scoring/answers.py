@@ -74,7 +74,7 @@ def _how_sure(scored: Score, faults: Sequence[MutantScore], _campaign: str) -> s
     seeds = max((result.flown for mutant in faults for result in mutant.results), default=0)
     beside = f"{min(flown)}" + (f" to {max(flown)}" if len(flown) > 1 else "") if flown else "0"
     said += f".  {seeds} seed{'s' * (seeds != 1)} beside {beside} baseline flights a situation"
-    return f"{said}; mutants share seeds, so false ones come in groups."
+    return f"{said}; mutants share seeds, so false ones come in groups." if len(faults) > 1 else f"{said}."
 
 
 def _seen(_scored: Score, faults: Sequence[MutantScore], _campaign: str) -> str:

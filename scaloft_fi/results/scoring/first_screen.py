@@ -141,12 +141,10 @@ def baseline_line(pool: Pool) -> str:
         return f"violates a safety requirement in {red} of {len(pairs)} pairs of situation and requirement; no pool."
     found = []
     for name in pool.requirements(Kind.SAFETY):
-        states = Counter(pair.state for pair in pairs if pair.requirement == name)
+        states = Counter(pair.state for pair in pairs if pair.requirement == name and pair.state is not State.UNKNOWN)
         ill = [f"{states[s]} {s.value}" for s in (State.RED, State.UNSTEADY, State.OPEN, State.VACUOUS) if states[s]]
-        found.append(
-            f"holds {name} steadily in {states[State.STEADY]} situations" + (f" ({', '.join(ill)})" if ill else "")
-        )
-    return f"{'; '.join(found)}."
+        found.append(f"{name} in {states[State.STEADY]}" + (f" ({', '.join(ill)})" if ill else ""))
+    return f"of {len(pool.flown)} situations with a pool it holds steadily {', '.join(found)}."
 
 
 def _shown(members: Sequence[MutantScore], *, whole: bool) -> Sequence[MutantScore]:
@@ -177,8 +175,15 @@ def _facts(mutant: MutantScore, space: Space, background: Background | None) -> 
 
 
 def _control(mutant: MutantScore) -> tuple[str, ...]:
-    by = ", ".join((*mutant.safety.by, *mutant.operability.by)) or "nothing"
+    by = ", ".join((*mutant.safety.by, *mutant.operability.by)) or _violated(mutant)
     return mutant.subject.id, mutant.kill_rate.short, by, effect(mutant)
+
+
+def _violated(mutant: MutantScore) -> str:
+    """What a control violates that was flown too seldom for a verdict, as a canary is."""
+    flights = Counter(name for result in mutant.results for name, count in result.violated for _ in range(count))
+    told = ", ".join(f"{name} in {count} flight{'s' * (count > 1)}" for name, count in flights.items())
+    return told or "nothing"
 
 
 def effect(mutant: MutantScore) -> str:

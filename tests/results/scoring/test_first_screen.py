@@ -93,11 +93,17 @@ def test_each_group_tells_what_is_its_to_tell() -> None:
     ]
 
 
+def test_a_control_that_was_flown_once_says_what_it_violates() -> None:
+    canary = outcome("REVERSE-human", NOBODY, violated={"SR1": 5.0}, struck="wall")
+    tables = {table.title: table for table in screen([outcome(), canary])}
+    assert tables["Controls, in no ratio: 1"].rows[0][2] == "SR1 in 1 flight"
+
+
 def test_the_last_lines_tell_coverage_and_the_unmutated_drone() -> None:
     *_, last = screen(CAMPAIGN)
     assert [name for name, _ in last.rows] == ["Situations", "Unmutated drone"]
     assert str(last.rows[0][1]).startswith("4/32 flown, 2-way ")
-    assert last.rows[1][1] == ("holds SR1 steadily in 4 situations; holds SR2 steadily in 3 situations (1 vacuous).")
+    assert last.rows[1][1] == "of 4 situations with a pool it holds steadily SR1 in 4, SR2 in 3 (1 vacuous)."
 
 
 def test_the_legend_has_at_most_five_lines() -> None:
