@@ -96,7 +96,7 @@ def first_screen(
     groups.append(_group(title, CONTROL_COLUMNS, controls, len(scored.controls)))
     groups = [group for group in groups if group.rows]
     if groups:
-        groups[-1] = replace(groups[-1], notes=(*groups[-1].notes, *LEGEND))
+        groups[-1] = replace(groups[-1], notes=(*groups[-1].notes, "", *LEGEND))
     return (Table(TITLE, ("question", "answer"), tuple(told)), *groups, Table("Besides", ("what", "finding"), lines))
 
 
@@ -198,7 +198,8 @@ def effect(mutant: MutantScore) -> str:
     if mutant.operability.detected:
         return f"breaks {', '.join(mutant.operability.by)}"
     if mutant.infected and not mutant.tested:
-        return "acts only where no pair is steady"
+        unknown = mutant.verdict is Verdict.UNDECIDED
+        return "no baseline pool where it acts" if unknown else "acts only where no pair is steady"
     return _STOPPED[mutant.status]
 
 
