@@ -22,24 +22,32 @@ NOTE = "asked"
 
 
 def remember_seeds(store: Store, mutants: Iterable[str], seeds: Iterable[int]) -> None:
-    """Keep that a run asks to fly these mutants with these seeds.
+    """Keep that a run asks to fly these mutants with these seeds, where no earlier run asked for as many and more.
 
     Raises:
         InputError: the store cannot be written.
     """
-    content = json.dumps({"seeds": sorted(set(seeds)), "mutants": sorted(set(mutants))})
-    store.set_notes({f"{NOTE} {hashlib.sha256(content.encode()).hexdigest()[:16]}": content})
+    wanted, known = frozenset(seeds), _asked(store)
+    news = sorted({mutant for mutant in mutants if not any(wanted <= before for before in known.get(mutant, ()))})
+    if news:
+        content = json.dumps({"seeds": sorted(wanted), "mutants": news})
+        store.set_notes({f"{NOTE} {hashlib.sha256(content.encode()).hexdigest()[:16]}": content})
 
 
 def spending_of(study: Study, store: Store) -> Spending:
     """How alpha is spent on the mutants of a store."""
-    asked: dict[str, set[tuple[int, ...]]] = {}
+    return Spending(study.alpha, frozenset(mutant for mutant, seeds in _asked(store).items() if len(seeds) > 1))
+
+
+def _asked(store: Store) -> dict[str, set[frozenset[int]]]:
+    """With which sets of seeds runs asked for each mutant."""
+    asked: dict[str, set[frozenset[int]]] = {}
     for name, text in store.notes().items():
         if name.startswith(f"{NOTE} "):
             content = json.loads(text)
             for mutant in content["mutants"]:
-                asked.setdefault(mutant, set()).add(tuple(content["seeds"]))
-    return Spending(study.alpha, frozenset(mutant for mutant, seeds in asked.items() if len(seeds) > 1))
+                asked.setdefault(mutant, set()).add(frozenset(content["seeds"]))
+    return asked
 
 
 def spending(study: Study, campaign: str) -> Spending:

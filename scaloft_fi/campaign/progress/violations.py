@@ -1,4 +1,4 @@
-"""Counts violations as they come home.  All those of whole flights are in the mission log."""
+"""Counts violations as they come home.  The mission log lists them."""
 
 from __future__ import annotations
 

@@ -42,7 +42,7 @@ LEGEND = (
     "where it changes samples and nine in ten unmutated flights hold the requirement.",
     "by: the same per requirement.  where: `mixed` is told by `scaloft-fi kills ID`.",
     "first: earliest such violation [s from take-off].",
-    "next: the seeds of `scaloft-fi run --mutant ID` that would decide; anew: in a campaign of their own.",
+    "next: seeds that decide (`run --mutant ID --seeds N`; anew: its own campaign); detected: `margin`.",
 )
 _STOPPED = {
     Status.INVALID: "the harness failed",

@@ -81,3 +81,10 @@ def test_a_campaign_remembers_with_which_seeds_its_mutants_were_asked_for(study:
     assert again.spending.grown == frozenset()
     grown = _run(study, log, planned=plan(study.grid, range(3), [late], None))
     assert grown.spending.grown == {LATE, "PLACEBO"}
+
+
+def test_to_ask_for_fewer_seeds_than_before_is_no_growth(study: Any, log: Any) -> None:
+    late = realise(study.matrix, LATE)
+    _run(study, log, planned=plan(study.grid, range(3), [late], None))
+    again = _run(study, log, planned=plan(study.grid, (1,), [late], None))
+    assert again.spending.grown == frozenset()
