@@ -97,11 +97,12 @@ class Store:
         while True:
             try:
                 self._connection.execute("PRAGMA journal_mode=WAL")
-                return
             except sqlite3.OperationalError as error:
                 if "locked" not in str(error) or time.monotonic() > end_s:
                     raise
                 time.sleep(RETRY_S)
+            else:
+                return
 
     def _schema(self) -> int:
         """Version of the tables in the file.
