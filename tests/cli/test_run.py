@@ -34,7 +34,7 @@ def test_warnings_tell_each_violation_of_however_many_mutants(call: Call) -> Non
         said = call("run", "--situation", "T0O0W0D0H1", "--warnings", *words).stderr.splitlines()
         (counted,) = (line for line in said if line.startswith("violations: "))
         warnings = [line for line in said if line.startswith("warning: ")]
-        assert "warning: SR2 violated at 8.00 s" in warnings[0]
+        assert any(line.startswith("warning: SR2 violated at 8.00 s") for line in warnings)
         assert counted.startswith(f"violations: {len(warnings)} (mutants {len(warnings)}); ")
 
 

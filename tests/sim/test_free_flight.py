@@ -117,7 +117,7 @@ def test_without_agreement_a_flight_is_the_servers_and_the_same(monkeypatch):
 
     def flown(answer):
         monkeypatch.setattr(flight, "agrees", lambda: asked.append(answer) or answer)
-        return fly(config, situation, 1, PlainWire(), lambda log: log.duration_s > 8.0)
+        return fly(config, situation, 1, PlainWire())
 
     with_it, without = flown(True), flown(False)
     assert (with_it.digest, with_it.perceived_digest) == (without.digest, without.perceived_digest)

@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -29,17 +30,22 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+def _rows(campaign: Path) -> dict[str, dict[str, Any]]:
+    """The flights with the mutants' own seed, without the pool's others."""
+    return {row["mutant"]: row for row in json.loads(_call("export", "--campaign", campaign).stdout) if not row["seed"]}
+
+
 def test_placebo_is_the_baseline_bit_for_bit(campaign: Path) -> None:
-    rows = {row["mutant"]: row for row in json.loads(_call("export", "--campaign", campaign).stdout)}
+    rows = _rows(campaign)
     assert rows["PLACEBO"]["digest"] == rows["baseline"]["digest"]
     assert rows["PLACEBO"]["status"] == "not_infected"
     assert rows["LATE-human@3s"]["digest"] != rows["baseline"]["digest"]
 
 
-def test_the_person_reported_late_kills_by_sr2(campaign: Path) -> None:
-    rows = {row["mutant"]: row for row in json.loads(_call("export", "--campaign", campaign).stdout)}
+def test_the_person_reported_late_is_revealed_by_sr2(campaign: Path) -> None:
+    rows = _rows(campaign)
     assert rows["baseline"]["status"] == "held"
-    assert rows["LATE-human@3s"]["status"] == "killed"
+    assert rows["LATE-human@3s"]["status"] == "revealed"
     assert "SR2" in rows["LATE-human@3s"]["violated"]
 
 
