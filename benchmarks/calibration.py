@@ -18,7 +18,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from scaloft_fi.campaign.plan.choose import seeds as seeds_of
-from scaloft_fi.results.requirement import judge
+from scaloft_fi.judge.requirement import judge
 from scaloft_fi.sim.flight import fly
 from scaloft_fi.sim.load import load
 from scaloft_fi.stack.seam import PlainWire

@@ -32,9 +32,9 @@ from scaloft_fi.campaign.flights.fly import Physics, Worker, left_of, lost
 from scaloft_fi.campaign.plan.plan import Flight, plan
 from scaloft_fi.campaign.plan.task import Task, alone, together
 from scaloft_fi.campaign.workers.pool import Pool
+from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.mutants.derive import defaults, realise
 from scaloft_fi.mutants.mutant import PLACEBO
-from scaloft_fi.results.outcome import BASELINE, Outcome
 from scaloft_fi.sim import flight as flight_module
 from scaloft_fi.study import Study
 

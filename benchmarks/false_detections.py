@@ -29,11 +29,11 @@ import numpy as np
 import pyarrow.parquet
 from numpy.typing import NDArray
 
-from scaloft_fi.results.outcome import BASELINE, Outcome, Subject, Violation
-from scaloft_fi.results.requirement import Kind, Reading
-from scaloft_fi.results.scoring.detection import ALPHA, LOOKS, Sample, Spending, detect
-from scaloft_fi.results.scoring.pool import LEAST, Pair, Pool
-from scaloft_fi.results.scoring.redraw import redraw
+from scaloft_fi.analysis.scoring.detection import ALPHA, LOOKS, Sample, Spending, detect
+from scaloft_fi.analysis.scoring.pool import LEAST, Pair, Pool
+from scaloft_fi.analysis.scoring.redraw import redraw
+from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject, Violation
+from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.study import Study
 
 FLIGHTS = ROOT / "results" / "published" / "reference" / "outcomes.parquet"

@@ -27,7 +27,7 @@ from typing import Any
 
 import numpy as np
 
-from scaloft_fi.results.requirement import judge
+from scaloft_fi.judge.requirement import judge
 from scaloft_fi.sim import flight as flight_module
 from scaloft_fi.sim.body import Body, spawn
 from scaloft_fi.sim.build import build
@@ -38,11 +38,11 @@ from scaloft_fi.sim.sensors import suite
 from scaloft_fi.sim.sensors.camera import DepthSensor
 from scaloft_fi.sim.sensors.detector import Detector
 from scaloft_fi.sim.tight_loop import TightLoop
-from scaloft_fi.stack import companion
-from scaloft_fi.stack.estimator import Estimator
-from scaloft_fi.stack.memory import ObstacleMemory
-from scaloft_fi.stack.planner import Planner
-from scaloft_fi.stack.proximity import ProximityMonitor
+from scaloft_fi.stack.reference import companion
+from scaloft_fi.stack.reference.estimator import Estimator
+from scaloft_fi.stack.reference.memory import ObstacleMemory
+from scaloft_fi.stack.reference.planner import Planner
+from scaloft_fi.stack.reference.proximity import ProximityMonitor
 from scaloft_fi.stack.seam import PlainWire
 from scaloft_fi.study import Study
 

@@ -17,8 +17,8 @@ from pathlib import Path
 
 from varied import Beside, outcomes
 
-from scaloft_fi.results.flights import flight_of
-from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.judge.flights import flight_of
+from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 
 YAW, PAUSES = "world.mission.yaw_deg", ("stack.mission.dwell_s", "world.mission.nominal.dwell_s")

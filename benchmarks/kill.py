@@ -35,7 +35,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from scaloft_fi.campaign.held.folder import STORE_NAME
+from scaloft_fi.campaign.store.folder import STORE_NAME
 
 MUTANTS = ("LATE-human", "MORE-goal", "UNINTENDED-collision@20s")
 SITUATIONS = ("T0O0W0D0H[01]",)

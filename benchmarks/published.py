@@ -29,11 +29,11 @@ from dataclasses import dataclass
 from false_detections import baselines
 from scipy.stats import binomtest
 
+from scaloft_fi.analysis.scoring.detection import Detection, Sample, Spending, detect
+from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.document import load
+from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.select import select
-from scaloft_fi.results.requirement import Kind
-from scaloft_fi.results.scoring.detection import Detection, Sample, Spending, detect
-from scaloft_fi.results.scoring.pool import Pool, State
 from scaloft_fi.study import Study
 
 PUBLISHED = ROOT / "results" / "published"

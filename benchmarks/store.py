@@ -32,14 +32,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from scaloft_fi.campaign.held.folder import STORE_NAME
-from scaloft_fi.campaign.held.key import Keys
 from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.campaign.store.fingerprint import fingerprint
+from scaloft_fi.campaign.store.folder import STORE_NAME
+from scaloft_fi.campaign.store.key import Keys
+from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.judge.outcome import Outcome, Violation
+from scaloft_fi.judge.requirement import Reading
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
-from scaloft_fi.results.fingerprint import fingerprint
-from scaloft_fi.results.outcome import Outcome, Violation
-from scaloft_fi.results.requirement import Reading
-from scaloft_fi.results.store import Store
 from scaloft_fi.study import Study
 
 SAME = 0.26

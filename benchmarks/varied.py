@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from scaloft_fi.campaign.flights.fly import facts
+from scaloft_fi.judge.outcome import Outcome, Subject, outcome_of
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.mutants.wire import contexts, wire_for
-from scaloft_fi.results.outcome import Outcome, Subject, outcome_of
 from scaloft_fi.sim.flight import fly
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.log import FlightLog

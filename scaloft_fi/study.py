@@ -20,11 +20,11 @@ from scaloft_fi.registry import load_plugins, plugin_sources
 from scaloft_fi.stack.seam import SEAMS
 
 if TYPE_CHECKING:
+    from scaloft_fi.analysis.disposition import Disposition
+    from scaloft_fi.analysis.roster import Roster
+    from scaloft_fi.judge.requirement import Requirement
+    from scaloft_fi.judge.space import Realisation, Space
     from scaloft_fi.mutants.mutant import Mutant
-    from scaloft_fi.results.requirement import Requirement
-    from scaloft_fi.results.roster import Roster
-    from scaloft_fi.results.space import Realisation, Space
-    from scaloft_fi.results.worksheet.disposition import Disposition
     from scaloft_fi.sim.grid import Grid
     from scaloft_fi.sim.load import SimConfig
     from scaloft_fi.sim.scenario import Scenario
@@ -33,8 +33,8 @@ if TYPE_CHECKING:
 PACKAGE = Path(__file__).resolve().parent
 FLYING_CODE = (
     *("stack", "sim", "mutants", "campaign/flights/fly.py", "campaign/flights/fork.py", "campaign/flights/share.py"),
-    *("results/outcome.py", "results/requirement.py", "results/space.py", "results/stl.py", "results/monitor.py"),
-    "results/track.py",
+    *("judge/outcome.py", "judge/requirement.py", "judge/space.py", "judge/stl.py", "judge/monitor.py"),
+    "judge/track.py",
 )
 """The sources that can change an outcome."""
 FLYING_DATA = ("world", "vehicle", "sensors", "stack")
@@ -101,8 +101,8 @@ class Study:
         Raises:
             InputError: a predicate of an axis asks for more of a signal than is measured.
         """
-        from scaloft_fi.results.caps import check_caps
-        from scaloft_fi.results.stl import FormulaError
+        from scaloft_fi.judge.caps import check_caps
+        from scaloft_fi.judge.stl import FormulaError
         from scaloft_fi.sim.grid import load_grid
 
         grid = load_grid(self.folder / "sim")
@@ -131,9 +131,9 @@ class Study:
     @cached_property
     def requirements(self) -> tuple[Requirement, ...]:
         """What flights are judged by, as it is written; that every formula is one is for `check` to say."""
-        from scaloft_fi.results.caps import within_caps
-        from scaloft_fi.results.requirement import load_requirements
-        from scaloft_fi.results.stl import Formula
+        from scaloft_fi.judge.caps import within_caps
+        from scaloft_fi.judge.requirement import load_requirements
+        from scaloft_fi.judge.stl import Formula
 
         return load_requirements(self._requirements_path, self.signals, within_caps(Formula.spelt))
 
@@ -144,9 +144,9 @@ class Study:
     @cached_property
     def roster(self) -> Roster:
         """The mutants as scores count them."""
+        from scaloft_fi.analysis.roster import Roster
         from scaloft_fi.hazop.cell import CellStatus
         from scaloft_fi.mutants.derive import default_of
-        from scaloft_fi.results.roster import Roster
 
         credible = [cell for cell in self.matrix if cell.status is CellStatus.CREDIBLE]
         controls = frozenset(cell.name for cell in self.matrix if cell.status is CellStatus.CONTROL)
@@ -160,7 +160,7 @@ class Study:
         Raises:
             InputError: naming the place of a number that is not above 0 and at most 0.1.
         """
-        from scaloft_fi.results.scoring.detection import ALPHA, MOST_ALPHA
+        from scaloft_fi.analysis.scoring.detection import ALPHA, MOST_ALPHA
 
         path = self.folder / "hazop" / "score.yaml"
         if not path.exists():
@@ -178,14 +178,14 @@ class Study:
     @cached_property
     def dispositions(self) -> tuple[Disposition, ...]:
         """The accepted survivors."""
-        from scaloft_fi.results.worksheet.disposition import load_dispositions
+        from scaloft_fi.analysis.disposition import load_dispositions
 
         return load_dispositions(self.dispositions_path, self.matrix, self.space.point)
 
     @cached_property
     def space(self) -> Space:
         """The situations as scores and coverage see them."""
-        from scaloft_fi.results.space import Space
+        from scaloft_fi.judge.space import Space
 
         axes = self.grid.axes
         return Space(
@@ -202,8 +202,8 @@ class Study:
         Raises:
             InputError: a predicate of an axis is no formula over the log.
         """
-        from scaloft_fi.results.space import Realisation
-        from scaloft_fi.results.stl import Formula, FormulaError
+        from scaloft_fi.judge.space import Realisation
+        from scaloft_fi.judge.stl import Formula, FormulaError
 
         def parsed(text: str, value: str) -> Formula | None:
             try:
@@ -255,9 +255,9 @@ class Study:
         Raises:
             InputError: naming the place of the first thing that does not fit.
         """
-        from scaloft_fi.results.caps import within_caps
-        from scaloft_fi.results.requirement import load_requirements
-        from scaloft_fi.results.stl import Formula
+        from scaloft_fi.judge.caps import within_caps
+        from scaloft_fi.judge.requirement import load_requirements
+        from scaloft_fi.judge.stl import Formula
 
         proved = load_requirements(self._requirements_path, self.signals, within_caps(Formula.parse))
         known = [requirement.name for requirement in proved]

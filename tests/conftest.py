@@ -1,8 +1,13 @@
-"""Hypothesis draws the same examples in every run, and no wall clock fails a test."""
+"""Makes the helpers in `support` importable; Hypothesis draws the same examples in every run, at any speed."""
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
+
 from hypothesis import settings
+
+sys.path.insert(0, str(Path(__file__).parent / "support"))
 
 settings.register_profile("scaloft-fi", derandomize=True, deadline=None)
 settings.load_profile("scaloft-fi")

@@ -48,10 +48,3 @@ def test_every_module_says_what_it_is() -> None:
     modules = (ROOT / "scaloft_fi").rglob("*.py")
     silent = [str(path) for path in modules if not path.read_text().startswith(('"""', 'r"""'))]
     assert silent == []
-
-
-def test_the_design_names_every_file() -> None:
-    design = (ROOT / "DESIGN.md").read_text(encoding="utf-8")
-    named = [path for path in _python_files() if path.relative_to(ROOT).parts[0] != "tests"]
-    named = [path for path in named if not path.name.startswith("__") and path.parent.name != "operators"]
-    assert [path.name for path in named if f"{path.name}`" not in design] == []

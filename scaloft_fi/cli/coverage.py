@@ -14,11 +14,11 @@ from scaloft_fi.cli.options import campaign_option, format_option, study_option
 from scaloft_fi.errors import InputError
 
 if TYPE_CHECKING:
+    from scaloft_fi.analysis.curves.curves import Curves
+    from scaloft_fi.analysis.curves.prediction import Prediction
+    from scaloft_fi.analysis.scoring.detection import Spending
     from scaloft_fi.campaign.plan.strategy import Remembered
-    from scaloft_fi.results.rulings import Rulings
-    from scaloft_fi.results.scoring.detection import Spending
-    from scaloft_fi.results.situations.curves import Curves
-    from scaloft_fi.results.situations.prediction import Prediction
+    from scaloft_fi.judge.rulings import Rulings
     from scaloft_fi.study import Study
 
 PICTURES = (".svg", ".png")
@@ -42,11 +42,11 @@ PICTURES = (".svg", ".png")
 @format_option
 def coverage_command(study_folder: Path | None, campaign: str, against: bool, output: Path | None, style: str) -> None:
     """Print the coverage of a campaign's situations, number by number."""
-    from scaloft_fi.results.situations.coverage import coverage_json, coverage_of
-    from scaloft_fi.results.situations.coverage_tables import coverage_tables
-    from scaloft_fi.results.situations.curve_tables import curve_tables, curves_json
-    from scaloft_fi.results.telling.table import Format, render
+    from scaloft_fi.analysis.curves.curve_tables import curve_tables, curves_json
+    from scaloft_fi.analysis.situations.coverage import coverage_json, coverage_of
     from scaloft_fi.study import Study
+    from scaloft_fi.views.coverage.coverage_tables import coverage_tables
+    from scaloft_fi.views.tables.table import Format, render
 
     if output is not None and output.suffix.lower() not in PICTURES:
         raise InputError(f"--output={str(output)!r} must end in .svg or .png")
@@ -71,11 +71,11 @@ def coverage_command(study_folder: Path | None, campaign: str, against: bool, ou
 
 
 def _held(study: Study, campaign: str) -> tuple[Rulings, Sequence[Remembered], Spending]:
-    from scaloft_fi.campaign.held.folder import campaign_folder, existing
-    from scaloft_fi.campaign.held.held import current_rulings
-    from scaloft_fi.campaign.held.spending import spending_of
     from scaloft_fi.campaign.plan.strategy import remembered
-    from scaloft_fi.results.store import Store
+    from scaloft_fi.campaign.runs.spending import spending_of
+    from scaloft_fi.campaign.store.folder import campaign_folder, existing
+    from scaloft_fi.campaign.store.held import current_rulings
+    from scaloft_fi.campaign.store.store import Store
 
     rulings = current_rulings(study, campaign)
     with Store(existing(campaign_folder(study, campaign)), create=False) as store:
@@ -88,10 +88,10 @@ def _followed(study: Study, rulings: Rulings, spending: Spending) -> tuple[Curve
     Raises:
         InputError: no default mutant was flown.
     """
-    from scaloft_fi.results.scoring.score import score_of
-    from scaloft_fi.results.situations.curves import curves
-    from scaloft_fi.results.situations.prediction import predict
-    from scaloft_fi.results.situations.trial import trial
+    from scaloft_fi.analysis.curves.curves import curves
+    from scaloft_fi.analysis.curves.prediction import predict
+    from scaloft_fi.analysis.curves.trial import trial
+    from scaloft_fi.analysis.scoring.score import score_of
 
     roster, space = study.roster, study.space
     flown = trial(score_of(rulings, roster, space, spending), rulings, roster, space, spending)
@@ -102,8 +102,8 @@ def _followed(study: Study, rulings: Rulings, spending: Spending) -> tuple[Curve
 
 
 def _draw(found: Curves, output: Path) -> None:
-    from scaloft_fi.results.situations.curve_picture import curve_picture
-    from scaloft_fi.results.telling.picture import png
+    from scaloft_fi.analysis.curves.curve_picture import curve_picture
+    from scaloft_fi.views.pictures.picture import png
 
     svg = curve_picture(found)
     write(output, png(svg) if output.suffix.lower() == ".png" else svg.encode())

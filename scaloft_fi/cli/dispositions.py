@@ -14,10 +14,10 @@ from scaloft_fi.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from scaloft_fi.results.scoring.score import Score
-    from scaloft_fi.results.telling.table import Table
-    from scaloft_fi.results.worksheet.disposition import Judged
+    from scaloft_fi.analysis.disposition import Judged
+    from scaloft_fi.analysis.scoring.score import Score
     from scaloft_fi.study import Study
+    from scaloft_fi.views.tables.table import Table
 
 UNACCEPTED = 3
 """Exit code of a ratchet that does not pass: as of a score below --fail-under."""
@@ -42,11 +42,11 @@ def dispositions_command(
 
     `scaloft-fi score --ratchet` makes a gate of it.
     """
-    from scaloft_fi.campaign.held.held import current_rulings
-    from scaloft_fi.campaign.held.spending import spending
-    from scaloft_fi.results.scoring.score import score_of
-    from scaloft_fi.results.telling.table import Format, render
+    from scaloft_fi.analysis.scoring.score import score_of
+    from scaloft_fi.campaign.runs.spending import spending
+    from scaloft_fi.campaign.store.held import current_rulings
     from scaloft_fi.study import Study
+    from scaloft_fi.views.tables.table import Format, render
 
     study = Study.open(study_folder)
     scored = score_of(current_rulings(study, campaign), study.roster, study.space, spending(study, campaign))
@@ -62,7 +62,7 @@ def ratchet(study: Study, scored: Score, today: date | None) -> int:
     Raises:
         InputError: there is no baseline pool to decide by.
     """
-    from scaloft_fi.results.worksheet.disposition import State, told
+    from scaloft_fi.analysis.disposition import State, told
 
     judged = _judged(study, scored, today)
     for entry in judged:
@@ -78,8 +78,8 @@ def ratchet(study: Study, scored: Score, today: date | None) -> int:
 
 def _judged(study: Study, scored: Score, today: date | None) -> tuple[Judged, ...]:
     """The survivors and the dispositions; without a pool nobody knows what survives."""
-    from scaloft_fi.results.telling.verdict import NO_POOL
-    from scaloft_fi.results.worksheet.disposition import judge
+    from scaloft_fi.analysis.disposition import judge
+    from scaloft_fi.views.score.verdict import NO_POOL
 
     if not scored.pooled:
         raise InputError(f"no mutant is known to survive: {NO_POOL}")
@@ -87,7 +87,7 @@ def _judged(study: Study, scored: Score, today: date | None) -> tuple[Judged, ..
 
 
 def _table(judged: Sequence[Judged]) -> Table:
-    from scaloft_fi.results.telling.table import Table
+    from scaloft_fi.views.tables.table import Table
 
     rows = tuple(
         (
@@ -111,7 +111,7 @@ def _table(judged: Sequence[Judged]) -> Table:
 
 
 def _append(study: Study, judged: Sequence[Judged]) -> None:
-    from scaloft_fi.results.worksheet.disposition import HEADER, draft
+    from scaloft_fi.analysis.disposition import HEADER, draft
 
     text = draft(judged)
     if not text:

@@ -18,70 +18,70 @@ if TYPE_CHECKING:
 
 
 def _json(study: Study, campaign: str) -> bytes:
-    from scaloft_fi.results.telling.export import to_json
+    from scaloft_fi.views.flights.export import to_json
 
     return to_json(_rows(study, campaign)).encode()
 
 
 def _csv(study: Study, campaign: str) -> bytes:
-    from scaloft_fi.results.telling.export import to_csv
+    from scaloft_fi.views.flights.export import to_csv
 
     return to_csv(_rows(study, campaign), _names(study)).encode()
 
 
 def _parquet(study: Study, campaign: str) -> bytes:
-    from scaloft_fi.results.exchange.parquet import parquet
-    from scaloft_fi.results.telling.export import columns
+    from scaloft_fi.views.exchange.parquet import parquet
+    from scaloft_fi.views.flights.export import columns
 
     rows = _rows(study, campaign)
     return parquet(rows, columns(rows, _names(study)))
 
 
 def _mutation_testing(study: Study, campaign: str) -> bytes:
-    from scaloft_fi.campaign.held.dossier import dossier
-    from scaloft_fi.results.exchange.mutation_testing import mutation_testing
+    from scaloft_fi.views.exchange.gather import dossier
+    from scaloft_fi.views.exchange.mutation_testing import mutation_testing
 
     return _plain(mutation_testing(dossier(study, campaign)))
 
 
 def _junit(study: Study, campaign: str) -> bytes:
-    from scaloft_fi.campaign.held.dossier import dossier
-    from scaloft_fi.results.exchange.junit import junit
+    from scaloft_fi.views.exchange.gather import dossier
+    from scaloft_fi.views.exchange.junit import junit
 
     return junit(dossier(study, campaign)).encode()
 
 
 def _sarif(study: Study, campaign: str) -> bytes:
-    from scaloft_fi.campaign.held.dossier import dossier
-    from scaloft_fi.results.exchange.sarif import sarif
+    from scaloft_fi.views.exchange.gather import dossier
+    from scaloft_fi.views.exchange.sarif import sarif
 
     return _plain(sarif(dossier(study, campaign)))
 
 
 def _markdown(study: Study, campaign: str) -> bytes:
-    from scaloft_fi.campaign.held.dossier import dossier
-    from scaloft_fi.results.exchange.summary import summary
+    from scaloft_fi.views.exchange.gather import dossier
+    from scaloft_fi.views.exchange.summary import summary
 
     return summary(dossier(study, campaign)).encode()
 
 
 def _gsn(study: Study, campaign: str) -> bytes:
-    from scaloft_fi.campaign.held.dossier import dossier
-    from scaloft_fi.results.exchange.gsn import gsn
+    from scaloft_fi.views.exchange.gather import dossier
+    from scaloft_fi.views.exchange.gsn import gsn
 
     return gsn(dossier(study, campaign)).encode()
 
 
 def _sace(study: Study, campaign: str) -> bytes:
-    from scaloft_fi.campaign.held.dossier import dossier
-    from scaloft_fi.results.exchange.sace import to_markdown
+    from scaloft_fi.views.exchange.gather import dossier
+    from scaloft_fi.views.exchange.sace import to_markdown
 
     return to_markdown(dossier(study, campaign)).encode()
 
 
 def _sace_json(study: Study, campaign: str) -> bytes:
-    from scaloft_fi.campaign.held.dossier import dossier
-    from scaloft_fi.results.exchange.sace import to_json
+    from scaloft_fi.views.exchange.gather import dossier
+    from scaloft_fi.views.exchange.sace import to_json
 
     return _plain(to_json(dossier(study, campaign)))
 
@@ -129,8 +129,8 @@ def _names(study: Study) -> list[str]:
 
 
 def _rows(study: Study, campaign: str) -> list[dict[str, object]]:
-    from scaloft_fi.campaign.held.held import current
-    from scaloft_fi.results.telling.export import export_rows
+    from scaloft_fi.campaign.store.held import current
+    from scaloft_fi.views.flights.export import export_rows
 
     return export_rows(current(study, campaign), study.roster, study.space, _names(study))
 

@@ -13,13 +13,13 @@ from scaloft_fi.cli.options import campaign_option, format_option, study_option
 from scaloft_fi.errors import InputError
 
 if TYPE_CHECKING:
-    from scaloft_fi.results.kills.kill_matrix import KillMatrix
-    from scaloft_fi.results.kills.subsumption import Subsumption
-    from scaloft_fi.results.kills.survivors import Survivor
-    from scaloft_fi.results.outcome import Outcome
-    from scaloft_fi.results.scoring.score import Score
-    from scaloft_fi.results.telling.table import Table
+    from scaloft_fi.analysis.kills.kill_matrix import KillMatrix
+    from scaloft_fi.analysis.kills.subsumption import Subsumption
+    from scaloft_fi.analysis.scoring.score import Score
+    from scaloft_fi.judge.outcome import Outcome
     from scaloft_fi.study import Study
+    from scaloft_fi.views.kills.survivors import Survivor
+    from scaloft_fi.views.tables.table import Table
 
 PARTS = ("conditions", "situations", "suite", "subsumption", "survivors")
 PICTURES = (".svg", ".png", ".dot")
@@ -70,12 +70,12 @@ def kills_command(
     if output is not None and output.suffix.lower() not in PICTURES:
         raise InputError(f"--output={str(output)!r} must end in .svg, .png or .dot")
     check_writable(output)
-    from scaloft_fi.campaign.held.held import current
-    from scaloft_fi.campaign.held.spending import spending
-    from scaloft_fi.results.kills.kill_matrix import kill_matrix
-    from scaloft_fi.results.scoring.score import score
-    from scaloft_fi.results.telling.table import Format
+    from scaloft_fi.analysis.kills.kill_matrix import kill_matrix
+    from scaloft_fi.analysis.scoring.score import score
+    from scaloft_fi.campaign.runs.spending import spending
+    from scaloft_fi.campaign.store.held import current
     from scaloft_fi.study import Study
+    from scaloft_fi.views.tables.table import Format
 
     study = Study.open(study_folder)
     outcomes = current(study, campaign)
@@ -94,7 +94,7 @@ def kills_command(
         plain = _json(matrix, _graph(matrix, by_requirement), found, wanted, chosen)
         click.echo(json.dumps(plain, indent=2, allow_nan=False))
         return
-    from scaloft_fi.results.telling.table import render
+    from scaloft_fi.views.tables.table import render
 
     graph = _graph(matrix, by_requirement)
     click.echo(render(_tables(matrix, graph, found, wanted, chosen, short=not parts), Format(style)), nl=False)
@@ -118,7 +118,7 @@ def _chosen(study: Study, matrix: KillMatrix, patterns: Sequence[str]) -> KillMa
 
 
 def _graph(matrix: KillMatrix, by_requirement: bool) -> Subsumption:
-    from scaloft_fi.results.kills.subsumption import kills_by_requirement, subsumption
+    from scaloft_fi.analysis.kills.subsumption import kills_by_requirement, subsumption
 
     return subsumption(kills_by_requirement(matrix) if by_requirement else matrix.kills)
 
@@ -127,11 +127,11 @@ def _survivors(
     study: Study, campaign: str, outcomes: Sequence[Outcome], scored: Score, matrix: KillMatrix
 ) -> tuple[Survivor, ...]:
     """The survivors among `matrix`, judged beside all that the campaign holds."""
-    from scaloft_fi.campaign.held.tracks import with_tracks
-    from scaloft_fi.results.kills.background import backgrounds
-    from scaloft_fi.results.kills.survivors import short_units, survivors
-    from scaloft_fi.results.outcome import BASELINE
-    from scaloft_fi.results.scoring.detection import Verdict
+    from scaloft_fi.analysis.kills.background import backgrounds
+    from scaloft_fi.analysis.scoring.detection import Verdict
+    from scaloft_fi.campaign.store.tracks import with_tracks
+    from scaloft_fi.judge.outcome import BASELINE
+    from scaloft_fi.views.kills.survivors import short_units, survivors
 
     ids = {row.id for row in matrix.mutants if row.verdict is not Verdict.DETECTED}
     seeds = sorted({outcome.seed for outcome in outcomes if outcome.mutant in ids})
@@ -149,11 +149,11 @@ def _tables(
     *,
     short: bool,
 ) -> list[Table]:
-    from scaloft_fi.results.kills import kill_tables as tables
-    from scaloft_fi.results.kills.interaction import interactions, orders
-    from scaloft_fi.results.kills.minimal_suite import minimal_suite
-    from scaloft_fi.results.kills.situation_kills import chosen_kills, situation_kills
-    from scaloft_fi.results.kills.subsumption import redundancies
+    from scaloft_fi.analysis.kills.interaction import interactions, orders
+    from scaloft_fi.analysis.kills.minimal_suite import minimal_suite
+    from scaloft_fi.analysis.kills.situation_kills import chosen_kills, situation_kills
+    from scaloft_fi.analysis.kills.subsumption import redundancies
+    from scaloft_fi.views.kills import kill_tables as tables
 
     space, situations = matrix.space, situation_kills(matrix)
     shown = [tables.chosen_table(chosen_kills(matrix, chosen))] if chosen else []
@@ -181,10 +181,10 @@ def _json(
     wanted: Sequence[str],
     chosen: Sequence[str],
 ) -> dict[str, Any]:
-    from scaloft_fi.results.kills.interaction import interactions, orders
-    from scaloft_fi.results.kills.minimal_suite import minimal_suite
-    from scaloft_fi.results.kills.situation_kills import chosen_kills, situation_kills
-    from scaloft_fi.results.kills.subsumption import redundancies
+    from scaloft_fi.analysis.kills.interaction import interactions, orders
+    from scaloft_fi.analysis.kills.minimal_suite import minimal_suite
+    from scaloft_fi.analysis.kills.situation_kills import chosen_kills, situation_kills
+    from scaloft_fi.analysis.kills.subsumption import redundancies
 
     plain: dict[str, Any] = {"matrix": matrix.to_json(), "detected_without_kill": list(matrix.scattered)}
     if chosen:
@@ -211,8 +211,8 @@ def _draw(matrix: KillMatrix, asked: Sequence[str], graph: Subsumption, output: 
     Raises:
         InputError: the grid is too large for a map, or a map was asked for as .dot.
     """
-    from scaloft_fi.results.kills.subsumption_picture import dot, draw_subsumption
-    from scaloft_fi.results.telling.picture import png
+    from scaloft_fi.views.pictures.picture import png
+    from scaloft_fi.views.pictures.subsumption_picture import dot, draw_subsumption
 
     suffix = output.suffix.lower()
     if asked and len(matrix.rows) == 1:
@@ -230,9 +230,9 @@ def _draw(matrix: KillMatrix, asked: Sequence[str], graph: Subsumption, output: 
 
 
 def _karnaugh(matrix: KillMatrix) -> str:
-    from scaloft_fi.results.kills.condition import condition
-    from scaloft_fi.results.kills.karnaugh import karnaugh_map
-    from scaloft_fi.results.kills.karnaugh_picture import draw_karnaugh
+    from scaloft_fi.analysis.condition import condition
+    from scaloft_fi.analysis.kills.karnaugh import karnaugh_map
+    from scaloft_fi.views.pictures.karnaugh_picture import draw_karnaugh
 
     (row,) = matrix.rows
     try:

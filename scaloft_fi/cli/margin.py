@@ -19,7 +19,7 @@ from scaloft_fi.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from scaloft_fi.results.worksheet.margin import Margin, Subject
+    from scaloft_fi.analysis.margin import Margin, Subject
     from scaloft_fi.study import Study
 
 
@@ -72,13 +72,13 @@ def margin_command(
     from scaloft_fi.campaign.workers.hire import cores, one_thread_each
 
     one_thread_each()
-    from scaloft_fi.campaign.held.folder import campaign_folder
     from scaloft_fi.campaign.plan import choose
     from scaloft_fi.campaign.progress.progress import Progress, Silence
     from scaloft_fi.campaign.runs.margin import find, target
-    from scaloft_fi.results.requirement import Kind
-    from scaloft_fi.results.telling.table import Format
+    from scaloft_fi.campaign.store.folder import campaign_folder
+    from scaloft_fi.judge.requirement import Kind
     from scaloft_fi.study import Study
+    from scaloft_fi.views.tables.table import Format
 
     study = Study.open(study_folder)
     study.check()
@@ -98,8 +98,8 @@ def margin_command(
 
 
 def _text(study: Study, found: Mapping[Subject, Sequence[Margin]], seeds: int, style: str) -> str:
-    from scaloft_fi.results.telling.table import Format, render
-    from scaloft_fi.results.worksheet.margins import margin_json, margin_tables
+    from scaloft_fi.views.tables.table import Format, render
+    from scaloft_fi.views.worksheet.margins import margin_json, margin_tables
 
     if style != Format.JSON:
         return render(margin_tables(found, study.requirements, seeds), Format(style))

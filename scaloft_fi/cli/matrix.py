@@ -81,12 +81,12 @@ def _grid(matrix: Matrix, style: str) -> str:
 
 def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: str, *, operability: bool) -> str:
     # a campaign needs numpy, the matrix alone does not
-    from scaloft_fi.campaign.held.held import current
-    from scaloft_fi.campaign.held.spending import spending
-    from scaloft_fi.results.requirement import Kind
-    from scaloft_fi.results.scoring.score import score
-    from scaloft_fi.results.worksheet.margins import LEGEND, cell_margins
+    from scaloft_fi.analysis.scoring.score import score
+    from scaloft_fi.campaign.runs.spending import spending
+    from scaloft_fi.campaign.store.held import current
+    from scaloft_fi.judge.requirement import Kind
     from scaloft_fi.study import Study
+    from scaloft_fi.views.worksheet.margins import LEGEND, cell_margins
 
     study = Study.open(study_folder)
     kind = Kind.OPERABILITY if operability else Kind.SAFETY

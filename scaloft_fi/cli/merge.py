@@ -18,8 +18,8 @@ def merge_command(sources: tuple[str, ...], study_folder: Path | None, campaign:
 
     The run's own command, without --shard, then holds the gates over the whole and prints the tables; it flies nothing.
     """
-    from scaloft_fi.campaign.held.folder import campaign_folder
-    from scaloft_fi.campaign.held.merge import merge
+    from scaloft_fi.campaign.runs.merge import merge
+    from scaloft_fi.campaign.store.folder import campaign_folder
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)

@@ -13,7 +13,7 @@ from scaloft_fi.errors import GateError, InputError
 
 if TYPE_CHECKING:
     from scaloft_fi.campaign.plan.plan import Flight
-    from scaloft_fi.results.outcome import Outcome
+    from scaloft_fi.judge.outcome import Outcome
     from scaloft_fi.sim.log import FlightLog
     from scaloft_fi.study import Study
 
@@ -59,7 +59,7 @@ def replay_command(name: str, study_folder: Path | None, campaign: str, output: 
     outcome = judged(study, flight, log)
     click.echo(_facts(study, flight, outcome, log))
     if output is not None and output.suffix.lower() == RECORDING:
-        from scaloft_fi.results.exchange.mcap import mcap
+        from scaloft_fi.views.exchange.mcap import mcap
 
         write(output, mcap(log, outcome.name))
         click.echo(f"recording: {output}")
@@ -69,7 +69,7 @@ def replay_command(name: str, study_folder: Path | None, campaign: str, output: 
 
 
 def _flight(study: Study, name: str) -> Flight:
-    from scaloft_fi.campaign.held.held import flight_named
+    from scaloft_fi.campaign.store.held import flight_named
 
     parts = name.split("/")
     if len(parts) != 3 or not parts[2].isdecimal():
@@ -78,8 +78,8 @@ def _flight(study: Study, name: str) -> Flight:
 
 
 def _facts(study: Study, flight: Flight, outcome: Outcome, log: FlightLog) -> str:
-    from scaloft_fi.results.robustness import told_rho
-    from scaloft_fi.results.telling.table import Format, Table, render
+    from scaloft_fi.judge.robustness import told_rho
+    from scaloft_fi.views.tables.table import Format, Table, render
 
     rows: list[tuple[str, str]] = [
         ("situation", ", ".join(study.grid.titles(flight.situation))),
@@ -102,10 +102,10 @@ def _facts(study: Study, flight: Flight, outcome: Outcome, log: FlightLog) -> st
 def _draw(study: Study, flight: Flight, outcome: Outcome, log: FlightLog, output: Path) -> None:
     from scaloft_fi.campaign.flights.fly import fly_log, judged
     from scaloft_fi.campaign.plan.plan import Flight
-    from scaloft_fi.results.outcome import BASELINE
-    from scaloft_fi.results.telling.map import draw
-    from scaloft_fi.results.telling.picture import png
-    from scaloft_fi.results.telling.scene import scene_of, track_of
+    from scaloft_fi.judge.outcome import BASELINE
+    from scaloft_fi.views.pictures.map import draw
+    from scaloft_fi.views.pictures.picture import png
+    from scaloft_fi.views.pictures.scene import scene_of, track_of
 
     tracks = [track_of(log, outcome, flight.subject.id)]
     if flight.mutant is not None:
@@ -125,10 +125,10 @@ def _compared(study: Study, campaign: str, flight: Flight, outcome: Outcome) -> 
     Raises:
         GateError: on the same platform the same flight came out otherwise.
     """
-    from scaloft_fi.campaign.held.folder import STORE_NAME, campaign_folder
-    from scaloft_fi.campaign.held.key import flight_key
-    from scaloft_fi.results.fingerprint import differences, fingerprint
-    from scaloft_fi.results.store import Store
+    from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
+    from scaloft_fi.campaign.store.folder import STORE_NAME, campaign_folder
+    from scaloft_fi.campaign.store.key import flight_key
+    from scaloft_fi.campaign.store.store import Store
 
     path = campaign_folder(study, campaign) / STORE_NAME
     if not path.is_file():

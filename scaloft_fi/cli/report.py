@@ -26,10 +26,10 @@ NAME = "report.html"
 def report_command(study_folder: Path | None, campaign: str, output: Path | None, today: date | None) -> None:
     """Write one HTML file that opens from disk, without a network: both matrices, every flight, what follows."""
     check_writable(output)
-    from scaloft_fi.campaign.held.folder import campaign_folder
-    from scaloft_fi.report.evidence import gather
-    from scaloft_fi.report.page import page
+    from scaloft_fi.campaign.store.folder import campaign_folder
     from scaloft_fi.study import Study
+    from scaloft_fi.views.report.evidence import gather
+    from scaloft_fi.views.report.page import page
 
     study = Study.open(study_folder)
     evidence = gather(study, campaign, today)

@@ -23,7 +23,7 @@ from scaloft_fi.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from scaloft_fi.results.telling.table import Table
+    from scaloft_fi.views.tables.table import Table
 
 
 @click.command("run")
@@ -134,23 +134,24 @@ def run_command(
     from scaloft_fi.campaign.workers.hire import one_thread_each
 
     one_thread_each()
+    from scaloft_fi.analysis.scoring.pool import LEAST
+    from scaloft_fi.analysis.scoring.score import score_of
     from scaloft_fi.campaign.flights.fork import CAN_FORK
-    from scaloft_fi.campaign.held.folder import campaign_folder
     from scaloft_fi.campaign.plan import choose, strategy
     from scaloft_fi.campaign.plan.plan import plan_draws
     from scaloft_fi.campaign.progress.progress import Progress, Silence
     from scaloft_fi.campaign.runs.baseline_pool import borrowed
     from scaloft_fi.campaign.runs.budget import budget_s
-    from scaloft_fi.campaign.runs.looks import look_table, run_looks
+    from scaloft_fi.campaign.runs.looks import run_looks
     from scaloft_fi.campaign.runs.options import RunOptions
     from scaloft_fi.campaign.runs.run import run
-    from scaloft_fi.campaign.runs.unflown import unflown_tables
+    from scaloft_fi.campaign.store.folder import campaign_folder
     from scaloft_fi.campaign.workers.executor import executor_named
     from scaloft_fi.cli.score import report
-    from scaloft_fi.results.rulings import rulings_of
-    from scaloft_fi.results.scoring.pool import LEAST
-    from scaloft_fi.results.scoring.score import score_of
+    from scaloft_fi.judge.rulings import rulings_of
     from scaloft_fi.study import Study
+    from scaloft_fi.views.runs.looks import look_table
+    from scaloft_fi.views.runs.unflown import unflown_tables
 
     if sequential:
         draws = how if how.startswith("draws") else None  # a draw has one seed, a look several

@@ -25,11 +25,11 @@ from scaloft_fi.collector import uncollected
 from scaloft_fi.errors import InputError
 
 if TYPE_CHECKING:
-    from scaloft_fi.results.outcome import Outcome
-    from scaloft_fi.results.rulings import Rulings
-    from scaloft_fi.results.scoring.score import Score
-    from scaloft_fi.results.telling.table import Table
+    from scaloft_fi.analysis.scoring.score import Score
+    from scaloft_fi.judge.outcome import Outcome
+    from scaloft_fi.judge.rulings import Rulings
     from scaloft_fi.study import Study
+    from scaloft_fi.views.tables.table import Table
 
 GROUPINGS = ("guideword", "parameter", "situation", "requirement", "axis")
 BELOW = 3
@@ -65,10 +65,10 @@ def score_command(
     today: date | None,
 ) -> int:
     """Say which faults the tests would have shown, which not, how sure that is, and what to do next."""
-    from scaloft_fi.campaign.held.held import current_rulings
-    from scaloft_fi.campaign.held.spending import spending
+    from scaloft_fi.analysis.scoring.score import score_of
     from scaloft_fi.campaign.runs.baseline_pool import borrowed
-    from scaloft_fi.results.scoring.score import score_of
+    from scaloft_fi.campaign.runs.spending import spending
+    from scaloft_fi.campaign.store.held import current_rulings
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
@@ -146,14 +146,14 @@ def _text(
     style: str,
     extra: Sequence[Table],
 ) -> str:
-    from scaloft_fi.results.kills.background import backgrounds
-    from scaloft_fi.results.scoring.baseline import findings
-    from scaloft_fi.results.scoring.first_screen import first_screen, screen_text
-    from scaloft_fi.results.scoring.grouping import By, groups
-    from scaloft_fi.results.scoring.score_record import score_json
-    from scaloft_fi.results.scoring.tables import group_table, tables_behind
-    from scaloft_fi.results.situations.coverage import coverage_of
-    from scaloft_fi.results.telling.table import Format, render
+    from scaloft_fi.analysis.kills.background import backgrounds
+    from scaloft_fi.analysis.scoring.baseline import findings
+    from scaloft_fi.analysis.scoring.grouping import By, groups
+    from scaloft_fi.analysis.situations.coverage import coverage_of
+    from scaloft_fi.views.score.first_screen import first_screen, screen_text
+    from scaloft_fi.views.score.score_record import score_json
+    from scaloft_fi.views.score.tables import group_table, tables_behind
+    from scaloft_fi.views.tables.table import Format, render
 
     by = By(grouping) if grouping else None
     covered = coverage_of(rulings.baselines, rulings.draws, study.space)

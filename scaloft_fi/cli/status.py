@@ -22,13 +22,13 @@ WAITING = "waiting for their baseline"
 @uncollected()
 def status_command(study_folder: Path | None, campaign: str, style: str) -> None:
     """Print how many flights a campaign holds, by status, and why those are stale that do not count any more."""
-    from scaloft_fi.campaign.held.held import held
-    from scaloft_fi.results.flights import flights_of
-    from scaloft_fi.results.outcome import BASELINE
-    from scaloft_fi.results.status import baseline_status
-    from scaloft_fi.results.telling.export import ordered
-    from scaloft_fi.results.telling.table import Format, Table, render
+    from scaloft_fi.campaign.store.held import held
+    from scaloft_fi.judge.flights import flights_of
+    from scaloft_fi.judge.outcome import BASELINE
+    from scaloft_fi.judge.status import baseline_status
     from scaloft_fi.study import Study
+    from scaloft_fi.views.flights.export import ordered
+    from scaloft_fi.views.tables.table import Format, Table, render
 
     study = Study.open(study_folder)
     found = held(study, campaign)

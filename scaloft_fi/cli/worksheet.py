@@ -12,7 +12,7 @@ from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.options import FORMATS, campaign_option, study_option
 
 if TYPE_CHECKING:
-    from scaloft_fi.results.worksheet.worksheet import Row
+    from scaloft_fi.views.worksheet.worksheet import Row
 
 
 @click.command("worksheet")
@@ -37,11 +37,11 @@ def worksheet_command(study_folder: Path | None, campaign: str, style: str, outp
     if style == "xlsx" and output is None:
         raise click.UsageError("--format xlsx goes into a file: name it with --output")
     check_writable(output)
-    from scaloft_fi.campaign.held.held import current
-    from scaloft_fi.campaign.held.spending import spending
-    from scaloft_fi.results.scoring.score import score
-    from scaloft_fi.results.worksheet.worksheet import worksheet
+    from scaloft_fi.analysis.scoring.score import score
+    from scaloft_fi.campaign.runs.spending import spending
+    from scaloft_fi.campaign.store.held import current
     from scaloft_fi.study import Study
+    from scaloft_fi.views.worksheet.worksheet import worksheet
 
     study = Study.open(study_folder)
     outcomes = current(study, campaign)
@@ -56,15 +56,15 @@ def worksheet_command(study_folder: Path | None, campaign: str, style: str, outp
 
 def _content(rows: Sequence[Row], style: str) -> bytes:
     if style == "xlsx":
-        from scaloft_fi.results.worksheet.spreadsheet import to_xlsx
+        from scaloft_fi.views.worksheet.spreadsheet import to_xlsx
 
         return to_xlsx(rows)
     if style == "json":
         import json
 
-        from scaloft_fi.results.worksheet.worksheet import to_records
+        from scaloft_fi.views.worksheet.worksheet import to_records
 
         return (json.dumps(to_records(rows), indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()
-    from scaloft_fi.results.worksheet.worksheet_text import to_csv, to_latex, to_markdown, to_text
+    from scaloft_fi.views.worksheet.worksheet_text import to_csv, to_latex, to_markdown, to_text
 
     return {"table": to_text, "markdown": to_markdown, "csv": to_csv, "latex": to_latex}[style](rows).encode()

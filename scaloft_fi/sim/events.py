@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from scaloft_fi.sim.log import Array, Count, Event
-from scaloft_fi.stack.reference import MODES
+from scaloft_fi.stack.reference.stack import MODES
 
 
 def events_of(

@@ -28,7 +28,7 @@ from scaloft_fi.sim.tight_loop import TightLoop
 from scaloft_fi.stack.camera import DepthCamera
 from scaloft_fi.stack.config import ConfigError
 from scaloft_fi.stack.messages import SensorFrames
-from scaloft_fi.stack.reference import BELIEFS, Stack, Task
+from scaloft_fi.stack.reference.stack import BELIEFS, Stack, Task
 from scaloft_fi.stack.seam import Wire
 
 STEPS_PER_TICK = 12

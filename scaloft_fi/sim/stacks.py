@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from scaloft_fi.registry import Registry
-from scaloft_fi.stack.reference import ReferenceStack, Stack, Task
+from scaloft_fi.stack.reference.stack import ReferenceStack, Stack, Task
 from scaloft_fi.stack.seam import Wire
 
 STACKS = Registry[Callable[[Task, Wire], Stack]]("stack")

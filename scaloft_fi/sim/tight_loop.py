@@ -13,10 +13,10 @@ from scaloft_fi.sim.free_flight import free_step
 from scaloft_fi.sim.sensors import imu
 from scaloft_fi.sim.sensors.imu import ImuSensor, inertial
 from scaloft_fi.sim.vehicle import Array, actuate
-from scaloft_fi.stack import control, strapdown
-from scaloft_fi.stack.estimator import IMU_GAP_S
-from scaloft_fi.stack.inner_loop import STOPPED_MODE, InnerLoop, stabilise
 from scaloft_fi.stack.kernel import jit, joined
+from scaloft_fi.stack.reference import control, strapdown
+from scaloft_fi.stack.reference.estimator import IMU_GAP_S
+from scaloft_fi.stack.reference.inner_loop import STOPPED_MODE, InnerLoop, stabilise
 from scaloft_fi.stack.seam import STEP_HZ, Wire
 
 SKIPPED = ("imu", "thrust")

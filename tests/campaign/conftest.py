@@ -16,18 +16,18 @@ from typing import Any
 
 import pytest
 
+from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.campaign.flights.fly import invalid, reason_of
 from scaloft_fi.campaign.plan.plan import Flight
 from scaloft_fi.campaign.plan.task import Task
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
+from scaloft_fi.judge.requirement import Kind, Reading
+from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.mutants.mutant import PLACEBO
-from scaloft_fi.results.outcome import BASELINE, Outcome, Violation
-from scaloft_fi.results.requirement import Kind, Reading
-from scaloft_fi.results.roster import Roster
-from scaloft_fi.results.space import Space
 
 KINDS = {"SR1": Kind.SAFETY, "SR2": Kind.SAFETY, "OP1": Kind.OPERABILITY}
 

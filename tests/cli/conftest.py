@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,12 +13,11 @@ from click.testing import CliRunner, Result
 from scaloft_fi.campaign.plan.plan import Flight
 from scaloft_fi.campaign.plan.task import Task
 from scaloft_fi.cli.main import main
-from scaloft_fi.results.outcome import BASELINE, Outcome, Violation
-from scaloft_fi.results.requirement import Reading
+from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
+from scaloft_fi.judge.requirement import Reading
 from scaloft_fi.study import Study
 
 STUDY = Path(__file__).parents[2]
-sys.path.insert(0, str(Path(__file__).parent))  # makes `refusal` importable
 
 
 @dataclass

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from click.testing import Result
 
-from scaloft_fi.campaign.held.held import flight_named
+from scaloft_fi.campaign.store.held import flight_named
 from scaloft_fi.cli.replay import _facts
-from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.requirement import Kind, Reading
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.sim.log import NEVER_S, Ending, FlightLog
 from scaloft_fi.study import Study
 

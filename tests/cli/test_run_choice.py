@@ -8,7 +8,7 @@ from click.testing import Result
 from refusal import sentence
 
 from scaloft_fi.campaign.plan.strategy import remembered
-from scaloft_fi.results.store import Store
+from scaloft_fi.campaign.store.store import Store
 
 Call = Callable[..., Result]
 

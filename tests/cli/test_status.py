@@ -9,7 +9,7 @@ from pathlib import Path
 from click.testing import Result
 from refusal import sentence
 
-from scaloft_fi.campaign.held.folder import STORE_NAME
+from scaloft_fi.campaign.store.folder import STORE_NAME
 
 Call = Callable[..., Result]
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.results.stl import Formula
+from scaloft_fi.judge.stl import Formula
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.signals import signal_names
 from scaloft_fi.sim.situation import Situation

@@ -9,10 +9,10 @@ import yaml
 
 from scaloft_fi.stack.camera import DepthCamera
 from scaloft_fi.stack.config import build
-from scaloft_fi.stack.memory import MemoryConfig
 from scaloft_fi.stack.messages import DepthFrame, PoseEstimate
-from scaloft_fi.stack.planner import PlannerConfig
-from scaloft_fi.stack.proximity import ProximityConfig
+from scaloft_fi.stack.reference.memory import MemoryConfig
+from scaloft_fi.stack.reference.planner import PlannerConfig
+from scaloft_fi.stack.reference.proximity import ProximityConfig
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -14,7 +14,7 @@ from scaloft_fi.campaign.plan.task import Task
 from scaloft_fi.campaign.workers.pool import ATTEMPTS
 from scaloft_fi.collector import uncollected
 from scaloft_fi.errors import InputError
-from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ def fly_log(study: Study, flight: Flight) -> FlightLog:
 
 def judged(study: Study, flight: Flight, log: FlightLog) -> Outcome:
     """What is kept of a flight."""
-    from scaloft_fi.results.outcome import outcome_of
+    from scaloft_fi.judge.outcome import outcome_of
 
     return outcome_of(
         log,

@@ -9,10 +9,10 @@ from contextlib import suppress
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 
+from scaloft_fi.campaign.flights.lifeline import LINUX, cause_of_death, die_with
 from scaloft_fi.campaign.plan.plan import Flight
-from scaloft_fi.campaign.workers.lifeline import LINUX, cause_of_death, die_with
 from scaloft_fi.campaign.workers.pool import ATTEMPTS, PATIENCE_S
-from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.judge.outcome import Outcome
 
 CAN_FORK = LINUX
 """Elsewhere forking a process with numeric libraries in it is not safe, and every flight is flown whole."""

@@ -13,7 +13,7 @@ from scaloft_fi.campaign.flights.fly import Physics, Worker, invalid, judged, le
 from scaloft_fi.campaign.flights.fork import Fork
 from scaloft_fi.campaign.plan.task import Task
 from scaloft_fi.campaign.workers.pool import PATIENCE_S, Pool
-from scaloft_fi.results.outcome import Outcome, Subject
+from scaloft_fi.judge.outcome import Outcome, Subject
 from scaloft_fi.study import Study
 
 if TYPE_CHECKING:

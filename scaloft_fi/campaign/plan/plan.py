@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from itertools import count, islice
 from typing import TYPE_CHECKING
 
+from scaloft_fi.analysis.scoring.pool import LEAST
+from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject
+from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
-from scaloft_fi.results.outcome import BASELINE, Outcome, Subject
-from scaloft_fi.results.requirement import Kind
-from scaloft_fi.results.scoring.pool import LEAST
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.situation import Situation

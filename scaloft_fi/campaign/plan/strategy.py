@@ -12,14 +12,14 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from scaloft_fi.campaign.held.folder import STORE_NAME, promising, writable
+from scaloft_fi.analysis.situations.covering import covering_array
+from scaloft_fi.campaign.store.folder import STORE_NAME, promising, writable
+from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
-from scaloft_fi.results.situations.covering import covering_array
-from scaloft_fi.results.store import Store
 from scaloft_fi.sim.streams import key_words
 
 if TYPE_CHECKING:
-    from scaloft_fi.results.space import Space
+    from scaloft_fi.judge.space import Space
     from scaloft_fi.sim.situation import Situation
 
 ALL = "all"

@@ -6,8 +6,8 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass, field
 
 from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.mutants.mutant import PLACEBO
-from scaloft_fi.results.outcome import BASELINE, Outcome
 
 PRIOR_SHARE = 0.78
 """What is flown of a mutant's flight when it begins where it leaves its baseline, measured over the reference campaign

@@ -9,8 +9,7 @@ from scaloft_fi.campaign.plan.plan import Flight
 from scaloft_fi.campaign.progress.forecast import Forecast
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.progress.violations import Violations
-from scaloft_fi.campaign.runs.options import RunOptions
-from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 
 
@@ -20,16 +19,17 @@ class Lookout:
     Args:
         study: what is flown.
         progress: what a person sees.
-        options: how it is flown.
         log: path of the mission log.
+        share: whether mutants are flown only from where they leave their baseline.
+        warnings: whether each violation is told as it happens.
     """
 
-    def __init__(self, study: Study, progress: Progress, options: RunOptions, log: Path) -> None:
+    def __init__(self, study: Study, progress: Progress, log: Path, *, share: bool, warnings: bool) -> None:
         self.progress = progress
         self._study = study
-        self._forecast = Forecast(share=options.share)
+        self._forecast = Forecast(share=share)
         progress.left_s = lambda: self._forecast.left_s
-        self._warnings, self._log = options.warnings, log
+        self._warnings, self._log = warnings, log
         self._violations = Violations()
 
     def expect(self, flights: Iterable[Flight]) -> None:

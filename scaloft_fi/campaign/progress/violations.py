@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 
-from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
-from scaloft_fi.results.requirement import Kind
-from scaloft_fi.results.telling.mission_log import violation_line
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome, Violation
+from scaloft_fi.judge.requirement import Kind
 
 MUTANTS = "mutants"
 
@@ -28,3 +27,10 @@ class Violations:
         """`57 (baseline 16, mutants 25, PLACEBO 16)`; empty before the first one."""
         groups = [f"{group} {self._counts[group]}" for group in (BASELINE, MUTANTS, PLACEBO) if self._counts[group]]
         return f"{self._counts.total()} ({', '.join(groups)})" if groups else ""
+
+
+def violation_line(outcome: Outcome, violation: Violation) -> str:
+    """The warning of a running campaign."""
+    struck = f", struck {violation.struck}" if violation.struck else ""
+    place = f"({violation.x:.2f}, {violation.y:.2f}, {violation.z:.2f})"
+    return f"{violation.requirement} violated at {violation.t_s:.2f} s at {place} m{struck}: {outcome.name}"

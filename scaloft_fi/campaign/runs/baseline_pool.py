@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from scaloft_fi.campaign.held.folder import campaign_folder, existing
-from scaloft_fi.campaign.held.key import Keys
 from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
+from scaloft_fi.campaign.store.folder import campaign_folder, existing
+from scaloft_fi.campaign.store.key import Keys
+from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
-from scaloft_fi.results.fingerprint import differences, fingerprint
-from scaloft_fi.results.outcome import BASELINE, Outcome
-from scaloft_fi.results.store import Store
+from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.study import Study
 
 

@@ -8,19 +8,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scaloft_fi.campaign.flights.fly import Flyer, Physics
-from scaloft_fi.campaign.held.folder import LOG_NAME, STORE_NAME, promising, writable
-from scaloft_fi.campaign.held.key import Keys
 from scaloft_fi.campaign.plan.plan import Flight, Plan, infects
 from scaloft_fi.campaign.plan.task import Task, alone, together
 from scaloft_fi.campaign.progress.lookout import Lookout
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs import gates
-from scaloft_fi.campaign.runs.interrupt import Interrupted, interruptible
 from scaloft_fi.campaign.runs.options import RunOptions
+from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
+from scaloft_fi.campaign.store.folder import LOG_NAME, STORE_NAME, promising, writable
+from scaloft_fi.campaign.store.key import Keys
+from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.workers.executor import Hands, Local
-from scaloft_fi.results.fingerprint import differences, fingerprint
-from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.store import Store
+from scaloft_fi.campaign.workers.interrupt import Interrupted, interruptible
+from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ class Crew:
     ) -> None:
         self.study, self.folder, self.store = study, folder, store
         self.options, self.stopped = options, stopped
-        self.lookout = Lookout(study, progress, options, folder / LOG_NAME)
+        self.lookout = Lookout(study, progress, folder / LOG_NAME, share=options.share, warnings=options.warnings)
         self._hands = hands
         self._keys = Keys(study)
         self._planned: Plan | None = None

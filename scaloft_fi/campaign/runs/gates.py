@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 
+from scaloft_fi.analysis.roster import Roster, cell_of
+from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.campaign.runs.options import MOST_INVALID
 from scaloft_fi.errors import GateError
-from scaloft_fi.results.flights import Flight, baselines_of, flights_of
-from scaloft_fi.results.outcome import BASELINE, PLACEBO, Outcome
-from scaloft_fi.results.requirement import Kind, Verdict
-from scaloft_fi.results.roster import Roster, cell_of
-from scaloft_fi.results.scoring.pool import Pool, State
-from scaloft_fi.results.status import Status
-from scaloft_fi.results.track import TRACK_COLUMNS, unpack_track
+from scaloft_fi.judge.flights import Flight, baselines_of, flights_of
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
+from scaloft_fi.judge.requirement import Kind, Verdict
+from scaloft_fi.judge.status import Status
+from scaloft_fi.judge.track import TRACK_COLUMNS, unpack_track
 from scaloft_fi.sim.log import Ending
 
 NAMED = 3

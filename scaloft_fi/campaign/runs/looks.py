@@ -9,20 +9,19 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from scaloft_fi.analysis.scoring.detection import LOOKS, Verdict
+from scaloft_fi.analysis.scoring.score import Score, score
 from scaloft_fi.campaign.flights.fly import Flyer
-from scaloft_fi.campaign.held.held import current_in
-from scaloft_fi.campaign.held.spending import remember_seeds, spending_of
 from scaloft_fi.campaign.plan.plan import Flight, Plan, canary_flight, plan
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.crew import Crew, hired
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import Report, write_log
+from scaloft_fi.campaign.runs.spending import remember_seeds, spending_of
+from scaloft_fi.campaign.store.held import current_in
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
-from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.requirement import Kind
-from scaloft_fi.results.scoring.detection import LOOKS, Verdict
-from scaloft_fi.results.scoring.score import Score, score
-from scaloft_fi.results.telling.table import Table
 from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
@@ -144,16 +143,3 @@ class _Rounds:
     def _scored(self) -> Score:
         study, spending = self._crew.study, spending_of(self._crew.study, self._crew.store)
         return score(self._crew.outcomes(self.flights), study.roster, study.space, spending, self._others)
-
-
-def look_table(looks: Sequence[Look]) -> Table:
-    """How the looks went."""
-    rows = tuple(
-        (look.seeds, look.mutants, look.flights, *(look.fates[verdict] for verdict in Verdict)) for look in looks
-    )
-    headers = ("seeds", "mutants", "flights", *(verdict.words for verdict in Verdict))
-    notes = (
-        "Only the undecided fly on, where the pool has a steady pair.  Each look spends a quarter of alpha.",
-        "Flights: of mutants, planned for the look; PLACEBO and baselines fly beside them.",
-    )
-    return Table("Looks", headers, rows, notes)

@@ -11,29 +11,29 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from scaloft_fi.analysis.margin import Margin, Scale, Subject, Tried, margin_of, subject_of, tried_in
+from scaloft_fi.analysis.roster import cell_of
+from scaloft_fi.analysis.scoring.detection import Spending
+from scaloft_fi.analysis.scoring.score import Score, score
 from scaloft_fi.campaign.flights.fly import Flyer
-from scaloft_fi.campaign.held.folder import STORE_NAME
-from scaloft_fi.campaign.held.held import current_in
-from scaloft_fi.campaign.held.spending import spending_of
 from scaloft_fi.campaign.plan import choose
-from scaloft_fi.campaign.plan.bisect import Search
 from scaloft_fi.campaign.plan.plan import Flight, Plan, plan
 from scaloft_fi.campaign.progress.progress import Progress
+from scaloft_fi.campaign.runs.bisect import Search
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import run
+from scaloft_fi.campaign.runs.spending import spending_of
+from scaloft_fi.campaign.store.folder import STORE_NAME
+from scaloft_fi.campaign.store.held import current_in
+from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.cell import Fault
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.severity import mild_to_severe
+from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.derive import realise, source_of
 from scaloft_fi.mutants.operators import OPERATORS
-from scaloft_fi.results.outcome import BASELINE, Outcome
-from scaloft_fi.results.requirement import Kind
-from scaloft_fi.results.roster import cell_of
-from scaloft_fi.results.scoring.detection import Spending
-from scaloft_fi.results.scoring.score import Score, score
-from scaloft_fi.results.store import Store
-from scaloft_fi.results.worksheet.margin import Margin, Scale, Subject, Tried, margin_of, subject_of, tried_in
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
 

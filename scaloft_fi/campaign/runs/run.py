@@ -6,20 +6,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from scaloft_fi.analysis.scoring.detection import Spending
 from scaloft_fi.campaign.flights.fly import Flyer
-from scaloft_fi.campaign.held.folder import LOG_NAME
-from scaloft_fi.campaign.held.held import current_in
-from scaloft_fi.campaign.held.spending import remember_seeds, spending_of
 from scaloft_fi.campaign.plan.plan import Flight, Plan, canary_flight
 from scaloft_fi.campaign.plan.task import alone
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.budget import Budget, fair_order
 from scaloft_fi.campaign.runs.crew import Crew, hired
+from scaloft_fi.campaign.runs.mission_log import mission_log, to_json
 from scaloft_fi.campaign.runs.options import RunOptions
+from scaloft_fi.campaign.runs.spending import remember_seeds, spending_of
+from scaloft_fi.campaign.store.folder import LOG_NAME
+from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.errors import InputError
-from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.scoring.detection import Spending
-from scaloft_fi.results.telling.mission_log import mission_log, to_json
+from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 
 

@@ -17,14 +17,14 @@ from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.campaign.flights.fly import Flyer, left_of, lost
 from scaloft_fi.campaign.plan.task import Task
-from scaloft_fi.campaign.runs.interrupt import Interrupted
+from scaloft_fi.campaign.store.fingerprint import fingerprint
 from scaloft_fi.campaign.workers.bundle import digest_of, packed
 from scaloft_fi.campaign.workers.executor import Hands
+from scaloft_fi.campaign.workers.interrupt import Interrupted
 from scaloft_fi.campaign.workers.pool import ATTEMPTS
 from scaloft_fi.campaign.workers.slot import TOPIC, fly_task
 from scaloft_fi.errors import InputError
-from scaloft_fi.results.fingerprint import fingerprint
-from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from scaloft_fi.campaign.plan.task import Task
 from scaloft_fi.campaign.workers.hire import cores
 from scaloft_fi.campaign.workers.pool import Pool
 from scaloft_fi.errors import InputError
-from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 
 LOCAL = "local"

@@ -14,12 +14,12 @@ from pathlib import Path
 
 from scaloft_fi.campaign.flights.fly import Flyer, Worker, left_of, lost
 from scaloft_fi.campaign.plan.task import Task
+from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
 from scaloft_fi.campaign.workers.bundle import digest_of, unpacked
 from scaloft_fi.campaign.workers.hire import started_clean
 from scaloft_fi.campaign.workers.pool import Pool
 from scaloft_fi.errors import ScaloftError
-from scaloft_fi.results.fingerprint import differences, fingerprint
-from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 
 TOPIC = "scaloft-fi"

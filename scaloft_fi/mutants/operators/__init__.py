@@ -1,11 +1,11 @@
 """The operators, one module a kind of deviation; importing this package declares them all."""
 
 from scaloft_fi.mutants.operator import OPERATORS
-from scaloft_fi.mutants.operators import (
+from scaloft_fi.mutants.operators import event, presence, timing, value
+from scaloft_fi.mutants.reference import (
     clock,
     collision,
     depth,
-    event,
     goal,
     inertial,
     limits,
@@ -13,10 +13,7 @@ from scaloft_fi.mutants.operators import (
     person,
     pose,
     power,
-    presence,
     route,
-    timing,
-    value,
 )
 
 __all__ = [

@@ -15,8 +15,8 @@ from scaloft_fi.campaign.flights.fly import invalid
 from scaloft_fi.campaign.flights.fork import CAN_FORK, Fork
 from scaloft_fi.campaign.plan.plan import Flight
 from scaloft_fi.campaign.workers.pool import ATTEMPTS
+from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.mutant import Mutant
-from scaloft_fi.results.outcome import Outcome
 
 pytestmark = pytest.mark.skipif(not CAN_FORK, reason="this platform flies every flight whole")
 

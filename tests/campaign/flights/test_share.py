@@ -16,10 +16,10 @@ from scaloft_fi.campaign.flights.fork import CAN_FORK
 from scaloft_fi.campaign.flights.share import as_baseline
 from scaloft_fi.campaign.plan.plan import Flight
 from scaloft_fi.campaign.plan.task import Task, alone
+from scaloft_fi.judge.outcome import Outcome, Subject
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.wire import SeamCount
-from scaloft_fi.results.outcome import Outcome, Subject
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
 

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.campaign.held.folder import STORE_NAME
+from scaloft_fi.analysis.situations.t_way import t_way
 from scaloft_fi.campaign.plan.strategy import Choice, choose, remember, remembered
+from scaloft_fi.campaign.store.folder import STORE_NAME
+from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
-from scaloft_fi.results.situations.t_way import t_way
-from scaloft_fi.results.store import Store
 from scaloft_fi.study import Study
 
 STUDY = Study.open(Path(__file__).parents[3])

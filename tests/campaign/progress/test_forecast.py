@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from scaloft_fi.campaign.plan.plan import Flight, plan
 from scaloft_fi.campaign.progress.forecast import FLIGHT_S, PRIOR_FLOWN, PRIOR_SHARE, Forecast
+from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.derive import defaults
-from scaloft_fi.results.outcome import Outcome
 
 EACH_S = FLIGHT_S * (2 + 10 * PRIOR_FLOWN)
 """What baseline, PLACEBO and ten mutants are expected to cost beside their length, in each of four situations [s]."""

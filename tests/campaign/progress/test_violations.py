@@ -14,10 +14,9 @@ from scaloft_fi.campaign.plan.plan import Flight, plan
 from scaloft_fi.campaign.progress.lookout import Lookout
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.progress.violations import Violations
-from scaloft_fi.campaign.runs.options import RunOptions
+from scaloft_fi.judge.outcome import Outcome, Violation
+from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.derive import realise
-from scaloft_fi.results.outcome import Outcome, Violation
-from scaloft_fi.results.requirement import Kind
 
 
 def _flights(study: Any) -> list[Flight]:
@@ -28,7 +27,7 @@ def _flights(study: Any) -> list[Flight]:
 def _said(study: Any, outcomes: Iterable[tuple[Flight, Outcome]], *, warnings: bool = False, **home: bool) -> list[str]:
     """The lines of a run in which these came home."""
     stream = io.StringIO()
-    lookout = Lookout(study, Progress(stream=stream), RunOptions(warnings=warnings), Path("c/mission_log.json"))
+    lookout = Lookout(study, Progress(stream=stream), Path("c/mission_log.json"), share=True, warnings=warnings)
     for flight, outcome in outcomes:
         lookout.home(flight, outcome, **({"news": True} | home))
     lookout.close()

@@ -18,11 +18,11 @@ from scaloft_fi.campaign.progress.progress import Silence
 from scaloft_fi.campaign.runs.budget import Budget, budget_s, fair_order, interleaved
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import Report, run
-from scaloft_fi.campaign.runs.unflown import unflown_tables
 from scaloft_fi.errors import InputError
+from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.derive import defaults, realise
-from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.telling.export import export_rows, to_json
+from scaloft_fi.views.flights.export import export_rows, to_json
+from scaloft_fi.views.runs.unflown import unflown_tables
 
 CONTROL = "REVERSE-velcmd"
 

@@ -15,7 +15,7 @@ pytestmark = pytest.mark.flight
 
 PLUGIN = """
 from scaloft_fi.sim.stacks import STACKS
-from scaloft_fi.stack.reference import ReferenceStack
+from scaloft_fi.stack.reference.stack import ReferenceStack
 
 
 class Raising(ReferenceStack):

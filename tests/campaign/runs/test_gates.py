@@ -15,9 +15,9 @@ from scaloft_fi.campaign.runs.gates import RISE_M, check
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import run
 from scaloft_fi.errors import GateError
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.track import TRACK_COLUMNS, pack_track
 from scaloft_fi.mutants.derive import realise
-from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.track import TRACK_COLUMNS, pack_track
 from scaloft_fi.sim import observer
 
 ERROR = "autopilot at 0.000 s: RuntimeError: no bus"

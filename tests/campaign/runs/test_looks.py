@@ -9,18 +9,19 @@ from typing import Any
 
 import pytest
 
+from scaloft_fi.analysis.scoring.detection import LOOKS, Verdict
+from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.campaign.plan.plan import Flight, Plan, plan
 from scaloft_fi.campaign.progress.progress import Silence
-from scaloft_fi.campaign.runs.interrupt import Interrupted
-from scaloft_fi.campaign.runs.looks import Look, look_table, run_looks
+from scaloft_fi.campaign.runs.looks import Look, run_looks
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import Report
+from scaloft_fi.campaign.workers.interrupt import Interrupted
 from scaloft_fi.errors import GateError
+from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.derive import realise
-from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.scoring.detection import LOOKS, Verdict
-from scaloft_fi.results.scoring.score import score
-from scaloft_fi.results.telling.export import export_rows, to_json
+from scaloft_fi.views.flights.export import export_rows, to_json
+from scaloft_fi.views.runs.looks import look_table
 
 LATE, MORE, CONTROL = "LATE-human@3s", "MORE-goal@1m", "REVERSE-velcmd"
 

@@ -10,21 +10,21 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.held.folder import STORE_NAME
+from scaloft_fi.analysis.margin import Answer, Margin, Subject, lowest, margins
+from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.campaign.plan.plan import Flight, plan
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.margin import find, target
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import run
+from scaloft_fi.campaign.store.folder import STORE_NAME
+from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
+from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.mutants.mutant import PLACEBO
-from scaloft_fi.results.outcome import BASELINE, Outcome, Violation
-from scaloft_fi.results.scoring.score import score
-from scaloft_fi.results.store import Store
-from scaloft_fi.results.worksheet.margin import Answer, Margin, Subject, lowest, margins
-from scaloft_fi.results.worksheet.margins import cell_margins
 from scaloft_fi.study import Study
+from scaloft_fi.views.worksheet.margins import cell_margins
 
 LATE = Subject("LATE-human", "s")
 THREE = (0, 1, 2)
@@ -181,7 +181,7 @@ def test_more_seeds_than_asked_for_count_and_are_not_flown_again(study: Any, lat
 
 
 def test_magnitudes_off_the_ladder_are_in_no_ratio(study: Any, late: Any) -> None:
-    from scaloft_fi.campaign.held.held import held_in
+    from scaloft_fi.campaign.store.held import held_in
 
     search(study, late)
     with Store(study.folder / "c" / STORE_NAME) as store:
@@ -195,7 +195,7 @@ def test_magnitudes_off_the_ladder_are_in_no_ratio(study: Any, late: Any) -> Non
 
 
 def test_the_matrix_shows_the_margin_from_the_store_alone(study: Any, late: Any) -> None:
-    from scaloft_fi.campaign.held.held import held_in
+    from scaloft_fi.campaign.store.held import held_in
 
     found = search(study, late)
     with Store(study.folder / "c" / STORE_NAME) as store:

@@ -14,17 +14,17 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.held.folder import LOG_NAME, STORE_NAME
 from scaloft_fi.campaign.plan.plan import Flight, Plan, plan
 from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.runs.interrupt import Interrupted
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import Report, run
+from scaloft_fi.campaign.store.folder import LOG_NAME, STORE_NAME
+from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.campaign.workers.interrupt import Interrupted
 from scaloft_fi.errors import GateError, InputError
+from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.derive import realise
-from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.store import Store
-from scaloft_fi.results.telling.export import export_rows, to_json
+from scaloft_fi.views.flights.export import export_rows, to_json
 
 CONTROL, LATE = "REVERSE-velcmd", "LATE-human@3s"
 

@@ -7,13 +7,13 @@ from typing import Any
 
 import pytest
 
+from scaloft_fi.analysis.scoring.detection import Spending
 from scaloft_fi.campaign.plan.plan import Flight, Plan, plan
 from scaloft_fi.campaign.progress.progress import Silence
 from scaloft_fi.campaign.runs.run import Report, run
 from scaloft_fi.errors import GateError
+from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.derive import realise
-from scaloft_fi.results.outcome import Outcome
-from scaloft_fi.results.scoring.detection import Spending
 
 LATE, CONTROL = "LATE-human@3s", "REVERSE-velcmd"
 

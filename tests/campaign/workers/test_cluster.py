@@ -19,12 +19,12 @@ import pytest
 
 from scaloft_fi.campaign.plan.plan import Flight
 from scaloft_fi.campaign.plan.task import Task
-from scaloft_fi.campaign.runs.interrupt import Interrupted
 from scaloft_fi.campaign.workers.cluster import Cluster
 from scaloft_fi.campaign.workers.executor import Local, executor_named
+from scaloft_fi.campaign.workers.interrupt import Interrupted
 from scaloft_fi.errors import InputError
+from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.derive import realise
-from scaloft_fi.results.outcome import Outcome
 from scaloft_fi.study import Study
 
 ROOT = Path(__file__).parents[3]
@@ -32,7 +32,7 @@ LATE, MORE = "LATE-human@3s", "MORE-goal@1m"
 FLYER = """
 import os, signal, time
 from dataclasses import dataclass
-from scaloft_fi.results.outcome import Outcome
+from scaloft_fi.judge.outcome import Outcome
 
 @dataclass(frozen=True)
 class Flyer:

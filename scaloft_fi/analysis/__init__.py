@@ -1,0 +1,1 @@
+"""What follows from outcomes: scores, margins, coverage, kills.  Pure functions: no files, no text."""

@@ -1,0 +1,86 @@
+"""Who counts: the default mutant of each credible cell, the controls, the canonical order of all mutants."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from scaloft_fi.hazop.cell import CellStatus
+from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome, Subject
+
+
+@dataclass(frozen=True)
+class Roster:
+    """The study's mutants as the scores need them.
+
+    Attributes:
+        defaults: per credible cell (`LATE-human`), the canonical id of its default mutant.
+        controls: names of the control cells.
+        ids: the canonical ids in the catalogue's order.
+    """
+
+    defaults: Mapping[str, str]
+    controls: frozenset[str]
+    ids: tuple[str, ...]
+
+    @classmethod
+    def of(cls, matrix: Matrix, ids: Iterable[str]) -> Roster:
+        """The roster of a matrix and the ids of the catalogue derived from it."""
+        cells = [(cell, f"{cell.name}@{cell.default_magnitude}".removesuffix("@")) for cell in matrix]
+        return cls(
+            defaults={cell.name: id_ for cell, id_ in cells if cell.status is CellStatus.CREDIBLE},
+            controls=frozenset(cell.name for cell, _ in cells if cell.status is CellStatus.CONTROL),
+            ids=tuple(ids),
+        )
+
+    @cached_property
+    def _default_ids(self) -> frozenset[str]:
+        return frozenset(self.defaults.values())
+
+    @cached_property
+    def _places(self) -> Mapping[str, int]:
+        return {id_: place for place, id_ in enumerate(self.ids)}
+
+    @cached_property
+    def _cells(self) -> Mapping[str, int]:
+        """Place of each cell's first mutant."""
+        places: dict[str, int] = {}
+        for place, id_ in enumerate(self.ids):
+            places.setdefault(cell_of(id_), place)
+        return places
+
+    def counts(self, subject: Subject) -> bool:
+        """Whether the subject is the default mutant of a credible cell: those the ratios count."""
+        return subject.id in self._default_ids
+
+    def is_control(self, subject: Subject) -> bool:
+        """Whether the subject is made from a control cell."""
+        return cell_of(subject.id) in self.controls
+
+    def rank(self, id_: str) -> tuple[int, int, int, str]:
+        """Sort key: the baseline, PLACEBO, the catalogue; a magnitude off the ladder stands after its cell's."""
+        if id_ == BASELINE:
+            return 0, 0, 0, ""
+        if id_ == PLACEBO:
+            return 1, 0, 0, ""
+        end = len(self.ids)
+        return 2, self._cells.get(cell_of(id_), end), self._places.get(id_, end), id_
+
+
+def cell_of(mutant: str) -> str:
+    """The cell's name in a mutant's id.
+
+    >>> cell_of("UNINTENDED-collision@20s#5s")
+    'UNINTENDED-collision'
+    """
+    return mutant.split("@", 1)[0].split("#", 1)[0]
+
+
+def by_mutant(outcomes: Iterable[Outcome], roster: Roster) -> dict[str, list[Outcome]]:
+    """The outcomes of each subject, in the canonical order."""
+    found: dict[str, list[Outcome]] = {}
+    for outcome in outcomes:
+        found.setdefault(outcome.mutant, []).append(outcome)
+    return {id_: found[id_] for id_ in sorted(found, key=roster.rank)}

@@ -1,0 +1,225 @@
+"""Detected, undecided, not detected, not tested: what all flights of one mutant say together.
+
+**The question.**  Would the tests have shown this fault, or does chance explain what was seen?  Every drone violates a
+requirement now and then, so one flight beside its baseline is an observation; the verdict is one test a mutant.
+
+**The test.**  Per requirement the exact stratified test of the mutant's flights against the baseline pool
+(`stratified.py`), over all situations flown whose pair is neither vacuous nor open.  A flight of the mutant that is cut
+short before it violated the requirement counts as one that does not; such a flight of the pool leaves the pool.  So a
+fault that does nothing has at most the pool's rate.  Holm's adjustment over the requirements of one kind (Scand. J.
+Statist. 6, 1979) bounds the chance that a fault which does nothing is called detected by alpha.
+
+**Alpha is spent by number of seeds.**  A campaign of one size, told before it flies, spends all of alpha once.  Where
+more seeds were asked for later, each look at 1, 3, 5 and 10 seeds spends a quarter (Bonferroni), whichever of them were
+looked at: what is detected at one stays detected.
+
+**What it needs**, with ten flights in the pool, none of which violates, alpha 0.01 and two requirements: one seed about
+three violating situations (two give p = 0.0165), three seeds one situation (0.0070).
+
+Mutant and pool share their noise seed by seed, and the pool has the mutant's own seeds in it; the test takes them as
+independent, which makes it the stricter.  Mutants share seeds with one another, so false detections come in groups.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from functools import cached_property
+
+from scaloft_fi.analysis.scoring.pool import Pool, State
+from scaloft_fi.analysis.scoring.stratified import Stratum, p_value
+from scaloft_fi.judge.requirement import Kind
+
+ALPHA = 0.01
+"""Accepted chance that a fault which does nothing is called detected, where the study names none."""
+MOST_ALPHA = 0.1
+LOOKS = (1, 3, 5, 10)
+"""Numbers of seeds at which a campaign that grows is looked at."""
+LARGER = (20, 50)
+"""Sizes of a campaign of its own that are tried where no look would decide."""
+ROUNDING = 1e-9
+"""Floats that are equal but for rounding."""
+
+
+class Verdict(StrEnum):
+    """What the flights of a mutant say together."""
+
+    DETECTED = "detected"
+    """It violates requirements more often than chance explains: the tests would have shown it."""
+    UNDECIDED = "undecided"
+    """Violations were seen, or so few flights were flown that no result of theirs could have decided."""
+    NOT_DETECTED = "not_detected"
+    """It was put to the test, and nothing was seen."""
+    NOT_TESTED = "not_tested"
+    """It changes no sample in any situation whose baseline holds a requirement steadily."""
+
+    @property
+    def words(self) -> str:
+        """As people read it: `not detected`."""
+        return self.value.replace("_", " ")
+
+
+@dataclass(frozen=True)
+class Spending:
+    """How alpha is spent.
+
+    Attributes:
+        alpha: the study's.
+        grown: ids of the mutants that runs asked to fly with more than one set of seeds.
+    """
+
+    alpha: float = ALPHA
+    grown: frozenset[str] = frozenset()
+
+    def looks(self, mutant: str, flown: int) -> tuple[tuple[int, float], ...]:
+        """The numbers of seeds at which a mutant with so many flights in a situation is judged, each with its share.
+
+        >>> Spending(0.01).looks("a", 3), Spending(0.01, frozenset({"a"})).looks("a", 4)
+        (((3, 0.01),), ((1, 0.0025), (3, 0.0025)))
+        """
+        if mutant not in self.grown:
+            return ((flown, self.alpha),)
+        return tuple((look, self.alpha / len(LOOKS)) for look in LOOKS if look <= flown)
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A mutant's flights in a situation, in the order of their seeds.
+
+    Attributes:
+        situation: key.
+        violated: per flight that counts, the requirements it violates.
+        infected: whether the fault changed a sample in any.
+    """
+
+    situation: str
+    violated: tuple[tuple[str, ...], ...]
+    infected: bool
+
+    def at(self, look: int) -> Sample:
+        """The first flights alone; whether they are infected is asked of all."""
+        return self if look >= len(self.violated) else Sample(self.situation, self.violated[:look], self.infected)
+
+    @cached_property
+    def counts(self) -> Mapping[str, int]:
+        """Flights that violate each requirement, where any does."""
+        found: dict[str, int] = {}
+        for names, flights in Counter(self.violated).items():  # few of them differ
+            for name in names:
+                found[name] = found.get(name, 0) + flights
+        return found
+
+    def count(self, requirement: str) -> int:
+        """Flights that violate a requirement."""
+        return self.counts.get(requirement, 0)
+
+
+@dataclass(frozen=True)
+class Detection:
+    """The verdict on a mutant by the requirements of one kind.
+
+    Attributes:
+        verdict: detected or not.
+        p: per requirement, adjusted by Holm, at the look that decided or the last one reached.
+        by: the requirements whose p is at most `share`.
+        seeds: flights in each situation that the p rest on.
+        share: what of alpha the p is compared with.
+        needed: least number of seeds that would decide if what was seen goes on; None where none would, or is needed.
+        anew: whether that takes a campaign of its own, told before it flies.
+    """
+
+    verdict: Verdict
+    p: Mapping[str, float] = field(default_factory=dict)
+    by: tuple[str, ...] = ()
+    seeds: int = 0
+    share: float = ALPHA
+    needed: int | None = None
+    anew: bool = False
+
+    @property
+    def detected(self) -> bool:
+        """Whether the tests would have shown the fault."""
+        return self.verdict is Verdict.DETECTED
+
+
+def detect(mutant: str, samples: Sequence[Sample], pool: Pool, spending: Spending, kind: Kind) -> Detection:
+    """The verdict on one mutant by the requirements of a kind.
+
+    Args:
+        mutant: id, by which `spending` knows whether it grew.
+        samples: one per situation flown.
+        pool: what the flights are compared with.
+        spending: of alpha.
+        kind: safety or operability.
+    """
+    names = pool.requirements(kind)
+    flown = max((len(sample.violated) for sample in samples), default=0)
+    share, seeds, p = spending.alpha, 0, dict.fromkeys(names, 1.0)
+    tested = [sample for sample in samples if sample.infected and pool.steady(sample.situation, kind)]
+    lacking = names and any(sample.infected and sample.situation not in pool.flown for sample in samples)
+    if not tested:
+        return Detection(Verdict.UNDECIDED if lacking else Verdict.NOT_TESTED, p, (), flown, share)
+    for seeds, share in spending.looks(mutant, flown):
+        p = adjusted([sample.at(seeds) for sample in samples], pool, names)
+        by = tuple(name for name in names if _reaches(p[name], share))
+        if by:
+            return Detection(Verdict.DETECTED, p, by, seeds, share)
+    seen = any(sample.count(name) for sample in tested for name in pool.steady(sample.situation, kind))
+    able = _reaches(min(adjusted(_at_worst(tested, pool, kind), pool, names).values()), share)
+    if able and not seen and not lacking:
+        return Detection(Verdict.NOT_DETECTED, p, (), seeds, share)
+    needed, anew = _needed(tested if seen else _at_worst(tested, pool, kind), pool, names, spending.alpha)
+    return Detection(Verdict.UNDECIDED, p, (), seeds, share, needed, anew)
+
+
+def adjusted(samples: Iterable[Sample], pool: Pool, names: Sequence[str]) -> dict[str, float]:
+    """The p of each requirement, adjusted by Holm over all of them."""
+    listed = list(samples)
+    raw = {name: p_value(_strata(listed, pool, name)) for name in names}
+    found, largest = {}, 0.0
+    for number, name in enumerate(sorted(names, key=lambda name: raw[name])):
+        largest = max(largest, min(1.0, (len(names) - number) * raw[name]))
+        found[name] = largest
+    return {name: found[name] for name in names}
+
+
+def _strata(samples: Iterable[Sample], pool: Pool, name: str) -> Iterable[Stratum]:
+    for sample in samples:
+        pair = pool.pairs.get((sample.situation, name))
+        if pair is not None and pair.tests:
+            yield Stratum(sample.count(name), len(sample.violated), pair.violated, pair.judged)
+
+
+def _reaches(p: float, share: float) -> bool:
+    return p <= share * (1 + ROUNDING)
+
+
+def _at_worst(tested: Iterable[Sample], pool: Pool, kind: Kind) -> list[Sample]:
+    """The same flights if each violated every requirement that is steady in its situation."""
+    return [Sample(s.situation, (pool.steady(s.situation, kind),) * len(s.violated), s.infected) for s in tested]
+
+
+def _needed(samples: Sequence[Sample], pool: Pool, names: Sequence[str], alpha: float) -> tuple[int | None, bool]:
+    """The least number of seeds at which the rates of `samples` would be detected, and whether by a campaign anew."""
+    flown = max(len(sample.violated) for sample in samples)
+    for seeds in LOOKS:
+        if seeds > flown and _decides(samples, pool, names, seeds, alpha / len(LOOKS)):
+            return seeds, False
+    for seeds in LARGER:
+        if seeds > flown and _decides(samples, pool, names, seeds, alpha):
+            return seeds, True
+    return None, False
+
+
+def _decides(samples: Sequence[Sample], pool: Pool, names: Sequence[str], seeds: int, share: float) -> bool:
+    def strata(name: str) -> Iterable[Stratum]:
+        for sample in samples:
+            pair = pool.pairs.get((sample.situation, name))
+            if pair is not None and pair.state is State.STEADY:
+                expected = (2 * sample.count(name) * seeds + len(sample.violated)) // (2 * len(sample.violated))
+                judged = max(pair.judged, seeds)
+                yield Stratum(expected, seeds, (2 * pair.violated * judged + pair.judged) // (2 * pair.judged), judged)
+
+    return _reaches(len(names) * min(p_value(strata(name)) for name in names), share)

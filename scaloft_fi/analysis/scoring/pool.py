@@ -1,0 +1,148 @@
+"""The baseline pool: what the unmutated drone does in each situation, and so which pairs put a fault to the test."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cached_property
+from typing import Any
+
+from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.judge.requirement import Kind
+
+LEAST = 10
+"""Flights of the baseline in a situation with fewer of which nothing is said of its pairs."""
+
+
+class State(StrEnum):
+    """What the pool says of a requirement in a situation; the first that fits."""
+
+    UNKNOWN = "unknown"
+    """Fewer than ten baseline flights: a green one makes nothing steady."""
+    VACUOUS = "vacuous"
+    """Less than half of the flights trigger the requirement: nothing is tested by it."""
+    OPEN = "open"
+    """More than a tenth of the flights are cut short before the requirement is judged."""
+    STEADY = "steady"
+    """At least nine tenths hold it: here a fault is put to the test."""
+    RED = "red"
+    """Most violate it: the unmutated drone's own finding."""
+    UNSTEADY = "unsteady"
+    """Between: the unmutated drone holds it or not by chance."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """A requirement in a situation, by the baseline flights that count.
+
+    Attributes:
+        situation, requirement, kind: of the pair.
+        flights: of the baseline.
+        violated: flights that violate the requirement.
+        open: flights cut short before it was judged.
+        triggered: flights in which its trigger came true, or that violate it.
+    """
+
+    situation: str
+    requirement: str
+    kind: Kind
+    flights: int
+    violated: int
+    open: int
+    triggered: int
+
+    @property
+    def judged(self) -> int:
+        """Flights that violate the requirement or hold it to their end: what a mutant's flights are compared with."""
+        return self.flights - self.open
+
+    @property
+    def state(self) -> State:
+        """What the pool says."""
+        if self.flights < LEAST:
+            return State.UNKNOWN
+        if 2 * self.triggered < self.flights:
+            return State.VACUOUS
+        if 10 * self.open > self.flights:
+            return State.OPEN
+        if 10 * (self.judged - self.violated) >= 9 * self.flights:
+            return State.STEADY
+        return State.RED if 2 * self.violated > self.flights else State.UNSTEADY
+
+    @property
+    def tests(self) -> bool:
+        """Whether the pair enters the stratified test: it is neither unknown nor vacuous nor open."""
+        return self.state in (State.STEADY, State.RED, State.UNSTEADY)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        counts = {name: getattr(self, name) for name in ("violated", "flights", "open", "triggered")}
+        return {
+            "situation": self.situation,
+            "requirement": self.requirement,
+            "kind": self.kind.value,
+            **counts,
+            "state": self.state.value,
+        }
+
+
+@dataclass(frozen=True)
+class Pool:
+    """The pairs of a campaign.
+
+    Attributes:
+        pairs: by situation and requirement, requirements in the study's order; none of kind `reported`.
+    """
+
+    pairs: Mapping[tuple[str, str], Pair]
+
+    @classmethod
+    def of(cls, baselines: Iterable[Outcome]) -> Pool:
+        """The pool of baseline flights; invalid ones and flights of mutants say nothing."""
+        counts: dict[tuple[str, str], list[int]] = {}
+        kinds: dict[str, Kind] = {}
+        for outcome in baselines:
+            if outcome.subject.id != BASELINE or outcome.invalid:
+                continue
+            for reading in outcome.readings:
+                if reading.kind is Kind.REPORTED:
+                    continue
+                kinds[reading.requirement] = reading.kind
+                found = counts.setdefault((outcome.situation, reading.requirement), [0, 0, 0, 0])
+                found[0] += 1
+                found[1] += reading.violated
+                found[2] += reading.open
+                found[3] += reading.violated or reading.triggered > 0
+        return cls({place: Pair(*place, kinds[place[1]], *found) for place, found in counts.items()})
+
+    @cached_property
+    def states(self) -> Mapping[tuple[str, str], State]:
+        """The state of each pair."""
+        return {place: pair.state for place, pair in self.pairs.items()}
+
+    @cached_property
+    def _requirements(self) -> Mapping[str, Kind]:
+        return {name: pair.kind for (_, name), pair in self.pairs.items()}
+
+    def requirements(self, kind: Kind) -> tuple[str, ...]:
+        """The requirements of a kind, in the study's order."""
+        return tuple(name for name, own in self._requirements.items() if own is kind)
+
+    def steady(self, situation: str, kind: Kind) -> tuple[str, ...]:
+        """The requirements of a kind that are steady in a situation."""
+        return self._steady.get((situation, kind), ())
+
+    @cached_property
+    def _steady(self) -> Mapping[tuple[str, Kind], tuple[str, ...]]:
+        found: dict[tuple[str, Kind], tuple[str, ...]] = {}
+        for name, kind in self._requirements.items():
+            for (situation, other), state in self.states.items():
+                if other == name and state is State.STEADY:
+                    found[situation, kind] = (*found.get((situation, kind), ()), name)
+        return found
+
+    @cached_property
+    def flown(self) -> frozenset[str]:
+        """Situations with as many flights as a pool needs."""
+        return frozenset(place[0] for place, state in self.states.items() if state is not State.UNKNOWN)

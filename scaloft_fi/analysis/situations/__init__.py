@@ -1,0 +1,1 @@
+"""Situation coverage, and situations chosen to cover."""

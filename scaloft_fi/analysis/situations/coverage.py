@@ -1,0 +1,129 @@
+"""Situation coverage: how much of the grid was flown.  Never one percentage: each has a blind spot of its own."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from scaloft_fi.analysis.ratio import Ratio, share_json
+from scaloft_fi.analysis.scoring.pool import Pool, State
+from scaloft_fi.judge.flights import apart
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.requirement import Kind, Verdict
+from scaloft_fi.judge.space import Space
+
+if TYPE_CHECKING:
+    from scaloft_fi.analysis.situations.t_way import TWay
+
+STRENGTHS = (1, 2, 3, 4, 5)
+SHARES = (0.5, 0.75, 1.0)
+"""The p of (p, t)-completeness."""
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """Coverage of the situation space.
+
+    Attributes:
+        situations: distinct situations flown, of the grid.
+        draws: test cases flown, a situation with a seed each.
+        pool: those of them in which the baseline alone was flown, to decide by.
+        combinations: per strength t, the combinations of values of t axes that were flown, of all that situations have.
+        realised: situations whose every value came true together in a baseline flight, of the grid.
+        states: how many safety pairs (situation flown x safety requirement) the baseline pool finds in each state.
+        by_axis: per axis, the situations whose value there came true in a baseline flight, of those with one.
+        requirements: per requirement, the situations where it was triggered in a baseline flight, of those with one: in
+            the others it was vacuous or left open, and nothing was tested by it.
+    """
+
+    situations: Ratio
+    draws: int
+    pool: int
+    combinations: tuple[TWay, ...]
+    realised: Ratio
+    states: Mapping[State, int]
+    by_axis: tuple[tuple[str, Ratio], ...]
+    requirements: tuple[tuple[str, Ratio], ...]
+
+    @property
+    def t_way(self) -> tuple[tuple[int, Ratio], ...]:
+        """Per strength t, the combinations flown, of all."""
+        return tuple((found.strength, found.total) for found in self.combinations)
+
+    @property
+    def steady(self) -> Ratio:
+        """Safety pairs that put a fault to the test, of those in situations with a pool."""
+        return Ratio(self.states[State.STEADY], sum(self.states.values()) - self.states[State.UNKNOWN])
+
+
+def coverage(outcomes: Iterable[Outcome], space: Space) -> Coverage:
+    """Coverage by the flights that count; a flight outside the grid or an invalid one covers nothing."""
+    clean, flown = apart(outcomes)
+    return coverage_of(clean, {(outcome.situation, outcome.seed) for outcome in flown if not outcome.invalid}, space)
+
+
+def coverage_of(clean: Iterable[Outcome], draws: Collection[tuple[str, int]], space: Space) -> Coverage:
+    """The same of the baselines `clean` and of the `draws` in which mutants were flown."""
+    from scaloft_fi.analysis.situations.t_way import t_ways
+
+    valid = (outcome for outcome in clean if not outcome.invalid and outcome.situation in space.point)
+    baselines = list({(outcome.situation, outcome.seed): outcome for outcome in valid}.values())
+    beside = {draw for draw in draws if draw[0] in space.point}
+    alone = {(outcome.situation, outcome.seed) for outcome in baselines} - beside
+    judged = {outcome.situation for outcome in baselines}
+    flown = judged | {situation for situation, _ in beside}
+    came_true = {(outcome.situation, axis) for outcome in baselines for axis, true in outcome.realised if true}
+    whole = {
+        outcome.situation for outcome in baselines if outcome.realised and all(true for _, true in outcome.realised)
+    }
+    return Coverage(
+        situations=Ratio(len(flown), len(space.points)),
+        draws=len(beside) + len(alone),
+        pool=len(alone),
+        combinations=t_ways(flown, space, STRENGTHS),
+        realised=Ratio(len(whole), len(space.points)),
+        states=_states(Pool.of(baselines), flown),
+        by_axis=tuple(
+            (axis, Ratio(sum((key, axis) in came_true for key in judged), len(judged))) for axis in space.axes
+        ),
+        requirements=_requirements(baselines, len(judged)),
+    )
+
+
+def _states(pool: Pool, flown: Iterable[str]) -> dict[State, int]:
+    names = pool.requirements(Kind.SAFETY)
+    found = Counter(pool.states.get((key, name), State.UNKNOWN) for key in flown for name in names)
+    return {state: found[state] for state in State}
+
+
+def _requirements(baselines: Iterable[Outcome], judged: int) -> tuple[tuple[str, Ratio], ...]:
+    triggered: dict[str, set[str]] = {}
+    for outcome in baselines:
+        for reading in outcome.readings:
+            found = triggered.setdefault(reading.requirement, set())
+            if reading.verdict in (Verdict.HELD, Verdict.VIOLATED):
+                found.add(outcome.situation)
+    return tuple((name, Ratio(len(found), judged)) for name, found in triggered.items())
+
+
+def coverage_json(covered: Coverage) -> dict[str, Any]:
+    """Every number of the coverage as plain JSON values; `t_way` per strength, with its (p, t)-completeness."""
+    return {
+        "situations": share_json(covered.situations),
+        "draws": covered.draws,
+        "pool": covered.pool,
+        "t_way": {
+            str(found.strength): {
+                **share_json(found.total),
+                "complete": {f"{share:g}": share_json(found.complete(share)) for share in SHARES},
+            }
+            for found in covered.combinations
+        },
+        "realised": share_json(covered.realised),
+        "realised_by_axis": {axis: share_json(ratio) for axis, ratio in covered.by_axis},
+        "steady": share_json(covered.steady),
+        "states": {state.value: count for state, count in covered.states.items()},
+        "requirements": {name: share_json(ratio) for name, ratio in covered.requirements},
+    }

@@ -1,1 +1,0 @@
-"""What a campaign holds, and under which keys."""

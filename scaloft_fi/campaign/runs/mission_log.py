@@ -1,0 +1,80 @@
+"""mission_log.json: the campaign in the keys of the published log, with every violation under an id of its own.
+
+The published log counts test cases; here one is a situation flown with a seed, whatever was flown in it.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from typing import Any
+
+from scaloft_fi.analysis.roster import Roster
+from scaloft_fi.judge.outcome import Outcome, Violation
+from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.judge.space import Space
+
+
+def violation_id(outcome: Outcome, violation: Violation) -> str:
+    """`SR1:LATE-human@3s/T1O0W0D0H1/0`; what stands behind the colon is what `replay` takes.
+
+    Unique, as a flight has one first violation of a requirement; stable, as it says nothing of when it was flown.
+    """
+    return f"{violation.requirement}:{outcome.name}"
+
+
+def mission_log(
+    outcomes: Iterable[Outcome], roster: Roster, space: Space, planned: int | None = None
+) -> dict[str, Any]:
+    """The log as plain JSON values.
+
+    Args:
+        outcomes: of a campaign.
+        roster: gives the order of the mutants.
+        space: the grid.
+        planned: test cases the campaign set out to fly; without it the grid times the seeds flown.
+    """
+    valid = [outcome for outcome in outcomes if not outcome.invalid]
+    listed = sorted(valid, key=lambda o: (roster.rank(o.mutant), space.rank(o.situation), o.seed))
+    draws = sorted({(o.situation, o.seed) for o in listed}, key=lambda draw: (space.rank(draw[0]), draw[1]))
+    situations = {situation for situation, _ in draws}
+    seeds = {seed for _, seed in draws}
+    safety = [_entry(o, v) for o in listed for v in o.violations if v.kind is Kind.SAFETY]
+    return {
+        "total_test_cases": planned if planned is not None else len(space.points) * max(1, len(seeds)),
+        "generated_test_cases": len(draws),
+        "generated_situations": [_situation(space, key, seed) for key, seed in draws],
+        "safety_violation_ids": [entry["id"] for entry in safety],
+        "violations": safety,
+        "operability_violations": [_entry(o, v) for o in listed for v in o.violations if v.kind is Kind.OPERABILITY],
+        "coverage": {
+            "distinct_situations": {"part": len(situations & set(space.point)), "whole": len(space.points)},
+            "draws": len(draws),
+        },
+    }
+
+
+def _situation(space: Space, key: str, seed: int) -> dict[str, Any]:
+    """`type` and `parameters` as in the published log: what is not benign, and the value on each axis."""
+    point = space.point.get(key, ())
+    unusual = [space.word(axis, value) for axis, value in enumerate(point) if value != space.values[axis][0]]
+    parameters = dict(zip(space.axes, point, strict=False))
+    return {"type": "+".join(unusual) or "none", "parameters": parameters, "situation": key, "seed": seed}
+
+
+def _entry(outcome: Outcome, violation: Violation) -> dict[str, Any]:
+    return {
+        "id": violation_id(outcome, violation),
+        "requirement": violation.requirement,
+        "t_s": violation.t_s,
+        "position": [violation.x, violation.y, violation.z],
+        "struck": violation.struck,
+        "mutant": outcome.mutant,
+        "situation": outcome.situation,
+        "seed": outcome.seed,
+    }
+
+
+def to_json(log: dict[str, Any]) -> str:
+    """The text of the file."""
+    return json.dumps(log, indent=2, allow_nan=False) + "\n"

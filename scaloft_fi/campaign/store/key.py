@@ -1,0 +1,75 @@
+"""When a flight in the store is the flight that is asked for: a hash of everything that can change its outcome."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from typing import Any
+
+from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.campaign.store.origin import Origin
+from scaloft_fi.campaign.store.store import Planned
+from scaloft_fi.mutants.mutant import Mutant
+from scaloft_fi.study import Study
+
+
+class Keys:
+    """The keys of a study's flights; each mutant and each situation is hashed once.
+
+    Args:
+        study: as it is now; of a study that changes meanwhile nothing is noticed.
+    """
+
+    def __init__(self, study: Study) -> None:
+        self._study = study
+        self._mutants: dict[Mutant, str] = {}
+        self._situations: dict[str, tuple[str, str]] = {}
+
+    def origin(self, flight: Flight) -> Origin:
+        """Where an outcome of the flight comes from.
+
+        An axis value that the situation does not have, another mutant, a comment in a file: none of them enters.
+        """
+        situation, realised = self._situation(flight)
+        inputs = self._study.inputs
+        return Origin(
+            sim=inputs["sim"],
+            requirements=inputs["requirements"],
+            code=inputs["code"],
+            mutant=self._mutant(flight.mutant) if flight.mutant else "",
+            situation=situation,
+            realised="" if flight.mutant else realised,
+        )
+
+    def key(self, flight: Flight) -> str:
+        """The content hash of a flight."""
+        return self.origin(flight).key(flight.seed)
+
+    def planned(self, flight: Flight, *, canary: bool = False) -> Planned:
+        """The flight as the store keeps it in its plan."""
+        origin = self.origin(flight)
+        return Planned(origin.key(flight.seed), flight.subject.id, flight.situation.key, flight.seed, canary, origin)
+
+    def _mutant(self, mutant: Mutant) -> str:
+        if mutant not in self._mutants:
+            self._mutants[mutant] = digest(mutant.to_json())
+        return self._mutants[mutant]
+
+    def _situation(self, flight: Flight) -> tuple[str, str]:
+        """Hashes of what the situation changes, and of the formulas by which its values come true."""
+        key = flight.situation.key
+        if key not in self._situations:
+            changes, realised = self._study.changes(flight.situation), self._study.realised(flight.situation)
+            self._situations[key] = digest([key, changes]), digest(realised)
+        return self._situations[key]
+
+
+def flight_key(study: Study, flight: Flight) -> str:
+    """The content hash of one flight; of many, `Keys` is faster."""
+    return Keys(study).key(flight)
+
+
+def digest(content: Any) -> str:
+    """A hash of plain JSON values that does not depend on the order of keys."""
+    text = json.dumps(content, sort_keys=True, ensure_ascii=False)
+    return hashlib.sha256(text.encode()).hexdigest()

@@ -1,0 +1,183 @@
+"""An outcome as a row of the store's table and back: what queries ask for as columns, the rest as lines of JSON."""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import fields
+from itertools import groupby, repeat
+from sys import intern
+from typing import Any, Generic, TypeVar
+
+from scaloft_fi.bulk import bulk
+from scaloft_fi.judge.outcome import Outcome, Subject, Violation
+from scaloft_fi.judge.requirement import Kind, Reading
+
+Row = tuple[Any, ...]
+"""Values of `COLUMNS`."""
+
+SUBJECT: Mapping[str, str] = {"mutant": "TEXT", "guideword": "TEXT", "parameter": "TEXT", "magnitude": "TEXT"}
+"""The columns of what was flown."""
+_FACTS = {
+    "situation": "TEXT",
+    "seed": "INTEGER",
+    "ending": "TEXT",
+    "invalid": "TEXT",
+    "carried": "INTEGER",
+    "altered": "INTEGER",
+    "infected_at_s": "REAL",
+    "struck": "TEXT",
+    "duration_s": "REAL",
+    "digest": "TEXT",
+    "perceived_digest": "TEXT",
+    "stack_error": "TEXT",
+}
+_LINES = {"readings": "TEXT", "violations": "TEXT", "realised": "TEXT"}
+COLUMNS: Mapping[str, str] = {**SUBJECT, **_FACTS, **_LINES}
+"""The columns and their types, all of an outcome but its track.
+
+The last three hold one entry a line, each a JSON list of its fields in their order: most lines are the same in many
+flights, and a line is read once.
+"""
+
+
+def to_row(outcome: Outcome) -> Row:
+    """The values of `COLUMNS`.
+
+    Raises:
+        ValueError: a number in it is not finite.
+    """
+    subject = outcome.subject
+    return (
+        *(subject.id, subject.guideword, subject.parameter, subject.magnitude),
+        *(getattr(outcome, name) for name in _FACTS),
+        _lines([getattr(reading, name) for name in _READING] for reading in outcome.readings),
+        _lines([getattr(violation, name) for name in _VIOLATION] for violation in outcome.violations),
+        _lines(outcome.realised),
+    )
+
+
+_READING = [field.name for field in fields(Reading)]
+_VIOLATION = [field.name for field in fields(Violation)]
+
+
+def _lines(entries: Iterable[Sequence[Any]]) -> str:
+    return "\n".join(json.dumps(entry, allow_nan=False) for entry in entries)
+
+
+class Reader:
+    """Makes outcomes of rows; what is equal in them is one object."""
+
+    def __init__(self) -> None:
+        self._subjects = _Subjects()
+        self._readings = Lines(_readings)
+        self._violations = violation_lines()
+        self._realised = Lines(_came_true)
+
+    def __call__(self, rows: Sequence[Row], tracks: Iterable[bytes] = repeat(b"")) -> list[Outcome]:
+        """The outcomes of rows that begin as `to_row` makes them, with their tracks."""
+        if not rows:
+            return []
+        columns = list(zip(*rows, strict=True))
+        subjects, rest = columns[: len(SUBJECT)], columns[len(SUBJECT) : len(COLUMNS)]
+        situation, seed, ending, invalid, carried, altered, infected_at_s, struck, duration_s = rest[:9]
+        digest, perceived_digest, stack_error, readings, violations, realised = rest[9:]
+        return bulk(
+            Outcome,
+            (
+                map(self._subjects.__getitem__, zip(*subjects, strict=True)),
+                map(intern, situation),
+                seed,
+                map(intern, ending),
+                invalid,
+                self._readings.of(readings),
+                self._violations.of(violations),
+                carried,
+                altered,
+                infected_at_s,
+                map(intern, struck),
+                duration_s,
+                digest,
+                perceived_digest,
+                stack_error,
+                self._realised.of(realised),
+                tracks,
+            ),
+        )
+
+
+class _Subjects(dict[Row, Subject]):
+    """Subjects by their columns, each made when it is first asked for."""
+
+    def __missing__(self, row: Row) -> Subject:
+        subject = self[row] = Subject(*map(intern, row))
+        return subject
+
+
+T = TypeVar("T")
+
+
+class Lines(Generic[T]):
+    """Entries by their lines, each read once.
+
+    Args:
+        read: makes entries of the columns of their fields.
+    """
+
+    def __init__(self, read: Callable[..., Iterable[T]]) -> None:
+        self._read = read
+        self._lines: dict[str, T] = {}
+
+    def of(self, column: Sequence[str]) -> Iterable[tuple[T, ...]]:
+        """The entries of each text of a column; a text that stands there often is taken apart once."""
+        read: dict[str, tuple[T, ...]] = {"": ()}
+        for breaks, group in groupby(sorted(set(column).difference(read), key=_breaks), key=_breaks):
+            texts = list(group)
+            lines = "\n".join(texts).split("\n")
+            self._learn(list(set(lines).difference(self._lines)))
+            entries = map(self._lines.__getitem__, lines)
+            read.update(zip(texts, zip(*repeat(entries, breaks + 1), strict=True), strict=True))
+        return map(read.__getitem__, column)
+
+    def _learn(self, lines: Sequence[str]) -> None:
+        if lines:
+            # one text for the decoder, which takes longer to begin than to read a line
+            columns = zip(*json.loads(f"[{','.join(lines)}]"), strict=True)
+            self._lines.update(zip(lines, self._read(*columns), strict=True))
+
+
+def _breaks(text: str) -> int:
+    return text.count("\n")
+
+
+def _readings(names: Iterable[str], kinds: Iterable[str], *rest: Iterable[Any]) -> list[Reading]:
+    return bulk(Reading, (map(intern, names), map(_KINDS.__getitem__, kinds), *rest))
+
+
+def violation_lines() -> Lines[Violation]:
+    """Reads the column of violations."""
+    return Lines(_violations)
+
+
+def _violations(names: Iterable[str], kinds: Iterable[str], *rest: Iterable[Any]) -> list[Violation]:
+    *place, struck = rest
+    return bulk(Violation, (map(intern, names), map(_KINDS.__getitem__, kinds), *place, map(intern, struck)))
+
+
+def _came_true(axes: Iterable[str], came_true: Iterable[bool]) -> Iterable[tuple[str, bool]]:
+    return zip(map(intern, axes), came_true, strict=True)
+
+
+_KINDS = {kind.value: kind for kind in Kind}
+
+
+def from_json(values: Mapping[str, Any]) -> Outcome:
+    """The outcome in an object by names, as stores before schema 4 have it; unknown names are ignored."""
+    known = {field.name: values[field.name] for field in fields(Outcome) if field.name in values}
+    known["subject"] = Subject(**values["subject"])
+    known["readings"] = tuple(Reading(**{**entry, "kind": Kind(entry["kind"])}) for entry in values["readings"])
+    known["violations"] = tuple(Violation(**{**entry, "kind": Kind(entry["kind"])}) for entry in values["violations"])
+    known["realised"] = tuple((str(axis), bool(came_true)) for axis, came_true in values["realised"])
+    known["track"] = base64.b64decode(values.get("track", ""))
+    return Outcome(**known)

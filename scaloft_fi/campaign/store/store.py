@@ -1,0 +1,321 @@
+"""The campaign's store: one SQLite file, one transaction per flight, safe against a kill at any moment."""
+
+from __future__ import annotations
+
+import json
+import os
+import sqlite3
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from types import TracebackType
+from typing import NamedTuple
+
+from scaloft_fi.campaign.store.origin import Origin
+from scaloft_fi.campaign.store.record import COLUMNS, Reader
+from scaloft_fi.campaign.store.schema import SCHEMA, insert, migrate
+from scaloft_fi.campaign.store.selection import Flown, Stand, outcomes, rulings, those_that, under
+from scaloft_fi.errors import InputError
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.rulings import Rulings
+
+_NOTE = "note: "
+BUSY_S = 30.0
+"""How long a writer waits for another process [s]."""
+RETRY_S = 0.01
+"""How long it waits where SQLite does not wait by itself [s]."""
+_PAGE_BYTES = 16384
+"""Of a new file.  Outcomes lie between tracks, which scores leave out: larger pages are fewer to fetch from a disk."""
+
+
+class Planned(NamedTuple):
+    """A flight that was planned.
+
+    Attributes:
+        key: of its outcome.
+        mutant, situation, seed: what is flown, where.
+        canary: flown only to prove that faults reach the drone.
+        origin: what entered the key; None where an earlier version planned it.
+    """
+
+    key: str
+    mutant: str
+    situation: str
+    seed: int
+    canary: bool = False
+    origin: Origin | None = None
+
+
+class Store:
+    """Outcomes by key, where a key is the content hash of everything that can change the flight.
+
+    A context manager; every `put` is on the disk when it returns.
+    """
+
+    def __init__(self, path: Path, *, create: bool = True) -> None:
+        """Open the store, making it and its folder when `create`; in a folder that is read only it is only read.
+
+        Raises:
+            InputError: it cannot be opened or written, is no store, is a later version's, or an earlier one's in a
+                folder that is read only.
+        """
+        self.path = path
+        if not create and not path.is_file():
+            raise InputError(f"{path}: there is no campaign here; `run` makes one")
+        with _sentences(path):
+            if create:
+                path.parent.mkdir(parents=True, exist_ok=True)
+            # SQLite keeps its log beside the file, which where nothing can be written it must be told not to ask for
+            fixed = not create and not os.access(path.parent, os.W_OK) and not _log(path).exists()
+            name = f"{path.absolute().as_uri()}?immutable=1" if fixed else str(path)
+            # rows are written one by one in explicit transactions
+            self._connection = sqlite3.connect(name, timeout=BUSY_S, isolation_level=None, uri=fixed)
+            try:
+                if not fixed:
+                    self._prepare()
+                elif self._schema() < SCHEMA:
+                    raise InputError(f"{path}: store of an earlier version in a folder that is read only; read a copy")
+            except BaseException:
+                self._connection.close()
+                raise
+
+    def _prepare(self) -> None:
+        run = self._connection.execute
+        current = self._schema() == SCHEMA
+        run(f"PRAGMA page_size={_PAGE_BYTES}")
+        self._keep_log()
+        run("PRAGMA synchronous=FULL")
+        if current:
+            return
+        with self._transaction():
+            migrate(self._connection, self._schema())  # asked again, as another process may have been faster
+
+    def _keep_log(self) -> None:
+        """Have a write-ahead log; SQLite itself does not wait for another process that is beginning the same file."""
+        end_s = time.monotonic() + BUSY_S
+        while True:
+            try:
+                self._connection.execute("PRAGMA journal_mode=WAL")
+            except sqlite3.OperationalError as error:
+                if "locked" not in str(error) or time.monotonic() > end_s:
+                    raise
+                time.sleep(RETRY_S)
+            else:
+                return
+
+    def _schema(self) -> int:
+        """Version of the tables in the file.
+
+        Raises:
+            InputError: it is a later one.
+        """
+        version = int(self._connection.execute("PRAGMA user_version").fetchone()[0])
+        if version > SCHEMA:
+            raise InputError(
+                f"{self.path}: store of schema {version} must be at most {SCHEMA}; a later version wrote it"
+            )
+        return version
+
+    def __enter__(self) -> Store:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file; the write-ahead log is folded into it."""
+        self._connection.close()
+
+    @contextmanager
+    def _transaction(self) -> Iterator[None]:
+        with _sentences(self.path):
+            self._connection.execute("BEGIN IMMEDIATE")
+            try:
+                yield
+                self._connection.execute("COMMIT")
+            except BaseException:
+                if self._connection.in_transaction:  # SQLite itself takes it back when the disk is full
+                    self._connection.execute("ROLLBACK")
+                raise
+
+    @contextmanager
+    def snapshot(self) -> Iterator[None]:
+        """What is read while it lasts is of one moment, whatever others write meanwhile; nothing is written in it.
+
+        Within another it is part of that one's moment.
+        """
+        if self._connection.in_transaction:
+            yield
+            return
+        with _sentences(self.path):
+            self._connection.execute("BEGIN")
+            try:
+                yield
+            finally:
+                self._connection.execute("ROLLBACK")
+
+    def put(self, key: str, outcome: Outcome) -> bool:
+        """Keep an outcome; one that counts is never replaced, an invalid one gives way to any later.
+
+        Returns whether anything was written.
+
+        Raises:
+            InputError: the store cannot be written.
+        """
+        with self._transaction():
+            return insert(self._connection, key, outcome)
+
+    def put_all(self, rows: Iterable[tuple[str, Outcome]]) -> None:
+        """Keep outcomes with their keys as `put` does, all of them or, when it fails, none.
+
+        Raises:
+            InputError: the store cannot be written.
+        """
+        with self._transaction():
+            for key, outcome in rows:
+                insert(self._connection, key, outcome)
+
+    def get(self, key: str) -> Outcome | None:
+        """The outcome under a key with its track, None when there is none."""
+        return next((outcome for _, outcome in self.rows([key])), None)
+
+    def rows(self, keys: Iterable[str] | None = None) -> Iterator[tuple[str, Outcome]]:
+        """Every outcome, or those under `keys`, one by one, each with its key and its track, ordered by key."""
+        read = Reader()
+        track = "(SELECT tracks.track FROM tracks WHERE tracks.id = outcomes.track)"
+        query = f"SELECT {track}, {', '.join(COLUMNS)} FROM outcomes WHERE key = ?"
+        for key in sorted(keys if keys is not None else (flight.key for flight in self.flights())):
+            with _sentences(self.path):
+                row = self._connection.execute(query, (key,)).fetchone()
+            if row is not None:
+                (outcome,) = read([row[1:]], [row[0] or b""])
+                yield key, outcome
+
+    def known(self, keys: Iterable[str]) -> set[str]:
+        """Those of `keys` that have an outcome that counts."""
+        with _sentences(self.path):
+            found = {key for (key,) in self._connection.execute("SELECT key FROM outcomes")}
+            invalid = self._connection.execute("SELECT key FROM outcomes WHERE invalid != ''")
+            return found.intersection(keys).difference(key for (key,) in invalid)
+
+    def flights(self) -> list[Flown]:
+        """What there are outcomes of, ordered by mutant, situation, seed; read from an index, so soon done."""
+        with _sentences(self.path):
+            columns = ", ".join(Flown._fields)
+            order = "mutant, situation, seed, key"
+            return [Flown(*row) for row in self._connection.execute(f"SELECT {columns} FROM outcomes ORDER BY {order}")]
+
+    def outcomes(self, keys: Iterable[str] | None = None) -> Iterator[Outcome]:
+        """All outcomes, or those under `keys`, without their tracks, ordered by mutant, situation, seed."""
+        return (outcome for _, outcome in self.keyed(keys))
+
+    def keyed(self, keys: Iterable[str] | None = None) -> list[tuple[str, Outcome]]:
+        """The same, each with its key."""
+        with _sentences(self.path):
+            return list(outcomes(self._connection, None if keys is None else under(set(keys))))
+
+    def that(self, stand: Stand) -> tuple[Outcome, ...]:
+        """The same of the flights that `stand`."""
+        with _sentences(self.path):
+            return tuple([outcome for _, outcome in outcomes(self._connection, those_that(stand))])
+
+    def rulings(self, stand: Stand) -> Rulings:
+        """What the flights that `stand` came to."""
+        with _sentences(self.path):
+            return rulings(self._connection, stand)
+
+    def plan(self, flights: Iterable[Planned]) -> None:
+        """Keep what is to be flown, in one transaction; what was planned before stays planned.
+
+        Raises:
+            InputError: the store cannot be written.
+        """
+        with self._transaction():
+            origins: dict[Origin, int] = {}
+            for flight in flights:
+                if flight.origin is not None and flight.origin not in origins:
+                    origins[flight.origin] = self._origin(flight.origin)
+                self._connection.execute(
+                    "INSERT INTO plan (key, mutant, situation, seed, canary, origin) VALUES (?, ?, ?, ?, ?, ?)"
+                    " ON CONFLICT (key) DO UPDATE SET canary = min(canary, excluded.canary)"
+                    " WHERE canary > excluded.canary",
+                    (*flight[:5], origins[flight.origin] if flight.origin is not None else None),
+                )
+
+    def _origin(self, origin: Origin) -> int:
+        """The number of an origin, which is kept once however many flights have it."""
+        parts = json.dumps(origin._asdict())
+        self._connection.execute("INSERT INTO origins (parts) VALUES (?) ON CONFLICT (parts) DO NOTHING", (parts,))
+        return int(self._connection.execute("SELECT id FROM origins WHERE parts = ?", (parts,)).fetchone()[0])
+
+    def origins(self) -> dict[int, Origin]:
+        """What entered the keys of flights that were ever planned, by number."""
+        with _sentences(self.path):
+            rows = self._connection.execute("SELECT id, parts FROM origins").fetchall()
+        # one text for the decoder, which takes longer to begin than to read an origin
+        origins = json.loads(f"[{','.join(parts for _, parts in rows)}]")
+        return {number: Origin(**parts) for (number, _), parts in zip(rows, origins, strict=True)}
+
+    def planned(self) -> list[Planned]:
+        """All that was ever planned, ordered by key."""
+        with _sentences(self.path):
+            origins = self.origins()
+            columns = "key, mutant, situation, seed, canary, origin"
+            rows = self._connection.execute(f"SELECT {columns} FROM plan ORDER BY key")
+            return [
+                Planned(key, mutant, situation, seed, bool(canary), origins.get(origin))
+                for key, mutant, situation, seed, canary, origin in rows
+            ]
+
+    def set_meta(self, entries: Mapping[str, str]) -> None:
+        """Keep facts about the campaign, such as the platform's fingerprint; the first value of a name stays.
+
+        Raises:
+            InputError: the store cannot be written.
+        """
+        with self._transaction():
+            self._connection.executemany(
+                "INSERT INTO meta VALUES (?, ?) ON CONFLICT (name) DO NOTHING", entries.items()
+            )
+
+    def meta(self) -> dict[str, str]:
+        """The facts kept by `set_meta`."""
+        return {name: value for name, value in self._facts() if not name.startswith(_NOTE)}
+
+    def set_notes(self, notes: Mapping[str, str]) -> None:
+        """Keep what was said of the campaign; of one name the first note stays.
+
+        Raises:
+            InputError: the store cannot be written.
+        """
+        self.set_meta({_NOTE + name: text for name, text in notes.items()})
+
+    def notes(self) -> dict[str, str]:
+        """The notes kept by `set_notes`."""
+        return {name.removeprefix(_NOTE): text for name, text in self._facts() if name.startswith(_NOTE)}
+
+    def _facts(self) -> list[tuple[str, str]]:
+        with _sentences(self.path):
+            return list(self._connection.execute("SELECT name, value FROM meta ORDER BY name"))
+
+
+def _log(path: Path) -> Path:
+    """Where SQLite keeps what it has not yet folded into the file."""
+    return path.with_name(f"{path.name}-wal")
+
+
+@contextmanager
+def _sentences(path: Path) -> Iterator[None]:
+    """SQLite's and the file system's failures as one sentence."""
+    try:
+        yield
+    except sqlite3.DatabaseError as error:
+        if "disk is full" in str(error):
+            kept = "what was flown before is kept, and the same command resumes"
+            raise InputError(f"{path}: the campaign's store cannot be written: the disk is full; {kept}") from error
+        raise InputError(f"{path}: the campaign's store cannot be used: {error}") from error
+    except OSError as error:
+        raise InputError(f"{path}: the results folder cannot be written: {error.strerror}") from error

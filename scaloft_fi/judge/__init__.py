@@ -1,0 +1,1 @@
+"""From a flight log to readings, an outcome and a status."""

@@ -1,0 +1,269 @@
+"""Requirements: a formula over the flight log, read from the study, judged to a reading per flight.
+
+A requirement is `always( ... )` over the present and the past, so a violation is final at the sample where it happens
+and its moment is exact.  Nothing of it looks into the future: an obligation still open when a flight is cut short would
+otherwise count as broken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from scaloft_fi.document import Item, load
+from scaloft_fi.errors import InputError
+from scaloft_fi.judge.stl import FUTURE, WORDS, Formula, FormulaError, Signals, inside_always, tokenize
+
+if TYPE_CHECKING:
+    from scaloft_fi.sim.log import FlightLog
+
+TRIGGER = "trigger"
+"""The name under which a formula speaks of its own trigger."""
+
+
+class Kind(StrEnum):
+    """What a violation of the requirement means."""
+
+    SAFETY = "safety"
+    """It can kill a mutant."""
+    OPERABILITY = "operability"
+    """It has a score of its own."""
+    REPORTED = "reported"
+    """It is evaluated and shown, and decides nothing."""
+
+
+class Verdict(StrEnum):
+    """What a flight says about a requirement."""
+
+    VIOLATED = "violated"
+    OPEN = "open"
+    """Not violated, but the flight was cut short."""
+    VACUOUS = "vacuous"
+    """Its trigger never came true: nothing was tested."""
+    HELD = "held"
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """A requirement of the study.
+
+    Attributes:
+        name: `SR1`.
+        kind: what a violation means.
+        text: the formula, `always( ... )`.
+        trigger: what makes it count; empty = it always does.
+        definitions: names the formula and the trigger share, in order, each a formula.
+        unit: of the robustness.
+        title, source: for the reader.
+    """
+
+    name: str
+    kind: Kind
+    text: str
+    trigger: str = ""
+    definitions: tuple[tuple[str, str], ...] = ()
+    unit: str = ""
+    title: str = ""
+    source: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """What a flight says about a requirement.
+
+    Attributes:
+        requirement, kind: of the requirement.
+        rho: robustness of the flight, in the requirement's unit; below 0 it is violated.
+        violated_at_s: time of the first violation [s from take-off], None when there is none.
+        triggered: how often its trigger came true (distinct episodes); 1 for a requirement without one.
+        open: not violated, but the flight was cut short.
+    """
+
+    requirement: str
+    kind: Kind
+    rho: float
+    violated_at_s: float | None
+    triggered: int
+    open: bool
+
+    @property
+    def violated(self) -> bool:
+        """Whether the flight violates it."""
+        return self.violated_at_s is not None
+
+    @property
+    def verdict(self) -> Verdict:
+        """The reading in a word."""
+        if self.violated:
+            return Verdict.VIOLATED
+        if self.open:
+            return Verdict.OPEN
+        return Verdict.HELD if self.triggered else Verdict.VACUOUS
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """A reading and the sample of the first violation (None without one)."""
+
+    reading: Reading
+    sample: int | None
+
+
+def judge(requirement: Requirement, log: FlightLog) -> Reading:
+    """Judge one flight.
+
+    Raises:
+        ValueError: a signal of the log is not finite.
+    """
+    return judge_signals(requirement, log.signals, cut_short=log.ending.cut_short).reading
+
+
+def judge_signals(requirement: Requirement, signals: Signals, *, cut_short: bool) -> Judgement:
+    """Judge recorded signals, (T,) each at 20 Hz, `elapsed_s` among them.
+
+    Raises:
+        ValueError: a signal is not finite.
+    """
+    body, definitions, trigger = _parsed(requirement, frozenset(signals))
+    known: dict[str, Any] = dict(signals)
+    for name, formula in definitions:
+        known[name] = formula.robustness(known)
+    triggered = 1
+    if trigger is not None:
+        known[TRIGGER] = trigger.robustness(known)
+        triggered = episodes(known[TRIGGER])
+    robustness = body.robustness(known)
+    least = min(robustness)
+    first = next(sample for sample, value in enumerate(robustness) if value < 0) if least < 0 else None
+    at_s = None if first is None else float(signals["elapsed_s"][first])
+    reading = Reading(requirement.name, requirement.kind, least, at_s, triggered, open=cut_short and first is None)
+    return Judgement(reading, first)
+
+
+def episodes(robustness: Sequence[float]) -> int:
+    """How often a condition came true: samples at or above 0 whose predecessor is below.
+
+    >>> episodes([-1, 0, 2, -1, 3])
+    2
+    """
+    holds = bytes(map((0.0).__le__, robustness))  # which are searched sooner than numbers are compared in pairs
+    return holds.startswith(b"\1") + holds.count(b"\0\1")
+
+
+Check = Callable[[str, Collection[str]], Formula]
+"""`Formula.parse`, or `Formula.spelt`, which does not start RTAMT."""
+
+
+def load_requirements(path: Path, signals: Collection[str], check: Check = Formula.parse) -> tuple[Requirement, ...]:
+    """Read the study's requirements, checked against the names of the log's signals.
+
+    Args:
+        path: the file.
+        signals: names of the log's signals.
+        check: what each formula is held against.
+
+    Raises:
+        InputError: naming file and line: not YAML, an unknown key or signal, a bad formula, nothing of kind safety.
+    """
+    document = load(path)
+    definitions = document.get("definitions")
+    shared = definitions.mapping() if definitions else {}
+    names = set(signals)
+    for key, item in shared.items():
+        if key in names or key in WORDS or key == TRIGGER:
+            raise InputError(f"{item.place}: definition {key!r} must not be named like a signal or a word of formulas")
+        _check(item, item.text(), names, check)
+        names.add(key)
+    texts = {key: item.text() for key, item in shared.items()}
+    requirements = [
+        _requirement(name, item, texts, names, check) for name, item in document.need("requirements").mapping().items()
+    ]
+    document.close()
+    if not any(requirement.kind is Kind.SAFETY for requirement in requirements):
+        raise InputError(f"{document.need('requirements').place}: requirements must have at least one of kind safety")
+    return tuple(requirements)
+
+
+def _requirement(
+    name: str, item: Item, definitions: Mapping[str, str], names: Collection[str], check: Check
+) -> Requirement:
+    formula, trigger = item.need("formula"), item.get("trigger")
+    if trigger:
+        _check(trigger, trigger.text(), names, check)
+        names = {*names, TRIGGER}
+    body = _inside(formula)
+    if body is None:
+        raise InputError(f"{formula.place}: formula must be always( ... ), so that the moment of a violation is final")
+    _check(formula, body, names, check)
+    requirement = Requirement(
+        name=name,
+        kind=Kind(item.need("kind").choice([kind.value for kind in Kind])),
+        text=formula.text(),
+        trigger=_optional(trigger),
+        definitions=_needed(definitions, [body, _optional(trigger)]),
+        unit=_optional(item.get("unit")),
+        title=_optional(item.get("title")),
+        source=_optional(item.get("source")),
+    )
+    item.close()
+    return requirement
+
+
+def _inside(item: Item) -> str | None:
+    try:
+        return inside_always(item.text())
+    except FormulaError as error:
+        raise InputError(f"{item.place}: {item.name} {error}") from error
+
+
+def _optional(item: Item | None) -> str:
+    return item.text() if item else ""
+
+
+def _needed(definitions: Mapping[str, str], texts: Sequence[str]) -> tuple[tuple[str, str], ...]:
+    """The definitions that the texts use, themselves or through others, in the order they stand."""
+    used: set[str] = set()
+    waiting = list(texts)
+    while waiting:
+        words = set(tokenize(waiting.pop()))
+        found = words & definitions.keys() - used
+        used |= found
+        waiting += [definitions[name] for name in found]
+    return tuple((name, text) for name, text in definitions.items() if name in used)
+
+
+def _check(item: Item, text: str, names: Collection[str], check: Check) -> None:
+    """Whether `text` is a formula over the present and the past."""
+    try:
+        future = [token for token in tokenize(text) if token in FUTURE]
+        if future:
+            raise FormulaError(f"looks into the future with {future[0]!r}; say it with historically, once or since")
+        check(text, names)
+    except FormulaError as error:
+        raise InputError(f"{item.place}: {item.name} {error}") from error
+
+
+_Parsed = tuple[Formula, tuple[tuple[str, Formula], ...], Formula | None]
+_PARSED: dict[tuple[Requirement, frozenset[str]], _Parsed] = {}
+
+
+def _parsed(requirement: Requirement, signals: frozenset[str]) -> _Parsed:
+    """The formulas of a requirement, parsed once a process."""
+    key = (requirement, signals)
+    if key not in _PARSED:
+        names = set(signals)
+        definitions = []
+        for name, text in requirement.definitions:
+            definitions.append((name, Formula.parse(text, names)))
+            names.add(name)
+        trigger = Formula.parse(requirement.trigger, names) if requirement.trigger else None
+        if trigger:
+            names.add(TRIGGER)
+        body = inside_always(requirement.text)
+        if body is None:
+            raise FormulaError("must be always( ... )")
+        _PARSED[key] = (Formula.parse(body, names), tuple(definitions), trigger)
+    return _PARSED[key]

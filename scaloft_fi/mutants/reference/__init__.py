@@ -1,0 +1,1 @@
+"""Operators for messages that only the reference stack has."""

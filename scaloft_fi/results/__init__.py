@@ -1,1 +1,0 @@
-"""From flight logs to readings, statuses, scores and tables: pure functions over stored outcomes."""

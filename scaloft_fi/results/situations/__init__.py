@@ -1,1 +1,0 @@
-"""Situation coverage, ways to choose situations, and coverage against kills."""

@@ -1,1 +1,0 @@
-"""How results are told: tables, rows, maps and pictures."""

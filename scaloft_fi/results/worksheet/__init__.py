@@ -1,1 +1,0 @@
-"""The HAZOP worksheet filled back: margins, dispositions, the sheet in many formats."""

@@ -1,7 +1,0 @@
-"""Local planner of the 3DVFH* kind: histogram, costs and look-ahead tree; then from a direction to a velocity."""
-
-from scaloft_fi.stack.planner.config import PlannerConfig
-from scaloft_fi.stack.planner.planner import Plan, Planner
-from scaloft_fi.stack.planner.velocity import shape_velocity
-
-__all__ = ["Plan", "Planner", "PlannerConfig", "shape_velocity"]

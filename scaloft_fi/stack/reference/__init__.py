@@ -1,0 +1,1 @@
+"""The reference stack: our drone, a stack like any other."""

@@ -1,0 +1,237 @@
+"""The companion computer: perception, memory, mission, planner, and what they do when their inputs go stale.
+
+One call of `Companion.tick` runs its stages once, at 20 Hz, in the order of the data flow.  Every edge between two
+stages crosses the wire.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from scaloft_fi.stack.messages import (
+    Array,
+    Bumper,
+    DepthFrame,
+    Exposure,
+    PoseEstimate,
+    Proximity,
+    Route,
+    SensorFrames,
+    SpeedLimit,
+    Target,
+    VelocityCommand,
+)
+from scaloft_fi.stack.reference.battery_monitor import BatteryMonitor
+from scaloft_fi.stack.reference.exposure import ExposureControl
+from scaloft_fi.stack.reference.flight_control import FlightControl
+from scaloft_fi.stack.reference.memory import ObstacleMemory
+from scaloft_fi.stack.reference.mission import Mission
+from scaloft_fi.stack.reference.planner import Plan, Planner, shape_velocity
+from scaloft_fi.stack.reference.pose_buffer import PoseBuffer
+from scaloft_fi.stack.reference.proximity import ProximityMonitor
+from scaloft_fi.stack.reference.recoil import Recoil
+from scaloft_fi.stack.reference.speed_limit import SpeedLimitStage
+from scaloft_fi.stack.seam import Wire
+
+
+@dataclass(frozen=True)
+class CompanionConfig:
+    """Time-outs and rates of the companion computer.
+
+    Attributes:
+        depth_hover_s: depth older than this: hover (PX4-Avoidance timeout_critical 0.5 s).
+        depth_land_s: depth older than this: land (PX4-Avoidance timeout_termination 15 s).
+        pose_hover_s: pose older than this: hover.
+        pose_span_s: how long poses are kept for late frames [s].
+        pose_reach_s: how far poses are extrapolated for frames stamped ahead [s].
+        plan_every: ticks per plan (2 = 10 Hz).
+        hover_p: gain that holds the place of a hover [1/s].
+        told_s: a person counts as reported for so long after each message [s].
+    """
+
+    depth_hover_s: float
+    depth_land_s: float
+    pose_hover_s: float
+    pose_span_s: float
+    pose_reach_s: float
+    plan_every: int
+    hover_p: float
+    told_s: float
+
+
+@dataclass(frozen=True)
+class Stages:
+    """The stages that a companion runs."""
+
+    memory: ObstacleMemory
+    proximity: ProximityMonitor
+    speed_limit: SpeedLimitStage
+    exposure: ExposureControl
+    battery: BatteryMonitor
+    mission: Mission
+    planner: Planner
+    recoil: Recoil
+
+
+class Companion:
+    """Runs the stages; what it believes is in its public attributes.
+
+    Attributes:
+        exposure: last order to the colour camera.
+        limit: speed limit in force.
+        told_until_s, told_range_m: until when a person counts as reported, and how far it was.
+        flagged: whether the collision flag arrived at this tick.
+        map_points: occupied cells the planner was last told of.
+        order: last velocity command that was sent.
+    """
+
+    def __init__(self, config: CompanionConfig, stages: Stages, wire: Wire, route: Route, yaw_rad: float) -> None:
+        self.config = config
+        self.stages = stages
+        self.exposure = Exposure(0.0, 1.0, 0.0)
+        self.limit = SpeedLimit(0.0, stages.speed_limit.cruise_mps, "euclidean")
+        self.told_until_s, self.told_range_m = -1.0, math.inf
+        self.flagged = False
+        self.map_points = 0
+        self.order: VelocityCommand | None = None
+        self._wire = wire
+        self._route: Route | None = route
+        self._poses = PoseBuffer(config.pose_span_s, config.pose_reach_s)
+        self._pose_s = self._depth_s = 0.0
+        self._plan: Plan | None = None
+        self._target: Target | None = None
+        self._hover: Array | None = None
+        self._yaw_rad = yaw_rad
+        self._ticks = 0
+
+    def tick(self, now_s: float, frames: SensorFrames, pose: PoseEstimate, control: FlightControl) -> None:
+        """Run every stage once."""
+        cross = self._wire.cross
+        heard = cross("pose", now_s, pose)
+        if heard is not None:
+            self._poses.hear(heard)
+            self._pose_s = now_s
+        self._see(now_s, frames)
+        self._look_for_people(now_s, frames)
+        self._expose(now_s, frames)
+
+        mission = self.stages.mission
+        mission.obey(cross("failsafe", now_s, self.stages.battery.hear(now_s, cross("battery", now_s, frames.battery))))
+        mission.plan(cross("route", now_s, self._route))
+        self._route = None
+        believed = self._poses.newest
+        if believed is None:
+            return
+        mission.climb(now_s, believed)
+        mission.settle(cross("goal", now_s, mission.check(believed)))
+        self._target = cross("target", now_s, mission.target())
+        self._replan(now_s, believed)
+        if mission.phase == "land" or now_s - self._depth_s > self.config.depth_land_s:
+            control.land(self.limit.limit_mps)
+        order = self._command(now_s, believed) if mission.phase == "fly" else None
+        delivered = cross("velcmd", now_s, order)
+        if delivered is not None:
+            self.order = delivered
+            recoiling = self.stages.recoil.order(now_s, believed, self.limit.limit_mps) is not None
+            control.command(
+                now_s, delivered, self.stages.recoil.config.accel_mps2 if recoiling else control.config.accel_mps2
+            )
+
+    def _see(self, now_s: float, frames: SensorFrames) -> None:
+        """Depth into memory and proximity monitor."""
+        cross, stages = self._wire.cross, self.stages
+        frame = self._fresh(now_s, cross("depth", now_s, frames.depth))
+        bumper = cross("bumper", now_s, frames.bumper)
+        pose = self._poses.at(frame.stamp_s) if frame is not None else None
+        if pose is None:
+            frame = None
+        clearing = None
+        if frame is not None and pose is not None:
+            self._depth_s = frame.stamp_s
+            clearing = stages.memory.observe(frame, pose)
+        stages.memory.update(cross("clearing", now_s, clearing))
+        flying = stages.mission.phase == "fly"
+        proximity = cross("proximity", now_s, self._near(frame, pose, bumper) if flying else None)
+        flag = cross("collision", now_s, stages.proximity.flag(now_s, proximity))
+        self.flagged = flag is not None
+        believed = self._poses.newest
+        if believed is not None and flying:
+            stages.recoil.hear(now_s, flag, believed)
+
+    def _fresh(self, now_s: float, frame: DepthFrame | None) -> DepthFrame | None:
+        """The frame, unless its stamp says that it is too old or too far ahead to be used."""
+        if frame is None or not -self.config.pose_reach_s <= now_s - frame.stamp_s <= self.config.depth_hover_s:
+            return None
+        return frame
+
+    def _near(self, frame: DepthFrame | None, pose: PoseEstimate | None, bumper: Bumper | None) -> Proximity | None:
+        """What the proximity monitor is told: the frame's sectors joined with the touch sensor."""
+        touched = bumper is not None and bumper.hull
+        if frame is not None and pose is not None:
+            return self.stages.proximity.sectors(frame, pose)._replace(touched=touched)
+        return self.stages.proximity.blind(bumper.stamp_s, touched=True) if bumper is not None and touched else None
+
+    def _look_for_people(self, now_s: float, frames: SensorFrames) -> None:
+        limit, person = self.stages.speed_limit.hear(now_s, self._wire.cross("person", now_s, frames.detections))
+        if person is not None:
+            self.told_until_s, self.told_range_m = now_s + self.config.told_s, person.range_m
+        delivered = self._wire.cross("speedlimit", now_s, limit)
+        if delivered is not None:
+            self.limit = delivered
+
+    def _expose(self, now_s: float, frames: SensorFrames) -> None:
+        metering = self._wire.cross("metering", now_s, frames.metering)
+        order = self._wire.cross("exposure", now_s, self.stages.exposure.meter(metering))
+        if order is not None:
+            self.exposure = order
+
+    def _replan(self, now_s: float, pose: PoseEstimate) -> None:
+        due = self._ticks % self.config.plan_every == 0
+        self._ticks += 1
+        sent = self.stages.memory.map(pose) if due and self._target is not None else None
+        told = self._wire.cross("map", now_s, sent)
+        if self._target is None:
+            self._plan = None
+        elif told is not None or self._plan is None:
+            self.map_points = len(told.points) if told is not None else 0
+            self._plan = self.stages.planner.plan(told, self._target.point, pose) if told is not None else None
+
+    def _command(self, now_s: float, pose: PoseEstimate) -> VelocityCommand:
+        retreat = self.stages.recoil.order(now_s, pose, self.limit.limit_mps)
+        if retreat is not None:
+            self._yaw_rad = retreat[1]
+            return VelocityCommand(now_s, *retreat)
+        stale = now_s - self._depth_s > self.config.depth_hover_s or now_s - self._pose_s > self.config.pose_hover_s
+        if stale or self._plan is None or self._target is None:
+            return self._hover_order(now_s, pose)
+        self._hover = None
+        velocity, self._yaw_rad = shape_velocity(self._plan, pose, self.limit, self.stages.planner.config)
+        return VelocityCommand(now_s, velocity, self._yaw_rad)
+
+    def _hover_order(self, now_s: float, pose: PoseEstimate) -> VelocityCommand:
+        """Stay where the hover began."""
+        if self._hover is None:
+            self._hover = pose.position.copy()
+        back = self.config.hover_p * (self._hover - pose.position)
+        speed = float(np.linalg.norm(back))
+        if speed > self.limit.limit_mps:
+            back *= self.limit.limit_mps / speed
+        return VelocityCommand(now_s, back, self._yaw_rad)
+
+    def beliefs(self, now_s: float) -> tuple[float, ...]:
+        """What the companion believes: told of a person, its range, limit, flag, leg, map points, command (4)."""
+        told = now_s <= self.told_until_s
+        order = self.order
+        command = (0.0, 0.0, 0.0, 0.0) if order is None else (*order.velocity.tolist(), order.yaw_rad)
+        return (
+            float(told),
+            self.told_range_m if told else 100.0,
+            self.limit.limit_mps,
+            float(self.flagged),
+            float(self.stages.mission.index),
+            float(self.map_points),
+            *command,
+        )

@@ -1,0 +1,88 @@
+"""Obstacle memory: which cells of space were seen occupied, also where the camera does not look now.
+
+Like the local planner of PX4-Avoidance it keeps points outside the field of view up to a maximum age and trusts the
+newest frame inside it: a pixel that sees farther than a cell, or that sees nothing, clears that cell.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from scaloft_fi.stack.camera import DepthCamera
+from scaloft_fi.stack.messages import Array, Clearing, DepthFrame, ObstacleMap, PoseEstimate
+from scaloft_fi.stack.reference import voxels
+from scaloft_fi.stack.reference.voxels import Cells
+
+_NOTHING: Cells = np.empty(0, np.int64)
+
+
+@dataclass(frozen=True)
+class MemoryConfig:
+    """Settings of the obstacle memory.
+
+    Attributes:
+        voxel_m: edge of a cell [m].
+        max_age_s: how long a cell outside the view is believed [s] (PX4-Avoidance max_point_age_s).
+        min_range_m: depths below are not used [m].
+        max_range_m: depths beyond are not used [m].
+        min_pixels: pixels of one frame that must fall into a cell to mark it.
+        clear_margin_m: how much farther than a cell's centre a pixel must see to clear it [m].
+        local_radius_m: the map holds the cells within this distance of the vehicle [m].
+    """
+
+    voxel_m: float
+    max_age_s: float
+    min_range_m: float
+    max_range_m: float
+    min_pixels: int
+    clear_margin_m: float
+    local_radius_m: float
+
+
+class ObstacleMemory:
+    """Sparse set of occupied cells, in the order in which they were first seen.
+
+    Cells are indices of an unbounded grid of edge `voxel_m` aligned with the world's origin; see `voxels.cells_at`.
+    """
+
+    def __init__(self, config: MemoryConfig, camera: DepthCamera) -> None:
+        self.config = config
+        self.camera = camera
+        self._cells: Cells = np.empty(0, np.int64)
+        self._seen_s: Array = np.empty(0)
+        self._frame_s = -math.inf
+        self._fresh: Cells = np.empty(0, np.int64)  # what the newest frame marks
+        self._places: Cells = np.empty(0, np.int64)  # where these are in _cells, or -1
+
+    def __len__(self) -> int:
+        return len(self._cells)
+
+    def observe(self, frame: DepthFrame, pose: PoseEstimate) -> Clearing:
+        """What would be forgotten after `frame`, seen from `pose`: cells it sees through, and cells too old.
+
+        Keeps the cells that the frame marks until `update`; a cell that the frame marks is not forgotten.
+        """
+        c, camera = self.config, self.camera
+        self._fresh, self._places, forget = voxels.observe(
+            np.ascontiguousarray(frame.depth), camera.ahead_m, camera.column, camera.row, pose.position, pose.attitude,
+            c.voxel_m, (c.min_range_m, c.max_range_m), c.min_pixels, c.clear_margin_m,
+            self._cells, self._seen_s, frame.stamp_s - c.max_age_s,
+        )  # fmt: skip
+        self._frame_s = frame.stamp_s
+        return Clearing(frame.stamp_s, forget, self._cells)
+
+    def update(self, delivered: Clearing | None) -> None:
+        """Forget the cells that were `delivered` (None: forget nothing), then insert what the last frame marked."""
+        forget = np.ascontiguousarray(delivered.forget) if delivered is not None else _NOTHING
+        self._cells, self._seen_s = voxels.update(
+            self._cells, self._seen_s, forget, self._fresh, self._places, self._frame_s
+        )
+        self._fresh = self._places = _NOTHING
+
+    def map(self, pose: PoseEstimate) -> ObstacleMap:
+        """The occupied cells' centres around `pose`, stamped with the newest frame's stamp."""
+        points = voxels.centres(self._cells, pose.position, self.config.voxel_m, self.config.local_radius_m)
+        return ObstacleMap(self._frame_s, points, 1.0, pose.position)

@@ -1,0 +1,1 @@
+"""Situation coverage as it is told."""

@@ -1,0 +1,109 @@
+"""What a campaign's evidence is written from: the study's parts, its outcomes and what follows from them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from scaloft_fi.analysis.roster import Roster, cell_of
+from scaloft_fi.analysis.scoring.detection import Spending, Verdict
+from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.analysis.scoring.score import Score, score
+from scaloft_fi.analysis.situations.coverage import Coverage, coverage
+from scaloft_fi.hazop.cell import Cell
+from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.judge.flights import flights_of
+from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.judge.requirement import Requirement
+from scaloft_fi.judge.space import Space
+from scaloft_fi.views.score.verdict import next_command, verdict, why
+
+
+@dataclass(frozen=True)
+class Dossier:
+    """A campaign and what it was flown with.
+
+    Attributes:
+        study, campaign: names.
+        version: of scaloft-fi.
+        platform: on which the campaign was flown.
+        matrix, space, roster, requirements: of the study.
+        outcomes: of the campaign that count.
+        spending: how the campaign spends alpha.
+        sources: per file of the deviation matrix, by its path in the study, its text.
+    """
+
+    study: str
+    campaign: str
+    version: str
+    platform: Mapping[str, str]
+    matrix: Matrix
+    space: Space
+    roster: Roster
+    requirements: tuple[Requirement, ...]
+    outcomes: tuple[Outcome, ...]
+    spending: Spending
+    sources: Mapping[str, str]
+
+    @cached_property
+    def score(self) -> Score:
+        """The campaign's score."""
+        return score(self.outcomes, self.roster, self.space, self.spending)
+
+    @cached_property
+    def coverage(self) -> Coverage:
+        """Its situation coverage."""
+        return coverage(self.outcomes, self.space)
+
+    @property
+    def seeds(self) -> tuple[int, ...]:
+        """Seeds of the mutants' flights."""
+        return tuple(sorted({o.seed for o in self.outcomes if o.subject.guideword}))
+
+    @property
+    def counted(self) -> tuple[MutantScore, ...]:
+        """The mutants that the ratios count: of each credible cell flown its default."""
+        return tuple(mutant for mutant in self.score.mutants if self.roster.counts(mutant.subject) and mutant.flown)
+
+    def of(self, *verdicts: Verdict) -> tuple[MutantScore, ...]:
+        """Those of them with one of these verdicts."""
+        return tuple(mutant for mutant in self.counted if mutant.verdict in verdicts)
+
+    def verdict(self, mutant: MutantScore) -> str:
+        """The verdict on a mutant and what it rests on, in a line."""
+        return verdict(mutant, self.score.lacking)
+
+    def why(self, mutant: MutantScore) -> str:
+        """What the verdict rests on."""
+        return why(mutant, self.score.lacking)
+
+    def next_command(self, mutant: MutantScore) -> str:
+        """What to call next for a mutant that is undecided or not tested."""
+        return next_command(mutant, self.score.lacking, self.campaign)
+
+    def shows(self, control: MutantScore) -> bool:
+        """Whether a control shows itself by safety or operability.
+
+        It does when it is detected, or when it was flown once and that flight is told from its baseline.
+        """
+        if control.detected or control.operability.detected:
+            return True
+        own = [outcome for outcome in self.outcomes if outcome.mutant in (BASELINE, control.subject.id)]
+        flights = flights_of(own)
+        return len(flights) == 1 and bool(flights[0].revealed or flights[0].operability_revealed)
+
+    def cell(self, mutant: MutantScore) -> Cell:
+        """The cell that a mutant comes from."""
+        return self.matrix.cell(cell_of(mutant.subject.id))
+
+    def place(self, mutant: MutantScore) -> tuple[str, int]:
+        """File in the study and line of the cell that a mutant comes from."""
+        path, _, line = self.cell(mutant).place.rpartition(":")
+        path = path.replace("\\", "/")
+        return next((name for name in self.sources if path.endswith(name)), path), int(line)
+
+    def words(self, situation: str) -> str:
+        """A situation in words: `corner, light`."""
+        point = self.space.point.get(situation)
+        return ", ".join(self.space.word(axis, value) for axis, value in enumerate(point)) if point else situation

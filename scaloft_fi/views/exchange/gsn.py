@@ -1,0 +1,101 @@
+"""The argument over the campaign in goal structuring notation, as the YAML of gsn2x.
+
+Every mutant flown that is not detected stands in it as a counter-goal against the claim it weakens: an argument that
+hides what speaks against it convinces nobody.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import yaml
+
+from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.views.exchange.dossier import Dossier
+from scaloft_fi.views.score.verdict import NO_POOL
+
+COUNTER = {
+    Verdict.UNDECIDED: "might not have been revealed",
+    Verdict.NOT_DETECTED: "would not have been revealed",
+    Verdict.NOT_TESTED: "was not put to the test",
+}
+"""What speaks against the suite, by the verdict on a mutant."""
+
+
+def gsn(dossier: Dossier) -> str:
+    """The argument as YAML text."""
+    return yaml.safe_dump(nodes(dossier), sort_keys=False, allow_unicode=True, width=120)
+
+
+def nodes(dossier: Dossier) -> dict[str, Any]:
+    """The argument's nodes by id, the module's head among them."""
+    names = ", ".join(requirement.name for requirement in dossier.requirements)
+    found: dict[str, Any] = {
+        "module": {"name": "situation_coverage_and_fault_detection", "brief": f"Campaign {dossier.campaign}"},
+        "G1": {
+            "text": "The test cases sufficiently cover the operating scenarios (SACE artefact [E], activity 29)",
+            "supportedBy": ["S1"],
+            "inContextOf": ["C1", "C2", "C3", "A1"],
+        },
+        "C1": {
+            "text": f"Operational domain model: {len(dossier.space.axes)} axes, {len(dossier.space.points)} situations"
+        },
+        "C2": {"text": f"Requirements in signal temporal logic: {names}"},
+        "C3": {"text": f"{len(dossier.score.mutants)} mutants from a HAZOP deviation matrix, seeds {_seeds(dossier)}"},
+        "A1": {"text": "The simulator represents the operating environment (argued elsewhere)"},
+        "S1": {
+            "text": "Argue over the extent of coverage and over its power to reveal faults",
+            "supportedBy": ["G2", "G3", "G4"],
+        },
+        "G2": {"text": _coverage(dossier), "supportedBy": ["Sn1"]},
+        "Sn1": {"text": "Coverage table: scaloft-fi score"},
+        **_detection(dossier),
+    }
+    counted = dossier.of(*COUNTER)
+    if counted or not dossier.score.pooled:
+        found["G4"] = {"text": "Each mutant that is not detected is justified", "undeveloped": True}
+    else:
+        found["G4"] = {"text": "Every mutant flown is detected", "supportedBy": ["Sn3"]}
+        found["Sn3"] = {"text": "Verdict on every mutant: scaloft-fi score"}
+    for number, mutant in enumerate(counted, start=1):
+        found[f"CG{number}"] = {
+            "text": f"{mutant.subject.id} {COUNTER[mutant.verdict]}",
+            "challenges": "G3",
+            "supportedBy": [f"CSn{number}"],
+        }
+        found[f"CSn{number}"] = {"text": f"{mutant.subject.id} is {dossier.verdict(mutant)}"}
+    return found
+
+
+def _coverage(dossier: Dossier) -> str:
+    """Of the grid, with the largest strength of which every combination was flown; where there is none, with each."""
+    covered = dossier.coverage
+    whole = [strength for strength, ratio in covered.t_way if ratio.part == ratio.whole > 0]
+    flown = f"{covered.situations} of the situations were flown"
+    if whole:
+        every = f"combination of the values of any {max(whole)} axes" if max(whole) > 1 else "value of every axis"
+        return f"{flown}, among them every {every}"
+    parts = ", ".join(f"{strength}-way {ratio}" for strength, ratio in covered.t_way)
+    return f"{flown}, of the combinations of their values {parts}"
+
+
+def _detection(dossier: Dossier) -> dict[str, Any]:
+    """The claim over the mutants, and what it rests on; nothing where there is no pool to decide by."""
+    scored = dossier.score
+    if not scored.pooled:
+        return {"G3": {"text": f"The suite detects faults (no verdict: {NO_POOL})", "undeveloped": True}}
+    claim = f"The suite detects {scored.mutation_score} of the mutants flown"
+    rule = "more violations of a safety requirement than chance explains, beside the unmutated drone's own flights"
+    return {
+        "G3": {
+            "text": f"{claim}; chance explains at most {scored.expected_false:.2g} of them",
+            "supportedBy": ["Sn2"],
+            "inContextOf": ["C4"],
+        },
+        "C4": {"text": f"Detected: {rule} (exact stratified test, alpha {scored.alpha:g})"},
+        "Sn2": {"text": "Verdicts and kills: scaloft-fi score; every flight: scaloft-fi export"},
+    }
+
+
+def _seeds(dossier: Dossier) -> str:
+    return ", ".join(map(str, dossier.seeds)) or "none"

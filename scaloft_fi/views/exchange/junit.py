@@ -1,0 +1,72 @@
+"""The campaign as JUnit XML for CI: a test is a mutant, and passes when the mutant is detected.
+
+One that is not detected fails; one that is undecided or not tested is skipped with the reason and the command to call
+next; what the harness failed at is an error.  Controls have a suite of their own, in which those pass that show
+themselves by safety or operability.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from xml.etree import ElementTree as ET
+
+from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.views.exchange.dossier import Dossier
+
+CONTROLS = "controls"
+_ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""What no XML 1.0 document may hold."""
+
+
+def junit(dossier: Dossier) -> str:
+    """The XML document."""
+    root = ET.Element("testsuites", name=_text(f"scaloft-fi {dossier.campaign}"))
+    suites: dict[str, list[MutantScore]] = {}
+    for mutant in dossier.score.mutants:
+        suites.setdefault(mutant.subject.parameter, []).append(mutant)
+    for name, mutants in suites.items():
+        root.append(_suite(dossier, name, mutants, [_kind(mutant) for mutant in mutants]))
+    controls = dossier.score.controls
+    if controls:
+        kinds = ["" if dossier.shows(control) else _control_kind(control) for control in controls]
+        root.append(_suite(dossier, CONTROLS, controls, kinds))
+    for count in ("tests", "failures", "errors", "skipped"):
+        root.set(count, str(sum(int(suite.get(count, "0")) for suite in root)))
+    ET.indent(root)
+    return f"<?xml version='1.0' encoding='UTF-8'?>\n{ET.tostring(root, encoding='unicode')}\n"
+
+
+def _suite(dossier: Dossier, name: str, mutants: Sequence[MutantScore], kinds: Sequence[str]) -> ET.Element:
+    suite = ET.Element("testsuite", name=_text(name))
+    for mutant, kind in zip(mutants, kinds, strict=True):
+        case = ET.SubElement(suite, "testcase", classname=_text(f"scaloft-fi.{name}"), name=_text(mutant.subject.id))
+        if kind:
+            said = dossier.verdict(mutant)
+            message = f"{said}; next: {dossier.next_command(mutant)}" if kind == "skipped" else said
+            ET.SubElement(case, kind, message=_text(message))
+    suite.set("tests", str(len(mutants)))
+    for count, kind in (("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):
+        suite.set(count, str(kinds.count(kind)))
+    return suite
+
+
+def _kind(mutant: MutantScore) -> str:
+    """What stands under the test case; empty for a pass."""
+    if not mutant.flown:
+        return "error"
+    return {Verdict.DETECTED: "", Verdict.NOT_DETECTED: "failure"}.get(mutant.verdict, "skipped")
+
+
+def _control_kind(control: MutantScore) -> str:
+    """The same of a control that does not show itself: it fails where it was tested and nothing is open."""
+    if not control.flown:
+        return "error"
+    verdicts = {control.verdict, control.operability.verdict}
+    return "failure" if Verdict.NOT_DETECTED in verdicts and Verdict.UNDECIDED not in verdicts else "skipped"
+
+
+def _text(text: str) -> str:
+    """`text` with what XML cannot carry replaced."""
+    return _ILLEGAL.sub("\ufffd", text)

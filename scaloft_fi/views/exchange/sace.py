@@ -1,0 +1,178 @@
+"""The verification log of SACE: artefact [SS] of the stage "AS verification assurance", with its headings.
+
+SACE (Safety Assurance of Autonomous Systems in Complex Environments, Assuring Autonomy International Programme, York)
+asks for the test cases with their required results, and for a justification that their coverage suffices, considering
+safety requirements, operational domain, operating scenarios and edge cases; besides, for the test environment and why
+it is representative.  What only people can argue is left open, and says so.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Iterator
+from typing import Any
+
+from scaloft_fi.analysis.ratio import Ratio
+from scaloft_fi.analysis.scoring.baseline import Tally, findings, tallies
+from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.judge.robustness import spelt_rho
+from scaloft_fi.views.exchange.dossier import Dossier
+from scaloft_fi.views.score.verdict import NO_POOL
+from scaloft_fi.views.tables.table import Format, Table, render
+
+EDGES = 10
+"""How many situations with the least robustness are named as edge cases."""
+OPEN = "To be argued by the safety team; nothing here argues it."
+NOT_CLAIMED = (
+    "That no other fault than those of the matrix is present.",
+    "That the simulator is the real environment.",
+    "That the HAZOP study is complete.",
+)
+
+
+def verification_log(dossier: Dossier) -> tuple[Table, ...]:
+    """The log as tables, one a heading."""
+    return (
+        _cases(dossier),
+        _required(dossier),
+        _by_requirement(dossier),
+        _domain(dossier),
+        _scenarios(dossier),
+        _edges(dossier),
+        _environment(dossier),
+        Table("Representativeness of the test environment", ("justification",), ((OPEN,),)),
+        Table("Not claimed", ("claim",), tuple((claim,) for claim in NOT_CLAIMED)),
+    )
+
+
+def to_markdown(dossier: Dossier) -> str:
+    """The log as a page."""
+    head = f"# Verification log (SACE artefact [SS])\n\nCampaign {dossier.campaign} of study {dossier.study}.\n\n"
+    return head + render(verification_log(dossier), Format.MARKDOWN)
+
+
+def to_json(dossier: Dossier) -> dict[str, Any]:
+    """The log as plain JSON values, by heading."""
+    return {table.title: {"rows": table.records(), "notes": list(table.notes)} for table in verification_log(dossier)}
+
+
+def _cases(dossier: Dossier) -> Table:
+    baselines, mutants = _seeds(dossier, baseline=True), _seeds(dossier, baseline=False)
+    rows = tuple(
+        (key, dossier.words(key), _ranges(mutants.get(key, set())), _ranges(baselines.get(key, set())))
+        for key in sorted(baselines.keys() | mutants.keys(), key=dossier.space.rank)
+    )
+    headers = ("test case", "situation", "seeds of the mutants", "seeds of the unmutated drone")
+    return Table("Test case details", headers, rows)
+
+
+def _seeds(dossier: Dossier, *, baseline: bool) -> dict[str, set[int]]:
+    """By situation the seeds flown, of the unmutated drone or of everything else."""
+    found: dict[str, set[int]] = {}
+    for outcome in dossier.outcomes:
+        if (outcome.mutant == BASELINE) == baseline:
+            found.setdefault(outcome.situation, set()).add(outcome.seed)
+    return found
+
+
+def _ranges(seeds: Collection[int]) -> str:
+    """Numbers with their runs in short.
+
+    >>> _ranges({0, 1, 2, 5, 7, 8})
+    '0-2, 5, 7-8'
+    """
+    runs: list[list[int]] = []
+    for seed in sorted(seeds):
+        if runs and seed == runs[-1][-1] + 1:
+            runs[-1].append(seed)
+        else:
+            runs.append([seed])
+    return ", ".join(f"{run[0]}-{run[-1]}" if len(run) > 1 else str(run[0]) for run in runs)
+
+
+def _required(dossier: Dossier) -> Table:
+    rows = tuple((r.name, r.kind.value, r.title, r.text) for r in dossier.requirements)
+    return Table("Required results", ("requirement", "kind", "in words", "formula over the flight"), rows)
+
+
+def _by_requirement(dossier: Dossier) -> Table:
+    """Consideration 1: are there test cases for each safety requirement, and would they show its violation."""
+    tested: dict[str, Tally] = {tally.requirement: tally for tally in tallies(dossier.outcomes)}
+    rows = tuple(
+        (
+            r.name,
+            tested[r.name].triggered if r.name in tested else 0,
+            str(_detected_by(dossier, r.name)),
+            spelt_rho(tested[r.name].least_rho) if r.name in tested else "n/a",
+        )
+        for r in dossier.requirements
+        if r.kind is not Kind.REPORTED
+    )
+    headers = (
+        *("requirement", "times triggered", "mutants detected by it, of those that it put to the test"),
+        "least robustness",
+    )
+    fates = Counter(mutant.verdict for mutant in dossier.counted)
+    told = ", ".join(f"{fates[verdict]} {verdict.words}" for verdict in Verdict)
+    notes = (
+        "Triggered, robustness: flights of the unmutated drone.",
+        f"Mutants flown, by safety requirements: {told}." if dossier.score.pooled else f"No verdicts: {NO_POOL}.",
+    )
+    return Table("Sufficiency of coverage (1): safety requirements", headers, rows, notes)
+
+
+def _detected_by(dossier: Dossier, requirement: str) -> Ratio:
+    able = [mutant for mutant in dossier.counted if requirement in mutant.tests]
+    return Ratio(sum(requirement in (*m.safety.by, *m.operability.by) for m in able), len(able))
+
+
+def _domain(dossier: Dossier) -> Table:
+    """Consideration 2: enough range of each feature of the domain, and enough combinations of features."""
+    rows = tuple((f"{strength}-way", str(ratio)) for strength, ratio in dossier.coverage.t_way)
+    note = "Combinations of values of that many axes that some test case has, of all there are."
+    return Table("Sufficiency of coverage (2): operational domain model", ("strength", "covered"), rows, (note,))
+
+
+def _scenarios(dossier: Dossier) -> Table:
+    """Consideration 3: each operating scenario, what the unmutated drone does there, what a fault does."""
+    rows = tuple(
+        (f.situation, _violated(dossier, f.situation), ", ".join(f.vacuous), str(_killed_in(dossier, f.situation)))
+        for f in findings(dossier.outcomes, dossier.space)
+    )
+    headers = ("situation", "the unmutated drone violates", "never tests", "mutants killed, of those put to the test")
+    return Table("Sufficiency of coverage (3): operating scenarios", headers, rows)
+
+
+def _violated(dossier: Dossier, situation: str) -> str:
+    pairs = [pair for pair in dossier.score.pool.pairs.values() if pair.situation == situation and pair.violated]
+    return ", ".join(f"{pair.requirement} in {pair.violated} of {pair.flights}" for pair in pairs) or "nothing"
+
+
+def _killed_in(dossier: Dossier, situation: str) -> Ratio:
+    tests = [r for mutant in dossier.counted for r in mutant.results if r.situation == situation and r.tested]
+    return Ratio(sum(bool(result.kills) for result in tests), len(tests))
+
+
+def _edges(dossier: Dossier) -> Table:
+    """Consideration 4: low probability, high impact."""
+    worst = sorted(_robustness(dossier), key=lambda row: (row[0], dossier.space.rank(row[2].situation), row[2].seed))
+    rows = tuple((o.situation, o.seed, name, f"{rho:.3f}") for rho, name, o in worst[:EDGES])
+    headers = ("situation", "seed", "requirement", "robustness")
+    note = f"The {EDGES} least robust flights of the unmutated drone that hold the safety requirement."
+    return Table("Sufficiency of coverage (4): edge cases", headers, rows, (note,))
+
+
+def _robustness(dossier: Dossier) -> Iterator[tuple[float, str, Outcome]]:
+    for outcome in dossier.outcomes:
+        if outcome.mutant == BASELINE and not outcome.invalid:
+            for reading in outcome.readings:
+                if reading.kind is Kind.SAFETY and not reading.violated and reading.triggered:
+                    yield reading.rho, reading.requirement, outcome
+
+
+def _environment(dossier: Dossier) -> Table:
+    rows = (("scaloft-fi", dossier.version), *sorted(dossier.platform.items()))
+    note = "Flights are deterministic: scaloft-fi replay flies each again, bit for bit, on the same platform."
+    return Table("Test environment", ("part", "version"), tuple(rows), (note,))

@@ -1,0 +1,1 @@
+"""Flights as rows, and two campaigns side by side."""

@@ -1,0 +1,90 @@
+"""What two campaigns say of the same flights."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from scaloft_fi.analysis.roster import Roster
+from scaloft_fi.judge.flights import flights_of
+from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.judge.space import Space
+from scaloft_fi.judge.status import baseline_status
+from scaloft_fi.views.tables.table import Table
+
+
+@dataclass(frozen=True)
+class Said:
+    """What a campaign says of a flight: its status, and the requirements it violates."""
+
+    status: str
+    violated: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return f"{self.status} {','.join(self.violated)}".strip()
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A flight of which two campaigns do not say the same; None = the campaign does not have it."""
+
+    mutant: str
+    situation: str
+    seed: int
+    first: Said | None
+    second: Said | None
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two campaigns beside each other.
+
+    Attributes:
+        same: flights of which both say the same, with the same bits.
+        other_bits: flights of which both say the same, with other bits.
+        differences: the rest, ordered by mutant, situation, seed.
+    """
+
+    same: int
+    other_bits: int
+    differences: tuple[Difference, ...]
+
+
+def compare(first: Iterable[Outcome], second: Iterable[Outcome], roster: Roster, space: Space) -> Comparison:
+    """Hold the flights of two campaigns, each flight once, against each other by mutant, situation and seed."""
+    here, there = _said(first), _said(second)
+    same = other_bits = 0
+    differences = []
+    for name in sorted(here.keys() | there.keys(), key=lambda n: (roster.rank(n[0]), space.rank(n[1]), n[2])):
+        one, other = here.get(name), there.get(name)
+        if one is None or other is None or one[0] != other[0]:
+            differences.append(Difference(*name, one[0] if one else None, other[0] if other else None))
+        elif one[1] == other[1]:
+            same += 1
+        else:
+            other_bits += 1
+    return Comparison(same, other_bits, tuple(differences))
+
+
+def comparison_table(comparison: Comparison, first: str, second: str) -> Table:
+    """The differences; `first` and `second` name the campaigns."""
+    rows = tuple(
+        (d.mutant, d.situation, d.seed, str(d.first) if d.first else "", str(d.second) if d.second else "")
+        for d in comparison.differences
+    )
+    note = (
+        f"{comparison.same} flights are the same bit for bit, {comparison.other_bits} more have the same status and "
+        f"violations; {len(rows)} differ."
+    )
+    return Table(f"{first} and {second}", ("mutant", "situation", "seed", first, second), rows, (note,))
+
+
+def _said(outcomes: Iterable[Outcome]) -> dict[tuple[str, str, int], tuple[Said, str]]:
+    listed = list(outcomes)
+    statuses = {flight.outcome.name: flight.status.value for flight in flights_of(listed)}
+    found = {}
+    for outcome in listed:
+        status = baseline_status(outcome) if outcome.mutant == BASELINE else statuses[outcome.name]
+        violated = tuple(reading.requirement for reading in outcome.readings if reading.violated)
+        found[outcome.mutant, outcome.situation, outcome.seed] = Said(status, violated), outcome.digest
+    return found

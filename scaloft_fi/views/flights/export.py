@@ -1,0 +1,124 @@
+"""One row per flight, as JSON or CSV: facts of the simulation only, no clock, host or worker.
+
+Every figure of the score can be recomputed from it, with the study's kinds of requirements and alpha, and from which
+mutants `run` asked for with more than one set of seeds.  A mutant's status is what its flight shows beside the baseline
+of the same situation and seed; the verdict on a mutant follows from all flights and the baselines together.  Beyond
+status and first safety violation a row has
+
+- `held`: requirements neither violated nor left open by a flight cut short;
+- `revealed_by`: safety, then operability requirements by which the flight is told from its baseline, each earliest
+  first;
+- `violation_times_s`, `violation_bodies`: per requirement in `violated`, when, and what was struck at that moment;
+- `rho_<requirement>`: robustness, in the requirement's unit; null (an empty cell of CSV) where the flight did not put
+  it to the test, for its condition never came true and nothing violates it: so in every vacuous reading;
+- `triggered`: requirements whose condition came true;
+- `realised`: for a baseline, axes whose value came true;
+- `carried`, `altered`: samples that crossed the patched seams, and how many were changed there.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Iterable, Sequence
+from functools import cache
+from typing import Any
+
+from scaloft_fi.analysis.roster import Roster
+from scaloft_fi.judge.flights import Flight, flights_of
+from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.judge.robustness import told_rho
+from scaloft_fi.judge.space import Space
+from scaloft_fi.judge.status import baseline_status
+
+Row = dict[str, Any]
+
+HEAD = ("mutant", "situation", "seed", "status", "ending", "violated")
+TAIL = ("infected_at_s", "violated_at_s", "x", "y", "z", "struck", "duration_s", "digest")
+BASIS = (
+    *("held", "revealed_by", "violation_times_s", "violation_bodies", "triggered", "realised", "carried", "altered"),
+)
+"""What else every figure of the score follows from."""
+
+
+def export_rows(
+    outcomes: Iterable[Outcome], roster: Roster, space: Space, requirements: Sequence[str] = ()
+) -> list[Row]:
+    """Rows in the order of `ordered`.
+
+    Args:
+        outcomes: of a campaign.
+        roster: gives the order of the mutants.
+        space: gives the order of the situations.
+        requirements: names that have a `rho_` column even when no flight was judged by them.
+    """
+    listed = ordered(outcomes, roster, space)
+    names = list(dict.fromkeys([*requirements, *(r.requirement for outcome in listed for r in outcome.readings)]))
+    flights = iter(flights_of(listed))
+    return [_row(o, None if o.mutant == BASELINE else next(flights), names) for o in listed]
+
+
+def ordered(outcomes: Iterable[Outcome], roster: Roster, space: Space) -> list[Outcome]:
+    """Flights by mutant (the baseline first, then PLACEBO, then the catalogue's order), situation, seed."""
+    mutant_rank, situation_rank = cache(roster.rank), cache(space.rank)
+    return sorted(outcomes, key=lambda o: (mutant_rank(o.mutant), situation_rank(o.situation), o.seed))
+
+
+def columns(rows: Sequence[Row], requirements: Sequence[str] = ()) -> list[str]:
+    """The columns of `rows`; of a campaign without flights those it would have."""
+    return list(rows[0]) if rows else [*HEAD, *(f"rho_{name}" for name in requirements), *TAIL, *BASIS]
+
+
+def _row(outcome: Outcome, flight: Flight | None, requirements: Sequence[str]) -> Row:
+    revealed_by: tuple[str, ...] = ()
+    if flight is None:
+        status = baseline_status(outcome)
+    else:
+        status, revealed_by = flight.status.value, flight.revealed + flight.operability_revealed
+    violated = [reading for reading in outcome.readings if reading.violated]
+    struck = {violation.requirement: violation.struck for violation in outcome.violations}
+    rho = {reading.requirement: told_rho(reading) for reading in outcome.readings}
+    first = outcome.first_violation
+    return {
+        "mutant": outcome.mutant,
+        "situation": outcome.situation,
+        "seed": outcome.seed,
+        "status": status,
+        "ending": outcome.ending,
+        "violated": [reading.requirement for reading in violated],
+        **{f"rho_{name}": rho.get(name) for name in requirements},
+        "infected_at_s": outcome.infected_at_s,
+        "violated_at_s": first.t_s if first else None,
+        "x": first.x if first else None,
+        "y": first.y if first else None,
+        "z": first.z if first else None,
+        "struck": first.struck if first else "",
+        "duration_s": outcome.duration_s,
+        "digest": outcome.digest,
+        "held": [reading.requirement for reading in outcome.readings if not (reading.violated or reading.open)],
+        "revealed_by": list(revealed_by),
+        "violation_times_s": [reading.violated_at_s for reading in violated],
+        "violation_bodies": [struck.get(reading.requirement, "") for reading in violated],
+        "triggered": [reading.requirement for reading in outcome.readings if reading.triggered],
+        "realised": [axis for axis, came_true in outcome.realised if came_true],
+        "carried": outcome.carried,
+        "altered": outcome.altered,
+    }
+
+
+def to_json(rows: Sequence[Row]) -> str:
+    """A JSON list, one flight a line."""
+    return "[\n" + ",\n".join(json.dumps(row, allow_nan=False) for row in rows) + "\n]\n" if rows else "[]\n"
+
+
+def to_csv(rows: Sequence[Row], requirements: Sequence[str] = ()) -> str:
+    """CSV with the same columns; lists joined by `;`, nothing where there is no value."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, columns(rows, requirements), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(
+        {key: ";".join(map(str, value)) if isinstance(value, list) else value for key, value in row.items()}
+        for row in rows
+    )
+    return text.getvalue()

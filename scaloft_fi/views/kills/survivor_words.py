@@ -1,0 +1,142 @@
+"""What is said of a survivor: each fact of its case as a sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from scaloft_fi.analysis.kills.survivor_case import Case
+from scaloft_fi.analysis.scoring.detection import LARGER, Verdict
+from scaloft_fi.analysis.scoring.pool import State
+
+NAMED = 3
+"""How many situations a sentence names before it counts the rest."""
+
+
+def rates(case: Case) -> str:
+    """What was seen of an undecided mutant, and why that does not decide."""
+    safety, said = case.score.safety, []
+    for name in case.campaign.safety:
+        tests = [result for result in case.score.results if name in result.steady]
+        violated = {result.situation: count for result in tests if (count := dict(result.violated).get(name))}
+        if violated:
+            said.append(
+                f"{sum(violated.values())} of {sum(result.flown for result in tests)} flights where {name} is steady "
+                f"violate it, in {_some(list(violated))}: chance may explain that (p = {safety.p[name]:.2g}, alpha "
+                f"{safety.share:g})."
+            )
+    flown = len(case.tested)
+    return " ".join(said) or (
+        f"no steady requirement is violated in {flown} flight{'s' * (flown != 1)}: too few to decide, whatever they do."
+    )
+
+
+def seeds(case: Case) -> str:
+    """How many seeds an undecided mutant takes to be decided, with the command; empty for any other."""
+    needed, run = case.score.safety.needed, "scaloft-fi run"
+    if case.row.verdict is not Verdict.UNDECIDED:
+        return ""
+    if needed is None:
+        return f"At that rate not even {LARGER[-1]} seeds decide: add a situation where it shows more often."
+    own = ""
+    if case.score.safety.anew:
+        run, own = f"{run} --campaign NAME", ", in a campaign of its own"
+    takes = "At that rate a verdict takes" if case.score.seen_in else "A verdict takes at least"
+    return f"{takes} {needed} seeds{own}: `{run} --mutant {case.row.id} --seeds {needed}`."
+
+
+def only_unsteady(case: Case) -> str:
+    """Where flights violate what the baselines of their seeds hold, if none of it is steady; empty if none do."""
+    revealing = [flight for flight in case.flights if flight.revealed]
+    where: dict[str, set[str]] = {}
+    for flight in revealing:
+        for name in flight.revealed:
+            where.setdefault(name, set()).add(flight.outcome.situation)
+    said = [f"{name} is {told(case.campaign.states(name, keys))}" for name, keys in where.items()]
+    return f"{violate(len(revealing))}, but only where that is not steady: {'; '.join(said)}." if said else ""
+
+
+def violate(flights: int) -> str:
+    """How many flights violate a safety requirement, each beside its own baseline."""
+    if flights == 1:
+        return "1 flight violates what the baseline of its seed holds"
+    return f"{flights or 'no'} flights violate what the baselines of their seeds hold"
+
+
+def untested(case: Case) -> str:
+    """Why no flight could have violated what the cell puts at risk; empty when one could."""
+    campaign = case.campaign
+    at_risk = [name for name in case.background.at_risk if name in campaign.safety]
+    states = {name: campaign.states(name, case.infected) for name in at_risk}
+    if not at_risk or any(State.STEADY in found for found in states.values()):
+        return ""
+    said = []
+    for name, found in states.items():
+        steady = {key for key in campaign.pool.flown if campaign.pool.states.get((key, name)) is State.STEADY}
+        where = campaign.where(steady.__contains__, campaign.pool.flown)
+        said.append(
+            f"{name}, which the cell puts at risk, is {told(found)} where it infects; it is steady {in_(where)}."
+        )
+    return " ".join(said)
+
+
+def margin(case: Case) -> str:
+    """As in: SR1 fell from 0.31 to 0.12 m in T0O0W0D0H1 (61 % of the margin)."""
+    loss = case.loss
+    if loss is None:
+        return ""
+    if loss.share <= 0:
+        return "No margin fell."
+    unit = case.campaign.units.get(loss.requirement, "")
+    at = f"in {loss.situation}" + (f", seed {loss.seed}" if loss.seed else "")
+    change = f"from {loss.baseline:.2g} to {loss.flown:.2g}{' ' * bool(unit)}{unit}"
+    return f"{loss.requirement} fell {change} {at} ({100 * loss.share:.0f} % of the margin)."
+
+
+def left(case: Case) -> str:
+    """What of the grid is left to fly."""
+    count = len(case.campaign.space.points) - len(case.flown)
+    if not count:
+        return "the whole grid was flown: add a situation."
+    return f"{situations(count)} of the grid {'was' if count == 1 else 'were'} not flown."
+
+
+def larger(case: Case) -> str:
+    """What to do where a larger fault may be detected."""
+    return (
+        f"The next rung is {case.background.stronger[0]}; "
+        f"`scaloft-fi margin {case.row.id}` searches for the least magnitude that is killed."
+    )
+
+
+def no_more(case: Case) -> str:
+    """Why no larger magnitude is asked for."""
+    return "its ladder ends here" if case.background.laddered else "the fault has no magnitude to raise"
+
+
+def told(states: Mapping[State, int]) -> str:
+    """As in: `vacuous in 1 and red in 2 situations`."""
+    found = {state: states[state] for state in State if states.get(state)}
+    last = next(reversed(found.values()), 0)
+    return (
+        " and ".join(f"{state.value} in {count}" for state, count in found.items()) + f" situation{'s' * (last != 1)}"
+    )
+
+
+def situations(count: int) -> str:
+    """As in: `1 situation`."""
+    return f"{count} situation{'s' * (count != 1)}"
+
+
+def in_(where: str) -> str:
+    """As in: `in human & light`, `everywhere`."""
+    return where if where in ("everywhere", "nowhere", "wherever tested") else f"in {where}"
+
+
+def listed(names: Iterable[str]) -> str:
+    """As in: `SR1 and SR2`."""
+    return " and ".join(names)
+
+
+def _some(keys: Sequence[str]) -> str:
+    rest = f" and {len(keys) - NAMED} more" if len(keys) > NAMED else ""
+    return ", ".join(keys[:NAMED]) + rest

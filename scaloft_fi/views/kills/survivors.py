@@ -1,0 +1,253 @@
+"""Survivors by the rung where they stopped (reach, infect, propagate, reveal), each with the next thing to do.
+
+A survivor is a mutant that is not detected.  A fault that stops at reach or infect asks for a situation, at propagate
+for a magnitude, at reveal for a magnitude, an oracle or more flights (after the RIPR model of Ammann and Offutt; that a
+survivor should say where it stopped is this project's proposal).  Every rule reads flights, their score and what the
+matrix says of a cell; none knows a mutant by name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+from scaloft_fi.analysis.kills.background import Background
+from scaloft_fi.analysis.kills.kill_matrix import KillMatrix
+from scaloft_fi.analysis.kills.near_miss import Loss
+from scaloft_fi.analysis.kills.survivor_case import Campaign, Case
+from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.scoring.pool import LEAST, State
+from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.requirement import Requirement
+from scaloft_fi.judge.status import Status
+from scaloft_fi.views.kills import survivor_words as words
+
+NEAR = 0.5
+"""A flight that lost half its baseline's margin is a near miss: a somewhat larger fault may be detected."""
+ASTRAY_M = 0.5
+"""A flight is far off its baseline's path from here [m]: as near as the study asks a waypoint to be passed."""
+SILENT = "Judge whether that is a hazard; if it is, a requirement is missing."
+
+
+class Rung(StrEnum):
+    """Where a survivor stopped."""
+
+    HARNESS = "harness"
+    """No flight of it counts."""
+    REACH = "reach"
+    """The seam carried no sample."""
+    INFECT = "infect"
+    """No sample was changed."""
+    PROPAGATE = "propagate"
+    """Samples were changed, the drone flew the same to the bit."""
+    REVEAL = "reveal"
+    """The drone flew otherwise, and violated no safety requirement more often than chance explains."""
+
+
+_RUNG = dict.fromkeys(Status, Rung.REVEAL) | {
+    Status.INVALID: Rung.HARNESS,
+    Status.NOT_REACHED: Rung.REACH,
+    Status.NOT_INFECTED: Rung.INFECT,
+    Status.MASKED: Rung.PROPAGATE,
+}
+
+
+class Next(StrEnum):
+    """What would make a survivor say something."""
+
+    REPEAT = "repeat"
+    POOL = "pool"
+    """The baselines that are lacking to decide."""
+    SEEDS = "seeds"
+    SITUATION = "situation"
+    MAGNITUDE = "magnitude"
+    ORACLE = "oracle"
+    OPERABILITY = "operability"
+    """Nothing: an operability requirement detects it, and its cell puts no other at risk."""
+    EXPECTED = "expected"
+    """The study said beforehand, with a reason, that it alters nothing in this grid."""
+
+
+@dataclass(frozen=True)
+class Survivor:
+    """A mutant that is not detected.
+
+    Attributes:
+        mutant: id.
+        verdict: on it; never `detected`.
+        rung: where it stopped.
+        next: what to change.
+        why: the facts that say so, and what to do, in a few sentences.
+        loss: where it lost most of a baseline's margin in a steady pair; None where it cannot be told.
+        off_path_m: how far it was off its baseline's path at the most, over flights that put it to the test and have a
+            trajectory [m].
+    """
+
+    mutant: str
+    verdict: Verdict
+    rung: Rung
+    next: Next
+    why: str
+    loss: Loss | None = None
+    off_path_m: float = 0.0
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return {
+            "mutant": self.mutant,
+            "verdict": self.verdict.value,
+            "rung": self.rung.value,
+            "next": self.next.value,
+            "why": self.why,
+            "loss": self.loss.to_json() if self.loss else None,
+            "off_path_m": self.off_path_m,
+        }
+
+
+def survivors(
+    outcomes: Iterable[Outcome],
+    scored: Score,
+    matrix: KillMatrix,
+    backgrounds: Mapping[str, Background],
+    units: Mapping[str, str] | None = None,
+) -> tuple[Survivor, ...]:
+    """Every mutant that is not detected, by rung, then in the matrix's order; controls are left out.
+
+    Args:
+        outcomes: of the campaign, with the trajectories of a seed if ways are to be told.
+        scored: their score.
+        matrix: its kill matrix, or those rows of it that are asked for.
+        backgrounds: of every mutant in it.
+        units: of the requirements' robustness, by name.
+    """
+    campaign = Campaign.of(outcomes, scored, matrix, backgrounds, units or {})
+    cases = [Case(campaign, row, backgrounds[row.id]) for row in matrix.mutants if row.verdict is not Verdict.DETECTED]
+    return tuple(sorted(map(_judge, cases), key=lambda survivor: list(Rung).index(survivor.rung)))
+
+
+def short_units(requirements: Iterable[Requirement]) -> dict[str, str]:
+    """The unit of each requirement's robustness, without what the study says beside it."""
+    return {requirement.name: requirement.unit.split(" (")[0].split(";")[0] for requirement in requirements}
+
+
+def _say(case: Case, next_: Next, *sentences: str) -> Survivor:
+    why = " ".join(said[:1].upper() + said[1:] for said in sentences if said)
+    return Survivor(case.row.id, case.row.verdict, _RUNG[case.row.status], next_, why, case.loss, case.off_path_m)
+
+
+def _judge(case: Case) -> Survivor:
+    rung = _RUNG[case.row.status]
+    if rung is Rung.HARNESS:
+        return _say(case, Next.REPEAT, "no flight of it counts: fly it again.")
+    if case.background.expected and not case.infected:
+        return _say(case, Next.EXPECTED, f"declared beforehand: {case.background.expected}.")
+    if rung is Rung.REACH:
+        return _not_reached(case)
+    if rung is Rung.INFECT:
+        return _not_infected(case)
+    if case.lacking:
+        return _not_pooled(case)
+    if case.row.verdict is Verdict.NOT_TESTED:
+        return _nowhere_steady(case)
+    if rung is Rung.PROPAGATE:
+        return _masked(case)
+    if case.row.verdict is Verdict.UNDECIDED:
+        return _say(
+            case, Next.SEEDS if case.score.safety.needed else Next.SITUATION, words.rates(case), words.seeds(case)
+        )
+    return _not_revealed(case)
+
+
+def _not_reached(case: Case) -> Survivor:
+    seam, campaign = case.background.seam, case.campaign
+    missed = campaign.carrying.get(seam, frozenset()) - case.flown
+    if missed:
+        first = min(missed, key=campaign.space.rank)
+        return _say(case, Next.SITUATION, f"the seam `{seam}` carries samples where it was not flown: fly {first}.")
+    return _say(
+        case,
+        Next.SITUATION,
+        f"the seam `{seam}` carried no sample in {words.situations(len(case.flown))} flown; {words.left(case)}",
+    )
+
+
+def _not_infected(case: Case) -> Survivor:
+    scores, stronger = case.campaign.scores, case.background.stronger
+    infecting = [id_ for id_ in stronger if id_ in scores and scores[id_].infected]
+    if infecting:
+        return _say(case, Next.MAGNITUDE, f"it changes no sample, {infecting[0]} does: too small to be seen.")
+    reached = {result.situation for result in case.score.results if result.reached}
+    where = words.in_(case.campaign.where(reached.__contains__, case.flown))
+    carries = f"the seam `{case.background.seam}` carries samples {where}, none of which the fault changes;"
+    return _say(case, Next.SITUATION, f"{carries} {words.left(case)}")
+
+
+def _not_pooled(case: Case) -> Survivor:
+    return _say(
+        case,
+        Next.POOL,
+        f"{words.violate(sum(bool(flight.revealed) for flight in case.flights))}.",
+        f"A verdict takes {LEAST} baselines in each situation where it infects, and {len(case.lacking)} of "
+        f"{len(case.infected)} have fewer: `scaloft-fi run --mutant {case.row.id}` flies them.",
+    )
+
+
+def _nowhere_steady(case: Case) -> Survivor:
+    states = {name: case.campaign.states(name, case.infected) for name in case.campaign.safety}
+    found = set().union(*states.values())
+    mend = ", or mend the unmutated drone there" if found & {State.RED, State.UNSTEADY} else ""
+    return _say(
+        case,
+        Next.SITUATION,
+        f"it infects {words.in_(case.infected_where)}, and no safety requirement is steady there: "
+        f"{'; '.join(f'{name} is {words.told(counts)}' for name, counts in states.items()) or 'the study has none'}.",
+        f"Add a situation where it infects and a safety requirement is steady{mend}.",
+    )
+
+
+def _masked(case: Case) -> Survivor:
+    said = f"it changes samples {words.in_(case.infected_where)}, and the drone flies the same to the bit."
+    if case.background.stronger:
+        return _say(case, Next.MAGNITUDE, said, words.larger(case), words.seeds(case))
+    missing = "A situation is missing where the drone acts on what the fault changes."
+    return _say(case, Next.SITUATION, said, missing, words.seeds(case))
+
+
+def _not_revealed(case: Case) -> Survivor:
+    lucky = words.only_unsteady(case)
+    if case.score.operability.detected:
+        tests = [result for result in case.score.results if result.steady_operability]
+        killing = sum(bool(result.operability_kills) for result in tests)
+        safety = [name for name in case.background.at_risk if name in case.campaign.safety]
+        by = words.listed(case.score.operability.by)
+        return _say(
+            case,
+            Next.ORACLE if safety else Next.OPERABILITY,
+            f"by {by} it is detected, and killed in {killing} of {words.situations(len(tests))} where {by} is steady; "
+            "no safety requirement detects it.",
+            f"Its cell puts {words.listed(safety) or 'none'} at risk.",
+            SILENT if safety else "Operability has a score of its own.",
+            lucky,
+            words.margin(case),
+        )
+    untested = words.untested(case)
+    if untested:
+        return _say(case, Next.SITUATION, untested, lucky, words.margin(case))
+    if case.loss is not None and case.loss.share >= NEAR:
+        near = f"near miss: {words.margin(case)}"
+        if case.background.stronger:
+            return _say(case, Next.MAGNITUDE, near, lucky, words.larger(case))
+        return _say(
+            case, Next.SITUATION, near, lucky, f"{words.no_more(case)}: a situation with less room may show it."
+        )
+    if case.off_path_m >= ASTRAY_M:
+        astray = f"it takes the drone {case.off_path_m:.2f} m off its path, and no requirement detects it."
+        return _say(case, Next.ORACLE, astray, SILENT, lucky, words.margin(case))
+    small = f"it takes the drone at most {case.off_path_m:.2f} m off its path." if case.off_path_m else ""
+    if case.background.stronger:
+        return _say(case, Next.MAGNITUDE, small, lucky, words.margin(case), words.larger(case))
+    missing = f"{words.no_more(case)}: a situation is missing in which what it changes matters."
+    return _say(case, Next.SITUATION, small, lucky, words.margin(case), missing)

@@ -1,0 +1,38 @@
+"""Survivors beside the dispositions that accept them, for the page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from datetime import date
+from typing import Any
+
+from scaloft_fi.analysis.disposition import Disposition, Judged, judge
+from scaloft_fi.analysis.roster import Roster
+from scaloft_fi.analysis.scoring.score import Score
+
+
+def accepted(scored: Score, roster: Roster, known: Iterable[Disposition], today: date | None) -> dict[str, Any]:
+    """Every counted survivor and every disposition with how it stands.
+
+    Args:
+        scored: of the campaign.
+        roster: tells which mutants count.
+        known: the dispositions of the study.
+        today: by which last days are judged; None = none is, so that the page never depends on a clock.
+    """
+    judged = judge(scored, roster, known, today)
+    return {"today": today.isoformat() if today else None, "judged": [_entry(one) for one in judged]}
+
+
+def _entry(judged: Judged) -> dict[str, Any]:
+    found = judged.disposition
+    entry: dict[str, Any] = {"mutant": judged.mutant, "state": judged.state.value, "surviving": list(judged.surviving)}
+    if found is None:
+        return entry
+    return entry | {
+        "owner": found.owner,
+        "reason": found.reason,
+        "until": found.expires.isoformat(),
+        "situations": list(found.situations),
+        "unnamed": [key for key in judged.surviving if found.situations and key not in found.situations],
+    }

@@ -1,0 +1,109 @@
+"""What follows from the flights, for the page: coverage against kills, ladders, margins, what kills what, survivors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from scaloft_fi.analysis.curves.curve_tables import curves_json
+from scaloft_fi.analysis.curves.curves import curves
+from scaloft_fi.analysis.curves.prediction import predict
+from scaloft_fi.analysis.curves.trial import trial
+from scaloft_fi.analysis.kills.background import backgrounds
+from scaloft_fi.analysis.kills.interaction import interactions, orders
+from scaloft_fi.analysis.kills.kill_matrix import KillMatrix
+from scaloft_fi.analysis.kills.minimal_suite import minimal_suite
+from scaloft_fi.analysis.kills.subsumption import subsumption
+from scaloft_fi.analysis.ratio import share_json
+from scaloft_fi.analysis.roster import Roster, cell_of
+from scaloft_fi.analysis.scoring.detection import Spending, Verdict
+from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.rulings import Rulings
+from scaloft_fi.judge.space import Space
+from scaloft_fi.views.kills.survivors import short_units, survivors
+from scaloft_fi.views.report.evidence import Evidence
+from scaloft_fi.views.report.severity import by_severity, searched
+from scaloft_fi.views.report.thresholds import thresholds
+from scaloft_fi.views.worksheet.margins import cell_margins
+
+
+def analyses(evidence: Evidence, rulings: Rulings, scored: Score, matrix: KillMatrix) -> dict[str, Any]:
+    """By section of the page; of the default mutants only, where ladders would count one fault several times.
+
+    Args:
+        evidence: what the page is made from.
+        rulings: of its flights.
+        scored: their score.
+        matrix: their kill matrix.
+    """
+    study, outcomes, roster = evidence.study, evidence.outcomes, evidence.study.roster
+    counted = {row.id for row in matrix.mutants if row.counted}
+    kills = {id_: keys for id_, keys in matrix.kills.items() if id_ in counted}
+    found = interactions(matrix)
+    known = backgrounds(study.matrix, [row.id for row in matrix.mutants])
+    return {
+        "curves": coverage_against_kills(scored, rulings, roster, matrix.space, evidence.spending),
+        "margins": margin_texts(outcomes, scored, study.matrix),
+        "ladders": ladders(scored, study.matrix, roster),
+        "thresholds": thresholds(outcomes, scored, study.matrix, study.requirements),
+        "interactions": [entry.to_json() for entry in found],
+        "orders": orders(found, matrix.space).to_json(),
+        "suite": minimal_suite(kills, [key for key, _ in matrix.space.points]).to_json(),
+        "subsumption": subsumption(kills).to_json(),
+        "survivors": [
+            entry.to_json() for entry in survivors(outcomes, scored, matrix, known, short_units(study.requirements))
+        ],
+    }
+
+
+def coverage_against_kills(
+    scored: Score, rulings: Rulings, roster: Roster, space: Space, spending: Spending
+) -> dict[str, Any] | None:
+    """The curves of every way to choose situations, None where nothing was flown in common."""
+    common = trial(scored, rulings, roster, space, spending)
+    if common is None:
+        return None
+    followed = curves(common)
+    return curves_json(followed, predict(followed))
+
+
+def margin_texts(outcomes: Sequence[Outcome], scored: Score, cells: Matrix) -> dict[str, str]:
+    """The margin of each cell that has one; faults without an order have a verdict and no margin."""
+    verdicts = tuple(verdict.words for verdict in Verdict)
+    told = {
+        cell: [part for part in text.split("; ") if any(map(str.isdigit, part)) and not part.endswith(verdicts)]
+        for cell, text in cell_margins(outcomes, scored, cells).items()
+    }
+    return {cell: "; ".join(parts) for cell, parts in told.items() if parts}
+
+
+def ladders(scored: Score, cells: Matrix, roster: Roster) -> list[dict[str, Any]]:
+    """Per cell flown with more than one magnitude its rungs from mild to severe; shifted phases are left out.
+
+    A magnitude that a search flew is left out: its share would be one of situations chosen by their kills.
+    """
+    by_cell: dict[str, list[MutantScore]] = {}
+    order, left_out = by_severity(cells, roster), searched(scored.mutants, roster)
+    for mutant in scored.mutants:
+        if mutant.subject.magnitude and "#" not in mutant.subject.id and mutant.subject.id not in left_out:
+            by_cell.setdefault(cell_of(mutant.subject.id), []).append(mutant)
+    return [
+        {
+            "cell": cell.name,
+            "rungs": [
+                {
+                    "id": rung.subject.id,
+                    "magnitude": rung.subject.magnitude,
+                    "default": roster.counts(rung.subject),
+                    "verdict": rung.verdict.value,
+                    "kill_rate": share_json(rung.kill_rate),
+                }
+                for rung in sorted(by_cell[cell.name], key=lambda one: order(one.subject.id))
+            ],
+        }
+        for cell in cells
+        if len(by_cell.get(cell.name, [])) > 1
+    ]

@@ -1,0 +1,140 @@
+"""All figures of the page as plain JSON values; the page draws them and computes none."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict
+from typing import Any
+
+from scaloft_fi import __version__
+from scaloft_fi.analysis.kills.kill_matrix import kill_matrix
+from scaloft_fi.analysis.scoring.baseline import Finding, Tally, findings, tallies
+from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.scoring.score import Score, score_of
+from scaloft_fi.analysis.situations.coverage import coverage_of
+from scaloft_fi.campaign.runs.gates import check
+from scaloft_fi.errors import GateError
+from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.judge.rulings import rulings_of
+from scaloft_fi.judge.track import TRACK_COLUMNS
+from scaloft_fi.sim.log import Ending
+from scaloft_fi.views.report import matrices
+from scaloft_fi.views.report.accepted import accepted
+from scaloft_fi.views.report.analyses import analyses
+from scaloft_fi.views.report.bounds import bounds_of
+from scaloft_fi.views.report.evidence import Evidence
+from scaloft_fi.views.report.karnaugh import folding
+from scaloft_fi.views.report.limits import limits
+from scaloft_fi.views.report.scenes import scenes
+from scaloft_fi.views.report.severity import by_severity
+from scaloft_fi.views.report.tracks import FAR
+from scaloft_fi.views.score.answers import answers
+from scaloft_fi.views.score.first_screen import baseline_line, coverage_line
+from scaloft_fi.views.score.score_record import score_json
+
+SCHEMA = 2
+"""Version of the JSON in the page."""
+RATIOS = {
+    "exercised": ("exercised", "credible cells whose default mutant was flown, of all credible cells"),
+    "infected": ("infected", "default mutants that changed a sample, of those flown"),
+    "tested": ("put to the test", "default mutants that infect where a safety requirement is steady, of those flown"),
+    "mutation_score": ("mutation score", "default mutants detected by safety requirements, of those flown"),
+    "operability": ("operability", "default mutants detected by operability requirements, of those flown"),
+}
+"""Title and population of each ratio."""
+
+
+def figures(evidence: Evidence) -> dict[str, Any]:
+    """The page's figures.
+
+    Raises:
+        InputError: a part of the study is not what it should be.
+    """
+    study, outcomes = evidence.study, evidence.outcomes
+    roster, space = study.roster, study.space
+    rulings = rulings_of(outcomes)
+    scored = score_of(rulings, roster, space, evidence.spending)
+    order = matrices.situations(space, study.grid)
+    keys = [situation["key"] for situation in order]
+    kills = kill_matrix(scored, roster, space)
+    covered = coverage_of(rulings.baselines, rulings.draws, space)
+    told = score_json(scored, covered, [])
+    listed = (*told["mutants"], *told["controls"])
+    mutants = matrices.mutants(scored, kills, rulings, listed, roster, keys, by_severity(study.matrix, roster))
+    return {
+        "schema": SCHEMA,
+        "version": __version__,
+        "study": study.folder.resolve().name,
+        "campaign": evidence.campaign,
+        "seeds": sorted({seed for _, seed in rulings.draws}),
+        "flights": len(outcomes),
+        "stale": evidence.stale,
+        "owed": evidence.owed,
+        "fingerprint": dict(evidence.fingerprint or {}),
+        "answers": [answer._asdict() for answer in answers(scored, roster, evidence.campaign)],
+        "besides": [
+            {"name": "Situations", "text": coverage_line(covered)},
+            {"name": "Unmutated drone", "text": baseline_line(scored.pool)},
+        ],
+        "pooled": scored.pooled,
+        "ratios": [
+            {"name": name, "title": title, "population": population} | told["ratios"][name]
+            for name, (title, population) in RATIOS.items()
+        ],
+        "coverage": told["coverage"],
+        "gates": _gates(evidence, scored, mutants),
+        "signs": matrices.SIGNS,
+        "verdicts": [verdict.value for verdict in Verdict],
+        "axes": matrices.axes(study.grid),
+        "karnaugh": folding(space, [axis.title for axis in study.grid.axes]),
+        "situations": order,
+        "by_situation": matrices.by_situation(scored, roster, keys),
+        "guidewords": [asdict(word) for word in study.matrix.guidewords],
+        "parameters": [asdict(parameter) for parameter in study.matrix.parameters],
+        "cells": matrices.cells(study.matrix, [mutant["id"] for mutant in mutants]),
+        "mutants": mutants,
+        "requirements": [asdict(requirement) | {"kind": requirement.kind.value} for requirement in study.requirements],
+        "limits": limits(study.requirements, TRACK_COLUMNS),
+        "bounds": bounds_of(study.requirements),
+        "pairs": told["pairs"],
+        "firsts": [_first(finding) for finding in findings(outcomes, space) if finding.first],
+        "tallies": [_tally(tally) for tally in tallies(outcomes)],
+        "accepted": accepted(scored, roster, study.dispositions, evidence.today),
+        **analyses(evidence, rulings, scored, kills),
+        "far": FAR,
+        "endings": {ending.value: ending.sentence for ending in Ending},
+        "scenes": scenes(study, sorted({outcome.situation for outcome in outcomes} & set(keys))),
+    }
+
+
+def _gates(evidence: Evidence, scored: Score, mutants: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+    """What the gates of a campaign say of these flights, and the counts behind them."""
+    outcomes, roster = evidence.outcomes, evidence.study.roster
+    flown = {outcome.situation for outcome in outcomes}
+    try:
+        check(outcomes, roster, canary=None, whole_grid=len(flown) == len(evidence.study.space.points))
+        failed = ""
+    except GateError as error:
+        failed = str(error)
+    placebo = sum(count for _, count in scored.placebo.rungs) if scored.placebo else 0
+    controls = [bool(mutant["shows"]) for mutant in mutants if mutant["control"]]
+    steady = sum(bool(scored.pool.steady(key, Kind.SAFETY)) for key in scored.pool.flown)
+    return {
+        "failed": failed,
+        "placebo_flights": placebo,
+        "invalid_flights": sum(bool(outcome.invalid) for outcome in outcomes),
+        "controls": {"part": sum(controls), "whole": len(controls)},
+        "steady_situations": {"part": steady, "whole": len(scored.pool.flown)},
+    }
+
+
+def _first(finding: Finding) -> dict[str, Any]:
+    """The earliest safety violation of the unmutated drone in a situation."""
+    assert finding.first
+    violation, seed = finding.first
+    return asdict(violation) | {"kind": violation.kind.value, "seed": seed, "situation": finding.situation}
+
+
+def _tally(tally: Tally) -> dict[str, Any]:
+    verdicts = {verdict.value: count for verdict, count in tally.verdicts}
+    return asdict(tally) | {"kind": tally.kind.value, "verdicts": verdicts}

@@ -1,0 +1,238 @@
+"""The flights of a campaign for the page, one compressed pack a situation: records, then tracks."""
+
+from __future__ import annotations
+
+import base64
+import json
+import struct
+import zlib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+from scaloft_fi.judge.flights import Flight, flight_of
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
+from scaloft_fi.judge.requirement import Reading
+from scaloft_fi.judge.robustness import told_rho
+from scaloft_fi.judge.status import baseline_status
+from scaloft_fi.judge.track import TRACK_COLUMNS, TRACK_EVERY, unpack_track
+from scaloft_fi.sim.signals import SAMPLE_HZ
+from scaloft_fi.views.report.tracks import QUANTUM, Whole, coded, quantised, quantum, shared, thinned
+
+TRACK_HZ = SAMPLE_HZ / TRACK_EVERY
+EVERYTHING = 1 << 30
+"""More seeds than there are."""
+NONE = -1
+DEFLATE = 6
+"""Level of compression: 9 takes seven times as long for 3 % less."""
+
+
+@dataclass(frozen=True)
+class Detail:
+    """How much of the tracks goes into the page.
+
+    Attributes:
+        every: one row stands for so many.
+        coarse: so many times the finest step of positions, speeds and distances.
+        seeds: of so many of the lowest seeds the mutants' tracks are kept; `EVERYTHING` for all.
+    """
+
+    every: int
+    coarse: int
+    seeds: int
+
+    def __str__(self) -> str:
+        """Rows in a second, and the steps."""
+        return self.told(TRACK_HZ)
+
+    def told(self, track_hz: float) -> str:
+        """The same of tracks with so many rows in a second."""
+        step = f"{QUANTUM * self.coarse:g}"
+        return f"{track_hz / self.every:g} Hz, in steps of {step} m and {step} m/s"
+
+
+DETAILS = (
+    Detail(1, 1, EVERYTHING),
+    Detail(1, 2, EVERYTHING),
+    Detail(2, 2, EVERYTHING),
+    Detail(2, 2, 1),
+    Detail(5, 2, 1),
+    Detail(1, 1, 0),
+)
+"""From the most to the least; the page takes the first that fits."""
+
+
+@dataclass(frozen=True)
+class Packed:
+    """The flights of a campaign.
+
+    Attributes:
+        texts: by situation the base64 text of its deflated flights.
+        says: of which flights there are tracks, and of which not.
+    """
+
+    texts: Mapping[str, str]
+    says: str
+
+
+def packs(outcomes: Iterable[Outcome], requirements: Sequence[str], detail: Detail, every: int = 1) -> Packed:
+    """Pack the flights, situation by situation; PLACEBO, which is its baseline, is left out.
+
+    Args:
+        outcomes: of the campaign.
+        requirements: names, in the order of the readings.
+        detail: how much of the tracks is kept.
+        every: only every so many-th situation is packed, to learn how large all would be.
+    """
+    by_situation: dict[str, list[Outcome]] = {}
+    for outcome in outcomes:
+        if outcome.mutant != PLACEBO:
+            by_situation.setdefault(outcome.situation, []).append(outcome)
+    seeds = {outcome.seed for listed in by_situation.values() for outcome in listed if outcome.mutant != BASELINE}
+    kept = set(sorted(seeds)[: detail.seeds])
+    tracked: dict[tuple[bool, int], list[bool]] = {}
+    texts = {}
+    for key, listed in list(by_situation.items())[::every]:
+        records, texts[key] = _pack(listed, requirements, detail, kept)
+        for entry in records:
+            if not entry["invalid"]:
+                tracked.setdefault((entry["mutant"] != BASELINE, entry["seed"]), []).append(entry["track"] is not None)
+    hz = next((found for listed in by_situation.values() for o in listed if (found := _rate_hz(o.track))), TRACK_HZ)
+    return Packed(texts, tracks_told(detail.told(hz), tracked))
+
+
+def _rate_hz(track: bytes) -> float | None:
+    """Rows of a track in a second; None where it has too few."""
+    rows = rows_of(track)
+    return round(1 / (rows[1][0] - rows[0][0]), 2) if len(rows) > 2 else None
+
+
+def tracks_told(detail: str, tracked: Mapping[tuple[bool, int], Sequence[bool]]) -> str:
+    """The sentences that say of which flights the page has tracks.
+
+    Args:
+        detail: how they are kept, in words.
+        tracked: by whether a mutant flew, and seed: of each flight that counts, whether it has one.
+    """
+    every = [has for flags in tracked.values() for has in flags]
+    if all(every):
+        return f"Tracks: every flight, {detail}."
+    if not any(every):
+        return "Tracks: of no flight; `replay` flies each again."
+    groups: dict[str, list[tuple[bool, int]]] = {"Every flight": [], "Some": [], "None": []}
+    for group, flags in tracked.items():
+        groups["Every flight" if all(flags) else "Some" if any(flags) else "None"].append(group)
+    told = [f"{words} of {_whose(found)}" for words, found in groups.items() if found]
+    return ".  ".join((f"Tracks: {sum(every)} of {len(every)} flights, {detail}", *told, "`replay` flies the rest."))
+
+
+def _whose(found: Sequence[tuple[bool, int]]) -> str:
+    """As in: the unmutated drone with seeds 0-9, mutants with seed 0."""
+    own = {
+        who: [seed for other, seed in found if other is mutated]
+        for mutated, who in ((False, "the unmutated drone"), (True, "mutants"))
+    }
+    return ", ".join(f"{who} with seed{'s' * (len(seeds) > 1)} {ranges(seeds)}" for who, seeds in own.items() if seeds)
+
+
+def ranges(numbers: Iterable[int]) -> str:
+    """Whole numbers in a sentence.
+
+    >>> ranges([4, 0, 1, 2, 7])
+    '0-2, 4, 7'
+    """
+    runs: list[list[int]] = []
+    for number in sorted(numbers):
+        if runs and number == runs[-1][-1] + 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    return ", ".join(str(run[0]) if len(run) == 1 else f"{run[0]}-{run[-1]}" for run in runs)
+
+
+def columns(detail: Detail) -> list[dict[str, Any]]:
+    """The columns of the tracks with the step of each."""
+    return [{"name": column, "quantum": quantum(column, detail.coarse)} for column in TRACK_COLUMNS]
+
+
+def _pack(
+    outcomes: Sequence[Outcome], requirements: Sequence[str], detail: Detail, seeds: set[int]
+) -> tuple[list[dict[str, Any]], str]:
+    """The records, and the base64 text of, deflated: a length (4 bytes, little endian), so many bytes of JSON, tracks.
+
+    Flights with one digest share a track; a track is told by its rows, how many of the first are another's, and whose.
+    """
+    ordered = sorted(outcomes, key=lambda o: (o.seed, o.mutant != BASELINE, o.mutant))
+    baselines = {outcome.seed: outcome for outcome in ordered if outcome.mutant == BASELINE}
+    clean: dict[int, tuple[int, Whole]] = {}
+    places: dict[str, int] = {}
+    tracks: list[list[int]] = []
+    body: list[bytes] = []
+    records = []
+    for outcome in ordered:
+        place = places.get(outcome.digest) if outcome.digest else None
+        if place is None and outcome.track and (outcome.mutant == BASELINE or outcome.seed in seeds):
+            kept = rows_of(outcome.track)
+            if not kept:
+                records.append(record(outcome, baselines.get(outcome.seed), requirements) | {"track": None})
+                continue
+            rows = quantised(thinned(kept, detail.every), TRACK_COLUMNS, detail.coarse)
+            base, base_rows = clean.get(outcome.seed, (NONE, rows[:0]))
+            same = shared(rows, base_rows)
+            place = len(tracks)
+            places[outcome.digest] = place
+            tracks.append([len(rows), same, base if same else NONE])
+            body.append(coded(rows, same))
+            if outcome.mutant == BASELINE:
+                clean[outcome.seed] = place, rows
+        records.append(record(outcome, baselines.get(outcome.seed), requirements) | {"track": place})
+    text = json.dumps({"flights": records, "tracks": tracks}, separators=(",", ":"), allow_nan=False).encode()
+    deflated = zlib.compress(struct.pack("<I", len(text)) + text + b"".join(body), DEFLATE)
+    return records, base64.b64encode(deflated).decode()
+
+
+def rows_of(track: bytes) -> list[tuple[float, ...]]:
+    """The rows of a track; none where time does not rise, as when an earlier version kept other columns."""
+    rows = unpack_track(track)
+    whole = all(len(row) == len(TRACK_COLUMNS) for row in rows[-1:])
+    return rows if whole and all(one[0] < next_[0] for one, next_ in pairwise(rows)) else []
+
+
+def record(outcome: Outcome, baseline: Outcome | None, requirements: Sequence[str]) -> dict[str, Any]:
+    """What the page tells of one flight beside its track."""
+    flight = flight_of(outcome, baseline) if outcome.mutant != BASELINE else None
+    readings = {reading.requirement: reading for reading in outcome.readings}
+    return {
+        "mutant": outcome.mutant,
+        "seed": outcome.seed,
+        "status": flight.status.value if flight else baseline_status(outcome),
+        **_revealed(flight),
+        "ending": outcome.ending,
+        "invalid": outcome.invalid,
+        "duration_s": _short(outcome.duration_s),
+        "infected_at_s": _short(outcome.infected_at_s),
+        "carried": outcome.carried,
+        "altered": outcome.altered,
+        "struck": outcome.struck,
+        "stack_error": outcome.stack_error,
+        "readings": [_reading(readings[name]) if name in readings else None for name in requirements],
+        "violations": [
+            [v.requirement, *(_short(value) for value in (v.t_s, v.x, v.y, v.z)), v.struck] for v in outcome.violations
+        ],
+    }
+
+
+def _revealed(flight: Flight | None) -> Mapping[str, Any]:
+    if flight is None:
+        return {}
+    return {"revealed": [*flight.revealed, *flight.operability_revealed]}
+
+
+def _reading(reading: Reading) -> list[Any]:
+    """Robustness (none of what was never triggered), moment of the violation, verdict, episodes of the trigger."""
+    return [_short(told_rho(reading), 4), _short(reading.violated_at_s), reading.verdict.value, reading.triggered]
+
+
+def _short(value: float | None, digits: int = 3) -> float | None:
+    return None if value is None else round(value, digits)

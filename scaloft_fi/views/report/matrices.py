@@ -1,0 +1,190 @@
+"""The two matrices of the page: the HAZOP study's cells, and mutants x situations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from scaloft_fi.analysis.kills.gray import gray_order
+from scaloft_fi.analysis.kills.kill_matrix import Entry, KillMatrix
+from scaloft_fi.analysis.ratio import Ratio, share_json
+from scaloft_fi.analysis.roster import Roster, cell_of
+from scaloft_fi.analysis.scoring.mutant_score import MutantScore, Result
+from scaloft_fi.analysis.scoring.pool import Pool
+from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.judge.rulings import Rulings, Situations
+from scaloft_fi.judge.space import Space
+from scaloft_fi.views.report.karnaugh import terms
+from scaloft_fi.views.report.severity import searched
+from scaloft_fi.views.report.signs import Sign, opening, seen_in, shown_by, sign_of
+
+if TYPE_CHECKING:
+    from scaloft_fi.sim.grid import Grid
+
+SIGNS = [sign.value for sign in Sign]
+KEPT = (
+    *("id", "guideword", "parameter", "magnitude", "status", "verdict"),
+    *("kill_rate", "kill_rate_flown", "decided_at"),
+)
+"""What the page tells of a mutant as the score's JSON does."""
+
+
+def situations(space: Space, grid: Grid) -> list[dict[str, Any]]:
+    """Every situation in Gray-code order: each differs from the one before in one axis by one step."""
+    return [
+        {
+            "key": key,
+            "levels": [space.values[axis].index(value) for axis, value in enumerate(space.point[key])],
+            "words": [space.word(axis, value) for axis, value in enumerate(space.point[key])],
+            "aliases": list(grid.aliases_of(grid.situation(key))),
+        }
+        for key in gray_order(space)
+    ]
+
+
+def axes(grid: Grid) -> list[dict[str, Any]]:
+    """The axes with the words for their values, the benign one first."""
+    return [
+        {"id": axis.id, "title": axis.title, "category": axis.category, "words": [value.title for value in axis.values]}
+        for axis in grid.axes
+    ]
+
+
+def cells(matrix: Matrix, flown: Iterable[str]) -> list[dict[str, Any]]:
+    """Every entry of the deviation matrix with its mutants that were flown, the default first named."""
+    by_cell: dict[str, list[str]] = {}
+    for mutant in flown:
+        by_cell.setdefault(cell_of(mutant), []).append(mutant)
+    return [
+        {
+            "name": cell.name,
+            "guideword": cell.guideword,
+            "parameter": cell.parameter,
+            "status": cell.status.value,
+            "deviation": cell.deviation,
+            "causes": list(cell.causes),
+            "effect": cell.effect,
+            "requirements": list(cell.requirements),
+            "reason": cell.reason,
+            "predicted": cell.predicted,
+            "expected": [fault.expected.reason for fault in cell.faults if fault.expected],
+            "default": f"{cell.name}@{cell.default_magnitude}".removesuffix("@") if cell.faults else "",
+            "mutants": by_cell.get(cell.name, []),
+        }
+        for cell in matrix
+    ]
+
+
+def mutants(
+    scored: Score,
+    matrix: KillMatrix,
+    rulings: Rulings,
+    told: Iterable[Mapping[str, Any]],
+    roster: Roster,
+    keys: Sequence[str],
+    order: Callable[[str], Any],
+) -> list[dict[str, Any]]:
+    """Every mutant and control flown.
+
+    Args:
+        scored: of the campaign.
+        matrix: its kill matrix.
+        rulings: of its flights.
+        told: the mutants and controls of the score's JSON.
+        roster: tells which mutants count.
+        keys: of the situations, in the order of `results`.
+        order: of ids.
+    """
+    known = {entry["id"]: entry for entry in told}
+    extra = searched(scored.mutants, roster)
+    found = []
+    for mutant in sorted((*scored.mutants, *scored.controls), key=lambda one: order(one.subject.id)):
+        id_, flights = mutant.subject.id, rulings.mutants[mutant.subject]
+        row = matrix.row[id_]
+        entries = {entry.situation: entry for entry in row.entries}
+        results = {result.situation: result for result in mutant.results}
+        found.append(
+            {name: known[id_][name] for name in KEPT}
+            | _mutant(mutant, flights, roster, matrix.space)
+            | {
+                "searched": id_ in extra,
+                "tests": _tests(mutant, scored.pool),
+                "results": [_result(entries[key], results.get(key), flights, scored.pool) for key in keys],
+                "terms": terms(matrix.space, row),
+            }
+        )
+    return found
+
+
+def _mutant(scored: MutantScore, flights: Situations, roster: Roster, space: Space) -> dict[str, Any]:
+    first = scored.first
+    return {
+        "cell": cell_of(scored.subject.id),
+        "control": roster.is_control(scored.subject),
+        "counts": roster.counts(scored.subject),
+        "by": [*scored.safety.by, *scored.operability.by],
+        "shows": list(shown_by(scored, flights)) if roster.is_control(scored.subject) else [],
+        "condition": scored.condition(space),
+        "first": {"requirement": first.requirement, "t_s": first.t_s, "situation": first.situation, "seed": first.seed}
+        if first
+        else None,
+    }
+
+
+def _tests(scored: MutantScore, pool: Pool) -> list[dict[str, Any]]:
+    """Per requirement that puts the mutant to the test somewhere its p, and what was seen there.
+
+    Returns:
+        `kills`: situations with a kill, of those that test it; `flights`: of the mutant that violate, in these;
+        `baseline`: of the pool that violate, of those judged, in these.
+    """
+    found, p = [], {**scored.safety.p, **scored.operability.p}
+    for name in (*pool.requirements(Kind.SAFETY), *pool.requirements(Kind.OPERABILITY)):
+        tests = [result for result in scored.results if name in (*result.steady, *result.steady_operability)]
+        if not tests:
+            continue
+        kills = sum(name in (*result.kills, *result.operability_kills) for result in tests)
+        pairs = [pool.pairs[result.situation, name] for result in tests]
+        violated = sum(dict(result.violated).get(name, 0) for result in tests)
+        found.append(
+            {
+                "requirement": name,
+                "p": p[name],
+                "kills": share_json(Ratio(kills, len(tests))),
+                "flights": share_json(Ratio(violated, sum(result.flown for result in tests))),
+                "baseline": share_json(Ratio(sum(own.violated for own in pairs), sum(own.judged for own in pairs))),
+            }
+        )
+    return found
+
+
+def _result(entry: Entry, result: Result | None, flights: Situations, pool: Pool) -> list[Any] | None:
+    """Sign by its place in `SIGNS`, flights that count, seed to open, flights that violate each, by which it is a sign.
+
+    Null where nothing was flown.
+    """
+    if entry.situation not in flights:
+        return None
+    told = {name: count for name, count in entry.violated if (entry.situation, name) in pool.pairs}
+    operability = result.operability_kills if result else ()
+    seen = seen_in(entry, pool)
+    seed = opening(flights[entry.situation], (*entry.kills, *operability, *seen, *told))
+    return [SIGNS.index(sign_of(entry, seen)), entry.flown, seed, told, list(entry.kills or seen)]
+
+
+def by_situation(scored: Score, roster: Roster, keys: Sequence[str]) -> list[dict[str, int]]:
+    """Per situation the default mutants with a kill, of those that it puts to the test, and of those flown."""
+    counted = [mutant for mutant in scored.mutants if roster.counts(mutant.subject)]
+    found = []
+    for key in keys:
+        results = [result for mutant in counted for result in mutant.results if result.situation == key]
+        found.append(
+            {
+                "killed": sum(bool(result.kills) for result in results),
+                "tested": sum(result.tested for result in results),
+                "flown": len(results),
+            }
+        )
+    return found

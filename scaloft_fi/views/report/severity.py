@@ -1,0 +1,42 @@
+"""The mutants of a cell from mild to severe, magnitudes that a search flew among those of the catalogue."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from scaloft_fi.analysis.margin import Scale
+from scaloft_fi.analysis.roster import Roster, cell_of
+from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.mutants.mutant import parse, split_magnitude
+
+
+def by_severity(cells: Matrix, roster: Roster) -> Callable[[str], tuple[int, int, float, float, str]]:
+    """A sort key of ids: the roster's order of cells, then a cell's faults, magnitudes from mild to severe, phases.
+
+    Magnitudes without an order stay in the catalogue's.
+    """
+
+    def key(id_: str) -> tuple[int, int, float, float, str]:
+        name = parse(id_)
+        place, member = roster.rank(id_)[1:3]
+        magnitude, unit = split_magnitude(name.magnitude)
+        faults = cells.cell(name.cell).faults if name.cell in cells else ()
+        for number, fault in enumerate(faults):
+            scale = Scale.of(fault.magnitude) if fault.magnitude and fault.magnitude.unit == unit else None
+            if scale and not isinstance(magnitude, str):
+                return place, number, scale.severity(magnitude), name.phase_s, id_
+        return place, len(faults), member, name.phase_s, id_
+
+    return key
+
+
+def searched(mutants: Iterable[MutantScore], roster: Roster) -> frozenset[str]:
+    """The ids off the catalogue flown in fewer situations than others of their cell: what a search flies."""
+    listed = list(mutants)
+    flown: dict[str, int] = {}
+    for mutant in listed:
+        cell = cell_of(mutant.subject.id)
+        flown[cell] = max(flown.get(cell, 0), mutant.kill_rate_flown.whole)
+    ids = {m.subject.id for m in listed if m.kill_rate_flown.whole < flown[cell_of(m.subject.id)]}
+    return frozenset(ids.difference(roster.ids))

@@ -1,0 +1,77 @@
+"""The margins of a campaign for the page, situation by situation, each beside what it is measured against."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from scaloft_fi.analysis.margin import FAILING, Margin, Subject, Tried, lowest, margins
+from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.requirement import Kind, Requirement
+
+
+def thresholds(
+    outcomes: Iterable[Outcome], scored: Score, cells: Matrix, requirements: Sequence[Requirement]
+) -> list[dict[str, Any]]:
+    """Every fault with an order of which some situation has two magnitudes, in the matrix's order of cells.
+
+    Returns:
+        Per fault `least`, its margin over all situations, `against`, the names of the requirements that are violated,
+        else of those that its cell puts at risk, and per situation the ends of its margin, with the robustness of those
+        requirements at both, null where none was put to the test.
+    """
+    found = margins(outcomes, scored, cells)
+    safety = [requirement.name for requirement in requirements if requirement.kind is Kind.SAFETY]
+    order = {cell.name: place for place, cell in enumerate(cells)}
+    several = [(subject, own) for subject, own in found.items() if any(len(margin.tried) > 1 for margin in own)]
+    several.sort(key=lambda entry: (order[entry[0].cell], entry[0].unit, entry[0].phase_s))
+    return [_entry(subject, own, cells, safety) for subject, own in several]
+
+
+def _entry(subject: Subject, listed: Sequence[Margin], cells: Matrix, safety: Sequence[str]) -> dict[str, Any]:
+    tried = [tried for margin in listed for tried in margin.tried if tried.answer in FAILING]
+    violated = {name for one in tried for name in one.requirements}
+    at_risk = cells.cell(subject.cell).requirements
+    against = [name for name in safety if name in (violated or at_risk)] or list(safety)
+    least = lowest(listed)
+    told = [margin for margin in listed if margin.told]
+    return {
+        "fault": str(subject),
+        "cell": subject.cell,
+        "unit": subject.unit,
+        "worse": told[0].scale.sign if told else 1,
+        "least": str(least) if least else "",
+        "situations_flown": len(listed),
+        "against": against,
+        "situations": [_situation(margin, against) for margin in told],
+    }
+
+
+def _situation(margin: Margin, against: Sequence[str]) -> dict[str, Any]:
+    (key,) = margin.situations
+    at = {tried.magnitude: tried for tried in margin.tried}
+    survivor, severe = (at.get(end) if end is not None else None for end in (margin.survives, margin.end))
+    return {
+        "key": key,
+        "margin": str(margin),
+        "survives": _plain(margin.survives),
+        "seen": _plain(margin.seen),
+        "kills": _plain(margin.kills),
+        "by": list(severe.requirements) if severe else [],
+        "rho": {name: [_rho(survivor, name), _rho(severe, name)] for name in against},
+        "again": [_plain(magnitude) for magnitude in margin.again],
+        "flown": [_plain(magnitude) for magnitude in sorted(at, key=margin.scale.severity)],
+    }
+
+
+def _rho(tried: Tried | None, requirement: str) -> float | str | None:
+    rho: Mapping[str, float] = dict(tried.rho) if tried else {}
+    return _plain(rho.get(requirement))
+
+
+def _plain(value: float | None) -> float | str | None:
+    """A number of JSON, which has no infinite ones."""
+    return value if value is None or math.isfinite(value) else f"{value:g}"

@@ -1,0 +1,1 @@
+"""The score as it is told."""

@@ -1,0 +1,217 @@
+"""The first screen after `run` and `score`: four answers, the mutants by verdict, coverage, what the drone does.
+
+All of it fits 100 columns.  Long groups are cut unless everything is asked for; the other tables stand behind `--all`.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from textwrap import fill, indent
+
+from scaloft_fi.analysis.kills.background import Background
+from scaloft_fi.analysis.roster import Roster
+from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.analysis.scoring.pool import Pool, State
+from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.analysis.situations.coverage import Coverage
+from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.judge.space import Space
+from scaloft_fi.judge.status import Status
+from scaloft_fi.views.score.answers import Answer, answers
+from scaloft_fi.views.tables.literal import printable
+from scaloft_fi.views.tables.table import WIDTH, Format, Table, render
+
+MANY, SHOWN = 12, 10
+"""Of a group of more mutants than `MANY` the first `SHOWN` are shown."""
+WIDEST = 24
+"""Longest condition that a row shows."""
+TITLE = "Would your tests have shown it?"
+COLUMNS = {
+    Verdict.DETECTED: ("kills", "by", "where", "first", "effect"),
+    Verdict.UNDECIDED: ("seen", "where", "first", "effect", "next"),
+    Verdict.NOT_DETECTED: ("tested in", "effect", "next"),
+    Verdict.NOT_TESTED: ("effect", "next"),
+}
+"""What each group tells of its mutants."""
+CONTROL_COLUMNS = ("kills", "shown by", "effect")
+LEGEND = (
+    "kills: situations where most flights of a detected fault violate, of those that put it to the test:",
+    "where it changes samples and nine in ten unmutated flights hold the requirement.",
+    "by: the same per requirement.  where: `mixed` is told by `scaloft-fi kills ID`.",
+    "first: earliest such violation [s from take-off].",
+    "next: seeds that decide (`run --mutant ID --seeds N`; anew: its own campaign); detected: `margin`.",
+)
+_STOPPED = {
+    Status.INVALID: "the harness failed",
+    Status.NOT_REACHED: "its seam carries nothing",
+    Status.NOT_INFECTED: "changes no sample",
+    Status.MASKED: "flies the same to the bit",
+    Status.BASELINE_RED: "violates as the baseline",
+    Status.SURVIVED: "flies otherwise",
+    Status.REVEALED: "flies otherwise",
+}
+
+
+def first_screen(
+    scored: Score,
+    roster: Roster,
+    space: Space,
+    covered: Coverage,
+    background: Callable[[str], Background | None],
+    *,
+    campaign: str = "default",
+    whole: bool = False,
+) -> tuple[Table, ...]:
+    """The screen as tables: the answers, a table a group, and the two lines.
+
+    Args:
+        scored: the campaign's score.
+        roster: which mutants count.
+        space: the grid.
+        covered: its situation coverage.
+        background: of the mutant with an id; None where nothing is known of it.
+        campaign: its name, for the commands.
+        whole: whether groups are shown to their ends.
+    """
+    told = answers(scored, roster, campaign)
+    lines = (Answer("Situations", coverage_line(covered)), Answer("Unmutated drone", baseline_line(scored.pool)))
+    counted = Counter(mutant.verdict for mutant in scored.mutants if mutant.flown and roster.counts(mutant.subject))
+    groups = []
+    for verdict in Verdict:
+        members = [mutant for mutant in scored.mutants if mutant.flown and mutant.verdict is verdict]
+        if verdict is Verdict.DETECTED:
+            members.sort(key=lambda mutant: -len(mutant.killing))
+        shown = _shown(members, whole=whole)
+        facts = [_facts(mutant, space, background(mutant.subject.id)) for mutant in shown]
+        rows = [(one["mutant"], *(one[column] for column in COLUMNS[verdict])) for one in facts]
+        title = f"{verdict.words.capitalize()}: {len(members)}"
+        if counted[verdict] != len(members):
+            title += f", of which {counted[verdict]} count in the score"
+        groups.append(_group(title, COLUMNS[verdict], rows, len(members)))
+    controls = [_control(mutant) for mutant in _shown(scored.controls, whole=whole)]
+    title = f"Controls, in no ratio: {len(scored.controls)}"
+    groups.append(_group(title, CONTROL_COLUMNS, controls, len(scored.controls)))
+    groups = [group for group in groups if group.rows]
+    if groups:
+        groups[-1] = replace(groups[-1], notes=(*groups[-1].notes, "", *LEGEND))
+    return (Table(TITLE, ("question", "answer"), tuple(told)), *groups, Table("Besides", ("what", "finding"), lines))
+
+
+def screen_text(screen: Sequence[Table], *, bold: bool = False) -> str:
+    """The screen as a terminal shows it: answers and findings as lines, the groups as tables between them."""
+    first, *groups, last = screen
+    parts = [_lines(first, bold), *(_emphasised(render([table], Format.TABLE), bold) for table in groups)]
+    return "\n".join([*parts, _lines(last, bold)])
+
+
+def _lines(table: Table, bold: bool) -> str:
+    """A table of two columns as lines: the first column is what the others are indented by."""
+    wide = max(len(str(name)) for name, _ in table.rows) + 2
+    lines = []
+    for name, text in table.rows:
+        told = indent(fill(printable(str(text)), WIDTH - wide), " " * wide).lstrip()
+        lines.append(f"{_strong(str(name), bold)}{' ' * (wide - len(str(name)))}{told}\n")
+    return "".join(lines)
+
+
+def _emphasised(text: str, bold: bool) -> str:
+    """The first line, which is the title, emphasised."""
+    title, rest = text.split("\n", 1)
+    return f"{_strong(title, bold)}\n{rest}"
+
+
+def _strong(text: str, bold: bool) -> str:
+    return f"\x1b[1m{text}\x1b[0m" if bold else text
+
+
+def coverage_line(covered: Coverage) -> str:
+    """The situations in a sentence."""
+    ways = ", ".join(f"{t}-way {100 * (r.value or 0):.0f} %" for t, r in covered.t_way if 2 <= t <= 3)
+    return f"{covered.situations.short} flown, {ways} covered; in {covered.realised.short} every value came true."
+
+
+def baseline_line(pool: Pool) -> str:
+    """What the unmutated drone itself violates, in a sentence."""
+    pairs = [pair for pair in pool.pairs.values() if pair.kind is Kind.SAFETY]
+    if not any(pair.state is not State.UNKNOWN for pair in pairs):
+        red = sum(pair.violated > 0 for pair in pairs)
+        return f"violates a safety requirement in {red} of {len(pairs)} pairs of situation and requirement; no pool."
+    found = []
+    for name in pool.requirements(Kind.SAFETY):
+        states = Counter(pair.state for pair in pairs if pair.requirement == name and pair.state is not State.UNKNOWN)
+        ill = [f"{states[s]} {s.value}" for s in (State.RED, State.UNSTEADY, State.OPEN, State.VACUOUS) if states[s]]
+        found.append(f"{name} in {states[State.STEADY]}" + (f" ({', '.join(ill)})" if ill else ""))
+    return f"of {len(pool.flown)} situations with a pool it holds steadily {', '.join(found)}."
+
+
+def _shown(members: Sequence[MutantScore], *, whole: bool) -> Sequence[MutantScore]:
+    return members if whole or len(members) <= MANY else members[:SHOWN]
+
+
+def _group(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...]], members: int) -> Table:
+    """A group's table; its note counts the members that are not shown."""
+    notes = (f"... and {members - len(rows)} more: `scaloft-fi score --all`",) if len(rows) < members else ()
+    return Table(title, ("mutant", *columns), tuple(rows), notes)
+
+
+def _facts(mutant: MutantScore, space: Space, background: Background | None) -> dict[str, str]:
+    where = mutant.condition(space)
+    seen = Counter(name for result in mutant.results for name in result.seen)
+    return {
+        "mutant": mutant.subject.id,
+        "kills": mutant.kill_rate.short,
+        "by": ", ".join(f"{name} {ratio.short}" for name, ratio in mutant.requirements if name in mutant.safety.p)
+        or ", ".join(mutant.safety.by),
+        "seen": ", ".join(f"{name} in {count}/{mutant.kill_rate.whole}" for name, count in seen.items()),
+        "tested in": str(mutant.kill_rate.whole),
+        "where": where if len(where) <= WIDEST else "mixed",
+        "first": f"{mutant.first.t_s:.1f}" if mutant.first else "",
+        "effect": effect(mutant),
+        "next": _next(mutant, background),
+    }
+
+
+def _control(mutant: MutantScore) -> tuple[str, ...]:
+    by = ", ".join((*mutant.safety.by, *mutant.operability.by)) or _violated(mutant)
+    return mutant.subject.id, mutant.kill_rate.short, by, effect(mutant)
+
+
+def _violated(mutant: MutantScore) -> str:
+    """What a control violates that was flown too seldom for a verdict, as a canary is."""
+    flights = Counter(name for result in mutant.results for name, count in result.violated for _ in range(count))
+    told = ", ".join(f"{name} in {count} flight{'s' * (count > 1)}" for name, count in flights.items())
+    return told or "nothing"
+
+
+def effect(mutant: MutantScore) -> str:
+    """What the fault does to the flight, in words."""
+    struck = list(dict.fromkeys(kill.first.struck for kill in mutant.kills if kill.first.struck))
+    if not struck and mutant.first is not None and mutant.first.struck:
+        struck = [mutant.first.struck]
+    if struck:
+        return f"strikes {struck[0]}" + f" +{len(struck) - 1}" * (len(struck) > 1)
+    if mutant.detected:
+        return "no contact"
+    if mutant.operability.detected:
+        return f"breaks {', '.join(mutant.operability.by)}"
+    if mutant.infected and not mutant.tested:
+        unknown = mutant.verdict is Verdict.UNDECIDED
+        return "no baseline pool where it acts" if unknown else "acts only where no pair is steady"
+    return _STOPPED[mutant.status]
+
+
+def _next(mutant: MutantScore, background: Background | None) -> str:
+    if mutant.verdict is Verdict.UNDECIDED:
+        if mutant.safety.needed is None:
+            return "more than 50 seeds" if mutant.tested else "a baseline pool"
+        return f"--seeds {mutant.safety.needed}" + ", anew" * mutant.safety.anew
+    if background is not None and background.expected and not mutant.infected:
+        return "nothing: expected"
+    if mutant.verdict is Verdict.NOT_TESTED:
+        return "another situation"
+    if background is not None and background.stronger:
+        return f"try {background.stronger[0]}"
+    return "an oracle or situation"

@@ -1,0 +1,97 @@
+"""The score as plain JSON values: what `score --format json` prints."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from scaloft_fi.analysis.ratio import share_json
+from scaloft_fi.analysis.scoring.detection import Detection
+from scaloft_fi.analysis.scoring.grouping import Group
+from scaloft_fi.analysis.scoring.mutant_score import Kill, Moment, MutantScore
+from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.analysis.situations.coverage import Coverage, coverage_json
+
+VERSION = 2
+"""Of this form; it changes when a name or its meaning does."""
+RATIOS = ("exercised", "infected", "tested", "mutation_score", "operability")
+
+
+def score_json(
+    scored: Score, covered: Coverage, baselines: Sequence[tuple[str, Sequence[str]]], groups: Sequence[Group] = ()
+) -> dict[str, Any]:
+    """Plain JSON values.
+
+    Args:
+        scored: the campaign's score.
+        covered: its situation coverage.
+        baselines: names what each situation's baseline violates in any flight.
+        groups: the score part by part, where asked for.
+    """
+    return {
+        "version": VERSION,
+        "alpha": scored.alpha,
+        "pooled": scored.pooled,
+        "ratios": {name: share_json(getattr(scored, name)) for name in RATIOS},
+        "expected_false": scored.expected_false,
+        "redraw": scored.redraw.to_json(),
+        "mutants": [_mutant(mutant) for mutant in scored.mutants],
+        "controls": [_mutant(mutant) for mutant in scored.controls],
+        "pairs": [pair.to_json() for pair in scored.pool.pairs.values()],
+        "lacking": list(scored.lacking),
+        "coverage": _coverage(covered),
+        "baseline": [{"situation": key, "violated": list(violated)} for key, violated in baselines],
+        **({"groups": [group.to_json() for group in groups]} if groups else {}),
+    }
+
+
+def _coverage(covered: Coverage) -> dict[str, Any]:
+    """`t_way` with parts and wholes alone, `complete` with its (p, t)-completeness."""
+    told = coverage_json(covered)
+    complete = {strength: found["complete"] for strength, found in told["t_way"].items()}
+    t_way = {str(strength): share_json(ratio) for strength, ratio in covered.t_way}
+    return told | {"t_way": t_way, "complete": complete}
+
+
+def _mutant(mutant: MutantScore) -> dict[str, Any]:
+    return {
+        "id": mutant.subject.id,
+        "guideword": mutant.subject.guideword,
+        "parameter": mutant.subject.parameter,
+        "magnitude": mutant.subject.magnitude,
+        "status": mutant.status.value,
+        "verdict": mutant.verdict.value,
+        "p": dict(mutant.safety.p),
+        "kill_rate": share_json(mutant.kill_rate),
+        "kill_rate_flown": share_json(mutant.kill_rate_flown),
+        "kills": [_kill(kill) for kill in mutant.kills],
+        "requirements": {name: share_json(ratio) for name, ratio in mutant.requirements},
+        "first": _moment(mutant.first),
+        "decided_at": _look(mutant.safety),
+        "operability": {
+            "verdict": mutant.operability.verdict.value,
+            "p": dict(mutant.operability.p),
+            "kills": [_kill(kill) for kill in mutant.operability_kills],
+            "decided_at": _look(mutant.operability),
+        },
+    }
+
+
+def _look(detection: Detection) -> dict[str, Any]:
+    """The seeds that the verdict rests on, the share of alpha it is held against, the seeds that would decide it."""
+    return {"seeds": detection.seeds, "alpha": detection.share, "needed": detection.needed, "anew": detection.anew}
+
+
+def _kill(kill: Kill) -> dict[str, Any]:
+    return {
+        "situation": kill.situation,
+        "requirement": kill.requirement,
+        "violated": kill.violated,
+        "flights": kill.flights,
+    }
+
+
+def _moment(moment: Moment | None) -> dict[str, Any] | None:
+    if moment is None:
+        return None
+    return moment._asdict() | {"position": list(moment.position)}

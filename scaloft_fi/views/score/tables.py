@@ -1,0 +1,180 @@
+"""The tables behind the first screen: ratios, rungs, pairs, the unmutated drone's findings, coverage, groupings."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+from scaloft_fi.analysis.ratio import Ratio
+from scaloft_fi.analysis.roster import Roster
+from scaloft_fi.analysis.scoring.baseline import Finding, Tally, findings, tallies
+from scaloft_fi.analysis.scoring.grouping import By, groups
+from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.analysis.scoring.pool import Pool, State
+from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.analysis.situations.coverage import Coverage
+from scaloft_fi.judge.outcome import PLACEBO
+from scaloft_fi.judge.requirement import Verdict
+from scaloft_fi.judge.robustness import spelt_rho
+from scaloft_fi.judge.rulings import Rulings
+from scaloft_fi.judge.space import Space
+from scaloft_fi.judge.status import Status
+from scaloft_fi.views.tables.table import Table
+
+MANY = 24
+"""Of more mutants than these the flights at each rung are summed by parameter."""
+POPULATIONS = {
+    "exercised": "credible cells whose default mutant was flown, of all credible cells",
+    "infected": "default mutants that changed a sample, of those flown",
+    "tested": "default mutants put to the test: they infect where a safety requirement is steady; of those flown",
+    "mutation_score": "default mutants detected by safety requirements, of those flown",
+    "operability": "default mutants detected by operability requirements, of those flown",
+}
+"""What each ratio of the score counts."""
+
+
+def tables_behind(
+    scored: Score, rulings: Rulings, covered: Coverage, roster: Roster, space: Space, by: By | None = None
+) -> tuple[Table, ...]:
+    """All tables behind the first screen; `by` adds the score part by part."""
+    return (
+        ratio_table(scored),
+        rung_table(scored),
+        *([group_table(scored, by, roster, space)] if by else []),
+        pair_table(scored.pool, space),
+        baseline_table(findings(rulings.baselines, space)),
+        requirement_table(tallies(rulings.baselines)),
+        coverage_table(covered),
+    )
+
+
+def ratio_table(scored: Score) -> Table:
+    """The ratios of the score, each with its population."""
+    rows = tuple((name.replace("_", " "), str(getattr(scored, name)), told) for name, told in POPULATIONS.items())
+    drawn = scored.redraw
+    notes = [f"False detections expected, at most: {scored.expected_false:.2g} ({scored.alpha:g} a mutant tested)."]
+    if drawn.seeds:
+        notes.append(
+            f"Of {drawn.safety.whole} redraws of the unmutated drone ({drawn.seeds} seeds beside ten) "
+            f"{drawn.safety.part} are called detected by safety, {drawn.operability.part} by operability requirements."
+        )
+    else:
+        notes.append("No redraws: they need 20 baseline flights and more in every situation (`--baseline-seeds`).")
+    return Table("Mutation score", ("ratio", "part/whole", "population"), rows, tuple(notes))
+
+
+def pair_table(pool: Pool, space: Space) -> Table:
+    """The pairs of situation and requirement that put no fault to the test."""
+    others = [pair for pair in pool.pairs.values() if pair.state is not State.STEADY]
+    others.sort(key=lambda pair: (space.rank(pair.situation), pair.requirement))
+    rows = tuple(
+        (pair.situation, pair.requirement, pair.state.value, f"{pair.violated}/{pair.flights}", pair.open)
+        for pair in others
+    )
+    steady = Ratio(len(pool.pairs) - len(others), len(pool.pairs))
+    notes = (
+        f"{steady} of the pairs are steady: nine tenths of the baseline flights hold the requirement.",
+        "red: most violate; unsteady: between; open: a tenth is cut short before; vacuous: half never trigger it;",
+        "unknown: fewer than ten baseline flights.  None of these contributes a kill.",
+    )
+    headers = ("situation", "requirement", "state", "violated", "open")
+    return Table("Pairs that put no fault to the test", headers, rows, notes)
+
+
+def rung_table(scored: Score) -> Table:
+    """How many flights stopped at each rung: reach, infect, propagate, reveal; by parameter where mutants are many."""
+    placebo = [scored.placebo] if scored.placebo else []
+    entries = [*placebo, *scored.mutants, *scored.controls]
+    if len(entries) <= MANY:
+        parts = [(entry.subject.id, [entry]) for entry in entries]
+    else:
+        names = dict.fromkeys(mutant.subject.parameter for mutant in scored.mutants)
+        parts = [(name, [m for m in scored.mutants if m.subject.parameter == name]) for name in names]
+        parts = [*((PLACEBO, [entry]) for entry in placebo), *parts, ("controls", list(scored.controls))]
+    if len(entries) > 1:
+        parts.append(("all", entries))
+    rows = [_rungs(name, members) for name, members in parts if members]
+    headers = ("mutant" if len(entries) <= MANY else "parameter", *(status.value for status in Status), "flights")
+    return Table("Where the faults stopped (flights)", headers, tuple(rows))
+
+
+def _rungs(name: str, members: Sequence[MutantScore]) -> tuple[str | int, ...]:
+    counts = Counter[Status]()
+    for member in members:
+        counts.update(dict(member.rungs))
+    return (name, *(counts[status] for status in Status), counts.total())
+
+
+def baseline_table(found: Sequence[Finding]) -> Table:
+    """The situations where the unmutated drone violates a requirement, or leaves one untested."""
+    rows = tuple(
+        (
+            finding.situation,
+            Ratio(finding.red, finding.flown).short,
+            ", ".join(finding.violated),
+            ", ".join(finding.open),
+            ", ".join(finding.vacuous),
+            _first(finding),
+        )
+        for finding in found
+        if finding.violated
+    )
+    red = sum(finding.red > 0 for finding in found)
+    held = len(found) - red
+    vacuous = sum(bool(finding.vacuous) for finding in found)
+    notes = (
+        f"{Ratio(held, len(found))} of the situations flown have baselines that hold every safety requirement.",
+        f"In {vacuous} of {len(found)} a requirement was never triggered: vacuous, not passed.",
+    )
+    headers = ("situation", "red flights", "violated", "open", "vacuous", "first")
+    return Table("Findings about the unmutated drone", headers, rows, notes)
+
+
+def _first(finding: Finding) -> str:
+    if finding.first is None:
+        return ""
+    violation, seed = finding.first
+    struck = f" struck {violation.struck}" if violation.struck else ""
+    place = f"({violation.x:.2f}, {violation.y:.2f}, {violation.z:.2f})"
+    of_seed = f", seed {seed}" if finding.flown > 1 else ""
+    return f"{violation.requirement} {violation.t_s:.2f} s {place}{struck}{of_seed}"
+
+
+def requirement_table(tallied: Sequence[Tally]) -> Table:
+    """What the baseline flights say about each requirement."""
+    headers = ("requirement", "kind", *(verdict.value for verdict in Verdict), "triggered", "least robustness")
+    rows = tuple(
+        (t.requirement, t.kind.value, *(count for _, count in t.verdicts), t.triggered, spelt_rho(t.least_rho))
+        for t in tallied
+    )
+    notes = (
+        "Baseline flights by verdict; triggered: episodes in which the requirement's condition came true.",
+        "Least robustness: of flights in which it came true, or that violate it.",
+    )
+    return Table("Requirements of the unmutated drone (flights)", headers, rows, notes)
+
+
+def coverage_table(covered: Coverage) -> Table:
+    """How much of the situation space was flown; the grid is a closed list, so no interval."""
+    rows = [
+        ("distinct situations", str(covered.situations), "situations of the grid"),
+        ("draws", str(covered.draws), "situations flown with a seed"),
+        *([("pool", str(covered.pool), "of these draws, the baseline's alone, to decide by")] if covered.pool else []),
+        *((f"{t}-way", str(ratio), "value combinations of that many axes") for t, ratio in covered.t_way),
+        ("realised", str(covered.realised), "situations whose every value came true in a baseline flight"),
+        *(
+            (f"realised {axis}", str(ratio), "situations where the value on that axis came true")
+            for axis, ratio in covered.by_axis
+        ),
+    ]
+    return Table("Situation coverage", ("coverage", "part/whole", "of"), tuple(rows))
+
+
+def group_table(scored: Score, by: By, roster: Roster, space: Space) -> Table:
+    """The score of each part."""
+    rows = tuple((group.name, str(group.tested), str(group.flown)) for group in groups(scored, by, roster, space))
+    mutants = by in (By.GUIDEWORD, By.PARAMETER, By.REQUIREMENT)
+    what = "detected" if mutants else "with a kill"
+    of = "mutants in situations" if by is By.AXIS else "mutants"
+    notes = (f"Default mutants of credible cells: {of} {what}, of those put to the test there, and of those flown.",)
+    return Table(f"Score by {by.value}", (by.value, f"{what}/tested", f"{what}/flown"), rows, notes)

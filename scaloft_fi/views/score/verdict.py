@@ -1,0 +1,119 @@
+"""What the verdict on a mutant rests on, in a line, and what would decide one that is open."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from scaloft_fi.analysis.scoring.detection import LARGER, Verdict
+from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.analysis.scoring.pool import LEAST
+from scaloft_fi.judge.status import Status
+from scaloft_fi.views.score.answers import command
+
+NO_POOL = (
+    f"no situation in which a mutant changes a sample has {LEAST} baseline flights to decide by; `scaloft-fi run` with "
+    "the same mutants flies them"
+)
+"""Why a campaign without a pool has no verdict, and what flies one."""
+
+
+def verdict(mutant: MutantScore, lacking: Collection[str]) -> str:
+    """The verdict by safety requirements and what it rests on: `detected: killed in 8 of 23 situations ...`.
+
+    Args:
+        mutant: of a score.
+        lacking: situations where the pool has too few flights, as the score names them.
+    """
+    return f"{mutant.verdict.words}: {why(mutant, lacking)}"
+
+
+def why(mutant: MutantScore, lacking: Collection[str]) -> str:
+    """What the verdict rests on; detection by operability requirements behind it."""
+    if mutant.verdict is Verdict.UNDECIDED:
+        text = _undecided(mutant, lacking)
+    elif mutant.detected:
+        text = _detected(mutant)
+    else:
+        text = f"nothing seen in {_tests(mutant)}; {_unseen(mutant)}" if mutant.tested else _untested(mutant)
+    return text + ("; by operability it is detected" if mutant.operability.detected else "")
+
+
+def would_decide(mutant: MutantScore, lacking: Collection[str]) -> str:
+    """What would decide an undecided mutant; empty for any other."""
+    safety = mutant.safety
+    if mutant.verdict is not Verdict.UNDECIDED:
+        return ""
+    if lacks_pool(mutant, lacking):
+        return f"{LEAST} baseline flights in each situation"
+    if safety.needed is None:
+        return f"no number of seeds up to {LARGER[-1]}"
+    return f"{safety.needed} seeds" + (" in a campaign of its own" if safety.anew else "")
+
+
+def next_command(mutant: MutantScore, lacking: Collection[str], campaign: str) -> str:
+    """What to call next for an undecided mutant or one that was not tested: what would decide, else what is known."""
+    safety, seeds = mutant.safety, max((result.flown for result in mutant.results), default=1)
+    if mutant.verdict is Verdict.UNDECIDED and lacks_pool(mutant, lacking):
+        return command(campaign, [mutant], seeds)
+    if safety.needed:
+        return command("ANOTHER" if safety.anew else campaign, [mutant], safety.needed)
+    where = f" --campaign {campaign}" * (campaign != "default")
+    return f"scaloft-fi kills{where} {mutant.subject.id} --show survivors"
+
+
+def lacks_pool(mutant: MutantScore, lacking: Collection[str]) -> bool:
+    """Whether an undecided mutant changes samples in a situation where the pool has too few flights."""
+    return not mutant.tested or any(result.infected and result.situation in lacking for result in mutant.results)
+
+
+def _detected(mutant: MutantScore) -> str:
+    if mutant.kills:
+        names = {kill.requirement for kill in mutant.kills}
+        by = ", ".join(
+            f"{name} in {ratio.part} of {ratio.whole}" for name, ratio in mutant.requirements if name in names
+        )
+        return f"killed in {len(mutant.killing)} of {_tests(mutant)} ({by})"
+    by = ", ".join(f"{name} (p = {mutant.safety.p[name]:.2g})" for name in mutant.safety.by)
+    seen = f"; seen in {len(mutant.seen_in)} of {_tests(mutant)}" if mutant.seen_in else ""
+    return f"it violates {by} more often than chance explains, but nowhere in most of its flights{seen}"
+
+
+def _undecided(mutant: MutantScore, lacking: Collection[str]) -> str:
+    decides = f"{would_decide(mutant, lacking)} would decide"
+    if mutant.seen_in:
+        names = " and ".join(dict.fromkeys(name for result in mutant.results for name in result.seen))
+        rate = f"{len(mutant.seen_in)} of {_tests(mutant)}"
+        p = f"p = {min(mutant.safety.p.values()):.2g}"
+        return f"it violates {names} in {rate}, which chance may explain ({p}); {decides}, if this goes on"
+    if mutant.tested:
+        nothing = f"nothing seen in {_tests(mutant)}"
+        if lacks_pool(mutant, lacking):
+            return f"{nothing}, and others have too few baseline flights to tell; {decides}"
+        return f"{nothing}, with too few flights to tell; {decides}"
+    counts = dict(mutant.rungs)
+    revealed, flown = counts.get(Status.REVEALED, 0), sum(result.flown for result in mutant.results)
+    seen = f"{revealed} of its {flown} flights violate a safety requirement that the baseline beside them holds"
+    return f"too few baseline flights to tell; {seen}; {decides}"
+
+
+def _unseen(mutant: MutantScore) -> str:
+    if mutant.status is Status.MASKED:
+        return "samples changed, no flight did"
+    if {Status.REVEALED, Status.BASELINE_RED} & dict(mutant.rungs).keys():
+        return "violations only where the unmutated drone does not hold the requirement steadily"
+    return "the flights that changed violate no safety requirement"
+
+
+def _untested(mutant: MutantScore) -> str:
+    if not mutant.flown:
+        return "the harness failed in every flight"
+    if mutant.infected:
+        return "it changes no sample where the unmutated drone holds a safety requirement steadily"
+    if any(result.reached for result in mutant.results):
+        return "it changes no sample in any situation flown"
+    return "no sample crosses the patched interface in any situation flown"
+
+
+def _tests(mutant: MutantScore) -> str:
+    count = mutant.kill_rate.whole
+    return f"{count} situation that tests it" if count == 1 else f"{count} situations that test it"

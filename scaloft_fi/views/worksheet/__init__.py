@@ -1,0 +1,1 @@
+"""The HAZOP worksheet filled back."""

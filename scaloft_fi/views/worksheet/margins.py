@@ -1,0 +1,241 @@
+"""How margins are told: a table for each fault, plain JSON, and the deviation matrix with a margin in every cell."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from scaloft_fi.analysis.margin import (
+    Answer,
+    Margin,
+    Scale,
+    Subject,
+    Tried,
+    detection_of,
+    lowest,
+    margins,
+    subject_of,
+)
+from scaloft_fi.analysis.scoring.detection import LARGER, Verdict
+from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.hazop.cell import Cell, CellStatus, Fault
+from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.requirement import Kind, Requirement
+from scaloft_fi.mutants.mutant import parse
+from scaloft_fi.views.tables.table import Table
+
+HEADERS = ("situation", "margin", "survives", "seen", "killed", "violated", "robustness", "flown at", "again")
+ENDS = (
+    "Survives: the severest magnitude that does, below the others.  Killed: the mildest at which the mutant is "
+    "detected and most flights violate a steady requirement; seen: the mildest at which most do, but too few to detect "
+    "it.  Violated: flights at the killed magnitude, else at the seen one; robustness: at the surviving one and there, "
+    "below 0 it is violated."
+)
+NOT_TOLD = "?"
+_NOTHING = Tried(math.nan, Answer.UNTESTED)
+LEGEND = (
+    "1.4 s      the smallest magnitude that is killed in any situation, known to a tenth; nothing milder flown is",
+    "1-3 s      1 s survives, 3 s is killed; nothing between is decided (scaloft-fi margin CELL bisects)",
+    "> 5 s      even the severest magnitude flown has no kill;  < 0.1 m: the same where smaller is worse",
+    "<= 0.5 s   is killed, and nothing milder was flown;  >= 60 s: the same where smaller is worse",
+    "seen 1-3 s 1 s survives, at 3 s most flights violate, too few to call the mutant detected: more seeds decide",
+    "!          not monotone: a severer magnitude survives where a milder one is killed or seen",
+    "detected   a fault without magnitudes is detected (or not detected, or undecided); y detected: in this form",
+    "?          nothing flown tells (a situation takes ten baselines);   -  not meaningful;  CONTROL  has no margin",
+)
+
+
+def margin_tables(
+    found: Mapping[Subject, Sequence[Margin]], requirements: Sequence[Requirement], seeds: int
+) -> tuple[Table, ...]:
+    """A table for each fault: a row for each situation, the smallest margin and the requirements' limits below."""
+    return tuple(_table(subject, listed, requirements, seeds) for subject, listed in found.items())
+
+
+def _table(subject: Subject, listed: Sequence[Margin], requirements: Sequence[Requirement], seeds: int) -> Table:
+    least = lowest(listed)
+    violated = {name for margin in listed for name in _severe(margin).requirements}
+    notes = [_smallest(listed, least), ENDS, *_seen(subject, listed)]
+    if least and least.again:
+        notes.append("Not monotone (!): magnitudes under `again` survive although a milder one is killed or seen.")
+    if any(not margin.told for margin in listed):
+        notes.append("?: no requirement that the cell puts at risk is steady by ten baselines, or no sample changes.")
+    notes += [f"{r.name}: {r.title}  {_limit(r)}" for r in requirements if r.name in violated]
+    if seeds == 1:
+        notes.append("One seed: a threshold of these flights, not of the fault; fly more with --seeds.")
+    return Table(f"Margin of {subject}", HEADERS, tuple(_row(margin) for margin in listed), tuple(notes))
+
+
+def _smallest(listed: Sequence[Margin], least: Margin | None) -> str:
+    of = f"Smallest over {sum(margin.told for margin in listed)} of {len(listed)} situations"
+    if least is None:
+        return f"{of}: nothing is told."
+    ends = (("survives", least.survives), ("is seen", least.seen), ("is killed", least.kills))
+    return f"{of}: {least} ({', '.join(f'{_said(least, m)} {what}' for what, m in ends if m is not None)})."
+
+
+def _seen(subject: Subject, listed: Sequence[Margin]) -> list[str]:
+    """How many seeds would decide what is seen below every kill, with the command."""
+    groups: dict[tuple[int, bool], dict[float, str]] = {}
+    for margin in listed:
+        if margin.seen is not None:
+            entry = _at(margin, margin.seen)
+            many = (entry.needed or LARGER[-1] + 1, entry.anew)
+            groups.setdefault(many, {})[margin.seen] = margin.scale.said(margin.seen)
+    notes = []
+    for (seeds, anew), found in sorted(groups.items()):
+        at, fault = (
+            ", ".join(found[magnitude] for magnitude in sorted(found)),
+            subject.at(f"{min(found):g}{subject.unit}"),
+        )
+        if seeds > LARGER[-1]:
+            notes.append(f"Seen, too seldom for {LARGER[-1]} seeds to decide: {at}.")
+        elif anew:
+            command = f"scaloft-fi margin {fault} --campaign NAME --seeds {seeds}"
+            notes.append(f"Seen, decided by {seeds} seeds in a campaign of its own: {at} (`{command}`).")
+        else:
+            notes.append(f"Seen, decided by {seeds} seeds: {at} (`scaloft-fi margin {fault} --seeds {seeds}`).")
+    return notes
+
+
+def _row(margin: Margin) -> tuple[str, ...]:
+    severe, survivor = _severe(margin), _at(margin, margin.survives)
+    rho = [
+        (name, dict(survivor.rho).get(name, math.nan), value)
+        for name, value in severe.rho
+        if name in severe.requirements
+    ]
+    return (
+        ", ".join(margin.situations),
+        str(margin),
+        _said(margin, margin.survives),
+        _said(margin, margin.seen),
+        _said(margin, margin.kills),
+        ", ".join(f"{name} {count}/{severe.flown}" for name, count in severe.violated if name in severe.requirements),
+        ", ".join(f"{name} {_number(before)} / {_number(after)}" for name, before, after in rho),
+        " ".join(f"{entry.magnitude:g}" for entry in margin.tried),
+        " ".join(f"{magnitude:g}" for magnitude in margin.again),
+    )
+
+
+def _severe(margin: Margin) -> Tried:
+    """What was flown at the magnitude that is killed, else at the one that is seen."""
+    return _at(margin, margin.seen if margin.kills is None else margin.kills)
+
+
+def _at(margin: Margin, magnitude: float | None) -> Tried:
+    return next((entry for entry in margin.tried if entry.magnitude == magnitude), _NOTHING)
+
+
+def _said(margin: Margin, magnitude: float | None) -> str:
+    return "" if magnitude is None or not margin.told else margin.scale.said(magnitude)
+
+
+def _number(value: float) -> str:
+    return "?" if math.isnan(value) else f"{value:.2g}"
+
+
+def _limit(requirement: Requirement) -> str:
+    """The requirement's own limit: its formula, and what its trigger asks."""
+    trigger = f"; trigger: {requirement.trigger}" if requirement.trigger else ""
+    named = {name: text for name, text in requirement.definitions if name in requirement.text + requirement.trigger}
+    where = "".join(f"; {name}: {text}" for name, text in named.items())
+    return f"{requirement.text}{trigger}{where} [{requirement.unit}]"
+
+
+def margin_json(found: Mapping[Subject, Sequence[Margin]]) -> list[dict[str, Any]]:
+    """The margins as plain JSON values; an infinite magnitude is the text `inf`."""
+    return [
+        {
+            "cell": subject.cell,
+            "phase_s": subject.phase_s,
+            "unit": subject.unit,
+            "least": _ends(least) if (least := lowest(listed)) else None,
+            "situations": [
+                {
+                    "situation": ", ".join(margin.situations),
+                    **_ends(margin),
+                    "requirements": list(_severe(margin).requirements),
+                    "tried": [
+                        {
+                            "magnitude": _plain(entry.magnitude),
+                            "answer": entry.answer.value,
+                            "violated": dict(entry.violated),
+                            "flown": entry.flown,
+                            "rho": {name: _plain(value) for name, value in entry.rho},
+                            "needed": entry.needed,
+                            "anew": entry.anew,
+                        }
+                        for entry in margin.tried
+                    ],
+                }
+                for margin in listed
+            ],
+        }
+        for subject, listed in found.items()
+    ]
+
+
+def _ends(margin: Margin) -> dict[str, Any]:
+    return {
+        "margin": str(margin),
+        "survives": _plain(margin.survives),
+        "seen": _plain(margin.seen),
+        "kills": _plain(margin.kills),
+        "monotone": not margin.again,
+        "again": [_plain(magnitude) for magnitude in margin.again],
+    }
+
+
+def _plain(value: float | None) -> float | str | None:
+    if value is None or math.isfinite(value):
+        return value
+    return f"{value:g}"
+
+
+def cell_margins(
+    outcomes: Iterable[Outcome], scored: Score, matrix: Matrix, kind: Kind = Kind.SAFETY
+) -> Mapping[str, str]:
+    """What each cell of the matrix shows: its faults' smallest margins over all situations, unshifted in time.
+
+    Args:
+        outcomes: of a campaign.
+        scored: their score.
+        matrix: whose cells.
+        kind: of the requirements whose violation kills.
+
+    Returns:
+        By the cell's name.
+    """
+    found = margins(outcomes, scored, matrix, kind)
+    scores = {mutant.subject.id: mutant for mutant in scored.mutants}
+    return {cell.name: _cell_margin(cell, found, scores, kind) for cell in matrix}
+
+
+def _cell_margin(
+    cell: Cell, found: Mapping[Subject, Sequence[Margin]], scores: Mapping[str, MutantScore], kind: Kind
+) -> str:
+    if cell.status is not CellStatus.CREDIBLE:
+        return "-" if cell.status is CellStatus.NOT_MEANINGFUL else "CONTROL"
+    texts = []
+    for fault in cell.faults:
+        if fault.magnitude and Scale.of(fault.magnitude):
+            least = lowest(found.get(subject_of(cell.name, fault), ()))
+            texts.append(str(least) if least else NOT_TOLD)
+        else:
+            texts.append(_named(cell, fault, scores, kind))
+    return "; ".join(text for text in texts if text != NOT_TOLD) or NOT_TOLD
+
+
+def _named(cell: Cell, fault: Fault, scores: Mapping[str, MutantScore], kind: Kind) -> str:
+    """Which forms of a fault without an order are detected; else the verdict that says most."""
+    ids = [cell.mutant_ids(fault, rung)[0] for rung in fault.rungs]
+    verdicts = {id_: detection_of(scores[id_], kind).verdict for id_ in ids if id_ in scores}
+    for verdict in (Verdict.DETECTED, Verdict.UNDECIDED, Verdict.NOT_DETECTED):
+        forms = [parse(id_).magnitude for id_, said in verdicts.items() if said is verdict]
+        if forms:
+            return " ".join([*filter(None, forms if verdict is Verdict.DETECTED else ()), verdict.words])
+    return NOT_TOLD

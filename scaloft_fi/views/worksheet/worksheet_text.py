@@ -1,0 +1,136 @@
+"""The worksheet as text: for a terminal, Markdown, LaTeX, and CSV that a spreadsheet opens.
+
+Deviations that are not credible stand in a log of their own, with their reason; CSV is one table and has them there.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable, Sequence
+
+from scaloft_fi.hazop.cell import CellStatus
+from scaloft_fi.views.tables.literal import latex, line, markdown, printable, spreadsheet_text
+from scaloft_fi.views.tables.table import Format, Table, render
+from scaloft_fi.views.worksheet.worksheet import COLUMNS, Column, Row, Value, population
+
+TITLE, LOG_TITLE = "HAZOP worksheet", "Deviations not credible"
+LOG_KEYS = ("cell", "parameter", "rationale")
+IN_TERMINAL = ("cell", "verdict", "operability", "kill_rate", "margin", "where", "disposition")
+LATEX_NOTE = (
+    "% needs longtable, booktabs, array, pdflscape\n"
+    "% letters that are not Latin need XeLaTeX or LuaLaTeX, with a font that has them"
+)
+LONG_WORD = 16
+"""A column is made wide enough for words up to this length [characters]."""
+
+
+def parts(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
+    """The deviations that can happen, and the log of those that are not credible."""
+    log = [row for row in rows if row.cell.status is CellStatus.NOT_MEANINGFUL]
+    return [row for row in rows if row.cell.status is not CellStatus.NOT_MEANINGFUL], log
+
+
+def columns(keys: Sequence[str] = ()) -> list[Column]:
+    """The columns with these keys, or those that fit a page."""
+    return [column for column in COLUMNS if (column.key in keys if keys else column.short)]
+
+
+def said(value: Value) -> str:
+    """A value in a cell; nothing where there is none."""
+    return "" if value is None else str(value)
+
+
+def to_text(rows: Sequence[Row]) -> str:
+    """For a terminal: the findings of each deviation, then the log."""
+    sheet, log = parts(rows)
+    tables = (
+        _table(TITLE, columns(IN_TERMINAL), sheet, (population(rows), "Every column: --format csv or xlsx.")),
+        _table(LOG_TITLE, columns(LOG_KEYS), log),
+    )
+    return render(tables, Format.TABLE)
+
+
+def _table(title: str, shown: Sequence[Column], rows: Sequence[Row], notes: tuple[str, ...] = ()) -> Table:
+    lines = tuple(tuple(line(said(row.values[column.key])) for column in shown) for row in rows)
+    return Table(title, tuple(column.title for column in shown), lines, notes)
+
+
+def to_markdown(rows: Sequence[Row]) -> str:
+    """Markdown tables; every character of the study's is taken literally."""
+    sheet, log = parts(rows)
+    return "\n".join(
+        [
+            f"### {TITLE}\n",
+            *_piped(columns(), sheet),
+            f"\n{markdown(population(rows))}\n",
+            f"### {LOG_TITLE}\n",
+            *_piped(columns(LOG_KEYS), log),
+            "",
+        ]
+    )
+
+
+def _piped(shown: Sequence[Column], rows: Sequence[Row]) -> list[str]:
+    lines = [[markdown(said(row.values[column.key])) for column in shown] for row in rows]
+    header = [[column.title for column in shown], ["---"] * len(shown)]
+    return [f"| {' | '.join(cells)} |" for cells in (*header, *lines)]
+
+
+def to_latex(rows: Sequence[Row]) -> str:
+    """A fragment with two long tables on landscape pages, header rows repeated."""
+    sheet, log = parts(rows)
+    tables = [
+        _longtable(TITLE, columns(), sheet),
+        latex(population(rows)),
+        _longtable(LOG_TITLE, columns(LOG_KEYS), log),
+    ]
+    return "\n".join(
+        [
+            LATEX_NOTE,
+            r"\begin{landscape}\scriptsize\setlength{\tabcolsep}{2.5pt}\raggedright",
+            *tables,
+            r"\end{landscape}",
+            "",
+        ]
+    )
+
+
+def _longtable(title: str, shown: Sequence[Column], rows: Sequence[Row]) -> str:
+    widths = [_width(column, rows) for column in shown]
+    # without \\hspace TeX would not hyphenate a cell's first word
+    spec = "".join(
+        f">{{\\raggedright\\arraybackslash\\hspace{{0pt}}}}"
+        f"p{{\\dimexpr {width / sum(widths):.5f}\\linewidth-2\\tabcolsep\\relax}}"
+        for width in widths
+    )
+    header = _row([column.title for column in shown], latex)
+    lines = [_row([said(row.values[column.key]) for column in shown], latex) for row in rows]
+    caption = f"\\caption{{{latex(title)}}}\\\\"
+    head = [f"\\begin{{longtable}}{{{spec}}}", caption, "\\toprule", header, "\\midrule", "\\endhead", "\\bottomrule"]
+    return "\n".join([*head, "\\endfoot", *lines, "\\end{longtable}"])
+
+
+def _width(column: Column, rows: Sequence[Row]) -> float:
+    """The share of a column: in a narrow one its longest word, capitals half as wide again, fills half of it."""
+    words = " ".join([column.title, *(said(row.values[column.key]) for row in rows)]).replace("-", "- ").split()
+    longest = max(len(word) + sum(letter.isupper() for letter in word) / 2 for word in words)
+    return max(column.width, 2 * min(LONG_WORD, longest))
+
+
+def _row(cells: Sequence[str], escape: Callable[[str], str]) -> str:
+    # an empty group, so that a text that begins with [ or * is no option of the line before
+    return "{}" + " & ".join(map(escape, cells)) + r" \\\addlinespace[2pt]"
+
+
+def to_csv(rows: Sequence[Row]) -> str:
+    """Every column of every cell; a text that a spreadsheet would take for a formula begins with `'`."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(column.key for column in COLUMNS)
+    writer.writerows([_in_csv(row.values[column.key]) for column in COLUMNS] for row in rows)
+    return text.getvalue()
+
+
+def _in_csv(value: Value) -> Value:
+    return spreadsheet_text(printable(value)) if isinstance(value, str) else value

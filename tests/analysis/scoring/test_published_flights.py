@@ -1,0 +1,149 @@
+"""The score of the published reference flights: three seeds of 125 mutants beside a pool of 50, from their export."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+
+import pytest
+import recomputation
+from builders import KINDS, subject_of
+
+from scaloft_fi.analysis.scoring.pool import State
+from scaloft_fi.analysis.scoring.score import Score, score
+from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
+from scaloft_fi.judge.requirement import Reading
+from scaloft_fi.study import Study
+
+parquet = pytest.importorskip("pyarrow.parquet")
+
+ROOT = Path(__file__).parents[3]
+STUDY = Study.open(ROOT)
+Row = dict[str, object]
+
+
+@cache
+def rows() -> list[dict[str, object]]:
+    return list(parquet.read_table(ROOT / "results/published/reference/outcomes.parquet").to_pylist())
+
+
+def outcome(row: Row) -> Outcome:
+    """A flight from its row of the export; robustness and places do not enter the score."""
+    named: list[str] = row["violated"]  # type: ignore[assignment]
+    at = dict(zip(named, zip(row["violation_times_s"], row["violation_bodies"], strict=True), strict=True))  # type: ignore[call-overload]
+    readings = tuple(
+        Reading(
+            name,
+            kind,
+            0.0,
+            at[name][0] if name in at else None,
+            int(name in row["triggered"]),  # type: ignore[operator]
+            open=name not in at and name not in row["held"],  # type: ignore[operator]
+        )
+        for name, kind in KINDS.items()
+    )
+    return Outcome(
+        subject=subject_of(str(row["mutant"])),
+        situation=str(row["situation"]),
+        seed=row["seed"],  # type: ignore[arg-type]
+        ending=str(row["ending"]),
+        readings=readings,
+        violations=tuple(Violation(n, KINDS[n], t_s, 0.0, 0.0, 0.0, body) for n, (t_s, body) in at.items()),
+        carried=row["carried"],  # type: ignore[arg-type]
+        altered=row["altered"],  # type: ignore[arg-type]
+        duration_s=row["duration_s"],  # type: ignore[arg-type]
+        digest=str(row["digest"]),
+    )
+
+
+@cache
+def outcomes() -> list[Outcome]:
+    return [outcome(row) for row in rows()]
+
+
+@cache
+def scored(seeds: tuple[int, ...], pool: tuple[int, ...]) -> Score:
+    """The score of these seeds of the mutants beside these of the baseline and the mutants' own."""
+    return score(
+        (one for one in outcomes() if one.seed in seeds or (one.mutant == BASELINE and one.seed in pool)),
+        STUDY.roster,
+        STUDY.space,
+    )
+
+
+def detected(found: Score) -> set[str]:
+    return {m.subject.id for m in found.mutants if m.detected and STUDY.roster.counts(m.subject)}
+
+
+EVERY, ALL = tuple(range(50)), (0, 1, 2)
+
+
+def test_thirty_six_of_114_faults_are_detected_with_three_seeds_beside_fifty() -> None:
+    found = scored(ALL, EVERY)
+    assert (found.mutation_score.part, found.mutation_score.whole) == (36, 114)
+    assert (found.operability.part, found.tested.part) == (31, 106)
+
+
+def test_thirty_two_are_detected_with_three_seeds_beside_the_first_ten_and_all_are_among_the_thirty_six() -> None:
+    ten = detected(scored(ALL, tuple(range(10))))
+    assert len(ten) == 32
+    assert ten < detected(scored(ALL, EVERY))
+
+
+@pytest.mark.parametrize("seed", ALL)
+@pytest.mark.parametrize("first", [0, 10, 20, 30, 40])
+def test_one_seed_beside_any_ten_detects_29_or_30_and_none_that_the_whole_campaign_does_not(
+    seed: int, first: int
+) -> None:
+    found = detected(scored((seed,), tuple(range(first, first + 10))))
+    assert len(found) in (29, 30)
+    assert found <= detected(scored(ALL, EVERY))
+
+
+def test_no_lucky_dodge_of_the_dark_bar_contributes_a_kill() -> None:
+    found = scored(ALL, EVERY)
+    for key in ("T1O1W1D1H0", "T1O1W1D1H1"):
+        assert found.pool.states[key, "SR1"] is State.RED
+        revealed = [m for m in found.mutants for r in m.results if r.situation == key and r.status.value == "revealed"]
+        assert len(revealed) > 50
+    for mutant in (*found.mutants, *found.controls):
+        for kill in (*mutant.kills, *mutant.operability_kills):
+            assert found.pool.states[kill.situation, kill.requirement] is State.STEADY
+
+
+def test_late_human_is_killed_by_sr2_in_eight_of_eight() -> None:
+    (late,) = (m for m in scored(ALL, EVERY).mutants if m.subject.id == "LATE-human@3s")
+    assert {name: ratio.short for name, ratio in late.requirements} == {"SR2": "8/8"}
+
+
+def test_every_control_shows_itself_by_safety_or_operability() -> None:
+    controls = scored(ALL, EVERY).controls
+    assert len(controls) == 11
+    assert sum(control.detected for control in controls) == 7
+    assert all(control.detected or control.operability.detected for control in controls)
+
+
+def _recomputed(seeds: Iterable[int], pool: Sequence[int]) -> set[str]:
+    """The detected defaults by the exact test in whole numbers, which shares no code with the package."""
+    names, alpha = ["SR1", "SR2"], Fraction(1, 100)
+    kinds = {name: kind.value for name, kind in KINDS.items()}
+    counted = [row | {"counts": True} for row in rows()]
+    clean = [r for r in counted if r["mutant"] == "baseline" and (r["seed"] in pool or r["seed"] in seeds)]
+    table = {(pair["situation"], pair["requirement"]): pair for pair in recomputation.pairs(clean, kinds)}
+    found = set()
+    for mutant in STUDY.roster.defaults.values():
+        flights: dict[str, list[Row]] = {}
+        for row in counted:
+            if row["mutant"] == mutant and row["seed"] in seeds:
+                flights.setdefault(str(row["situation"]), []).append(row)
+        acts = {key for key, some in flights.items() if any(row["altered"] for row in some)}
+        if recomputation.verdict(flights, acts, table, names, alpha)["verdict"] == "detected":
+            found.add(mutant)
+    return found
+
+
+def test_the_detected_are_those_of_an_independent_recomputation_from_the_export() -> None:
+    assert _recomputed(ALL, EVERY) == detected(scored(ALL, EVERY))
+    assert _recomputed((2,), range(10)) == detected(scored((2,), tuple(range(10))))

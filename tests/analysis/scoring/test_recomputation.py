@@ -1,0 +1,96 @@
+"""Every figure of the score's JSON beside what follows from the export by code that shares nothing with it."""
+
+from __future__ import annotations
+
+import gzip
+import json
+from pathlib import Path
+from typing import Any
+
+import recomputation
+from builders import AXES, GRID, KINDS, ROSTER, campaigns, seeded
+from hypothesis import given, settings
+
+from scaloft_fi.analysis.scoring.baseline import findings
+from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.analysis.situations.coverage import coverage
+from scaloft_fi.campaign.store.record import from_json
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.views.flights.export import export_rows, to_csv
+from scaloft_fi.views.score.score_record import score_json
+
+FLOWN = Path(__file__).parents[2] / "support" / "three_situations_ten_seeds.jsonl.gz"
+
+
+def same(found: Any, expected: Any, place: str = "score") -> None:
+    """Equal, floats but for rounding; redraws, times and looks are not recomputed."""
+    if isinstance(expected, dict):
+        assert found.keys() - {"redraw", "first", "decided_at"} == expected.keys(), place
+        for key in expected:
+            same(found[key], expected[key], f"{place}.{key}")
+    elif isinstance(expected, list):
+        assert len(found) == len(expected), place
+        for number, entry in enumerate(expected):
+            same(found[number], entry, f"{place}[{number}]")
+    elif isinstance(expected, float):
+        assert abs(found - expected) < 1e-9, (place, found, expected)
+    else:
+        assert found == expected, (place, found, expected)
+
+
+def compare(outcomes: list[Outcome]) -> dict[str, Any]:
+    violated = [(finding.situation, finding.violated) for finding in findings(outcomes, GRID)]
+    found = score_json(score(outcomes, ROSTER, GRID), coverage(outcomes, GRID), violated)
+    expected = recomputation.score(
+        to_csv(export_rows(outcomes, ROSTER, GRID, list(KINDS)), list(KINDS)),
+        kinds={name: kind.value for name, kind in KINDS.items()},
+        axes={key: dict(zip(AXES, point, strict=True)) for key, point in GRID.points},
+        defaults=set(ROSTER.defaults.values()),
+        controls=set(ROSTER.controls),
+    )
+    order = [key for key, _ in GRID.points]
+    found["pairs"].sort(key=lambda pair: order.index(pair["situation"]))
+    same(found, expected)
+    return found
+
+
+@settings(deadline=None, max_examples=200)
+@given(campaigns())
+def test_every_figure_of_the_score_follows_from_the_export(outcomes: list[Outcome]) -> None:
+    compare(outcomes)
+
+
+@settings(deadline=None, max_examples=120)
+@given(seeded())
+def test_every_verdict_follows_from_the_export(outcomes: list[Outcome]) -> None:
+    compare(outcomes)
+
+
+def test_every_figure_of_flights_in_the_simulator_follows_from_their_export() -> None:
+    """The baseline, PLACEBO and three mutants of the reference study, 3 situations, 10 seeds, without trajectories."""
+    lines = gzip.decompress(FLOWN.read_bytes()).splitlines()
+    found = compare([from_json(json.loads(line)) for line in lines])
+    assert [(mutant["id"], mutant["verdict"], mutant["kill_rate"]) for mutant in found["mutants"]] == [
+        ("LATE-human@3s", "detected", {"part": 2, "whole": 2}),
+        ("AFTER-clock@5frames", "undecided", {"part": 0, "whole": 2}),
+        ("UNINTENDED-collision@20s", "undecided", {"part": 0, "whole": 2}),
+    ]
+
+
+def test_the_comparison_sees_every_verdict_and_every_state() -> None:
+    """Campaigns drawn as above have all of them: none is compared in vain."""
+    seen: set[str] = set()
+
+    @settings(deadline=None, max_examples=80, derandomize=True, database=None)
+    @given(seeded())
+    def look(outcomes: list[Outcome]) -> None:
+        found = compare(outcomes)
+        seen.update(mutant["verdict"] for mutant in found["mutants"])
+        seen.update(pair["state"] for pair in found["pairs"])
+        seen.update("kill" for mutant in found["mutants"] if mutant["kills"])
+        seen.update("operability kill" for mutant in found["mutants"] if mutant["operability"]["kills"])
+
+    look()
+    verdicts = {"detected", "undecided", "not_detected", "not_tested"}
+    states = {"steady", "unsteady", "red", "open", "vacuous", "unknown"}
+    assert seen == verdicts | states | {"kill", "operability kill"}

@@ -1,0 +1,186 @@
+"""Margins from stored outcomes alone: what a ladder says, and the least over situations."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import pytest
+from builders import GRID, ROSTER, campaigns, outcome, seeded, ten, thrice
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from scaloft_fi.analysis.margin import Answer, Margin, Scale, Subject, Tried, lowest, margin_of, margins
+from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.hazop.load import load_matrix
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.views.worksheet.margins import LEGEND, cell_margins, margin_json, margin_tables
+
+MATRIX = load_matrix(Path(__file__).parents[2] / "hazop")
+SECONDS = Scale("s", 1, 0.0)
+KEYS = [key for key, _ in GRID.points]
+HUMAN = "T0O0W0D0H1"
+LATE = Subject("LATE-human", "s")
+
+magnitudes = st.lists(st.integers(1, 100).map(lambda n: n / 10), min_size=1, max_size=6, unique=True)
+
+
+@given(st.lists(st.tuples(st.floats(0.05, 12.0), magnitudes), min_size=1, max_size=6), st.sampled_from([1, -1]))
+def test_the_least_threshold_of_all_situations_is_within_the_interval(
+    flown: list[tuple[float, list[float]]], sign: int
+) -> None:
+    scale = Scale("s", sign)
+
+    def margin(threshold: float, tried: list[float]) -> Margin:
+        killed = {m: Answer.KILLED if sign * m >= sign * threshold else Answer.SURVIVED for m in tried}
+        return margin_of(scale, [Tried(m, answer) for m, answer in killed.items()])
+
+    least = lowest(margin(*entry) for entry in flown)
+    true = min((threshold for threshold, _ in flown), key=scale.severity)
+    assert least is not None
+    assert least.kills is None or scale.severity(true) <= scale.severity(least.kills)
+    assert least.survives is None or scale.severity(least.survives) < scale.severity(true)
+
+
+def flights(*answers: tuple[str, str, dict[str, float]]) -> list[Outcome]:
+    """Three outcomes of each (mutant, situation, violated), with the pool they need."""
+    made = ten(*dict.fromkeys(key for _, key, _ in answers))
+    return [*made, *(flight for mutant, key, violated in answers for flight in thrice(mutant, key, violated=violated))]
+
+
+def told(outcomes: list[Outcome], kind: Kind = Kind.SAFETY) -> Mapping[str, str]:
+    return cell_margins(outcomes, score(outcomes, ROSTER, GRID), MATRIX, kind)
+
+
+def found_in(outcomes: list[Outcome]) -> Mapping[Subject, Sequence[Margin]]:
+    return margins(outcomes, score(outcomes, ROSTER, GRID), MATRIX)
+
+
+def test_a_ladder_flown_by_any_verb_has_an_interval() -> None:
+    flown = flights(("LATE-human@1s", HUMAN, {}), ("LATE-human@3s", HUMAN, {"SR2": 8.0}), ("LATE-human@5s", HUMAN, {}))
+    assert told(flown)["LATE-human"] == "1-3 s !"
+
+
+def test_a_default_alone_bounds_from_one_side() -> None:
+    assert told(flights(("LATE-human@3s", HUMAN, {})))["LATE-human"] == "> 3 s"
+    assert told(flights(("LATE-human@3s", HUMAN, {"SR2": 8.0})))["LATE-human"] == "<= 3 s"
+
+
+def test_two_faults_of_a_cell_each_have_their_own() -> None:
+    flown = flights(("NO-depth@3s", HUMAN, {}), ("NO-depth@50%", HUMAN, {"SR1": 9.0}))
+    assert told(flown)["NO-depth"] == "> 3 s; <= 50 %"
+
+
+def test_what_one_flight_shows_is_seen_and_never_told_as_a_kill() -> None:
+    once = [*ten(HUMAN), outcome("LATE-human@1s", HUMAN), outcome("LATE-human@3s", HUMAN, violated={"SR2": 8.0})]
+    ((margin,),) = found_in(once).values()
+    assert (margin.survives, margin.seen, margin.kills, margin.end) == (1.0, 3.0, None, 3.0)
+    assert told(once)["LATE-human"] == str(margin) == "seen 1-3 s"
+    (entry,) = [entry for entry in margin.tried if entry.magnitude == 3.0]
+    assert (entry.answer, entry.requirements, entry.needed, entry.anew) == (Answer.SEEN, ("SR2",), 5, False)
+    (table,) = margin_tables(found_in(once), (), 1)
+    assert table.rows == ((HUMAN, "seen 1-3 s", "1 s", "3 s", "", "SR2 1/1", "SR2 0.3 / -0.1", "1 3", ""),)
+    assert "Seen, decided by 5 seeds: 3 s (`scaloft-fi margin LATE-human@3s --seeds 5`)." in table.notes
+
+
+def test_a_magnitude_that_other_situations_detect_kills_where_one_flight_shows_it() -> None:
+    keys = KEYS[1:8:2]
+    once = [outcome("LATE-human@3s", key, violated={"SR2": 8.0}) for key in keys]
+    assert told([*ten(*keys), *once])["LATE-human"] == "<= 3 s"
+
+
+def test_a_milder_magnitude_that_is_only_seen_keeps_the_interval_open() -> None:
+    flown = flights(("LATE-human@1s", HUMAN, {}), ("LATE-human@5s", HUMAN, {"SR2": 8.0}))
+    flown.append(outcome("LATE-human@3s", HUMAN, violated={"SR2": 8.0}))
+    ((margin,),) = found_in(flown).values()
+    assert (margin.survives, margin.seen, margin.kills, str(margin)) == (1.0, 3.0, 5.0, "1-5 s")
+
+
+def test_some_flights_of_a_detected_mutant_are_no_kill() -> None:
+    keys = KEYS[:8]
+    some = [outcome("LATE-human@3s", k, seed, violated={"SR2": 8.0} if seed else {}) for k in keys for seed in (0, 1)]
+    assert score([*ten(*keys), *some], ROSTER, GRID).mutants[0].detected
+    assert told([*ten(*keys), *some])["LATE-human"] == "> 3 s"
+
+
+def test_faults_without_an_order_say_which_of_them_are_detected() -> None:
+    shown = told(
+        flights(
+            ("PARTOF-goal@x", HUMAN, {"SR1": 9.0}),
+            ("PARTOF-goal@y", HUMAN, {}),
+            ("NO-waypoint", HUMAN, {}),
+            ("NO-map", HUMAN, {"SR1": 9.0}),
+        )
+    )
+    assert [shown[cell] for cell in ("PARTOF-goal", "NO-waypoint", "NO-map")] == [
+        "x detected",
+        "not detected",
+        "detected",
+    ]
+    assert told([*ten(HUMAN), outcome("NO-map", HUMAN, violated={"SR1": 9.0})])["NO-map"] == "undecided"
+
+
+def test_operability_has_margins_of_its_own() -> None:
+    flown = flights(("LATE-goal@1s", HUMAN, {}), ("LATE-goal@3s", HUMAN, {"OP1": 50.0}))
+    assert told(flown)["LATE-goal"] == "> 3 s"
+    assert told(flown, Kind.OPERABILITY)["LATE-goal"] == "1-3 s"
+
+
+def test_what_no_sample_reached_or_no_sample_differed_in_tells_nothing() -> None:
+    for carried in (0, 100):
+        flown = [*ten(HUMAN), *thrice("LATE-human@3s", HUMAN, altered=0, carried=carried)]
+        assert told(flown)["LATE-human"] == "?"
+
+
+def test_a_harmless_magnitude_is_a_survival_beside_one_that_is_killed() -> None:
+    flown = flights(("LATE-human@3s", HUMAN, {"SR2": 8.0}))
+    assert told([*flown, outcome("LATE-human@0.5s", HUMAN, altered=0)])["LATE-human"] == "0.5-3 s"
+
+
+def test_where_nothing_that_the_cell_puts_at_risk_is_steady_nothing_is_told() -> None:
+    red = ten(HUMAN, violated={"SR2": 6.0})
+    assert told([*red, *thrice("LATE-human@3s", HUMAN)])["LATE-human"] == "?"
+    assert told([*red, *thrice("LATE-depth@0.4s", HUMAN)])["LATE-depth"] == "> 0.4 s"
+    assert told([outcome(situation=HUMAN), outcome("LATE-human@3s", HUMAN, violated={"SR2": 8.0})])["LATE-human"] == "?"
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.one_of(campaigns(), seeded()))
+def test_margins_do_not_depend_on_the_order_of_outcomes_and_say_nothing_unknown(outcomes: list[Outcome]) -> None:
+    assert told(outcomes) == told(outcomes[::-1])
+    assert set(told(outcomes)) == {cell.name for cell in MATRIX}
+    kills = {(mutant.subject.id, key) for mutant in score(outcomes, ROSTER, GRID).mutants for key in mutant.killing}
+    for subject, listed in found_in(outcomes).items():
+        for margin in listed:
+            answers = {answer: {t.magnitude for t in margin.tried if t.answer is answer} for answer in Answer}
+            assert (margin.kills in answers[Answer.KILLED]) == bool(answers[Answer.KILLED])
+            assert margin.seen is None or margin.seen in answers[Answer.SEEN]
+            assert margin.survives not in answers[Answer.KILLED] | answers[Answer.SEEN]
+            (key,) = margin.situations
+            for magnitude in answers[Answer.KILLED] if not subject.cell.startswith("REVERSE") else ():
+                assert (subject.at(f"{magnitude:g}{subject.unit}"), key) in kills
+    margin_tables(found_in(outcomes), (), 1)
+    json.dumps(margin_json(found_in(outcomes)), allow_nan=False)
+
+
+def test_the_table_names_ends_requirements_robustness_and_what_was_flown() -> None:
+    found = found_in(flights(("LATE-human@1s", HUMAN, {}), ("LATE-human@3s", HUMAN, {"SR2": 8.0})))
+    (table,) = margin_tables(found, (), 3)
+    assert table.rows == ((HUMAN, "1-3 s", "1 s", "", "3 s", "SR2 3/3", "SR2 0.3 / -0.1", "1 3", ""),)
+    assert "1-3 s (1 s survives, 3 s is killed)." in table.notes[0]
+    (entry,) = margin_json(found)
+    assert (entry["cell"], entry["least"]["survives"], entry["least"]["kills"]) == ("LATE-human", 1.0, 3.0)
+
+
+def test_an_infinite_magnitude_is_a_text_in_json() -> None:
+    found = found_in(flights(("OTHERTHAN-depth@infs", HUMAN, {"SR1": 8.0})))
+    (entry,) = margin_json(found)
+    assert entry["least"]["kills"] == "inf"
+
+
+@pytest.mark.parametrize("line", LEGEND)
+def test_the_legend_fits_a_terminal(line: str) -> None:
+    assert len(line) <= 120
+    assert line.isascii()

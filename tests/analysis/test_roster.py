@@ -1,0 +1,39 @@
+from __future__ import annotations
+
+from builders import ROSTER, outcome, subject_of
+
+from scaloft_fi.analysis.roster import Roster, by_mutant
+from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
+from scaloft_fi.hazop.cell import Cell, CellStatus, Fault, Magnitude
+from scaloft_fi.hazop.guideword import Guideword
+from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.parameter import Parameter
+
+
+def test_a_roster_takes_the_default_of_each_credible_cell_from_the_matrix() -> None:
+    fault = Fault("person", "delay", magnitude=Magnitude("delay_s", "s", (1.0, 3.0), 3.0))
+    cells = {
+        ("LATE", "human"): Cell("LATE", "human", CellStatus.CREDIBLE, faults=(fault,)),
+        ("NO", "human"): Cell("NO", "human", CellStatus.CREDIBLE, faults=(Fault("person", "drop"),)),
+        ("REVERSE", "human"): Cell("REVERSE", "human", CellStatus.CONTROL, faults=(Fault("person", "invert"),)),
+        ("EARLY", "human"): Cell("EARLY", "human", CellStatus.NOT_MEANINGFUL, reason="none"),
+    }
+    words = tuple(Guideword(word, word, "") for word, _ in cells)
+    roster = Roster.of(Matrix(words, (Parameter("human", "", "", "", ""),), cells), ["LATE-human@1s", "LATE-human@3s"])
+    assert roster.defaults == {"LATE-human": "LATE-human@3s", "NO-human": "NO-human"}
+    assert roster.controls == {"REVERSE-human"}
+    assert roster.counts(subject_of("LATE-human@3s"))
+    assert not roster.counts(subject_of("LATE-human@1s"))
+    assert roster.is_control(subject_of("REVERSE-human"))
+
+
+def test_outcomes_are_grouped_in_the_canonical_order() -> None:
+    flown = [outcome(m) for m in ("MORE-goal@0.6m", "LATE-human@9s", "LATE-human@1s", "baseline")]
+    assert list(by_mutant(flown, ROSTER)) == ["baseline", "LATE-human@1s", "LATE-human@9s", "MORE-goal@0.6m"]
+
+
+def test_a_fingerprint_differs_by_what_changed() -> None:
+    here = fingerprint()
+    assert {"system", "machine", "processor", "python", "numpy", "pybullet"} <= here.keys()
+    assert differences(here, here) == []
+    assert differences({"numpy": "2"}, {"numpy": "1"}) == ["numpy 2 here, 1 there"]

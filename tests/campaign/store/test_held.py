@@ -1,0 +1,184 @@
+"""What a campaign holds, and why it has outgrown the rest."""
+
+from __future__ import annotations
+
+import io
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from scaloft_fi.campaign.plan.plan import plan
+from scaloft_fi.campaign.progress.progress import Silence
+from scaloft_fi.campaign.runs.options import RunOptions
+from scaloft_fi.campaign.runs.run import run
+from scaloft_fi.campaign.store.folder import STORE_NAME
+from scaloft_fi.campaign.store.held import Held, current, current_in, current_rulings, held, held_in, latest
+from scaloft_fi.campaign.store.key import Keys
+from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.errors import InputError
+from scaloft_fi.hazop.load import load_matrix
+from scaloft_fi.mutants.derive import realise
+
+CONTROL, LATE, MORE = "REVERSE-velcmd", "LATE-human@3s", "MORE-goal@1m"
+HAZOP = Path(__file__).parents[3] / "hazop"
+CODE = "the code that flies and judges"
+
+
+@pytest.fixture
+def fly(study: Any, log: Any) -> Callable[..., Held]:
+    """Runs two mutants in four situations under a study, and says what the campaign then holds."""
+
+    def flying(changed: Any = None) -> Held:
+        now = changed or study
+        planned = plan(now.grid, (0,), [realise(now.matrix, name) for name in (LATE, MORE)], None)
+        run(
+            now,
+            planned,
+            now.folder / "c",
+            options=RunOptions(jobs=1),
+            progress=Silence(stream=io.StringIO()),
+            flyer=log,
+        )
+        return held(now, f"{now.folder}/c")
+
+    return flying
+
+
+def _inputs(study: Any, **changes: str) -> Any:
+    return replace(study, inputs={**study.inputs, **changes})
+
+
+def _why(study: Any) -> dict[str, int]:
+    return dict(held(study, f"{study.folder}/c").why)
+
+
+def test_of_an_unchanged_study_nothing_is_stale_or_owed(fly: Callable[..., Held]) -> None:
+    found = fly()
+    assert (len(found.current), found.stale, found.owed) == (16, 0, 0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "why"),
+    [
+        ({"sim": "x"}, "sim/ changed"),
+        ({"requirements": "x"}, "the requirements changed"),
+        ({"code": "x"}, f"{CODE} changed"),
+        ({"sim": "x", "code": "y"}, f"sim/ and {CODE} changed"),
+    ],
+)
+def test_what_every_flight_shares_makes_all_stale(
+    study: Any, fly: Callable[..., Held], changes: dict[str, str], why: str
+) -> None:
+    fly()
+    assert _why(_inputs(study, **changes)) == {why: 16}
+
+
+def test_how_situations_come_true_makes_baselines_stale(study: Any, fly: Callable[..., Held]) -> None:
+    fly()
+    assert _why(replace(study, predicate="x")) == {"how the situation's values come true changed": 4}
+
+
+def test_a_mutant_that_changed_is_named(study: Any, fly: Callable[..., Held], tmp_path: Path) -> None:
+    fly()
+    shutil.copytree(HAZOP, tmp_path / "hazop")
+    path = tmp_path / "hazop" / "matrix" / "human.yaml"
+    old = "operator: delay\n      magnitude: {argument: delay_s, unit: s, ladder: [0.5, 1, 3, 5]"
+    assert old in path.read_text()
+    path.write_text(path.read_text().replace(old, old.replace("\n", "\n      arguments: {keep_first: true}\n")))
+    changed = replace(study, matrix=load_matrix(tmp_path / "hazop"))
+    assert _why(changed) == {f"mutant {LATE} changed": 4}
+
+
+def test_a_situation_that_is_gone_is_said(study: Any, fly: Callable[..., Held]) -> None:
+    fly()
+    changed = replace(study, grid=type(study.grid)(study.grid[1:]))
+    assert _why(changed) == {"the situation is not in the grid any more": 4}
+
+
+def test_flights_flown_again_leave_the_stale_ones_beside_them(study: Any, fly: Callable[..., Held]) -> None:
+    fly()
+    found = fly(_inputs(study, requirements="x"))
+    assert (len(found.current), dict(found.why)) == (16, {"the requirements changed": 16})
+
+
+def test_what_an_earlier_version_flew_has_no_reason(study: Any, fly: Callable[..., Held]) -> None:
+    fly()
+    with Store(study.folder / "c" / STORE_NAME) as store:
+        store._connection.execute("UPDATE outcomes SET origin = NULL")
+        assert held_in(study, store, study.folder / "c").stale == 0
+    assert _why(_inputs(study, sim="x")) == {"flown by an earlier version, which kept no reasons": 16}
+
+
+def test_what_is_owed_is_planned_as_the_study_is_now(study: Any, fly: Callable[..., Held]) -> None:
+    fly()
+    with Store(study.folder / "c" / STORE_NAME) as store:
+        store._connection.execute("DELETE FROM outcomes WHERE mutant = ?", (LATE,))
+    assert held(study, f"{study.folder}/c").owed == 4
+    assert held(_inputs(study, sim="x"), f"{study.folder}/c").owed == 0
+
+
+def test_the_latest_are_the_current_ones_else_the_stale(study: Any, fly: Callable[..., Held], log: Any) -> None:
+    before = fly().current
+    assert latest(_inputs(study, sim="x"), f"{study.folder}/c") == before
+    log.change = lambda _flight, outcome: replace(outcome, perceived_digest="now")
+    now = _inputs(study, sim="x")
+    after = fly(now).current
+    assert after != before
+    assert latest(now, f"{study.folder}/c") == after == current(now, f"{study.folder}/c")
+    assert latest(study, f"{study.folder}/c") == before == current(study, f"{study.folder}/c")
+
+
+def test_a_campaign_without_a_flight_that_counts_is_one_sentence(study: Any, fly: Callable[..., Held]) -> None:
+    fly()
+    with pytest.raises(InputError, match=r"nothing to show: all 16 flights are stale \(`scaloft-fi status`\)"):
+        current(_inputs(study, sim="x"), f"{study.folder}/c")
+    with Store(study.folder / "c" / STORE_NAME) as store:
+        store._connection.execute("DELETE FROM outcomes")
+    with pytest.raises(InputError, match="it holds no flight"):
+        current(study, f"{study.folder}/c")
+
+
+def test_what_a_run_writes_meanwhile_is_read_the_next_time(
+    study: Any, fly: Callable[..., Held], log: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    there = len(fly().current)
+    campaign, path, read, keys = f"{study.folder}/c", study.folder / "c" / STORE_NAME, Store.origins, Keys(study)
+    planned = [plan(study.grid, (seed,), [realise(study.matrix, CONTROL)], None) for seed in range(1, 6)]
+    meanwhile: list[Any] = []
+    added = len(planned[0].baselines) + len(planned[0].mutants)
+
+    def origins(store: Store) -> Any:
+        """Those there are; then another process plans and flies."""
+        found = read(store)
+        if meanwhile:
+            more = meanwhile.pop()
+            flights = (*more.baselines, *more.mutants)
+            with Store(path) as other:
+                other.plan(map(keys.planned, flights))
+                other.put_all((keys.key(flight), log(study, flight)) for flight in flights)
+        return found
+
+    def opened() -> int:
+        with Store(path) as store:
+            return len(current_in(study, store))
+
+    def told() -> int:
+        found = held(study, campaign)
+        assert (found.stale, found.owed) == (0, 0)
+        return len(found.current)
+
+    def ruled() -> int:
+        found = current_rulings(study, campaign)
+        return len(found.baselines) + sum(len(flights) for s in found.mutants.values() for flights in s.values())
+
+    # the first of these meets origins that were not there when it began
+    monkeypatch.setattr(Store, "origins", origins)
+    for reader in (ruled, told, opened, lambda: len(current(study, campaign)), lambda: len(latest(study, campaign))):
+        meanwhile.append(planned.pop())
+        assert reader() == there
+        there += added
+    assert len(current(study, campaign)) == there

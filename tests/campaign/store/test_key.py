@@ -1,0 +1,82 @@
+"""What changes the key of a flight, and what does not."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.campaign.store.held import flight_named
+from scaloft_fi.campaign.store.key import Keys, flight_key
+from scaloft_fi.study import Study
+
+ROOT = Path(__file__).parents[3]
+NAMES = [(mutant, key) for mutant in ("baseline", "LATE-human@3s") for key in ("T0O0W0D0H0", "T1O0W0D1H1")]
+
+
+@pytest.fixture
+def copy(tmp_path: Path) -> Path:
+    for name in ("hazop", "mutants", "sim"):
+        shutil.copytree(ROOT / name, tmp_path / name)
+    return tmp_path
+
+
+def _flights(study: Study) -> dict[tuple[str, str], Flight]:
+    return {name: flight_named(study, *name, 0) for name in NAMES}
+
+
+def _stale(copy: Path, file: str, old: str, new: str) -> dict[tuple[str, str], tuple[str, ...]]:
+    """Which parts of which flights an edit changes; a flight is left out when its key stays."""
+    before, path = Study(copy), copy / "sim" / file
+    then = {name: (Keys(before).origin(f), Keys(before).key(f)) for name, f in _flights(before).items()}
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+    keys, found = Keys(Study(copy)), {}
+    for name, flight in _flights(Study(copy)).items():
+        origin, key = then[name]
+        changed = origin.changed(keys.origin(flight))
+        assert bool(changed) == (key != keys.key(flight))
+        if changed:
+            found[name] = changed
+    return found
+
+
+def test_an_edit_of_the_world_changes_every_flight(copy: Path) -> None:
+    assert _stale(copy, "world.yaml", "light: 0.9", "light: 0.8") == dict.fromkeys(NAMES, ("sim",))
+
+
+def test_an_edit_of_a_requirement_changes_every_flight(copy: Path) -> None:
+    edited = _stale(copy, "requirements.yaml", "speed_mps / 0.25", "speed_mps / 0.30")
+    assert edited == dict.fromkeys(NAMES, ("requirements",))
+
+
+def test_an_edit_of_a_value_changes_the_situations_that_have_it(copy: Path) -> None:
+    edited = _stale(copy, "situations.yaml", "light: 0.0", "light: 0.01")
+    assert edited == dict.fromkeys([name for name in NAMES if "D1" in name[1]], ("situation",))
+
+
+def test_an_edit_of_how_a_value_comes_true_changes_baselines_alone(copy: Path) -> None:
+    edited = _stale(copy, "situations.yaml", "eventually(x_m < -1)", "eventually(x_m < -2)")
+    assert edited == dict.fromkeys([name for name in NAMES if name[0] == "baseline"], ("realised",))
+
+
+def test_another_argument_of_a_mutant_changes_its_flights_alone() -> None:
+    study = Study(ROOT)
+    flight = flight_named(study, "LATE-human@3s", "T0O0W0D0H1", 0)
+    assert flight.mutant is not None
+    other = replace(flight, mutant=replace(flight.mutant, arguments={"delay_s": 4.0}))
+    keys = Keys(study)
+    assert keys.origin(flight).changed(keys.origin(other)) == ("mutant",)
+    assert keys.key(flight) != keys.key(other)
+
+
+def test_one_key_and_many_are_made_alike() -> None:
+    study = Study(ROOT)
+    keys = Keys(study)
+    for flight in _flights(study).values():
+        assert keys.key(flight) == flight_key(study, flight) == keys.planned(flight).key
+        assert keys.key(flight) != keys.key(replace(flight, seed=1))

@@ -1,0 +1,210 @@
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from builders import SIGNALS
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from scaloft_fi.errors import InputError
+from scaloft_fi.judge.requirement import (
+    Kind,
+    Requirement,
+    Verdict,
+    episodes,
+    judge,
+    judge_signals,
+    load_requirements,
+)
+
+STUDY = Path(__file__).resolve().parents[2] / "sim" / "requirements.yaml"
+REQUIREMENTS = {requirement.name: requirement for requirement in load_requirements(STUDY, SIGNALS)}
+
+CALM = {
+    "clearance_m": 1.0,
+    "clearance_person_m": 1.0,
+    "person_sight_m": 100.0,
+    "speed_mps": 0.5,
+    "told_person": 0.0,
+    "told_range_m": 100.0,
+    "remaining_s": 50.0,
+    "landed": 0.0,
+    "waypoints_left": 3.0,
+    "home_m": 0.0,
+}
+
+
+def trace(samples: int, **signals: list[float]) -> dict[str, list[float]]:
+    """A calm flight of some samples, 0.05 s apart, but for the signals given."""
+    calm = {name: [CALM.get(name, 0.0)] * samples for name in SIGNALS}
+    return calm | {"elapsed_s": [0.05 * i for i in range(samples)]} | signals
+
+
+def said(name: str, cut_short: bool = False, **signals: list[float]) -> tuple[Verdict, float | None, int]:
+    samples = len(next(iter(signals.values())))
+    reading = judge_signals(REQUIREMENTS[name], trace(samples, **signals), cut_short=cut_short).reading
+    return reading.verdict, reading.violated_at_s and round(reading.violated_at_s, 2), reading.triggered
+
+
+def test_the_study_has_the_four_requirements_of_their_kinds() -> None:
+    assert {name: requirement.kind.value for name, requirement in REQUIREMENTS.items()} == {
+        "SR1": "safety",
+        "SR2": "safety",
+        "SR2-literal": "reported",
+        "OP1": "operability",
+    }
+
+
+def test_sr1_is_violated_by_a_contact_of_a_tenth_of_a_centimetre_at_its_sample() -> None:
+    assert said("SR1", clearance_m=[0.4, 0.2, -0.001, 0.3]) == (Verdict.VIOLATED, 0.1, 1)
+
+
+def test_sr1_holds_at_a_hair_and_its_robustness_is_the_least_clearance() -> None:
+    judgement = judge_signals(REQUIREMENTS["SR1"], trace(3, clearance_m=[0.4, 0.001, 0.3]), cut_short=False)
+    assert judgement.reading.verdict is Verdict.HELD
+    assert judgement.reading.rho == 0.001
+    assert judgement.sample is None
+
+
+def test_sr2_gives_two_seconds_of_a_person_near_before_it_asks_for_low_speed() -> None:
+    # take-off at 0 s, a person comes near at 3.0 s (sample 60): 2 s later, sample 100, the drone must be slow
+    near = [100.0] * 60 + [2.9] * 60
+    late = [0.5] * 101 + [0.2] * 19
+    in_time = [0.5] * 100 + [0.2] * 20
+    assert said("SR2", person_sight_m=near, speed_mps=late) == (Verdict.VIOLATED, 5.0, 1)
+    assert said("SR2", person_sight_m=near, speed_mps=in_time) == (Verdict.HELD, None, 1)
+
+
+def test_sr2_allows_a_quarter_of_a_metre_per_second_and_no_more() -> None:
+    near = [2.0] * 60
+    assert said("SR2", person_sight_m=near, speed_mps=[0.25] * 60)[0] is Verdict.HELD
+    # at 2.00 s the trigger's own margin is 0, and a robustness of 0 is no violation
+    assert said("SR2", person_sight_m=near, speed_mps=[0.251] * 60)[:2] == (Verdict.VIOLATED, 2.05)
+
+
+def test_sr2_counts_from_take_off_where_the_person_is_near_at_once() -> None:
+    near = [2.0] * 60
+    assert said("SR2", person_sight_m=near, speed_mps=[0.5] * 40 + [0.2] * 20)[0] is Verdict.HELD
+
+
+def test_sr2_starts_anew_when_the_person_was_out_of_sight() -> None:
+    near = [2.0] * 60 + [100.0] + [2.0] * 41
+    fast_in_the_gap = [0.2] * 60 + [0.5] * 41 + [0.2]
+    assert said("SR2", person_sight_m=near, speed_mps=fast_in_the_gap) == (Verdict.HELD, None, 2)
+
+
+def test_sr2_is_vacuous_where_nobody_is_near() -> None:
+    assert said("SR2", person_sight_m=[3.5] * 80, speed_mps=[0.5] * 80) == (Verdict.VACUOUS, None, 0)
+
+
+def test_sr2_is_violated_by_touching_the_person_at_any_speed() -> None:
+    verdict, at_s, _ = said("SR2", clearance_person_m=[1.0, 0.5, -0.001])
+    assert (verdict, at_s) == (Verdict.VIOLATED, 0.1)
+
+
+def test_sr2_robustness_is_a_share_of_the_limit() -> None:
+    signals = trace(60, person_sight_m=[1.5] * 60, speed_mps=[0.2] * 60)
+    assert judge_signals(REQUIREMENTS["SR2"], signals, cut_short=False).reading.rho == pytest.approx(0.2)
+
+
+def test_sr2_literal_is_satisfied_by_a_stack_that_is_never_told() -> None:
+    near, fast = [2.0] * 60, [0.5] * 60
+    assert said("SR2-literal", person_sight_m=near, speed_mps=fast)[0] is Verdict.VACUOUS
+    told = {"told_person": [1.0] * 60, "told_range_m": [2.0] * 60}
+    assert said("SR2-literal", person_sight_m=near, speed_mps=fast, **told)[:2] == (Verdict.VIOLATED, 2.05)
+
+
+def test_op1_is_violated_by_landing_with_a_waypoint_left() -> None:
+    assert said("OP1", landed=[0, 0, 1], waypoints_left=[2, 1, 1]) == (Verdict.VIOLATED, 0.1, 1)
+    assert said("OP1", landed=[0, 0, 1], waypoints_left=[2, 1, 0])[0] is Verdict.HELD
+
+
+def test_op1_is_violated_when_the_time_is_up_and_not_before() -> None:
+    assert said("OP1", remaining_s=[0.1, 0.05, 0.0], waypoints_left=[1, 1, 1])[:2] == (Verdict.VIOLATED, 0.1)
+    assert said("OP1", remaining_s=[0.1, 0.05, 0.0], waypoints_left=[1, 1, 0])[0] is Verdict.HELD
+
+
+def test_what_was_not_violated_when_a_flight_is_cut_short_is_open() -> None:
+    assert said("OP1", cut_short=True, waypoints_left=[3, 3])[0] is Verdict.OPEN
+    assert said("SR2", cut_short=True, person_sight_m=[2.0] * 60, speed_mps=[0.2] * 60)[0] is Verdict.OPEN
+    assert said("SR1", cut_short=True, clearance_m=[0.1, -0.001])[0] is Verdict.VIOLATED
+
+
+def test_a_log_is_judged_by_its_signals_and_its_ending() -> None:
+    log = SimpleNamespace(signals=trace(3), ending=SimpleNamespace(cut_short=True))
+    assert judge(REQUIREMENTS["SR1"], log).open  # type: ignore[arg-type]
+
+
+margins = st.lists(st.integers(-3, 3).map(float), min_size=1, max_size=30)
+
+
+@given(margins)
+def test_the_first_violation_is_the_end_of_the_shortest_violated_prefix(margin: list[float]) -> None:
+    requirement = Requirement("R", Kind.SAFETY, "always(once[0:0.1](m >= 0))")
+    times = [0.05 * i for i in range(len(margin))]
+
+    def violated(length: int) -> bool:
+        signals = {"elapsed_s": times[:length], "m": margin[:length]}
+        return judge_signals(requirement, signals, cut_short=False).reading.rho < 0
+
+    judgement = judge_signals(requirement, {"elapsed_s": times, "m": margin}, cut_short=False)
+    shortest = next((length for length in range(1, len(margin) + 1) if violated(length)), None)
+    assert judgement.sample == (None if shortest is None else shortest - 1)
+    # once violated, a longer flight stays violated
+    assert all(violated(length) for length in range(shortest or len(margin) + 1, len(margin) + 1))
+
+
+@settings(deadline=None)
+@given(margins)
+def test_triggers_are_counted_as_episodes(margin: list[float]) -> None:
+    on = "".join("1" if value >= 0 else "0" for value in margin)
+    assert episodes(margin) == len([run for run in on.split("0") if run])
+
+
+def written(folder: Path, text: str) -> Path:
+    path = folder / "requirements.yaml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+GOOD = "requirements:\n  R:\n    kind: safety\n    formula: always(clearance_m > 0)\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (
+            GOOD.replace("clearance_m", "clearence_m"),
+            ":4: formula names the unknown signal 'clearence_m'; did you mean",
+        ),
+        (GOOD.replace("safety", "safty"), ":3: kind='safty' is not known; did you mean 'safety'?"),
+        (GOOD.replace("always(clearance_m > 0)", "clearance_m > 0"), ":4: formula must be always( ... )"),
+        (GOOD.replace("> 0)", "> 0) and always(x_m > 0)"), ":4: formula must be always( ... )"),
+        (GOOD.replace("clearance_m > 0", "eventually(x_m > 0)"), ":4: formula looks into the future with 'eventually'"),
+        (GOOD.replace("> 0)", "> )"), ":4: formula is not a formula"),
+        (GOOD + "    triger: x_m > 0\n", ":5: unknown key 'triger' in R; did you mean 'trigger'?"),
+        (GOOD + "    trigger: x > 0\n", ":5: trigger names the unknown signal 'x'"),
+        (GOOD + "definitions:\n  x_m: y_m > 0\n", ":6: definition 'x_m' must not be named like a signal"),
+        (GOOD + "definitions:\n  near: y > 0\n", ":6: near names the unknown signal 'y'"),
+        (GOOD.replace("safety", "reported"), ":1: requirements must have at least one of kind safety"),
+        (GOOD.replace("    formula: always(clearance_m > 0)\n", ""), "lacks the key 'formula'"),
+        ("requirements: [\n", "not valid YAML"),
+    ],
+)
+def test_a_bad_file_is_one_sentence_with_its_line(tmp_path: Path, text: str, said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        load_requirements(written(tmp_path, text), SIGNALS)
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_definitions_may_build_on_those_above_them(tmp_path: Path) -> None:
+    text = (
+        GOOD.replace("clearance_m > 0", "far") + "definitions:\n  close: x_m < 1\n  far: not close\n  other: y_m > 0\n"
+    )
+    (requirement,) = load_requirements(written(tmp_path, text), SIGNALS)
+    assert [name for name, _ in requirement.definitions] == ["close", "far"]
+    signals = {name: [2.0, 0.5] for name in SIGNALS} | {"elapsed_s": [0.0, 0.05]}
+    assert judge_signals(requirement, signals, cut_short=False).reading.rho == -0.5

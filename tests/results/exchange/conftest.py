@@ -1,8 +1,0 @@
-"""Makes the builders beside these tests and above them importable."""
-
-from __future__ import annotations
-
-import sys
-from pathlib import Path
-
-sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]

@@ -1,0 +1,112 @@
+from __future__ import annotations
+
+import csv
+import io
+import json
+import random
+
+from builders import GRID, KINDS, ROSTER, campaigns, outcome, seeded
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from scaloft_fi.analysis.scoring.pool import Pool
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
+from scaloft_fi.views.flights.export import columns, export_rows, to_csv, to_json
+
+M = "LATE-human@3s"
+RHO = [f"rho_{name}" for name in KINDS]
+COLUMNS = [
+    *("mutant", "situation", "seed", "status", "ending", "violated", *RHO),
+    *("infected_at_s", "violated_at_s", "x", "y", "z", "struck", "duration_s", "digest"),
+    *("held", "revealed_by", "violation_times_s", "violation_bodies", "triggered", "realised", "carried", "altered"),
+]
+
+
+def test_a_row_has_the_columns_of_the_contract_in_their_order() -> None:
+    (row,) = export_rows([outcome()], ROSTER, GRID)
+    assert list(row) == COLUMNS
+    assert columns([], list(KINDS)) == COLUMNS
+
+
+def test_a_flight_that_reveals_its_fault_says_when_where_and_what_was_struck() -> None:
+    flown = outcome(M, violated={"SR1": 20.0, "OP1": 5.0}, struck="")
+    (_, row) = export_rows([outcome(), flown], ROSTER, GRID)
+    assert (row["status"], row["violated"]) == ("revealed", ["SR1", "OP1"])
+    assert (row["violated_at_s"], row["x"], row["y"], row["z"], row["struck"]) == (20.0, 1.0, 2.0, 1.65, "")
+    (_, row) = export_rows([outcome(), outcome(M, violated={"SR1": 20.0}, struck="wall")], ROSTER, GRID)
+    assert (row["struck"], row["ending"], row["duration_s"]) == ("wall", "struck", 20.0)
+
+
+def test_rows_are_ordered_baseline_placebo_catalogue_then_off_the_ladder_situation_seed() -> None:
+    mutants = [
+        "LATE-human@2.5s",
+        "MORE-goal@0.6m",
+        PLACEBO,
+        "LATE-human@3s",
+        BASELINE,
+        "LATE-human@1s",
+        "NO-human@100%",
+    ]
+    flown = [outcome(m, key, seed) for m in mutants for seed in (1, 0) for key in ("T0O0W0D0H1", "T0O0W0D0H0")]
+    rows = export_rows(flown, ROSTER, GRID)
+    assert list(dict.fromkeys(row["mutant"] for row in rows)) == [
+        *(BASELINE, PLACEBO, "NO-human@100%", "LATE-human@1s", "LATE-human@3s", "LATE-human@2.5s", "MORE-goal@0.6m"),
+    ]
+    assert [(row["situation"][-2:], row["seed"]) for row in rows[:4]] == [("H0", 0), ("H0", 1), ("H1", 0), ("H1", 1)]
+
+
+def test_csv_joins_lists_and_leaves_what_there_is_not_empty() -> None:
+    text = to_csv(export_rows([outcome(), outcome(M, violated={"SR1": 20.0, "SR2": 9.0})], ROSTER, GRID))
+    held, revealed = csv.DictReader(io.StringIO(text))
+    assert (held["violated"], held["violated_at_s"], held["infected_at_s"], held["status"]) == ("", "", "", "held")
+    assert (revealed["violated"], revealed["violated_at_s"]) == ("SR1;SR2", "9.0")
+
+
+def test_a_row_says_what_the_figures_of_the_score_follow_from() -> None:
+    struck = outcome(M, violated={"SR1": 20.0, "SR2": 9.0, "OP1": 5.0})
+    base, row = export_rows([outcome(), struck], ROSTER, GRID)
+    assert (base["held"], base["realised"], base["revealed_by"]) == (list(KINDS), ["T", "O", "W", "D", "H"], [])
+    assert (row["held"], row["revealed_by"]) == (["SR2-literal"], ["SR2", "SR1", "OP1"])
+    assert (row["violated"], row["violation_times_s"]) == (["SR1", "SR2", "OP1"], [20.0, 9.0, 5.0])
+    cut = outcome(M, violated={"SR1": 20.0}, struck="wall")
+    (_, row) = export_rows([outcome(), cut], ROSTER, GRID)
+    assert (row["held"], row["violation_bodies"], row["carried"], row["altered"]) == ([], ["wall"], 100, 5)
+
+
+@given(seeded())
+@settings(deadline=None, max_examples=30)
+def test_the_pool_of_a_campaign_follows_from_its_rows(outcomes: list[Outcome]) -> None:
+    rows = [row for row in export_rows(outcomes, ROSTER, GRID) if row["mutant"] == BASELINE and row["ending"]]
+    for (situation, name), pair in Pool.of(outcomes).pairs.items():
+        own = [row for row in rows if row["situation"] == situation]
+        violated = [name in row["violated"] for row in own]
+        held = [name in row["held"] for row in own]
+        triggered = [name in (*row["violated"], *row["triggered"]) for row in own]
+        counts = (len(own), sum(violated), len(own) - sum(violated) - sum(held), sum(triggered))
+        assert (pair.flights, pair.violated, pair.open, pair.triggered) == counts
+
+
+def test_an_export_of_nothing_is_an_empty_list_and_a_header() -> None:
+    assert json.loads(to_json([])) == []
+    assert to_csv([], list(KINDS)) == ",".join(COLUMNS) + "\n"
+
+
+@given(campaigns(), st.randoms())
+def test_an_export_does_not_depend_on_the_order_of_flights(outcomes: list[Outcome], chance: random.Random) -> None:
+    shuffled = list(outcomes)
+    chance.shuffle(shuffled)
+    rows = export_rows(outcomes, ROSTER, GRID)
+    again = export_rows(shuffled, ROSTER, GRID)
+    assert to_json(rows) == to_json(again)
+    assert to_csv(rows) == to_csv(again)
+
+
+@given(campaigns())
+def test_json_and_csv_say_the_same_of_every_flight(outcomes: list[Outcome]) -> None:
+    rows = export_rows(outcomes, ROSTER, GRID)
+    assert json.loads(to_json(rows)) == rows
+    parsed = list(csv.DictReader(io.StringIO(to_csv(rows))))
+    assert len(parsed) == len(outcomes)
+    for row, other in zip(rows, parsed, strict=True):
+        assert all(str(row[name]) == other[name] for name in ("mutant", "situation", "seed", "status", "digest"))
+        assert (row["status"] == "revealed") <= bool(row["violated"])

@@ -1,0 +1,132 @@
+"""A campaign on paper, one with hostile names."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from browsing import NAMES, Opened, Visit
+from papers import HOSTILE, STUDY, campaign, evidence_of
+
+from scaloft_fi.document import load
+from scaloft_fi.study import Study
+from scaloft_fi.views.report.evidence import Evidence
+from scaloft_fi.views.report.figures import figures
+from scaloft_fi.views.report.page import page
+
+
+@pytest.fixture(scope="session")
+def study() -> Study:
+    return Study.open(STUDY)
+
+
+@pytest.fixture(scope="session")
+def evidence(study: Study) -> Evidence:
+    """Three seeds beside a pool of ten, one flight that failed."""
+    outcomes = list(campaign(study))
+    broken = next(i for i, o in enumerate(outcomes) if o.mutant == "LESS-goal@0.05m")
+    outcomes[broken] = replace(
+        outcomes[broken], invalid="the worker died", readings=(), violations=(), track=b"", digest="", ending=""
+    )
+    return evidence_of(study, outcomes)
+
+
+@pytest.fixture(scope="session")
+def hostile(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
+    """A study whose titles, reasons and names try to be markup, in a folder with such a name."""
+    import yaml
+
+    folder = tmp_path_factory.mktemp("hostile") / "st\"u'dy <b onclick=alert(1)>&amp;"
+    for name in ("hazop", "mutants", "sim"):
+        shutil.copytree(STUDY / name, folder / name)
+
+    def change(path: Path, edit: Callable[[dict[str, Any]], None]) -> None:
+        document = load(path).plain()
+        edit(document)
+        path.write_text(yaml.safe_dump(document, allow_unicode=True, sort_keys=False), encoding="utf-8")
+
+    def titles(document: dict[str, Any]) -> None:
+        for number, entry in enumerate(document.values()):
+            entry["title"] = HOSTILE[number % len(HOSTILE)]
+            entry["intent" if "intent" in entry else "meaning"] = HOSTILE[(number + 1) % len(HOSTILE)]
+
+    def axes(document: dict[str, Any]) -> None:
+        for number, axis in enumerate(document["axes"].values()):
+            axis["title"] = HOSTILE[number]
+            for place, value in enumerate(axis["values"]):
+                value["title"] = HOSTILE[(number + place + 1) % len(HOSTILE)]
+
+    def requirements(document: dict[str, Any]) -> None:
+        for number, requirement in enumerate(document["requirements"].values()):
+            requirement["title"] = requirement["unit"] = HOSTILE[number]
+
+    change(folder / "hazop" / "parameters.yaml", titles)
+    change(folder / "hazop" / "guidewords.yaml", titles)
+    change(folder / "sim" / "situations.yaml", axes)
+    change(folder / "sim" / "requirements.yaml", requirements)
+    accepted = {"status": "accepted", "owner": HOSTILE[0], "reason": HOSTILE[1], "expires": "2027-01-31"}
+    text = yaml.safe_dump({"LATE-human": accepted}, allow_unicode=True)
+    (folder / "hazop" / "dispositions.yaml").write_text(text, encoding="utf-8")
+    study = Study.open(folder)
+    outcomes = list(campaign(study, ("LATE-human@3s", "MORE-goal@0.6m", "REVERSE-velcmd"), range(1)))
+    outcomes = [replace(o, stack_error=HOSTILE[0]) if o.mutant.startswith("LATE") else o for o in outcomes]
+    return Evidence(study, HOSTILE[0], tuple(outcomes), fingerprint={HOSTILE[1]: HOSTILE[2]})
+
+
+@pytest.fixture
+def quick(monkeypatch: pytest.MonkeyPatch) -> Callable[[Evidence], dict[str, Any]]:
+    """The figures without what follows from the flights, which takes longest."""
+    monkeypatch.setattr("scaloft_fi.views.report.figures.analyses", lambda *_: {})
+    return figures
+
+
+@pytest.fixture(scope="session")
+def text(evidence: Evidence) -> str:
+    """The page of the campaign on paper."""
+    return page(evidence)
+
+
+@pytest.fixture(scope="session")
+def hostile_text(hostile: Evidence) -> str:
+    """The page of the hostile study."""
+    return page(hostile)
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    found = next((path for path in map(shutil.which, NAMES) if path), None)
+    if found is None:
+        reason = f"no browser: none of {', '.join(NAMES)} on the path"
+        if os.environ.get("SCALOFT_FI_BROWSER") == "required":
+            pytest.fail(reason)
+        pytest.skip(reason)
+    sync = pytest.importorskip("playwright.sync_api")
+    with sync.sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=found, args=["--no-sandbox", "--disable-gpu"])
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture(scope="session")
+def path(text: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    written = tmp_path_factory.mktemp("page") / "report.html"
+    written.write_text(text, encoding="utf-8")
+    return written
+
+
+@pytest.fixture
+def visit(browser: Any, path: Path) -> Iterator[Opened]:
+    visits: list[Visit] = []
+
+    def opened(fragment: str = "", file: Path = path, **context: Any) -> Visit:
+        visits.append(Visit(browser, file, fragment, **context))
+        return visits[-1]
+
+    yield opened
+    for one in visits:
+        one.close()

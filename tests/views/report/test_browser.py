@@ -1,0 +1,306 @@
+"""The page in a real Chromium, opened from disk: it renders, clicks and keys work, nothing is asked of any network."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from browsing import Opened
+from papers import BAR, HOSTILE, SHAKY
+from reading import embedded, unpacked
+
+from scaloft_fi.views.report.evidence import Evidence
+from scaloft_fi.views.report.page import page as page_of
+
+FLIGHT = "#flight=LATE-human%403s/T0O0W0D0H1/1"
+
+
+def test_both_matrices_are_drawn_whole(visit: Opened, text: str) -> None:
+    told, page = embedded(text, "figures"), visit().page
+    assert page.locator("#hazop td").count() == len(told["cells"]) == 156
+    assert page.locator("#kills td.state").count() == len(told["mutants"]) * len(told["situations"])
+    # a line for each axis, and one for each safety requirement
+    assert page.locator("#kills thead tr").count() == len(told["axes"]) + 2
+    for mutant in told["mutants"]:
+        row = page.locator(f'#kills tr[data-mutant="{mutant["id"]}"]')
+        states = row.locator("td.state").evaluate_all("cells => cells.map((cell) => cell.dataset.state)")
+        assert states == [told["signs"][result[0]] for result in mutant["results"]]
+        said = row.locator("td.rate").inner_text()
+        if mutant["control"]:
+            assert said == "shows itself by SR1"
+        else:
+            rate = mutant["kill_rate"]
+            assert mutant["verdict"].replace("_", " ") in said
+            assert said.endswith(f"{rate['part']}/{rate['whole']}" if rate["whole"] else "tested")
+    for cell, text in (
+        ("LATE-human", "\u2713\u00a08/16"),
+        ("MORE-goal", "\u25cb\u00a00/30"),
+        ("LESS-goal", "?\u00a00/30"),
+    ):
+        assert page.locator(f'#hazop td[data-cell="{cell}"]').inner_text().split("\n")[0] == text
+    assert page.locator('#hazop td[data-cell="REVERSE-velcmd"]').inner_text() == "SR1"
+
+
+def test_no_two_signs_of_the_kill_matrix_look_the_same_without_colour(visit: Opened) -> None:
+    page = visit().page
+    looks = page.locator("#kills td.state").evaluate_all(
+        """cells => cells.map((cell) => [cell.dataset.state, JSON.stringify([
+            ["kill", "no_test"].includes(cell.dataset.state) ? cell.textContent.replace(/./g, "x") : "",
+            getComputedStyle(cell, "::before").content, getComputedStyle(cell).backgroundImage,
+            getComputedStyle(cell).boxShadow === "none"])])"""
+    )
+    by_sign: dict[str, set[str]] = {}
+    for sign, look in looks:
+        by_sign.setdefault(sign, set()).add(look)
+    assert all(len(found) == 1 for found in by_sign.values())
+    assert len({look for found in by_sign.values() for look in found}) == len(by_sign) == 7
+
+
+def test_the_head_names_four_questions_and_answers_them(visit: Opened, text: str) -> None:
+    told, page = embedded(text, "figures"), visit().page
+    head = page.locator(".masthead .answers").first
+    assert head.locator("dt").all_inner_texts() == ["Shown", "Not shown", "How sure", "What next"]
+    answers = [answer["text"].replace("`", "").replace(".  ", ". ") for answer in told["answers"]]
+    said = head.locator("dd").all_inner_texts()
+    assert [one[0].lower() + one[1:] for one in said] == [one[0].lower() + one[1:] for one in answers]
+    assert page.locator(".masthead .besides dt").all_inner_texts() == ["Situations", "Unmutated drone"]
+
+
+def test_the_ratios_are_printed_as_they_are_in_the_figures(visit: Opened, text: str) -> None:
+    page = visit().page
+    for ratio in embedded(text, "figures")["ratios"]:
+        assert page.get_by_text(f"{ratio['part']}/{ratio['whole']}", exact=True).count()
+        assert page.get_by_text(ratio["population"], exact=True).count() == 1
+
+
+def test_a_click_on_a_kill_shows_a_flight_that_has_it_and_back_returns(visit: Opened, text: str) -> None:
+    seen = visit()
+    page = seen.page
+    told = embedded(text, "figures")
+    for mutant, seed in (("LATE-human@3s", 0), ("LATE-human@1s", 1)):
+        cell = page.locator(f'#kills tr[data-mutant="{mutant}"] td.state[data-state="kill"]').first
+        assert cell.inner_text() == "2"
+        key = told["situations"][int(cell.get_attribute("data-column"))]["key"]
+        cell.click()
+        page.wait_for_selector("#sheet .map")
+        assert seen.hash() == f"#flight={mutant.replace('@', '%40')}/{key}/{seed}"
+        assert mutant in page.locator("#sheet-title").inner_text()
+        assert page.locator("#sheet .command code").inner_text() == f"scaloft-fi replay {mutant}/{key}/{seed}"
+        assert "Revealed by SR2" in page.locator("#sheet .verdict").inner_text()
+        assert "detected by SR2" in page.locator("#sheet").inner_text()
+        page.go_back()
+        page.wait_for_selector("#sheet", state="hidden")
+        assert seen.hash() == ""
+    page.go_forward()
+    page.wait_for_selector("#sheet .map")
+
+
+def test_what_is_no_test_says_why(visit: Opened, text: str) -> None:
+    page = visit().page
+    keys = [situation["key"] for situation in embedded(text, "figures")["situations"]]
+    for key, letter, why in ((BAR, "r", "SR1 red, SR2 vacuous"), (SHAKY, "u", "SR1 unsteady, SR2 vacuous")):
+        row = page.locator('#kills tr[data-mutant="MORE-goal@0.6m"]')
+        cell = row.locator(f'td.state[data-column="{keys.index(key)}"]')
+        assert (cell.get_attribute("data-state"), cell.inner_text()) == ("no_test", letter)
+        assert f"no test: {why}" in cell.get_attribute("aria-label")
+
+
+def test_the_pairs_of_the_unmutated_drone_that_are_not_steady_are_listed(visit: Opened, text: str) -> None:
+    told, page = embedded(text, "figures"), visit().page
+    section = page.locator("#baseline")
+    ill = {pair["situation"] for pair in told["pairs"] if pair["state"] in ("red", "unsteady", "open")}
+    rows = section.locator("table").nth(1).locator("tbody tr")
+    assert rows.count() == len(ill)
+    assert "2 situations of 32 put no fault to the safety test" in section.locator(".note").inner_text()
+    bar = rows.filter(has_text=BAR)
+    for words in ("red 10/10", "vacuous", "open 10/10", "nothing tests here", "strikes bar"):
+        assert words in bar.inner_text()
+    assert "unsteady 3/10" in rows.filter(has_text=SHAKY).inner_text()
+    bar.locator("a").click()
+    page.wait_for_selector("#sheet .map")
+    assert "Violates a safety requirement without any fault" in page.locator("#sheet .verdict").inner_text()
+
+
+def test_back_and_forward_at_once_leave_the_flight_open(visit: Opened) -> None:
+    seen = visit()
+    page = seen.page
+    page.locator('#kills tr[data-mutant="LATE-human@3s"] td.state[data-state="kill"]').first.click()
+    page.wait_for_selector("#sheet .map")
+    flight = seen.hash()
+    # the close event of the sheet comes after both
+    page.evaluate(
+        """(flight) => {
+            history.replaceState(null, "", "#"); dispatchEvent(new PopStateEvent("popstate"));
+            history.replaceState(null, "", flight); dispatchEvent(new PopStateEvent("popstate"));
+        }""",
+        flight,
+    )
+    page.wait_for_timeout(300)
+    assert page.locator("#sheet .map").is_visible()
+    assert seen.hash() == flight
+
+
+def test_the_paths_drawn_are_the_tracks_of_that_flight_and_its_baseline(visit: Opened, text: str) -> None:
+    told = embedded(text, "figures")
+    quanta = [entry["quantum"] for entry in told["columns"]]
+    flights = unpacked(embedded(text, "flights")["T0O0W0D0H1"], quanta)
+    page = visit(FLIGHT).page
+    page.wait_for_selector("#sheet .map .flown")
+    for kind, mutant in (("flown", "LATE-human@3s"), ("clean", "baseline")):
+        (flight,) = (f for f in flights if (f["mutant"], f["seed"]) == (mutant, 1))
+        drawn = page.locator(f"#sheet .map path.{kind}").get_attribute("d")
+        points = [tuple(map(float, pair.split(","))) for pair in drawn.replace("M", "L").split("L")[1:]]
+        assert len(points) == len(flight["rows"])
+        # a linear map: equal steps on the ground are equal steps on the screen
+        (x0, y0), (x1, y1) = points[0], points[-1]
+        first, last = flight["rows"][0], flight["rows"][-1]
+        assert x1 - x0 == pytest.approx(52 * (last[1] - first[1]), abs=0.2)
+        assert y0 - y1 == pytest.approx(52 * (last[2] - first[2]), abs=0.2)
+    assert page.locator("#sheet .chart").count() == 3
+    assert page.locator("#sheet .chart line.limit").count() >= 3
+    assert page.locator("#sheet .map .infection").count() == 1
+    assert page.locator("#sheet .map .violation").count() == 1
+
+
+def test_another_seed_is_another_flight(visit: Opened) -> None:
+    seen = visit("#flight=LATE-human%401s/T0O0W0D0H1/1")
+    page = seen.page
+    page.wait_for_selector("#sheet .map")
+    assert "Revealed by SR2" in page.locator("#sheet .verdict").inner_text()
+    page.locator('#sheet button[data-seed="0"]').click()
+    page.wait_for_selector('#sheet button[data-seed="0"][aria-pressed="true"]')
+    assert "Survived" in page.locator("#sheet .verdict").inner_text()
+    assert seen.hash().endswith("/0")
+
+
+def test_the_matrices_are_walked_and_opened_by_keys(visit: Opened) -> None:
+    seen = visit()
+    page = seen.page
+    for board, opened in (("#hazop", "#cell="), ("#kills", "#flight=")):
+        assert page.locator(f'{board} [role="gridcell"][tabindex="0"]').count() == 1
+        page.locator(f'{board} [role="gridcell"][tabindex="0"]').focus()
+        for key in ("ArrowRight", "ArrowDown", "ArrowLeft", "End", "Home", "ArrowRight"):
+            page.keyboard.press(key)
+        assert page.locator(f'{board} [role="gridcell"][tabindex="0"]').count() == 1
+        here = page.evaluate("[document.activeElement.cellIndex, document.activeElement.parentElement.sectionRowIndex]")
+        # the first row of the kill matrix is the parameter's heading
+        assert here == [2, 1 if board == "#hazop" else 2]
+        focused = page.evaluate("document.activeElement.getAttribute('aria-label')")
+        assert focused
+        page.keyboard.press("Enter")
+        page.wait_for_selector("#sheet .sheet-body")
+        assert seen.hash().startswith(opened)
+        page.keyboard.press("Escape")
+        page.wait_for_selector("#sheet", state="hidden")
+        assert not seen.hash()
+        assert page.evaluate("document.activeElement.getAttribute('aria-label')") == focused
+
+
+def test_a_cell_shows_its_mutants_and_they_lead_to_flights(visit: Opened) -> None:
+    page = visit("#cell=LATE-human").page
+    page.wait_for_selector("#sheet .mutant")
+    assert page.locator("#sheet .mutant h3").all_inner_texts() == ["LATE-human@1s", "LATE-human@3s"]
+    page.locator('#sheet .flown-list a[data-state="kill"]').first.click()
+    page.wait_for_selector("#sheet .map")
+    page.go_back()
+    page.wait_for_selector("#sheet .mutant")
+
+
+def test_filters_and_order_of_the_kill_matrix(visit: Opened) -> None:
+    page = visit().page
+    rows = page.locator("#kills tr[data-mutant]")
+    page.get_by_label("text in id or condition").fill("late-human")
+    assert rows.count() == 2
+    assert "2 of 6 mutants" in page.locator("#kills output").inner_text()
+    page.get_by_label("text in id or condition").fill("")
+    page.locator("#kills select").nth(0).select_option("rate")
+    whole = [one.split("/") for one in rows.locator("td.rate .number").all_inner_texts() if one]
+    shares = [int(part) / int(all_) for part, all_ in whole]
+    assert shares == sorted(shares, reverse=True)
+    page.locator("#kills select").nth(3).select_option("detected")
+    assert rows.evaluate_all("all => all.map((row) => row.dataset.mutant)").count("MORE-goal@0.6m") == 0
+    page.locator("#kills select").nth(3).select_option("")
+    page.locator("#kills select").nth(2).select_option("goal")
+    assert rows.count() == 2
+    page.locator("#kills select").nth(2).select_option("")
+    page.get_by_label("magnitudes").select_option("counts")
+    assert rows.evaluate_all("all => all.map((row) => row.dataset.mutant)").count("LATE-human@1s") == 0
+    assert rows.count() == 4
+
+
+def test_hostile_names_appear_letter_by_letter_and_break_nothing(
+    visit: Opened, hostile: Evidence, hostile_text: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "hostile <b>&.html"
+    file.write_text(hostile_text, encoding="utf-8")
+    page = visit(file=file).page
+    assert page.locator("h1").inner_text() == f"{hostile.study.folder.name}: campaign {HOSTILE[0]}"
+    parameters = page.locator('#hazop th[scope="row"]').evaluate_all("heads => heads.map((head) => head.textContent)")
+    assert parameters[: len(HOSTILE)] == list(HOSTILE)
+    assert page.evaluate("document.querySelectorAll('img, iframe, [onerror], [onclick]').length") == 0
+    assert page.evaluate("document.scripts.length") == 3
+    assert HOSTILE[1] in page.locator("#survivors .accepted").first.text_content()
+    page.locator('#kills td.state[data-state="kill"]').first.click()
+    page.wait_for_selector("#sheet .map")
+    assert HOSTILE[0] in page.locator("#sheet .verdict").text_content()
+    assert "pwned" not in page.title().split(" \u00b7 ")[-1]
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+@pytest.mark.parametrize("width", [400, 1280])
+def test_the_page_never_scrolls_sideways(visit: Opened, width: int) -> None:
+    page = visit(viewport={"width": width, "height": 800}).page
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    page.evaluate(f"location.hash = '{FLIGHT}'")
+    page.wait_for_selector("#sheet .map")
+    assert page.evaluate("document.getElementById('sheet').scrollWidth") <= width
+
+
+def test_dark_colours_follow_the_system_and_the_switch(visit: Opened) -> None:
+    page = visit(color_scheme="dark").page
+    dark = page.evaluate("getComputedStyle(document.body).backgroundColor")
+    page.get_by_role("button", name="Switch to light colours").click()
+    light = page.evaluate("getComputedStyle(document.body).backgroundColor")
+    assert sum(map(int, dark[4:-1].split(","))) < 120 < 600 < sum(map(int, light[4:-1].split(",")))
+
+
+def test_in_print_everything_is_light_and_laid_out(visit: Opened) -> None:
+    page = visit(color_scheme="dark").page
+    page.emulate_media(media="print")
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+    assert page.locator("#bar").is_hidden()
+    assert page.evaluate("getComputedStyle(document.querySelector('.matrix-box')).overflow") == "visible"
+    assert page.pdf(prefer_css_page_size=True)[:4] == b"%PDF"
+
+
+def test_every_cell_has_a_name_and_every_control_a_label(visit: Opened) -> None:
+    page = visit(FLIGHT).page
+    page.wait_for_selector("#sheet .map")
+    unnamed = page.evaluate(
+        "[...document.querySelectorAll('[role=gridcell], svg[role=img], button, input, select, dialog')]"
+        ".filter((node) =>"
+        " !(node.getAttribute('aria-label') || node.getAttribute('aria-labelledby') || node.labels?.length"
+        " || node.textContent.trim())).length"
+    )
+    assert unnamed == 0
+
+
+def test_a_browser_that_cannot_inflate_says_so_and_still_gives_the_command(browser: Any, path: Path) -> None:
+    context = browser.new_context()
+    context.add_init_script("delete globalThis.DecompressionStream")
+    page = context.new_page()
+    page.goto(path.as_uri() + FLIGHT)
+    page.wait_for_selector("#sheet .notice")
+    assert "DecompressionStream" in page.locator("#sheet .notice").inner_text()
+    assert page.locator("#sheet .command code").inner_text() == "scaloft-fi replay LATE-human@3s/T0O0W0D0H1/1"
+    context.close()
+
+
+def test_a_page_without_a_track_says_why(visit: Opened, evidence: Evidence, tmp_path: Path) -> None:
+    file = tmp_path / "small.html"
+    file.write_text(page_of(evidence, 1), encoding="utf-8")
+    page = visit(FLIGHT, file=file).page
+    page.wait_for_selector("#sheet .map")
+    assert page.locator("#sheet .map .flown").count() == 0
+    assert "of the unmutated drone with seeds 0-9" in page.locator("#sheet .note").first.inner_text()

@@ -1,0 +1,104 @@
+"""The packs of flights: every flight once, tracks shared, less of them by a rule that is said."""
+
+from __future__ import annotations
+
+import zlib
+from array import array
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+
+import pytest
+from papers import column
+from reading import unpacked
+
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
+from scaloft_fi.judge.track import unpack_track
+from scaloft_fi.views.report.evidence import Evidence
+from scaloft_fi.views.report.flights import DETAILS, Detail, columns, packs, record, rows_of
+
+NAMES = ("SR1", "SR2", "SR2-literal", "OP1")
+
+
+def _read(evidence: Evidence, detail: Detail) -> dict[str, list[dict[str, object]]]:
+    quanta = [entry["quantum"] for entry in columns(detail)]
+    return {key: unpacked(pack, quanta) for key, pack in packs(evidence.outcomes, NAMES, detail).texts.items()}
+
+
+def test_every_flight_but_placebo_is_there_once(evidence: Evidence) -> None:
+    found = [(f["mutant"], key, f["seed"]) for key, flights in _read(evidence, DETAILS[0]).items() for f in flights]
+    assert sorted(found) == sorted((o.mutant, o.situation, o.seed) for o in evidence.outcomes if o.mutant != PLACEBO)
+
+
+def test_a_track_of_the_page_is_the_flights_to_half_a_step(evidence: Evidence) -> None:
+    read = _read(evidence, DETAILS[0])
+    for outcome in evidence.outcomes:
+        if outcome.mutant == PLACEBO or not outcome.track:
+            continue
+        (flight,) = (f for f in read[outcome.situation] if (f["mutant"], f["seed"]) == (outcome.mutant, outcome.seed))
+        rows = unpack_track(outcome.track)
+        assert len(flight["rows"]) == len(rows)  # type: ignore[arg-type]
+        for ours, theirs in zip(flight["rows"], rows, strict=True):  # type: ignore[call-overload]
+            assert ours[0] == pytest.approx(theirs[0], abs=0.026)
+            assert ours[column("x_m")] == pytest.approx(theirs[column("x_m")], abs=0.0051)
+            assert ours[column("speed_mps")] == pytest.approx(theirs[column("speed_mps")], abs=0.0051)
+
+
+def test_flights_that_equal_their_baseline_share_its_track(evidence: Evidence) -> None:
+    for flights in _read(evidence, DETAILS[0]).values():
+        clean = {f["seed"]: f["track"] for f in flights if f["mutant"] == BASELINE}
+        same = [f for f in flights if f["mutant"] == "NO-depth@3s"]
+        assert same
+        assert all(f["track"] == clean[f["seed"]] for f in same)
+
+
+@pytest.mark.parametrize("detail", DETAILS)
+def test_less_detail_leaves_every_flight_and_every_baselines_track(evidence: Evidence, detail: Detail) -> None:
+    for flights in _read(evidence, detail).values():
+        for flight in flights:
+            if flight["mutant"] == BASELINE:
+                assert flight["rows"] is not None
+            elif detail.seeds == 1 and flight["seed"] == 1 and flight["mutant"] == "LESS-goal@0.05m":
+                assert flight["rows"] is None
+
+
+def test_the_page_says_of_which_flights_it_has_tracks(evidence: Evidence) -> None:
+    def says(outcomes: Iterable[Outcome], detail: Detail = DETAILS[0]) -> str:
+        return packs(outcomes, NAMES, detail).says
+
+    def only(kept: Callable[[Outcome], bool]) -> list[Outcome]:
+        # a digest of its own, as the page shares tracks of equal flights
+        own = [replace(o, digest=o.name) for o in evidence.outcomes]
+        return [o if kept(o) else replace(o, track=b"") for o in own]
+
+    assert says(evidence.outcomes) == "Tracks: every flight, 5 Hz, in steps of 0.01 m and 0.01 m/s."
+    assert says(only(lambda _: False)) == "Tracks: of no flight; `replay` flies each again."
+    published = says(only(lambda o: o.seed < (5 if o.mutant == BASELINE else 1)))
+    counts, every, none, *_ = published.split(".  ")
+    valid = [o for o in evidence.outcomes if o.mutant != PLACEBO and not o.invalid]
+    with_track = sum(o.seed < (5 if o.mutant == BASELINE else 1) for o in valid)
+    assert counts == f"Tracks: {with_track} of {len(valid)} flights, 5 Hz, in steps of 0.01 m and 0.01 m/s"
+    assert every == "Every flight of the unmutated drone with seeds 0-4, mutants with seed 0"
+    assert none == "None of the unmutated drone with seeds 5-9, mutants with seeds 1-2"
+    part = says(only(lambda o: o.situation.endswith("H1")), DETAILS[3])
+    assert "Some of the unmutated drone with seeds 0-9, mutants with seed 0" in part
+    assert "None of mutants with seeds 1-2" in part
+
+
+def test_a_flight_that_failed_says_why_and_has_no_track(evidence: Evidence) -> None:
+    broken = [f for flights in _read(evidence, DETAILS[0]).values() for f in flights if f["invalid"]]
+    assert [(f["status"], f["invalid"], f["rows"]) for f in broken] == [("invalid", "the worker died", None)]
+
+
+def test_a_track_with_other_columns_is_no_track(evidence: Evidence) -> None:
+    rows = unpack_track(evidence.outcomes[0].track)
+    values = array("f", [value for row in rows for value in row[:5]])
+    assert rows_of(evidence.outcomes[0].track) == rows
+    assert rows_of(zlib.compress(values.tobytes())) == []
+    assert rows_of(zlib.compress(values[:-1].tobytes())) == []
+
+
+def test_a_reading_that_tests_nothing_has_no_robustness(evidence: Evidence) -> None:
+    flown = next(outcome for outcome in evidence.outcomes if outcome.mutant == BASELINE and not outcome.struck)
+    idle = replace(flown, readings=tuple(replace(r, rho=24.0, triggered=0) for r in flown.readings[:1]))
+    told = record(idle, None, NAMES)["readings"]
+    assert told == [[None, None, "vacuous", 0], None, None, None]

@@ -1,0 +1,116 @@
+"""The page is one inert file: no markup from the study, nothing fetched, not too large."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import re
+from html.parser import HTMLParser
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from papers import HOSTILE, MUTANTS, campaign, evidence_of, jitter
+from reading import embedded
+
+from scaloft_fi.study import Study
+from scaloft_fi.views.report.evidence import Evidence
+from scaloft_fi.views.report.flights import DETAILS
+from scaloft_fi.views.report.page import MOST_BYTES, SCRIPTS, STYLES, inert, page
+
+json_values = st.recursive(
+    st.text() | st.integers() | st.none(), lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner)
+)
+
+
+class Tags(HTMLParser):
+    def __init__(self) -> None:
+        super().__init__()
+        self.found: list[tuple[str, dict[str, str | None]]] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.found.append((tag, dict(attrs)))
+
+
+def tags(text: str) -> list[tuple[str, dict[str, str | None]]]:
+    parser = Tags()
+    parser.feed(text)
+    return parser.found
+
+
+@given(json_values)
+def test_inert_json_holds_no_markup_and_comes_back(values: object) -> None:
+    import json
+
+    text = inert(values)
+    assert not set("<>&") & set(text)
+    assert json.loads(text) == values
+
+
+def test_hostile_names_change_no_element_of_the_page(text: str, hostile_text: str) -> None:
+    assert tags(hostile_text) == tags(text)
+
+
+def test_hostile_names_are_in_the_figures_letter_by_letter(hostile: Evidence, hostile_text: str) -> None:
+    told = embedded(hostile_text, "figures")
+    assert told["campaign"] == HOSTILE[0]
+    assert told["study"] == hostile.study.folder.name
+    assert [parameter["title"] for parameter in told["parameters"]][: len(HOSTILE)] == list(HOSTILE)
+    assert [axis["title"] for axis in told["axes"]] == list(HOSTILE[:5])
+    assert told["fingerprint"] == {HOSTILE[1]: HOSTILE[2]}
+
+
+def test_the_policy_admits_this_style_and_this_script_and_nothing_else(text: str) -> None:
+    policy = next(entry["content"] for tag, entry in tags(text) if entry.get("http-equiv") == "Content-Security-Policy")
+    assert policy is not None
+    style = re.search(r"<style>(.*?)</style>", text, re.DOTALL)
+    script = re.search(r"<script>(.*?)</script>", text, re.DOTALL)
+    assert style
+    assert script
+    for name, part in (("style-src", style[1]), ("script-src", script[1])):
+        digest = base64.b64encode(hashlib.sha256(part.encode()).digest()).decode()
+        assert f"{name} 'sha256-{digest}'" in policy
+    assert policy.startswith("default-src 'none';")
+    assert "unsafe" not in policy
+
+
+def test_nothing_in_the_page_names_another_file(text: str) -> None:
+    linked = [
+        (tag, name, value) for tag, entry in tags(text) for name, value in entry.items() if name in ("src", "href")
+    ]
+    assert linked == [("link", "href", "data:,"), ("a", "href", "#main")]
+    addresses = set(re.findall(r"https?://[^\s\"'`)]+", text.replace("\\/", "/")))
+    assert addresses == {"http://www.w3.org/2000/svg"}
+    assert not re.search(r"@import|url\(|\binnerHTML\b|\beval\(|\bfetch\(", text)
+
+
+def test_every_asset_is_part_of_the_page() -> None:
+    from importlib.resources import files
+
+    names = {entry.name for entry in files("scaloft_fi.views.report").joinpath("assets").iterdir()}
+    assert names == {*STYLES, *SCRIPTS, "page.html"}
+
+
+def test_a_page_that_would_be_too_large_keeps_less_of_the_tracks_and_says_so(study: Study) -> None:
+    outcomes = [
+        jitter(o, seed)
+        for seed in range(3)
+        for o in campaign(study, MUTANTS, range(1), range(1))
+        if o.mutant != "PLACEBO"
+    ]
+    large = evidence_of(study, outcomes)
+    whole = page(large)
+    assert str(DETAILS[0]) in embedded(whole, "figures")["detail"]
+    least = len(page(large, 1))
+    bound = (len(whole) + least) // 2
+    small = page(large, bound)
+    assert len(small.encode()) <= bound
+    assert any(str(detail) in embedded(small, "figures")["detail"] for detail in DETAILS[1:])
+    assert MOST_BYTES == 5_000_000
+
+
+@pytest.mark.parametrize("bound", [1])
+def test_figures_are_never_dropped(evidence: Evidence, bound: int) -> None:
+    told = embedded(page(evidence, bound), "figures")
+    assert "Every flight of the unmutated drone with seeds 0-9" in told["detail"]
+    assert len(told["mutants"]) == len(MUTANTS)

@@ -1,0 +1,151 @@
+"""Margins in the page: their ends are those of the export, measured against a requirement, ladders in order."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from counting import counts_of, exported
+from papers import SEEDS, campaign, evidence_of, flight
+from reading import embedded
+
+from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.judge.outcome import Outcome, Subject
+from scaloft_fi.judge.requirement import Kind, Requirement
+from scaloft_fi.study import Study
+from scaloft_fi.views.report.bounds import bounds_of
+from scaloft_fi.views.report.evidence import Evidence
+from scaloft_fi.views.report.page import page
+from scaloft_fi.views.report.severity import by_severity
+from scaloft_fi.views.report.thresholds import thresholds
+
+SEARCHED = "T0O0W0D0H1"
+
+
+@pytest.fixture(scope="module")
+def found(study: Study) -> tuple[Evidence, dict[str, Any]]:
+    """A ladder of 0.5, 1 and 3 s, of which the mildest survives, and a search in one situation that flew 2 s there."""
+    outcomes = campaign(study, ("LATE-human@3s", "LATE-human@1s", "MORE-goal@0.6m"))
+    milder = [_as(o, "0.5s") for o in campaign(study, ("MORE-goal@0.6m",)) if o.mutant == "MORE-goal@0.6m"]
+    between = [_as(flight(study, "LATE-human@3s", SEARCHED, seed), "2s") for seed in SEEDS]
+    evidence = evidence_of(study, (*outcomes, *milder, *between))
+    return evidence, embedded(page(evidence, 1), "figures")
+
+
+def _as(outcome: Outcome, magnitude: str) -> Outcome:
+    return replace(outcome, subject=Subject(f"LATE-human@{magnitude}", "LATE", "human", magnitude))
+
+
+def test_the_ends_of_a_margin_and_the_robustness_there_are_those_of_the_export(
+    found: tuple[Evidence, dict[str, Any]],
+) -> None:
+    evidence, told = found
+    (entry,) = told["thresholds"]
+    rows = [row for row in exported(evidence) if row["mutant"].startswith("LATE-human")]
+    counted = counts_of(exported(evidence))
+    expected = {}
+    for key in {row["situation"] for row in rows}:
+        here = {m: counted[f"LATE-human@{m}s"][key] for m in ("0.5", "1", "2", "3")}
+        flown = {float(m): count for m, count in here.items() if count.flown}
+        kills = min((m for m, count in flown.items() if count.most), default=None)
+        # its cell puts SR2 at risk, so where SR1 alone is steady nothing is told of it
+        survived = [m for m, count in flown.items() if "SR2" in count.tests and not count.most]
+        harmless = [m for m, count in flown.items() if not count.infected and "not_infected" in count.statuses]
+        survives = max((m for m in (*survived, *harmless) if kills is None or m < kills), default=None)
+        if kills is not None or survived:
+            rho = [None if end is None else _least(rows, key, end) for end in (survives, kills)]
+            expected[key] = (survives, kills, rho, sorted(flown))
+    said = {one["key"]: (one["survives"], one["kills"], one["rho"]["SR2"], one["flown"]) for one in entry["situations"]}
+    assert said == expected
+    assert said[SEARCHED][:2] == (0.5, 1.0)
+    assert (entry["fault"], entry["unit"], entry["worse"], entry["against"]) == ("LATE-human", "s", 1, ["SR2"])
+    assert entry["least"] == told["margins"]["LATE-human"] == "0.5-1 s"
+    assert entry["situations_flown"] == 32
+    assert {one["seen"] for one in entry["situations"]} == {None}
+
+
+def _least(rows: list[dict[str, Any]], key: str, magnitude: float) -> float:
+    """The least robustness against SR2."""
+    name = f"LATE-human@{magnitude:g}s"
+    return min(row["rho_SR2"] for row in rows if row["mutant"] == name and row["situation"] == key)
+
+
+def test_a_magnitude_flown_where_a_search_asked_for_it_is_no_rung_of_the_ladder(
+    found: tuple[Evidence, dict[str, Any]],
+) -> None:
+    (ladder,) = found[1]["ladders"]
+    assert [rung["magnitude"] for rung in ladder["rungs"]] == ["0.5s", "1s", "3s"]
+    late = [mutant["id"] for mutant in found[1]["mutants"] if mutant["cell"] == "LATE-human"]
+    assert late == ["LATE-human@0.5s", "LATE-human@1s", "LATE-human@2s", "LATE-human@3s"]
+    assert [mutant["id"] for mutant in found[1]["mutants"] if mutant["searched"]] == ["LATE-human@2s"]
+
+
+def test_what_is_seen_without_a_verdict_is_no_kill(study: Study) -> None:
+    outcomes = campaign(study, ("LATE-human@3s", "LATE-human@1s"), range(1))
+    few = [o for o in outcomes if o.mutant != "LATE-human@3s" or o.situation in (SEARCHED, "T0O1W0D0H1")]
+    scored = score(few, study.roster, study.space)
+    (entry,) = thresholds(few, scored, study.matrix, study.requirements)
+    ends = {one["key"]: (one["survives"], one["seen"], one["kills"]) for one in entry["situations"] if one["seen"]}
+    assert ends == dict.fromkeys((SEARCHED, "T0O1W0D0H1"), (1.0, 3.0, None))
+    assert entry["least"] == "seen 1-3 s"
+
+
+def test_magnitudes_are_in_order_and_forms_without_one_stay_as_they_are(study: Study) -> None:
+    order = by_severity(study.matrix, study.roster)
+    ids = [mutant.id for mutant in study.catalogue]
+    cells = [id_.split("@")[0].split("#")[0] for id_ in sorted(ids, key=order)]
+    assert cells == [id_.split("@")[0].split("#")[0] for id_ in ids]
+    late = [f"LATE-human@{text}" for text in ("0.5s", "0.688s", "1s", "1.06s", "3s", "5s", "12s")]
+    assert sorted(set(late), key=order) == late
+
+
+def test_the_reference_studys_limits_are_told_in_the_units_of_their_signals(study: Study) -> None:
+    told = {entry["name"]: entry for entry in bounds_of(study.requirements)}
+
+    def short(bounds: list[dict[str, Any]]) -> list[tuple[Any, ...]]:
+        return [tuple(bound.values()) for bound in bounds]
+
+    assert short(told["SR1"]["demands"]) == [("clearance_m", ">", 0.0, None, False)]
+    assert short(told["SR2"]["demands"]) == [
+        ("speed_mps", "<=", 0.25, None, True),
+        ("clearance_person_m", ">", 0.0, None, False),
+    ]
+    assert short(told["SR2"]["when"]) == [
+        ("elapsed_s", ">=", 2.0, None, False),
+        ("person_sight_m", "<=", 3.0, 2.0, False),
+    ]
+    # its trigger is one of two things: no conjunction
+    assert told["OP1"]["demands"] == told["OP1"]["when"] == []
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "always(a > 0 or b > 0)",
+        "always(not (a > 0))",
+        "always(2 * a > 3)",
+        "always(a + b > 3)",
+        "always(abs(a) > 3)",
+        "always(a > 0 and b > 0 implies c > 0)",
+        "always(trigger implies a > 0 and b > 0)",
+        "always(once[0:2](a > 0))",
+        "always(historically[1:2](a > 0))",
+        "always(historically[0:2](historically[0:2](a > 0)))",
+        "always(a > b)",
+    ],
+)
+def test_what_is_more_than_a_conjunction_of_bounds_is_not_taken_apart(text: str) -> None:
+    (entry,) = bounds_of([Requirement("R", Kind.SAFETY, text, trigger="t > 0")])
+    assert entry == {"name": "R", "demands": [], "when": []}
+
+
+def test_brackets_negative_bounds_and_definitions() -> None:
+    text = "always(((trigger implies (a / 2 <= 3 and b >= -1)) and low))"
+    (entry,) = bounds_of([Requirement("R", Kind.SAFETY, text, trigger="t > 0", definitions=(("low", "c < 5"),))])
+    assert json.loads(json.dumps([tuple(bound.values()) for bound in entry["demands"]])) == [
+        ["a", "<=", 6.0, None, True],
+        ["b", ">=", -1.0, None, True],
+        ["c", "<", 5.0, None, False],
+    ]

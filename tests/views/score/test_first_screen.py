@@ -1,0 +1,149 @@
+from __future__ import annotations
+
+import pytest
+from builders import GRID, ROSTER, campaigns, outcome, pool, seeded
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from scaloft_fi.analysis.kills.background import Background
+from scaloft_fi.analysis.roster import Roster
+from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.analysis.situations.coverage import coverage
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
+from scaloft_fi.views.score.answers import NAMES, answers
+from scaloft_fi.views.score.first_screen import LEGEND, MANY, SHOWN, first_screen, screen_text
+from scaloft_fi.views.tables.table import WIDTH, Table
+
+LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
+HUMAN = ["T0O0W0D0H1", "T0O1W0D0H1", "T1O0W0D0H1"]
+NOBODY = "T0O0W0D0H0"
+
+CAMPAIGN = [
+    *pool(*HUMAN),
+    *pool(NOBODY, vacuous=("SR2",)),
+    outcome(PLACEBO, HUMAN[0], altered=0),
+    *(outcome(LATE, key, violated={"SR2": 12.35}) for key in HUMAN),
+    outcome(LATE, NOBODY, carried=0, altered=0),
+    outcome(NO, HUMAN[0], violated={"SR1": 14.0}, struck="person"),
+    *(outcome(GOAL, key) for key in (*HUMAN, NOBODY)),
+    *(outcome("REVERSE-human", key, violated={"OP1": 60.0}) for key in HUMAN),
+]
+
+
+def screen(outcomes: list[Outcome], *, whole: bool = False, roster: Roster = ROSTER) -> tuple[Table, ...]:
+    known = {GOAL: Background("goal", stronger=("MORE-goal@1m",), laddered=True)}
+    return first_screen(score(outcomes, roster, GRID), roster, GRID, coverage(outcomes, GRID), known.get, whole=whole)
+
+
+def told(outcomes: list[Outcome]) -> dict[str, str]:
+    return {answer.name: answer.text for answer in answers(score(outcomes, ROSTER, GRID), ROSTER)}
+
+
+def test_the_four_questions_have_a_named_line_each() -> None:
+    assert NAMES == ("Shown", "Not shown", "How sure", "What next")
+    lines = screen_text(screen(CAMPAIGN)).splitlines()
+    for name in NAMES:
+        assert sum(line.startswith(f"{name}  ") for line in lines) == 1
+
+
+def test_the_answers_say_how_many_how_sure_and_what_next() -> None:
+    said = told(CAMPAIGN)
+    assert said["Shown"] == "1 of 3 faults (33 %) would have been shown by your safety requirements."
+    assert said["Not shown"].startswith("1 put to the test, and nothing was seen; 1 undecided")
+    assert "chance explains at most 0.03 (0.01 x 3 tested)" in said["How sure"]
+    assert "1 seed beside 10 baseline flights a situation" in said["How sure"]
+    assert said["What next"] == "`scaloft-fi run --mutant NO-human@100% --seeds 5` would decide 1 of the 1 undecided."
+
+
+def test_without_a_pool_the_answers_have_counts_and_the_command_and_no_percentage() -> None:
+    said = told([one for one in CAMPAIGN if one.mutant != BASELINE or one.seed == 0])
+    assert "%" not in "".join(said.values()).replace(NO, "")
+    assert "2 of 3 faults violated a safety requirement in a flight whose own baseline held it" in said["Shown"]
+    assert said["What next"].startswith(
+        "`scaloft-fi run --mutant NO-human@100% --mutant LATE-human@3s --mutant MORE-goal"
+    )
+    assert "flies the baseline pool" in said["What next"]
+
+
+def test_a_campaign_of_another_name_is_named_in_the_command() -> None:
+    found = answers(score(CAMPAIGN, ROSTER, GRID), ROSTER, "mine")
+    assert "scaloft-fi run --campaign mine " in found[-1].text
+
+
+def test_each_group_tells_what_is_its_to_tell() -> None:
+    tables = {table.title: table for table in screen(CAMPAIGN)}
+    assert tables["Detected: 1"].records() == [
+        {"mutant": LATE, "kills": "3/3", "by": "SR2 3/3", "where": "human", "first": "12.3", "effect": "no contact"}
+    ]
+    assert tables["Undecided: 1"].records() == [
+        {
+            "mutant": NO,
+            "seen": "SR1 in 1/1",
+            "where": "wherever tested",
+            "first": "14.0",
+            "effect": "strikes person",
+            "next": "--seeds 5",
+        }
+    ]
+    assert tables["Not detected: 1"].records() == [
+        {"mutant": GOAL, "tested in": "4", "effect": "flies otherwise", "next": "try MORE-goal@1m"}
+    ]
+    assert tables["Controls, in no ratio: 1"].records() == [
+        {"mutant": "REVERSE-human", "kills": "0/3", "shown by": "OP1", "effect": "breaks OP1"}
+    ]
+
+
+def test_a_control_that_was_flown_once_says_what_it_violates() -> None:
+    canary = outcome("REVERSE-human", NOBODY, violated={"SR1": 5.0}, struck="wall")
+    tables = {table.title: table for table in screen([outcome(), canary])}
+    assert tables["Controls, in no ratio: 1"].rows[0][2] == "SR1 in 1 flight"
+
+
+def test_the_last_lines_tell_coverage_and_the_unmutated_drone() -> None:
+    *_, last = screen(CAMPAIGN)
+    assert [name for name, _ in last.rows] == ["Situations", "Unmutated drone"]
+    assert str(last.rows[0][1]).startswith("4/32 flown, 2-way ")
+    assert last.rows[1][1] == "of 4 situations with a pool it holds steadily SR1 in 4, SR2 in 3 (1 vacuous)."
+
+
+def test_the_legend_has_at_most_five_lines() -> None:
+    assert len(LEGEND) <= 5
+    assert all(len(line) <= WIDTH for line in LEGEND)
+    assert all(line in screen_text(screen(CAMPAIGN)).splitlines() for line in LEGEND)
+
+
+def many(count: int) -> list[Outcome]:
+    ids = [f"LATE-{parameter}@{n}s" for parameter in ("human", "depth") for n in range(count // 2)]
+    return [*pool(*HUMAN), *(outcome(id_, key) for id_ in ids for key in HUMAN)]
+
+
+def test_of_many_mutants_a_group_shows_its_first_and_says_where_the_rest_is() -> None:
+    _, group, _ = screen(many(MANY + 2))
+    assert len(group.rows) == SHOWN
+    assert group.notes[0] == f"... and {MANY + 2 - SHOWN} more: `scaloft-fi score --all`"
+    _, group, _ = screen(many(MANY + 2), whole=True)
+    assert len(group.rows) == MANY + 2
+
+
+def test_the_answers_count_defaults_and_the_groups_say_how_many_count() -> None:
+    ladder = [outcome("LATE-human@1s", key, violated={"SR2": 12.0}) for key in HUMAN]
+    titles = [table.title for table in screen([*CAMPAIGN, *ladder])]
+    assert "Detected: 2, of which 1 count in the score" in titles
+    assert told([*CAMPAIGN, *ladder])["Shown"].startswith("1 of 3 faults")
+
+
+@pytest.mark.parametrize("whole", [False, True])
+@settings(deadline=None, max_examples=25)
+@given(outcomes=st.one_of(campaigns(), seeded()))
+def test_the_screen_of_every_campaign_fits_its_width_and_is_plain(whole: bool, outcomes: list[Outcome]) -> None:
+    text = screen_text(screen(outcomes, whole=whole))
+    assert max(len(line) for line in text.splitlines()) <= WIDTH
+    assert "\x1b" not in text
+
+
+def test_a_terminal_may_have_the_names_and_titles_emphasised() -> None:
+    text = screen_text(screen(CAMPAIGN), bold=True)
+    assert "\x1b[1mShown\x1b[0m  " in text
+    assert "\x1b[1mDetected: 1\x1b[0m\n" in text
+    plain = text.replace("\x1b[1m", "").replace("\x1b[0m", "")
+    assert plain == screen_text(screen(CAMPAIGN))

@@ -1,0 +1,256 @@
+"""The worksheet filled back: what its columns say, and that every format says it literally."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import re
+import zipfile
+from dataclasses import replace
+from datetime import date
+from pathlib import Path
+
+import pytest
+from builders import GRID, campaigns, outcome, pool, seeded
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from openpyxl import load_workbook
+
+from scaloft_fi.analysis.disposition import Disposition
+from scaloft_fi.analysis.roster import Roster
+from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.hazop.cell import CellStatus
+from scaloft_fi.hazop.load import load_matrix
+from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.mutants.derive import derive
+from scaloft_fi.views.tables.literal import FORMULA, latex, line, markdown, printable
+from scaloft_fi.views.worksheet.spreadsheet import LONGEST, to_xlsx
+from scaloft_fi.views.worksheet.worksheet import COLUMNS, FINDINGS, TEAM, Row, population, to_records, worksheet
+from scaloft_fi.views.worksheet.worksheet_text import to_csv, to_latex, to_markdown, to_text
+
+MATRIX = load_matrix(Path(__file__).parents[3] / "hazop").only(
+    ["LATE", "NO", "EARLY", "REVERSE"], ["human", "collision"]
+)
+ROSTER = Roster.of(MATRIX, [mutant.id for mutant in derive(MATRIX)])
+HUMAN, DARK, NOBODY = "T0O0W0D0H1", "T0O0W0D1H1", "T0O0W0D0H0"
+SEEDS = range(3)
+FLOWN = [
+    *pool(HUMAN, DARK, NOBODY),
+    *(outcome("LATE-human@3s", HUMAN, seed, violated={"SR2": 8.0}) for seed in SEEDS),
+    *(outcome("LATE-human@3s", DARK, seed, digest=f"clean{seed}") for seed in SEEDS),
+    *(outcome("LATE-human@3s", NOBODY, seed, altered=0, carried=0) for seed in SEEDS),
+    *(outcome("LATE-human@1s", HUMAN, seed) for seed in SEEDS),
+]
+HOSTILE = (
+    "<script>alert(1)</script>",
+    "\"quotes\" 'single'",
+    "=cmd|' /C calc'!A0",
+    "+1-1",
+    "-2+3",
+    "@SUM(A1)",
+    "人が検出されない Ürümqi",
+    "a|b||c",
+    r"\input{x} $y_1^2$ 100 % #1 & ~ {}",
+    "one\ntwo\r\nthree\tfour",
+    "\x1b[31mred\x07",
+    "_x0041_ x",
+    "long " * 8000,
+)
+hostile = st.text(min_size=1, max_size=30) | st.sampled_from(HOSTILE)
+
+
+def rows(
+    outcomes: list[Outcome], matrix: Matrix = MATRIX, dispositions: tuple[Disposition, ...] = ()
+) -> tuple[Row, ...]:
+    return worksheet(matrix, outcomes, score(outcomes, ROSTER, GRID), GRID, dispositions)
+
+
+def named(found: tuple[Row, ...], cell: str) -> Row:
+    return next(row for row in found if row.cell.name == cell)
+
+
+def with_text(text: str) -> Matrix:
+    """The matrix with a text of the study in every field that takes one."""
+    cells = {
+        key: replace(cell, reason=text)
+        if cell.status is CellStatus.NOT_MEANINGFUL
+        else replace(cell, deviation=text, causes=(text, "b"), effect=text, predicted=text)
+        for key, cell in MATRIX.cells.items()
+    }
+    parameters = tuple(replace(p, title=text, intent=text, node=text) for p in MATRIX.parameters)
+    return Matrix(MATRIX.guidewords, parameters, cells)
+
+
+def test_a_row_says_what_its_default_mutant_did() -> None:
+    values = named(rows(FLOWN), "LATE-human").values
+    assert (values["situations_flown"], values["reached"], values["infected"]) == (3, 2, 2)
+    assert (values["verdict"], values["operability"]) == ("detected", "not detected")
+    assert (values["kill_rate"], values["killed_by"]) == ("1 of 2", "SR2 1/2")
+    assert (values["p"], values["needed"]) == ("SR1 1, SR2 0.007", None)
+    assert values["margin"] == "1-3 s"
+    assert values["killing"] == HUMAN
+    assert values["where"] == "human & light"
+    assert values["stopped_at"] == "masked 1, not_reached 1"
+    assert values["requirements"] == "SR2"
+    assert values["node"] == "person detector -> speed limit"
+
+
+def test_an_undecided_row_says_what_would_decide_and_where_a_violation_was_seen() -> None:
+    flown = [*pool(HUMAN, DARK), outcome("LATE-human@3s", HUMAN, violated={"SR2": 8.0}), outcome("LATE-human@3s", DARK)]
+    values = named(rows(flown), "LATE-human").values
+    assert (values["verdict"], values["kill_rate"], values["p"]) == ("undecided", "0 of 2", "SR1 1, SR2 0.18")
+    assert (values["needed"], values["where"]) == ("5 seeds", "light")
+    assert values["stopped_at"] == "revealed 1, survived 1"
+
+
+def test_a_row_that_was_not_tested_has_neither_kills_nor_p() -> None:
+    red = pool(DARK, red=10, violated={"SR1": 20.0, "SR2": 20.0})
+    flown = [*red, *(outcome("LATE-human@3s", DARK, seed, violated={"SR2": 8.0}) for seed in SEEDS)]
+    values = named(rows(flown), "LATE-human").values
+    assert (values["verdict"], values["kill_rate"], values["p"]) == ("not tested", None, None)
+
+
+def test_without_a_pool_the_sheet_says_what_would_decide_and_what_to_call() -> None:
+    found = rows([outcome(situation=HUMAN), outcome("LATE-human@3s", HUMAN, violated={"SR2": 8.0})])
+    values = named(found, "LATE-human").values
+    assert (values["verdict"], values["kill_rate"]) == ("undecided", None)
+    assert values["needed"] == "10 baseline flights in each situation"
+    assert "No verdict: no situation in which a mutant changes a sample has 10 baseline flights" in population(found)
+    assert "No verdict" not in population(rows(FLOWN))
+
+
+def test_a_cell_that_was_not_flown_says_nothing_of_flights() -> None:
+    row = named(rows(FLOWN), "NO-human")
+    assert all(row.values[column.key] is None for column in FINDINGS)
+    assert row.values["mutant"] == "NO-human@100%"
+
+
+def test_the_teams_columns_are_empty_in_every_row() -> None:
+    assert all(row.values[column.key] is None for row in rows(FLOWN) for column in TEAM)
+
+
+def test_an_accepted_survivor_stands_with_owner_day_and_reason() -> None:
+    accepted = Disposition("NO-human@100%", "A. Engineer", "cannot happen", date(2027, 1, 31))
+    values = named(rows(FLOWN, dispositions=(accepted,)), "NO-human").values
+    assert values["disposition"] == "accepted by A. Engineer until 2027-01-31: cannot happen"
+
+
+def test_deviations_that_are_not_credible_are_in_a_log_with_their_reason() -> None:
+    found = rows(FLOWN)
+    row = named(found, "EARLY-collision")
+    assert row.values["rationale"] == row.cell.reason
+    for text in (to_text(found), to_markdown(found), to_latex(found)):
+        log = text[text.index("Deviations not credible") :]
+        assert "EARLY-collision" in log or r"EARLY{-}collision" in log
+    book = load_workbook(io.BytesIO(to_xlsx(found)))
+    assert [cell.value for cell in book["Deviations not credible"]["A"]][1:] == [
+        row.cell.name for row in found if row.cell.status is CellStatus.NOT_MEANINGFUL
+    ]
+
+
+@given(st.one_of(campaigns(), seeded()))
+@settings(max_examples=25, deadline=None)
+def test_every_figure_is_the_scores(outcomes: list[Outcome]) -> None:
+    scored = score(outcomes, ROSTER, GRID)
+    flown = {mutant.subject.id: mutant for mutant in (*scored.mutants, *scored.controls)}
+    records = {record["cell"]: record for record in to_records(rows(outcomes))}
+    assert set(records) == {cell.name for cell in MATRIX}
+    for row in rows(outcomes):
+        found = records[row.cell.name]["results"]
+        mutant = flown.get(str(row.values["mutant"]))
+        assert (found is None) == (mutant is None)
+        if found and mutant:
+            assert (found["kill_rate"]["part"], found["kill_rate"]["whole"]) == (
+                mutant.kill_rate.part,
+                mutant.kill_rate.whole,
+            )
+            assert found["killing"] == list(mutant.killing)
+            assert (found["verdict"], found["p"]) == (mutant.verdict, dict(mutant.safety.p) if mutant.tested else {})
+            assert found["situations_flown"] == mutant.kill_rate_flown.whole
+            assert found["infected"] <= found["reached"] <= found["situations_flown"]
+
+
+def read_csv(found: tuple[Row, ...]) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(to_csv(found), newline="")))
+
+
+@given(hostile)
+@settings(max_examples=40, deadline=None)
+def test_what_a_study_says_appears_literally_in_every_format(text: str) -> None:
+    found = rows(FLOWN, with_text(text))
+    row = named(found, "LATE-human")
+    (from_csv,) = [entry for entry in read_csv(found) if entry["cell"] == "LATE-human"]
+    assert from_csv["deviation"].removeprefix("'") == printable(text).removeprefix("'")
+    assert not from_csv["deviation"].startswith(FORMULA)
+    (record,) = [entry for entry in json.loads(json.dumps(to_records(found))) if entry["cell"] == "LATE-human"]
+    assert record["deviation"] == text
+    assert f"| {markdown(text)} |" in to_markdown(found)
+    assert f" & {latex(text)} & " in to_latex(found)
+    assert row.values["deviation"] == text
+    said = "".join(line(text).split())
+    assert said[:20] in "".join(to_text(found).split()) or len(said) > 20
+    for shown in (to_markdown(found), to_latex(found), to_text(found), to_csv(found)):
+        assert "\x1b" not in shown
+
+
+@given(hostile)
+@settings(max_examples=15, deadline=None)
+def test_the_workbook_read_back_is_the_sheet(text: str) -> None:
+    found = rows(FLOWN, with_text(text))
+    raw = to_xlsx(found)
+    page = load_workbook(io.BytesIO(raw))["HAZOP worksheet"]
+    lines = [[cell.value for cell in line] for line in page.iter_rows(min_row=2)]
+    credible = [row for row in found if row.cell.status is not CellStatus.NOT_MEANINGFUL]
+    assert [cell.value for cell in page[1]] == [column.title for column in COLUMNS]
+    assert len(lines) == len(credible)
+    for row, read in zip(credible, lines, strict=True):
+        for column, value in zip(COLUMNS, read, strict=True):
+            assert in_excel(value) == cut(row.values[column.key])
+    assert all(cell.data_type != "f" for line in page.iter_rows() for cell in line)
+    with zipfile.ZipFile(io.BytesIO(raw)) as archive:
+        assert not any(b"<f>" in archive.read(name) for name in archive.namelist() if "sheet" in name)
+
+
+def in_excel(value: object) -> object:
+    """A value as Excel shows it: `_x005F_` is an underscore."""
+    return re.sub(r"_x005F_", "_", value) if isinstance(value, str) else value
+
+
+def cut(value: object) -> object:
+    """What a cell can hold; openpyxl reads an empty text as nothing."""
+    if not isinstance(value, str) or not value:
+        return value or (None if value == "" else value)
+    shown = printable(value)
+    return shown if len(shown) <= LONGEST else shown[: LONGEST - 6] + " [cut]"
+
+
+def test_the_workbook_is_made_to_be_worked_with_and_carries_no_clock() -> None:
+    found = rows(FLOWN)
+    raw = to_xlsx(found)
+    assert raw == to_xlsx(found)
+    page = load_workbook(io.BytesIO(raw))["HAZOP worksheet"]
+    assert page.freeze_panes == "B2"
+    assert page.auto_filter.ref.startswith("A1:")
+    assert page["B2"].alignment.wrap_text
+    assert all(page.column_dimensions[cell.column_letter].width >= 9 for cell in page[1])
+
+
+def test_a_formula_stays_a_text_when_somebody_edits_its_cell() -> None:
+    found = rows(FLOWN, with_text("=1+1"))
+    page = load_workbook(io.BytesIO(to_xlsx(found)))["HAZOP worksheet"]
+    formulas = [cell for line in page.iter_rows(min_row=2) for cell in line if str(cell.value).startswith("=")]
+    assert formulas
+    assert all(cell.quotePrefix and cell.data_type == "s" for cell in formulas)
+
+
+@pytest.mark.parametrize("text", [to_text, to_markdown, to_latex])
+def test_no_format_changes_with_the_order_of_the_outcomes(text: object) -> None:
+    assert text(rows(FLOWN)) == text(rows(FLOWN[::-1]))  # type: ignore[operator]
+
+
+def test_every_row_of_the_markdown_has_as_many_cells_as_its_header() -> None:
+    for block in to_markdown(rows(FLOWN, with_text("a|b\\|c\nd"))).split("\n\n"):
+        lines = [line for line in block.splitlines() if line.startswith("|")]
+        assert len({len(re.findall(r"(?<!\\)(?:\\\\)*\|", line)) for line in lines}) <= 1
