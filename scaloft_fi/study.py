@@ -8,6 +8,7 @@ import json
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +18,8 @@ from scaloft_fi.hazop.folder import find_study
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.registry import load_plugins, plugin_sources
-from scaloft_fi.stack.seam import SEAMS
+from scaloft_fi.sim.stacks import STACKS
+from scaloft_fi.stack.declaration import Declaration
 
 if TYPE_CHECKING:
     from scaloft_fi.analysis.disposition import Disposition
@@ -78,7 +80,23 @@ class Study:
     @cached_property
     def matrix(self) -> Matrix:
         """The deviation matrix."""
-        return load_matrix(self.folder / "hazop", SEAMS)
+        return load_matrix(self.folder / "hazop", self.stack.by_name)
+
+    @cached_property
+    def stack(self) -> Declaration:
+        """What the stack that `sim/stack.yaml` names declares; its own operators are declared with it.
+
+        Raises:
+            InputError: there is no such stack.
+        """
+        name = load(self.folder / "sim" / "stack.yaml").need("name")
+        try:
+            declared = STACKS[name.text()]
+        except InputError as error:
+            raise InputError(f"{name.place}: {error}") from None
+        for module in declared.operators:
+            import_module(module)
+        return declared
 
     @cached_property
     def catalogue(self) -> tuple[Mutant, ...]:
@@ -126,7 +144,7 @@ class Study:
         """Names of the signals that requirements and situations may speak of."""
         from scaloft_fi.sim.signals import signal_names
 
-        return signal_names(self.grid.world(()).surfaces)
+        return signal_names(self.grid.world(()).surfaces, self.stack.beliefs)
 
     @cached_property
     def requirements(self) -> tuple[Requirement, ...]:

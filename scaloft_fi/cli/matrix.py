@@ -49,7 +49,7 @@ def matrix_command(
         raise click.UsageError("--cell tells one cell and goes with no --guideword, --parameter, --grid or --margins")
     matrix = load_matrix(find_study(study_folder) / "hazop")
     if cell:
-        click.echo(_one(matrix, cell, style))
+        click.echo(_one(matrix, cell, style, study_folder))
         return
     shown = matrix.only([word.upper() for word in guidewords], [name.lower() for name in parameters])
     if with_margins:
@@ -102,10 +102,10 @@ def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: st
     return _csv(header, lines) if style == "csv" else _tabulated(header, lines, style)
 
 
-def _one(matrix: Matrix, name: str, style: str) -> str:
+def _one(matrix: Matrix, name: str, style: str, study_folder: Path | None) -> str:
     cell = matrix.cell(name)
     if style == "table":
-        return sheet(matrix, cell, _edges() if cell.faults else {})
+        return sheet(matrix, cell, _edges(study_folder) if cell.faults else {})
     if style == "json":
         return json.dumps(record(cell), indent=1)
     row = rows(matrix.only([cell.guideword], [cell.parameter]))[0]
@@ -115,10 +115,10 @@ def _one(matrix: Matrix, name: str, style: str) -> str:
     return _tabulated(("cell", cell.name), told, style)
 
 
-def _edges() -> Mapping[str, str]:
-    from scaloft_fi.stack.seam import SEAMS  # the only part that needs numpy
+def _edges(study_folder: Path | None) -> Mapping[str, str]:
+    from scaloft_fi.study import Study  # the stack's declaration is the only part that needs numpy
 
-    return {name: seam.edge for name, seam in SEAMS.items()}
+    return {seam.name: seam.edge for seam in Study.open(study_folder).stack.seams}
 
 
 def _csv(header: Sequence[str], lines: Sequence[Sequence[str]]) -> str:

@@ -15,15 +15,12 @@ from tabulate import tabulate
 
 from scaloft_fi.cli.options import format_option, study_option
 from scaloft_fi.errors import InputError
-from scaloft_fi.hazop.folder import find_study
-from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.mutants import catalogue
 from scaloft_fi.mutants.derive import default_of, defaults, derive
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.select import select
-from scaloft_fi.registry import load_plugins
-from scaloft_fi.stack.seam import SEAMS
+from scaloft_fi.study import Study
 
 _COLUMNS = ("id", "default", "parameter", "guideword", "seam", "operator", "arguments")
 _TABULATE = {"markdown": "github", "latex": "latex"}
@@ -56,10 +53,8 @@ def mutants_command(
         raise click.UsageError("--write and --check exclude each other")
     if (write or check) and (patterns or cells or only_defaults):
         raise click.UsageError("--write and --check are about the whole catalogue; give no pattern with them")
-    load_plugins()
-    study = find_study(study_folder)
-    matrix = load_matrix(study / "hazop", SEAMS)
-    folder = study / "mutants"
+    study = Study.open(study_folder)
+    matrix, folder = study.matrix, study.folder / "mutants"
     derived = catalogue.check(folder, matrix) if check else derive(matrix)
     if write:
         click.echo(f"{catalogue.write(folder, derived)}: {_size(derived, matrix)}")

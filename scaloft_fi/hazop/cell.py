@@ -93,6 +93,7 @@ class Fault:
     Attributes:
         seam: where it is patched in.
         operator: the declared function that alters the samples.
+        message: type of the samples; None where the stack's seams were not at hand.
         arguments: the operator's fixed arguments.
         magnitude: the argument that varies, or None.
         phases: True for a periodic fault, which the catalogue also flies shifted in time.
@@ -107,6 +108,7 @@ class Fault:
     magnitude: Magnitude | None = None
     phases: bool = False
     expected: Expected | None = None
+    message: type | None = field(default=None, compare=False)
     place: str = field(default="", compare=False)
     places: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)
 

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Protocol
 
 from scaloft_fi.document import Item, load
 from scaloft_fi.errors import InputError, did_you_mean
@@ -19,16 +20,28 @@ from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.parameter import Parameter
 from scaloft_fi.hazop.severity import Worse, worse
 
+
+class Carrier(Protocol):
+    """What the matrix has to know of a seam."""
+
+    @property
+    def message(self) -> type:
+        """Type of its samples."""
+        ...
+
+
+Seams = Mapping[str, Carrier]
+
 _UNIT = re.compile(r"[A-Za-z%][A-Za-z0-9%]*")
 _NAMED_RUNG = re.compile(r"[A-Za-z][A-Za-z0-9_.]*")
 
 
-def load_matrix(hazop: Path, seams: Collection[str] | None = None) -> Matrix:
+def load_matrix(hazop: Path, seams: Seams | None = None) -> Matrix:
     """Read the matrix of a study folder's `hazop/`.
 
     Args:
         hazop: holds `guidewords.yaml`, `parameters.yaml` and `matrix/<parameter>.yaml`.
-        seams: names a fault may be patched in at; None leaves them unjudged.
+        seams: where the stack can be patched, by name; None leaves the faults' seams unchecked.
 
     Raises:
         InputError: naming file and line of the first thing that is not allowed.
@@ -88,7 +101,7 @@ def load_parameters(path: Path) -> tuple[tuple[Parameter, ...], dict[str, str]]:
     return tuple(parameters), places
 
 
-def load_cells(path: Path, guidewords: tuple[Guideword, ...], seams: Collection[str] | None = None) -> tuple[Cell, ...]:
+def load_cells(path: Path, guidewords: tuple[Guideword, ...], seams: Seams | None = None) -> tuple[Cell, ...]:
     """Read the cells of one parameter, one for each guideword; the file is called after the parameter.
 
     Raises:
@@ -110,7 +123,7 @@ def load_cells(path: Path, guidewords: tuple[Guideword, ...], seams: Collection[
     return tuple(cells)
 
 
-def _cell(item: Item, guideword: str, parameter: str, seams: Collection[str] | None) -> Cell:
+def _cell(item: Item, guideword: str, parameter: str, seams: Seams | None) -> Cell:
     status = CellStatus(item.need("status").choice(tuple(CellStatus)))
     if status is CellStatus.NOT_MEANINGFUL:
         cell = Cell(guideword, parameter, status, reason=item.need("reason").text(), place=item.place)
@@ -134,7 +147,7 @@ def _cell(item: Item, guideword: str, parameter: str, seams: Collection[str] | N
     return cell
 
 
-def _fault(item: Item, seams: Collection[str] | None) -> Fault:
+def _fault(item: Item, seams: Seams | None) -> Fault:
     seam, operator = item.need("seam"), item.need("operator")
     arguments = given.mapping() if (given := item.get("arguments")) else {}
     magnitude = _magnitude(found) if (found := item.get("magnitude")) else None
@@ -144,7 +157,8 @@ def _fault(item: Item, seams: Collection[str] | None) -> Fault:
     phases, known = item.get("phases"), item.get("expected")
     named = {"seam": seam, "operator": operator, **arguments} | ({"phases": phases} if phases else {})
     fault = Fault(
-        seam=seam.text() if seams is None else seam.choice(sorted(seams)),
+        seam=(name := seam.text() if seams is None else seam.choice(sorted(seams))),
+        message=None if seams is None else seams[name].message,
         operator=operator.text(),
         arguments={name: _value(argument) for name, argument in arguments.items()},
         magnitude=magnitude,

@@ -9,11 +9,9 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
-import numpy as np
-from numpy.typing import NDArray
-
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.cell import Value
+from scaloft_fi.stack.fields import field_names, field_type, number_fields
 
 ALL = "all"
 """Field name that means every number of the sample."""
@@ -43,6 +41,11 @@ class FieldName:
     number: bool = True
 
 
+@dataclass(frozen=True)
+class FieldValue:
+    """Marks an argument that becomes the value of the field that the argument `field` names."""
+
+
 Number = Annotated[float, Range(least=-1e12, most=1e12)]
 Seconds = Annotated[float, Range(least=0.0, most=1e6)]
 Hold = Annotated[float, Range(least=0.0)]
@@ -54,11 +57,9 @@ Degrees = Annotated[float, Range(least=-360.0, most=360.0)]
 Place = Annotated[int, Range(least=0.0, most=1e3)]
 NumericField = Annotated[str, FieldName()]
 AnyField = Annotated[str, FieldName(number=False)]
+ValueOfField = Annotated[Value, FieldValue()]
 Axis = Literal["x", "y", "z"]
 Component = Literal["", "x", "y", "z"]
-
-VECTORS = frozenset({"rate", "force", "position", "velocity", "offset", "axes", "point", "origin"})
-"""Fields of the messages with one entry per axis x, y, z."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +72,7 @@ class Argument:
         allowed: bounds of a number.
         choices: allowed texts, empty = any.
         field: set when the text names a field of the sample.
+        of_field: whether the value becomes the value of a field.
         default: inspect.Parameter.empty when the argument must be given.
     """
 
@@ -79,6 +81,7 @@ class Argument:
     allowed: Range
     choices: tuple[str, ...]
     field: FieldName | None
+    of_field: bool
     default: Any
 
     @property
@@ -105,7 +108,7 @@ class Argument:
         if self.choices and value not in self.choices:
             raise InputError(f"{self.name}={value!r} is not known{did_you_mean(value, self.choices)}")
         if self.field is not None:
-            known = number_fields(message) if self.field.number else _fields(message)
+            known = number_fields(message) if self.field.number else field_names(message)
             if value not in (*known, ALL):
                 kind = "numeric field" if self.field.number else "field"
                 raise InputError(
@@ -143,26 +146,8 @@ def _argument(name: str, hint: Any, default: Any) -> Argument:
         choices, hint = get_args(hint), str
     allowed = next((mark for mark in marks if isinstance(mark, Range)), Range())
     field = next((mark for mark in marks if isinstance(mark, FieldName)), None)
-    return Argument(name, hint if isinstance(hint, type) else object, allowed, choices, field, default)
-
-
-def _fields(message: type) -> tuple[str, ...]:
-    return tuple(getattr(message, "_fields", ()))
-
-
-def number_fields(message: type) -> tuple[str, ...]:
-    """Fields of a message that are numbers, tuples of numbers, or arrays of numbers."""
-    hints = get_type_hints(message)
-    return tuple(name for name in _fields(message) if _numeric(hints[name]))
-
-
-def _numeric(hint: Any) -> bool:
-    if hint in (float, int):
-        return True
-    if get_origin(hint) is tuple:
-        return all(entry is float for entry in get_args(hint))
-    # from numpy 2.5 on the origin of `NDArray[...]` is `NDArray` itself
-    return get_origin(hint) in (np.ndarray, NDArray) and "float64" in str(hint)
+    of_field = any(isinstance(mark, FieldValue) for mark in marks)
+    return Argument(name, hint if isinstance(hint, type) else object, allowed, choices, field, of_field, default)
 
 
 def check_against_field(message: type, field: str, value: Value) -> Value:
@@ -175,7 +160,7 @@ def check_against_field(message: type, field: str, value: Value) -> Value:
         if not isinstance(value, str | bool):
             return value
         raise InputError(f"value={value!r} must be a number")
-    hint = get_type_hints(message)[field]
+    hint = field_type(message, field)
     fits = {float: "a number", int: "a whole number", str: "a text", bool: "true or false"}
     if hint not in fits:
         raise InputError(f"field={field!r} of {message.__name__} holds no single value")

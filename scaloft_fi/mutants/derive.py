@@ -62,7 +62,7 @@ def realise(matrix: Matrix, text: str) -> Mutant:
 def source_of(matrix: Matrix, mutant: Mutant) -> tuple[Fault, Rung | None]:
     """The fault of the matrix that a mutant realises, and its magnitude there."""
     cell = matrix.cells[mutant.guideword, mutant.parameter]
-    return _chosen(cell, parse(mutant.id), mutant.id)
+    return _chosen(cell, mutant.name, mutant.id)
 
 
 def expected_of(matrix: Matrix, mutant: Mutant) -> Expected | None:
@@ -96,7 +96,7 @@ def _all_of(cell: Cell, fault: Fault) -> Iterator[Mutant]:
     for rung in fault.magnitude.ladder if fault.magnitude else (None,):
         first = _patched(cell, fault, rung, 0.0)
         yield first
-        period_s = OPERATORS[fault.operator].period_s(first.arguments) if fault.phases else None
+        period_s = fault.period_s(rung)
         if period_s is not None:
             yield from (_patched(cell, fault, rung, share * period_s) for share in PHASES[1:])
 
@@ -107,6 +107,9 @@ def _patched(cell: Cell, fault: Fault, rung: Rung | None, phase_s: float, said: 
         operator = OPERATORS[fault.operator]
     except InputError as error:
         raise InputError(f"{fault.place_of('operator')}: {error}") from None
+    message = fault.message
+    if message is None:
+        raise ValueError(f"{cell.name}: the matrix was read without the stack's seams")
     magnitude = "" if fault.magnitude is None or rung is None else fault.magnitude.text(rung)
     name = Name(cell.guideword, cell.parameter, magnitude, float(f"{phase_s:g}"))
     arguments = dict(fault.arguments)
@@ -117,7 +120,7 @@ def _patched(cell: Cell, fault: Fault, rung: Rung | None, phase_s: float, said: 
     elif phase_s:
         raise InputError(f"mutant {said!r}: {cell.name} has no phase; write {str(replace(name, phase_s=0.0))!r}")
     try:
-        checked = operator.check(fault.seam, arguments)
+        checked = operator.check(fault.seam, message, arguments)
     except OperatorError as error:
         place = f"mutant {said!r}" if said else fault.place_of("phases" if error.about == "phase_s" else error.about)
         raise InputError(f"{place}: {error}") from None

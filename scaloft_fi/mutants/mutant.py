@@ -98,9 +98,14 @@ class Mutant:
     arguments: Mapping[str, Value] = field(default_factory=dict, hash=False)
 
     @property
+    def name(self) -> Name:
+        """The id taken apart."""
+        return Name(self.guideword, self.parameter, self.magnitude, self.phase_s)
+
+    @property
     def cell(self) -> str:
         """Name of the cell it realises."""
-        return f"{self.guideword}-{self.parameter}"
+        return self.name.cell
 
     def to_json(self) -> dict[str, Any]:
         """Plain data that JSON can hold; an infinite argument is written as the text `inf`."""

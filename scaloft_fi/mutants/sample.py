@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from scaloft_fi.mutants.argument import ALL, number_fields
+from scaloft_fi.mutants.argument import ALL
 from scaloft_fi.mutants.operator import Tap
 from scaloft_fi.mutants.window import Windows
+from scaloft_fi.stack.fields import image_fields, number_fields, stamp_fields
 
 AXES = "xyz"
 
@@ -67,3 +68,13 @@ def _changed(value: Any, change: Callable[[Any], Any], component: str) -> Any:
 def restamped(sample: Any, stamp_of: Any) -> Any:
     """`sample` with the time stamp of `stamp_of`, where such messages carry one."""
     return sample._replace(stamp_s=stamp_of.stamp_s) if hasattr(sample, "stamp_s") else sample
+
+
+def reclocked(sample: Any, change: Callable[[float], float]) -> Any:
+    """`sample` with `change` applied to each of its time stamps [s]."""
+    return sample._replace(**{name: float(change(getattr(sample, name))) for name in stamp_fields(type(sample))})
+
+
+def redrawn(sample: Any, change: Callable[[Any], Any]) -> Any:
+    """`sample` with `change` applied to each of its images (H, W), which is not written into."""
+    return sample._replace(**{name: change(getattr(sample, name)) for name in image_fields(type(sample))})

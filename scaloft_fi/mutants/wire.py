@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from scaloft_fi.errors import ScaloftError
+from scaloft_fi.mutants.facts import Facts
 from scaloft_fi.mutants.mutant import EVERY_SEAM, Mutant
 from scaloft_fi.mutants.operator import Tap, TapContext
 from scaloft_fi.mutants.operators import OPERATORS
-from scaloft_fi.stack.seam import SEAMS, PlainWire, Seam, Wire
+from scaloft_fi.stack.declaration import Declaration
+from scaloft_fi.stack.seam import PlainWire, Seam, Wire
 
 S = TypeVar("S")
 
@@ -61,10 +63,13 @@ class TappedWire:
     """Carries samples through taps, by seam; seams without a tap carry them as they are.
 
     What does not differ arrives as it was sent, so that a flight is its baseline's to the bit until something differs.
+
+    Args:
+        taps: each with the seam that it is on.
     """
 
-    def __init__(self, taps: Mapping[str, Tap]) -> None:
-        self._tallies = {name: _Tally(SEAMS[name], tap) for name, tap in taps.items()}
+    def __init__(self, taps: Iterable[tuple[Seam, Tap]]) -> None:
+        self._tallies = {seam.name: _Tally(seam, tap) for seam, tap in taps}
 
     def listens(self, seam: str) -> bool:
         """Whether there is a tap on `seam`."""
@@ -95,23 +100,21 @@ class TappedWire:
         return {name: SeamCount(t.carried, t.altered, t.first_altered_s) for name, t in self._tallies.items()}
 
 
-def contexts(
-    mutant_id: str, situation: str, seed: int, duration_s: float, facts: Mapping[str, float | None]
-) -> Callable[[str], TapContext]:
+def contexts(mutant_id: str, situation: str, seed: int, facts: Facts) -> Callable[[Seam], TapContext]:
     """Contexts by seam for one flight; randomness depends on (mutant, situation, seed) and on nothing else."""
 
-    def context(seam: str) -> TapContext:
-        digest = hashlib.sha256("\n".join((mutant_id, situation, str(seed), seam)).encode()).digest()
+    def context(seam: Seam) -> TapContext:
+        digest = hashlib.sha256("\n".join((mutant_id, situation, str(seed), seam.name)).encode()).digest()
         key = np.frombuffer(digest[:16], dtype="<u8").astype(np.uint64)
-        return TapContext(1.0 / SEAMS[seam].rate_hz, np.random.Generator(np.random.Philox(key=key)), duration_s, facts)
+        return TapContext(1.0 / seam.rate_hz, np.random.Generator(np.random.Philox(key=key)), seam.message, facts)
 
     return context
 
 
-def wire_for(subject: Mutant | None, context: Callable[[str], TapContext]) -> Wire:
+def wire_for(subject: Mutant | None, stack: Declaration, context: Callable[[Seam], TapContext]) -> Wire:
     """A fresh wire for one flight of `subject`: None = the baseline, PLACEBO = the identity on every seam."""
     if subject is None:
         return PlainWire()
     operator = OPERATORS[subject.operator]
-    seams = SEAMS if subject.seam == EVERY_SEAM else (subject.seam,)
-    return TappedWire({seam: operator.tap(context(seam), subject.arguments) for seam in seams})
+    seams = stack.seams if subject.seam == EVERY_SEAM else (stack.by_name[subject.seam],)
+    return TappedWire((seam, operator.tap(context(seam), subject.arguments)) for seam in seams)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from scaloft_fi.sim.body import Body, Drive
 from scaloft_fi.sim.build import STEP_S, build, connect
 from scaloft_fi.sim.contact import Feeler
 from scaloft_fi.sim.events import events_of
-from scaloft_fi.sim.load import SimConfig
+from scaloft_fi.sim.load import SimConfig, StackChoice
 from scaloft_fi.sim.log import Count, Ending, FlightLog, Recorder
 from scaloft_fi.sim.observer import Observer
 from scaloft_fi.sim.scenario import Scenario
@@ -27,8 +28,9 @@ from scaloft_fi.sim.stacks import STACKS
 from scaloft_fi.sim.tight_loop import TightLoop
 from scaloft_fi.stack.camera import DepthCamera
 from scaloft_fi.stack.config import ConfigError
+from scaloft_fi.stack.config import build as build_settings
+from scaloft_fi.stack.contract import Stack, Task
 from scaloft_fi.stack.messages import SensorFrames
-from scaloft_fi.stack.reference.stack import BELIEFS, Stack, Task
 from scaloft_fi.stack.seam import Wire
 
 STEPS_PER_TICK = 12
@@ -77,8 +79,9 @@ def make_stack(config: SimConfig, scenario: Scenario, wire: Wire) -> Stack:
         InputError: there is no such stack, or its settings do not fit.
     """
     mission, camera = scenario.world.mission, config.sensors.depth.camera
+    declared = STACKS[config.stack.name]
     task = Task(
-        settings=config.stack.parameters,
+        settings=stack_settings(config.stack),
         camera=DepthCamera(camera.rays, camera.ahead_m),
         home=scenario.start(config.vehicle.half_height_m),
         yaw_rad=mission.yaw_rad,
@@ -88,9 +91,24 @@ def make_stack(config: SimConfig, scenario: Scenario, wire: Wire) -> Stack:
         slow_mps=mission.slow_mps,
     )
     try:
-        return STACKS[config.stack.name](task, wire)
+        return declared.make(task, wire)
     except ConfigError as error:
         raise InputError(f"{config.stack.place_of(error.path)}: {error}") from error
+
+
+def stack_settings(choice: StackChoice) -> Any:
+    """The settings of `sim/stack.yaml`, built into the schema that the stack declares.
+
+    Raises:
+        InputError: there is no such stack, or its settings do not fit; it names the place.
+    """
+    schema = STACKS[choice.name].settings
+    if schema is None:
+        return choice.parameters
+    try:
+        return build_settings(schema(), choice.parameters)
+    except ConfigError as error:
+        raise InputError(f"{choice.place_of(error.path)}: {error}") from error
 
 
 class Flight:
@@ -108,6 +126,7 @@ class Flight:
         vehicle = config.vehicle
         start = scenario.start(vehicle.half_height_m)
         ids = build(client, scenario.world)
+        self._declared = STACKS[config.stack.name]
         self.stack: Stack = make_stack(config, scenario, wire)
         self.sensors = Sensors(
             config.sensors, scenario.world.scene, scenario.persons, scenario.world.light, scenario.key, seed
@@ -116,8 +135,8 @@ class Flight:
         self.body = Body(client, vehicle, start, scenario.world.mission.yaw_rad)
         self._observer = Observer(client, ids, self.body.number, vehicle, scenario, config.sensors.depth.max_m)
         self._feeler = Feeler(client, self.body.number, vehicle, ids.name_of)
-        self._truth, self._beliefs = Recorder(self._observer.names), Recorder(BELIEFS)
-        inner = getattr(self.stack, "inner", None)
+        self._truth, self._beliefs = Recorder(self._observer.names), Recorder(self._declared.belief_names)
+        inner = self.stack.fast_path
         self._tight = TightLoop(inner, self.sensors.inertial, self.body, wire) if inner is not None else None
         self.ticks = self._steps = 0
         self._companion_alive = self._autopilot_alive = True
@@ -205,8 +224,15 @@ class Flight:
             counts=counts,
             t_max_s=self._scenario.t_max_s,
             events=events_of(
-                truth["elapsed_s"], beliefs, counts, observer.struck, observer.struck_at_s, self._stack_error
+                truth["elapsed_s"],
+                self._declared.beliefs,
+                beliefs,
+                counts,
+                observer.struck,
+                observer.struck_at_s,
+                self._stack_error,
             ),
+            beliefs=self._declared.belief_names,
         )
 
     def _ending(self, now_s: float) -> Ending | None:

@@ -13,8 +13,6 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from scaloft_fi.sim.signals import PERCEIVED_NAMES
-
 Array = NDArray[np.float64]
 
 
@@ -106,6 +104,7 @@ class FlightLog:
         counts: per seam what the wire counted.
         events: in order of time.
         t_max_s: time limit of the situation [s].
+        beliefs: names of the signals that are the stack's beliefs; the others are ground truth.
     """
 
     signals: Mapping[str, Array]
@@ -116,6 +115,7 @@ class FlightLog:
     counts: Mapping[str, Count]
     t_max_s: float
     events: tuple[Event, ...] = field(default=())
+    beliefs: tuple[str, ...] = ()
 
     @property
     def duration_s(self) -> float:
@@ -125,13 +125,13 @@ class FlightLog:
     @cached_property
     def digest(self) -> str:
         """SHA-256 over the ground truth: names and bits of its signals, ending and what was struck."""
-        names = sorted(set(self.signals) - set(PERCEIVED_NAMES))
+        names = sorted(set(self.signals) - set(self.beliefs))
         return _digest(self.signals, names, (self.ending, self.struck))
 
     @cached_property
     def perceived_digest(self) -> str:
         """SHA-256 over what the stack believed."""
-        return _digest(self.signals, sorted(set(self.signals) & set(PERCEIVED_NAMES)), (self.stack_error,))
+        return _digest(self.signals, sorted(self.beliefs), (self.stack_error,))
 
     def at(self, t_s: float) -> int:
         """Index of the sample at `t_s`, or the last one before it."""

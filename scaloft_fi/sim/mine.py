@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,6 +21,13 @@ SLAB_M = 0.5
 
 Corner = tuple[float, float]
 Ring = tuple[Corner, ...]
+
+
+class WallPoint(NamedTuple):
+    """A point of the wall.  place: (2,) [m, world]; inward: (2,) unit normal into the open space."""
+
+    place: Corner
+    inward: Corner
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +57,26 @@ class Mine:
             return abs(winding(np.concatenate([self.wall.triangles, self.ground.triangles]), point)) > 0.5
         x, y, z = point
         return 0.0 < z < self.height_m and inside(section(self.wall.triangles, z), x, y)
+
+    def wall_towards(self, point: Sequence[float], direction: Corner) -> WallPoint | None:
+        """Where the wall is nearest to `point` (3,) [m, world], of the piece of wall that lies in a level direction.
+
+        Of an extruded mine the wall is its footprint, without roughness; of a mesh the section at the point's height.
+        None where no wall lies in that direction.
+        """
+        x, y, z = point
+        rings = [side for ring in self.footprint for side in zip(ring, ring[1:] + ring[:1], strict=True)]
+        sides = rings or list(section(self.wall.triangles, z))
+        hits = [(reach, side) for side in sides if (reach := _reach((x, y), direction, *side)) is not None]
+        if not hits:
+            return None
+        (x0, y0), (x1, y1) = min(hits)[1]
+        length = math.hypot(x1 - x0, y1 - y0)
+        along_x, along_y = (x1 - x0) / length, (y1 - y0) / length
+        along_m = (x - x0) * along_x + (y - y0) * along_y
+        foot = (x0 + along_m * along_x, y0 + along_m * along_y)
+        side = 1.0 if (x - foot[0]) * -along_y + (y - foot[1]) * along_x >= 0.0 else -1.0
+        return WallPoint(foot, (-along_y * side, along_x * side))
 
     def floor_m(self, x: float, y: float) -> float:
         """Height of the floor at (x, y) [m, world], NaN where there is none."""
@@ -108,6 +136,18 @@ def _ring(item: Item) -> Ring:
 def _cross(a: Corner, b: Corner, c: Corner, d: Corner) -> bool:
     """Whether the segments a-b and c-d cross, each strictly between its ends."""
     return _area((a, b, c)) * _area((a, b, d)) < 0 and _area((c, d, a)) * _area((c, d, b)) < 0
+
+
+def _reach(origin: Corner, direction: Corner, a: Corner, b: Corner) -> float | None:
+    """How far a ray goes before it crosses the segment a-b, in lengths of `direction`; None where it does not."""
+    dx, dy = direction
+    sx, sy = b[0] - a[0], b[1] - a[1]
+    across = dx * sy - dy * sx
+    if across == 0.0:
+        return None
+    wx, wy = a[0] - origin[0], a[1] - origin[1]
+    reach, share = (wx * sy - wy * sx) / across, (wx * dy - wy * dx) / across
+    return reach if reach > 0.0 and 0.0 <= share <= 1.0 else None
 
 
 def _area(ring: Ring) -> float:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from scaloft_fi.sim.mine import WallPoint
 from scaloft_fi.sim.optics import Camera
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.sim.world import PERSON, Point, World
@@ -17,6 +18,8 @@ from scaloft_fi.sim.world import PERSON, Point, World
 TIME_LIMIT_S, TIME_LIMIT_FACTOR = 20.0, 1.5
 """A flight may last 20 s + 1.5 x the nominal mission time (definition of OP1)."""
 
+NEAR_HOME_M = 0.5
+"""A waypoint closer to home than this is home [m]."""
 SIGHTED_PIXELS = 25
 """So many pixels of a person count as a person in view."""
 LOOK_EVERY_S = 0.2
@@ -68,6 +71,13 @@ class Scenario:
         """The vehicle's centre when it stands at home [m, world]."""
         x, y, floor_m = self.home
         return x, y, floor_m + half_height_m
+
+    @cached_property
+    def wall_right(self) -> WallPoint | None:
+        """Where the wall on the right of the first leg is nearest to the leg's middle; None without such a wall."""
+        x0, y0 = self.world.mission.home
+        x1, y1, z = next((p for p in self.route if math.hypot(p[0] - x0, p[1] - y0) > NEAR_HOME_M), self.route[0])
+        return self.world.mine.wall_towards(((x0 + x1) / 2, (y0 + y1) / 2, z), (y1 - y0, x0 - x1))
 
     @cached_property
     def nominal_s(self) -> float:

@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 
+from scaloft_fi.stack.belief import Belief
+
 SAMPLE_HZ = 20.0
 FAR_M = 100.0
 """Stands for "not there" in distances."""
@@ -66,31 +68,7 @@ TRUTH = _signals(
     """,
 )
 
-PERCEIVED = _signals(
-    Side.PERCEIVED,
-    """
-    told_person        |     | 1 while the stack counts a person as reported
-    told_range_m       | m   | range of that person; 100 without one
-    est_x_m            | m   | estimated position, world
-    est_y_m            | m   | estimated position, world
-    est_z_m            | m   | estimated position, world
-    est_vx_mps         | m/s | estimated velocity, world
-    est_vy_mps         | m/s | estimated velocity, world
-    est_vz_mps         | m/s | estimated velocity, world
-    limit_mps          | m/s | speed limit in force
-    collision_flag     |     | 1 while the stack's own collision flag is up
-    target_index       |     | place in the route of the waypoint flown to
-    mode               |     | what flight control does, by number
-    cmd_vx_mps         | m/s | ordered velocity, world
-    cmd_vy_mps         | m/s | ordered velocity, world
-    cmd_vz_mps         | m/s | ordered velocity, world
-    cmd_yaw_rad        | rad | ordered heading, world
-    map_points         |     | occupied cells the planner knows of
-    """,
-)
-
 TRUTH_NAMES = tuple(signal.name for signal in TRUTH)
-PERCEIVED_NAMES = tuple(signal.name for signal in PERCEIVED)
 
 
 def clearance_name(surface: str) -> str:
@@ -111,6 +89,11 @@ def truth_signals(surfaces: Iterable[str]) -> tuple[Signal, ...]:
     return TRUTH + clearances
 
 
-def signal_names(surfaces: Iterable[str]) -> tuple[str, ...]:
-    """Every name of a flight log: truth, then perceived."""
-    return (*(signal.name for signal in truth_signals(surfaces)), *PERCEIVED_NAMES)
+def signal_names(surfaces: Iterable[str], beliefs: Iterable[Belief]) -> tuple[str, ...]:
+    """Every name of a flight log: ground truth, then beliefs."""
+    return tuple(signal.name for signal in (*truth_signals(surfaces), *belief_signals(beliefs)))
+
+
+def belief_signals(beliefs: Iterable[Belief]) -> tuple[Signal, ...]:
+    """The signals of what a stack believes."""
+    return tuple(Signal(belief.name, belief.unit, belief.meaning, Side.PERCEIVED) for belief in beliefs)

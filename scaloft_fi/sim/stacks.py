@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from scaloft_fi.registry import Registry
-from scaloft_fi.stack.reference.stack import ReferenceStack, Stack, Task
-from scaloft_fi.stack.seam import Wire
+from scaloft_fi.stack.declaration import Declaration
 
-STACKS = Registry[Callable[[Task, Wire], Stack]]("stack")
-STACKS.declare("reference", ReferenceStack)
+STACKS = Registry[Declaration]("stack")
+STACKS.promise("reference", "scaloft_fi.stack.reference.declaration:REFERENCE")

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from scaloft_fi.stack.messages import Array
+from scaloft_fi.stack.fields import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
-from scaloft_fi.stack import messages as m
+from scaloft_fi.stack.fields import field_names, number_fields
 
 S = TypeVar("S")
 
@@ -37,32 +38,26 @@ class PlainWire:
         return sample
 
 
+UNITS: Mapping[str, str] = MappingProxyType(
+    {
+        "s": "s",
+        "m": "m",
+        "mps": "m/s",
+        "mps2": "m/s2",
+        "rad": "rad",
+        "radps": "rad/s",
+        "deg": "deg",
+        "hz": "Hz",
+        "n": "N",
+        "v": "V",
+        "ev": "EV",
+    }
+)
+"""Units by the ending of a field's name, as in `range_m`."""
+
+
 def _whole(sample: Any) -> Any:
     return sample
-
-
-def _reached(sample: m.GoalCheck) -> bool:
-    return sample.reached
-
-
-def _alarm(sample: m.Proximity) -> tuple[Any, ...]:
-    """What the proximity monitor would conclude: which watched sectors are inside the trigger distance, the nearest.
-
-    After a mere touch the nearest is taken of all that are watched and seen.
-    """
-    near = (sample.sectors < sample.trigger_m) & sample.watched
-    seen = sample.watched & np.isfinite(sample.sectors) if sample.touched and not near.any() else near
-    bearing_rad = sample.bearings[np.argmin(np.where(seen, sample.sectors, np.inf))] if seen.any() else 0.0
-    return (sample.touched, *map(bool, near), float(bearing_rad))
-
-
-def _forgotten(sample: m.Clearing) -> Any:
-    return sample.forget
-
-
-def _seen(sample: m.ObstacleMap) -> Any:
-    """Points and inflation; how much nothing is inflated does not matter."""
-    return (sample.points, sample.inflation if len(sample.points) else 1.0)
 
 
 @dataclass(frozen=True)
@@ -75,6 +70,10 @@ class Seam:
         rate_hz: how often the seam is polled [Hz].
         edge: from which stage to which.
         effect: what of a sample its consumer acts on; a setting differs only where this does.
+        units: of the fields whose name does not end in their unit; "" for a plain number.
+
+    Raises:
+        ValueError: `units` names no field, or the rate is not positive.
     """
 
     name: str
@@ -82,6 +81,23 @@ class Seam:
     rate_hz: float
     edge: str
     effect: Callable[[Any], Any] = _whole
+    units: Mapping[str, str] = field(default_factory=dict, hash=False)
+
+    def __post_init__(self) -> None:
+        unknown = [name for name in self.units if name not in field_names(self.message)]
+        if unknown:
+            raise ValueError(f"seam {self.name!r}: {self.message.__name__} has no field {unknown[0]!r}")
+        if not self.rate_hz > 0.0:
+            raise ValueError(f"seam {self.name!r}: rate_hz={self.rate_hz:g} must be positive")
+
+    def unit(self, field: str) -> str:
+        """The unit of a field: declared, else the ending of its name, else "" for a plain number."""
+        return self.units.get(field, UNITS.get(field.rpartition("_")[2], "") if "_" in field else "")
+
+    @property
+    def number_units(self) -> Mapping[str, str]:
+        """The unit of each field of numbers."""
+        return {name: self.unit(name) for name in number_fields(self.message)}
 
     def differ(self, original: Any, delivered: Any) -> bool:
         """Whether the consumer is told something else than the producer said."""
@@ -119,30 +135,3 @@ def _same(a: Any, b: Any) -> Any:
 _FEW = 16
 """So many numbers are sooner compared one by one than as an array."""
 STEP_HZ, TICK_HZ = 240.0, 20.0
-
-SEAMS: dict[str, Seam] = {
-    seam.name: seam
-    for seam in (
-        Seam("imu", m.Imu, STEP_HZ, "inertial sensor -> estimator"),
-        Seam("stamps", m.Stamps, TICK_HZ, "sensor clocks -> message stamps"),
-        Seam("fix", m.Fix, TICK_HZ, "positioning -> estimator"),
-        Seam("depth", m.DepthFrame, TICK_HZ, "depth camera -> memory, proximity monitor"),
-        Seam("metering", m.Metering, TICK_HZ, "colour camera's light meter -> exposure control"),
-        Seam("exposure", m.Exposure, TICK_HZ, "exposure control -> colour camera"),
-        Seam("person", m.Detections, TICK_HZ, "person detector -> speed limit"),
-        Seam("battery", m.Battery, TICK_HZ, "battery -> battery monitor"),
-        Seam("failsafe", m.Failsafe, TICK_HZ, "battery monitor -> mission"),
-        Seam("bumper", m.Bumper, TICK_HZ, "touch sensor -> proximity monitor"),
-        Seam("pose", m.PoseEstimate, TICK_HZ, "estimator -> memory, mission, planner"),
-        Seam("proximity", m.Proximity, TICK_HZ, "proximity sectors -> proximity monitor", _alarm),
-        Seam("collision", m.CollisionFlag, TICK_HZ, "proximity monitor -> recoil"),
-        Seam("route", m.Route, TICK_HZ, "mission plan -> mission"),
-        Seam("goal", m.GoalCheck, TICK_HZ, "position -> goal test of the mission", _reached),
-        Seam("target", m.Target, TICK_HZ, "mission -> planner"),
-        Seam("speedlimit", m.SpeedLimit, TICK_HZ, "speed limit -> speed limiter"),
-        Seam("clearing", m.Clearing, TICK_HZ, "view -> obstacle memory", _forgotten),
-        Seam("map", m.ObstacleMap, TICK_HZ, "obstacle memory -> planner", _seen),
-        Seam("velcmd", m.VelocityCommand, TICK_HZ, "planner, recoil -> flight control"),
-        Seam("thrust", m.Thrust, STEP_HZ, "flight control -> rotors"),
-    )
-}

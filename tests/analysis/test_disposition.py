@@ -16,8 +16,9 @@ from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.stack.reference.declaration import REFERENCE
 
-MATRIX = load_matrix(Path(__file__).parents[2] / "hazop")
+MATRIX = load_matrix(Path(__file__).parents[2] / "hazop", REFERENCE.by_name)
 KEYS = [key for key, _ in GRID.points]
 GOOD = """\
 LATE-human:

@@ -16,9 +16,10 @@ from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.views.worksheet.margins import LEGEND, cell_margins, margin_json, margin_tables
 
-MATRIX = load_matrix(Path(__file__).parents[2] / "hazop")
+MATRIX = load_matrix(Path(__file__).parents[2] / "hazop", REFERENCE.by_name)
 SECONDS = Scale("s", 1, 0.0)
 KEYS = [key for key, _ in GRID.points]
 HUMAN = "T0O0W0D0H1"

@@ -28,6 +28,7 @@ from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.mutants.mutant import PLACEBO
+from scaloft_fi.stack.reference.declaration import REFERENCE
 
 KINDS = {"SR1": Kind.SAFETY, "SR2": Kind.SAFETY, "OP1": Kind.OPERABILITY}
 
@@ -51,7 +52,7 @@ class FakeGrid(tuple[FakeSituation, ...]):
 
 
 GRID = FakeGrid(FakeSituation(f"D{d}H{h}", 30.0 + 10 * d + 20 * h) for d in (0, 1) for h in (0, 1))
-MATRIX = load_matrix(Path(__file__).parents[2] / "hazop")
+MATRIX = load_matrix(Path(__file__).parents[2] / "hazop", REFERENCE.by_name)
 LATE, MORE, CONTROL = (realise(MATRIX, name) for name in ("LATE-human@3s", "MORE-goal@1m", "REVERSE-velcmd"))
 
 

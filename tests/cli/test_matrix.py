@@ -25,9 +25,10 @@ from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.parameter import Parameter
 from scaloft_fi.hazop.render import COLUMNS, overview, sheet
+from scaloft_fi.stack.reference.declaration import REFERENCE
 
 CHECKOUT = Path(__file__).resolve().parents[2]
-MATRIX = load_matrix(CHECKOUT / "hazop")
+MATRIX = load_matrix(CHECKOUT / "hazop", REFERENCE.by_name)
 
 
 def run(*arguments: str) -> Result:

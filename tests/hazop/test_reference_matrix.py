@@ -8,10 +8,10 @@ import pytest
 
 from scaloft_fi.hazop.cell import Cell, CellStatus, Magnitude
 from scaloft_fi.hazop.load import load_matrix
-from scaloft_fi.stack.seam import SEAMS
+from scaloft_fi.stack.reference.declaration import REFERENCE
 
 HAZOP = Path(__file__).resolve().parents[2] / "hazop"
-MATRIX = load_matrix(HAZOP, SEAMS)
+MATRIX = load_matrix(HAZOP, REFERENCE.by_name)
 MEANINGFUL = [cell for cell in MATRIX if cell.status is not CellStatus.NOT_MEANINGFUL]
 IEC_61882 = ["NO", "MORE", "LESS", "ASWELLAS", "PARTOF", "REVERSE", "OTHERTHAN", "EARLY", "LATE", "BEFORE", "AFTER"]
 
@@ -71,7 +71,7 @@ def test_a_cell_with_two_faults_tells_them_apart_by_unit() -> None:
 
 def test_every_seam_of_a_fault_exists_and_most_seams_are_used() -> None:
     used = {fault.seam for cell in MATRIX for fault in cell.faults}
-    assert used <= SEAMS.keys()
+    assert used <= REFERENCE.by_name.keys()
     assert len(used) >= 18
 
 

@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 from scaloft_fi.hazop.cell import Magnitude
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.severity import Worse, mild_to_severe, neutral, worse
+from scaloft_fi.stack.reference.declaration import REFERENCE
 
-REFERENCE = load_matrix(Path(__file__).parents[2] / "hazop")
+REFERENCE = load_matrix(Path(__file__).parents[2] / "hazop", REFERENCE.by_name)
 LADDERS = [
     pytest.param(fault.magnitude, id=f"{cell.name} {fault.magnitude.unit}")
     for cell in REFERENCE

@@ -19,6 +19,7 @@ from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Reading, Verdict
 from scaloft_fi.judge.robustness import told_rho
+from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.views.exchange.parquet import parquet
 from scaloft_fi.views.flights.export import columns, export_rows, to_csv, to_json
 from scaloft_fi.views.score.tables import requirement_table
@@ -79,7 +80,7 @@ def test_the_least_robustness_is_that_of_the_flights_that_put_it_to_the_test() -
 
 
 def test_an_end_of_a_margin_that_tests_nothing_has_no_robustness() -> None:
-    matrix = load_matrix(Path(__file__).parents[2] / "hazop")
+    matrix = load_matrix(Path(__file__).parents[2] / "hazop", REFERENCE.by_name)
     kills = [outcome("LATE-human@3s", HUMAN, seed, violated={"SR2": 8.0}) for seed in range(3)]
     flights = [*pool(HUMAN), untested(outcome("LATE-human@1s", HUMAN)), *kills]
     found = margins(flights, score(flights, ROSTER, GRID), matrix)

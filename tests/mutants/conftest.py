@@ -12,7 +12,8 @@ import pytest
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.stack import messages as m
-from scaloft_fi.stack.seam import SEAMS
+from scaloft_fi.stack.reference import messages as own
+from scaloft_fi.stack.reference.declaration import REFERENCE
 
 STUDY = Path(__file__).parents[2]
 
@@ -22,19 +23,19 @@ def _person(k: int) -> m.Detections:
     return m.Detections(k / 20, (near, m.Person("person", 0.55, -0.45, 7.0)))
 
 
-def _proximity(k: int) -> m.Proximity:
+def _proximity(k: int) -> own.Proximity:
     sectors = np.array([0.2 + 0.1 * k, 1.0, 0.3, np.inf])
-    return m.Proximity(k / 20, sectors, np.full(4, True), np.array([0.6, 0.2, -0.2, -0.6]), 0.4, touched=k % 3 == 0)
+    return own.Proximity(k / 20, sectors, np.full(4, True), np.array([0.6, 0.2, -0.2, -0.6]), 0.4, touched=k % 3 == 0)
 
 
-def _map(k: int) -> m.ObstacleMap:
+def _map(k: int) -> own.ObstacleMap:
     points = np.array([[1.0, 2.0 + 0.1 * k, 1.6], [-1.0, 1.0, 1.6], [0.2, -2.0, 1.6]])
-    return m.ObstacleMap(k / 20, points, 1.0, np.array([0.0, 0.1 * k, 1.65]))
+    return own.ObstacleMap(k / 20, points, 1.0, np.array([0.0, 0.1 * k, 1.65]))
 
 
-def _pose(k: int) -> m.PoseEstimate:
+def _pose(k: int) -> own.PoseEstimate:
     attitude = np.array([0.0, 0.0, np.sin(0.05 * k), np.cos(0.05 * k)])
-    return m.PoseEstimate(k / 20, np.array([0.1, 0.2 * k, 1.65]), np.array([0.0, 0.5, 0.01 * k]), 0.1 * k, attitude)
+    return own.PoseEstimate(k / 20, np.array([0.1, 0.2 * k, 1.65]), np.array([0.0, 0.5, 0.01 * k]), 0.1 * k, attitude)
 
 
 MAKERS: dict[str, Callable[[int], Any]] = {
@@ -46,18 +47,18 @@ MAKERS: dict[str, Callable[[int], Any]] = {
     "exposure": lambda k: m.Exposure(0.1 * k + 0.1, 2.0, 0.1),
     "person": _person,
     "battery": lambda k: m.Battery(k / 20, 0.9 - 0.01 * k, 16.0, 4),
-    "failsafe": lambda k: m.Failsafe(k / 20, "return" if k % 2 else "land"),
+    "failsafe": lambda k: own.Failsafe(k / 20, "return" if k % 2 else "land"),
     "bumper": lambda k: m.Bumper(k / 20, hull=False, gear=k % 2 == 1),
     "pose": _pose,
     "proximity": _proximity,
-    "collision": lambda k: m.CollisionFlag(k / 20, 0.1 * k),
-    "route": lambda k: m.Route(((0.0, 7.0, 1.65), (-3.0, 8.0 + 0.1 * k, 1.65), (0.0, 7.0, 1.65), (0.0, 0.0, 1.65))),
-    "goal": lambda k: m.GoalCheck(k // 4, (0.0, 0.5 - 0.1 * (k % 4), 0.1), (1.0, 1.0, 0.0), 0.3, 0.5),
-    "target": lambda k: m.Target(k // 4, (0.0, 7.0 - k // 4, 1.65)),
-    "speedlimit": lambda k: m.SpeedLimit(k / 20, 0.2 if k % 5 in (1, 2) else 0.5, "euclidean"),
-    "clearing": lambda k: m.Clearing(k / 20, np.array([k, k + 1]), np.array([k, k + 1, k + 2])),
+    "collision": lambda k: own.CollisionFlag(k / 20, 0.1 * k),
+    "route": lambda k: own.Route(((0.0, 7.0, 1.65), (-3.0, 8.0 + 0.1 * k, 1.65), (0.0, 7.0, 1.65), (0.0, 0.0, 1.65))),
+    "goal": lambda k: own.GoalCheck(k // 4, (0.0, 0.5 - 0.1 * (k % 4), 0.1), (1.0, 1.0, 0.0), 0.3, 0.5),
+    "target": lambda k: own.Target(k // 4, (0.0, 7.0 - k // 4, 1.65)),
+    "speedlimit": lambda k: own.SpeedLimit(k / 20, 0.2 if k % 5 in (1, 2) else 0.5, "euclidean"),
+    "clearing": lambda k: own.Clearing(k / 20, np.array([k, k + 1]), np.array([k, k + 1, k + 2])),
     "map": _map,
-    "velcmd": lambda k: m.VelocityCommand(k / 20, np.array([0.1, 0.5, 0.01 * k]), 1.5),
+    "velcmd": lambda k: own.VelocityCommand(k / 20, np.array([0.1, 0.5, 0.01 * k]), 1.5),
     "thrust": lambda k: m.Thrust(np.full(4, 3.0 + 0.1 * k)),
 }
 
@@ -77,7 +78,7 @@ def stream() -> Callable[[str], list[tuple[float, Any]]]:
     """By seam: (time, sample or None) for forty polls, every fourth without a sample; the arrays are read-only."""
 
     def of(seam: str) -> list[tuple[float, Any]]:
-        rate_hz = SEAMS[seam].rate_hz
+        rate_hz = REFERENCE.by_name[seam].rate_hz
         return [(k / rate_hz, None if k % 4 == 3 else _frozen(MAKERS[seam](k))) for k in range(40)]
 
     return of
@@ -92,4 +93,4 @@ def sample_of() -> Callable[[str, int], Any]:
 @pytest.fixture(scope="session")
 def matrix() -> Matrix:
     """The reference study's matrix."""
-    return load_matrix(STUDY / "hazop", SEAMS)
+    return load_matrix(STUDY / "hazop", REFERENCE.by_name)

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from scaloft_fi.mutants.operator import TapContext
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.mutants.window import Windows
-from scaloft_fi.stack.messages import Person, Route, Target
+from scaloft_fi.stack.messages import Person
+from scaloft_fi.stack.reference.messages import Route, Target
 
 SENT = st.lists(st.one_of(st.none(), st.integers(0, 10_000)), max_size=60)
 
@@ -19,7 +20,7 @@ SENT = st.lists(st.one_of(st.none(), st.integers(0, 10_000)), max_size=60)
 def fly(name: str, polls: list[Any], seed: int = 0, **arguments: Any) -> list[Any]:
     operator = OPERATORS[name]
     context = TapContext(0.05, np.random.Generator(np.random.Philox(seed)))
-    tap = operator.tap(context, operator.check("target", arguments))
+    tap = operator.tap(context, operator.check("target", Target, arguments))
     return [tap(k / 20, sample) for k, sample in enumerate(polls)]
 
 

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from scaloft_fi.mutants.argument import VECTORS, number_fields
 from scaloft_fi.mutants.operator import Operator, TapContext
 from scaloft_fi.mutants.operators import OPERATORS
-from scaloft_fi.stack.seam import SEAMS
+from scaloft_fi.stack.fields import field_type, number_fields, vector_fields
+from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.stack.seam import Seam
 
 
 def alike(a: Any, b: Any) -> bool:
@@ -37,25 +39,25 @@ def same(a: Any, b: Any) -> bool:
 
 def arguments_on(operator: Operator, seam: str) -> Mapping[str, Any] | None:
     """The example's arguments, with a field that the seam's message has; None where it has no such field."""
-    arguments = dict(operator.example.arguments)
+    arguments, message = dict(operator.example.arguments), REFERENCE.by_name[seam].message
     if "field" not in operator.arguments:
-        return operator.check(seam, arguments)
-    fields = number_fields(SEAMS[seam].message)
+        return operator.check(seam, message, arguments)
+    fields = number_fields(message)
     if operator.name == "set":
-        fields = tuple(f for f in fields if SEAMS[seam].message.__annotations__[f] == "float")
+        fields = tuple(f for f in fields if field_type(message, f) is float)
         arguments["value"] = 0.25
     if arguments.get("component"):
-        fields = tuple(f for f in fields if f in VECTORS)
+        fields = tuple(f for f in fields if f in vector_fields(message))
     if not fields:
         return None
-    return operator.check(seam, arguments | {"field": fields[-1]})
+    return operator.check(seam, message, arguments | {"field": fields[-1]})
 
 
 EVERYWHERE = [
     (name, seam)
     for name, operator in OPERATORS.items()
-    for seam in operator.seams
-    if arguments_on(operator, seam) is not None
+    for seam in REFERENCE.by_name
+    if operator.need.met_by(REFERENCE.by_name[seam].message) and arguments_on(operator, seam) is not None
 ]
 
 
@@ -64,15 +66,16 @@ def tap_on(name: str, seam: str) -> Any:
     arguments = arguments_on(operator, seam)
     assert arguments is not None
     rng = np.random.Generator(np.random.Philox(7))
-    facts = {**operator.example.facts, "cruise_mps": 0.5, "slow_mps": 0.2, "home_x": 0.0, "home_y": 0.0}
-    return operator.tap(TapContext(1 / SEAMS[seam].rate_hz, rng, 1.0, facts), arguments)
+    declared = REFERENCE.by_name[seam]
+    facts = replace(operator.example.facts, duration_s=1.0)
+    return operator.tap(TapContext(1 / declared.rate_hz, rng, declared.message, facts), arguments)
 
 
 @pytest.mark.parametrize("name", OPERATORS)
 def test_an_operator_does_what_its_example_says(name: str) -> None:
     example = OPERATORS[name].example
     context = example.context()
-    tap = OPERATORS[name].tap(context, OPERATORS[name].check(example.seam, example.arguments))
+    tap = OPERATORS[name].tap(context, OPERATORS[name].check("example", example.message, example.arguments))
     arrived = tuple(tap(k * context.period_s, sample) for k, sample in enumerate(example.before))
     if callable(example.after):
         assert example.after(example.before, arrived)
@@ -84,16 +87,17 @@ def test_an_operator_does_what_its_example_says(name: str) -> None:
 def test_an_operator_tells_the_consumer_something_else_in_its_example(name: str) -> None:
     example = OPERATORS[name].example
     context = example.context()
-    tap = OPERATORS[name].tap(context, OPERATORS[name].check(example.seam, example.arguments))
-    seam = SEAMS[example.seam]
+    tap = OPERATORS[name].tap(context, OPERATORS[name].check("example", example.message, example.arguments))
+    effects = {declared.message: declared.effect for declared in REFERENCE.seams}
+    seam = Seam("example", example.message, example.rate_hz, "one -> other", effects[example.message])
     assert any(seam.differ(sample, tap(k * context.period_s, sample)) for k, sample in enumerate(example.before))
 
 
 @pytest.mark.parametrize("name", OPERATORS)
-def test_an_operator_says_what_it_does_and_its_example_is_on_its_own_seam(name: str) -> None:
+def test_an_operator_says_what_it_does_and_what_it_needs(name: str) -> None:
     operator = OPERATORS[name]
     assert operator.summary.endswith(".")
-    assert operator.example.seam in operator.seams
+    assert operator.need.words
 
 
 @pytest.mark.parametrize(("name", "seam"), EVERYWHERE)
@@ -104,7 +108,7 @@ def test_fresh_taps_of_one_flight_agree_and_write_into_nothing(name: str, seam: 
     for t_s, sample in polls:
         arrived = first(t_s, sample)
         assert same(arrived, second(t_s, sample))
-        assert arrived is None or type(arrived) is SEAMS[seam].message
+        assert arrived is None or type(arrived) is REFERENCE.by_name[seam].message
     assert same(tuple(kept), tuple(polls))
 
 
@@ -122,5 +126,5 @@ def test_a_tap_copied_in_flight_goes_on_by_itself(name: str, seam: str, stream: 
 @pytest.mark.parametrize(("name", "seam"), EVERYWHERE)
 def test_a_tap_survives_a_seam_on_which_nothing_is_ever_sent(name: str, seam: str) -> None:
     tap = tap_on(name, seam)
-    arrived = [tap(k / SEAMS[seam].rate_hz, None) for k in range(100)]
-    assert all(sample is None or type(sample) is SEAMS[seam].message for sample in arrived)
+    arrived = [tap(k / REFERENCE.by_name[seam].rate_hz, None) for k in range(100)]
+    assert all(sample is None or type(sample) is REFERENCE.by_name[seam].message for sample in arrived)

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from scaloft_fi.mutants.operator import Tap
 from scaloft_fi.mutants.watch import WatchingWire
 from scaloft_fi.mutants.wire import SeamCount, TapError, TappedWire
-from scaloft_fi.stack.messages import Target
+from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.stack.reference.messages import Target
+
+
+def tapped(taps: Mapping[str, Tap]) -> TappedWire:
+    return TappedWire((REFERENCE.by_name[seam], tap) for seam, tap in taps.items())
+
 
 Delivery = tuple[str, float, Any]
 
@@ -50,7 +57,7 @@ class Fork:
 def _watching(
     fork: Callable[[str, float], bool], taps: dict[str, Any], failures: list[str] | None = None
 ) -> WatchingWire:
-    wires = {name: TappedWire(seams) for name, seams in taps.items()}
+    wires = {name: tapped(seams) for name, seams in taps.items()}
     told: list[str] = [] if failures is None else failures
     return WatchingWire(wires, fork, lambda name, error: told.append(f"{name}: {error}"))
 
@@ -75,7 +82,7 @@ def test_what_never_differs_is_told_with_what_it_carried() -> None:
 
 @pytest.mark.parametrize("taken", ["early", "late"])
 def test_a_branch_delivers_and_counts_what_a_flight_from_take_off_would(taken: str) -> None:
-    wire, whole = _watching(Fork(taken), _taps()), TappedWire(_taps()[taken])
+    wire, whole = _watching(Fork(taken), _taps()), tapped(_taps()[taken])
     assert _fly(wire) == _fly(whole)
     assert wire.counts == whole.counts
     assert wire.silent == {}
@@ -126,7 +133,7 @@ def test_whatever_is_sent_each_branch_is_the_flight_from_take_off(
     baseline = _fly(watching, sent)
     assert baseline == [sample for *_, sample in sent]
     for name, seams in taps.items():
-        whole, branch = TappedWire(seams), _watching(Fork(name), taps)
+        whole, branch = tapped(seams), _watching(Fork(name), taps)
         assert _fly(branch, sent) == _fly(whole, sent)
         assert (name in trunk.asked) == whole.altered
         assert (branch.counts if whole.altered else watching.silent[name]) == whole.counts

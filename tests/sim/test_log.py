@@ -19,6 +19,7 @@ def flight(x=(0.0, 1.0), told=(0.0, 0.0), **changes):
         "stack_error": "",
         "counts": {},
         "t_max_s": 80,
+        "beliefs": ("told_person",),
     }
     return FlightLog(signals=signals, **{**values, **changes})
 
@@ -58,6 +59,7 @@ def test_the_digest_does_not_depend_on_the_order_of_signals():
         stack_error="",
         counts={},
         t_max_s=80,
+        beliefs=log.beliefs,
     )
     assert turned.digest == log.digest
 

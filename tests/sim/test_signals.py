@@ -1,12 +1,12 @@
 from __future__ import annotations
 
-from scaloft_fi.sim.signals import PERCEIVED_NAMES, TRUTH_NAMES, Side, signal_names, truth_signals
-from scaloft_fi.stack.reference.stack import BELIEFS
+from scaloft_fi.sim.signals import Side, belief_signals, signal_names, truth_signals
+from scaloft_fi.stack.reference.declaration import BELIEFS
 
 
 def test_names_are_unique_and_carry_their_unit(config):
     signals = truth_signals(config.world.surfaces)
-    names = signal_names(config.world.surfaces)
+    names = signal_names(config.world.surfaces, BELIEFS)
     assert len(set(names)) == len(names)
     suffixes = {"s": "_s", "m": "_m", "m/s": "_mps", "rad": "_rad"}
     for signal in signals:
@@ -15,12 +15,10 @@ def test_names_are_unique_and_carry_their_unit(config):
 
 
 def test_truth_and_belief_are_kept_apart(config):
-    assert not set(TRUTH_NAMES) & set(PERCEIVED_NAMES)
-    assert all(signal.side is Side.TRUTH for signal in truth_signals(config.world.surfaces))
-
-
-def test_perceived_signals_are_what_the_stack_tells():
-    assert sorted(PERCEIVED_NAMES) == sorted(BELIEFS)
+    truth, beliefs = truth_signals(config.world.surfaces), belief_signals(BELIEFS)
+    assert not {signal.name for signal in truth} & {signal.name for signal in beliefs}
+    assert {signal.side for signal in truth} == {Side.TRUTH}
+    assert {signal.side for signal in beliefs} == {Side.PERCEIVED}
 
 
 def test_every_surface_has_a_clearance(config):

@@ -7,6 +7,7 @@ from scaloft_fi.judge.stl import Formula
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.signals import signal_names
 from scaloft_fi.sim.situation import Situation
+from scaloft_fi.stack.reference.declaration import BELIEFS
 
 
 def test_a_key_is_made_of_axes_and_values():
@@ -22,7 +23,7 @@ def test_the_benign_predicate_denies_all_others(config):
 
 
 def test_every_predicate_is_a_formula_over_the_log(config):
-    names = signal_names(config.world.surfaces)
+    names = signal_names(config.world.surfaces, BELIEFS)
     for axis in config.grid.axes:
         for value in axis.values:
             assert set(Formula.parse(axis.predicate(value.id), names).names) <= set(names)

@@ -9,8 +9,9 @@ import yaml
 
 from scaloft_fi.stack.camera import DepthCamera
 from scaloft_fi.stack.config import build
-from scaloft_fi.stack.messages import DepthFrame, PoseEstimate
+from scaloft_fi.stack.messages import DepthFrame
 from scaloft_fi.stack.reference.memory import MemoryConfig
+from scaloft_fi.stack.reference.messages import PoseEstimate
 from scaloft_fi.stack.reference.planner import PlannerConfig
 from scaloft_fi.stack.reference.proximity import ProximityConfig
 

@@ -15,6 +15,7 @@ from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome, Subject, Violat
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.judge.space import Space
 from scaloft_fi.sim.signals import signal_names
+from scaloft_fi.stack.reference.declaration import BELIEFS
 
 KINDS = {"SR1": Kind.SAFETY, "SR2": Kind.SAFETY, "SR2-literal": Kind.REPORTED, "OP1": Kind.OPERABILITY}
 
@@ -26,7 +27,7 @@ def key_of(point: tuple[str, ...]) -> str:
     return "".join(axis + value for axis, value in zip(AXES, point, strict=True))
 
 
-SIGNALS = signal_names(("wall", "bar", "obstacle", "person", "ground"))
+SIGNALS = signal_names(("wall", "bar", "obstacle", "person", "ground"), BELIEFS)
 
 GRID = Space(
     axes=AXES,

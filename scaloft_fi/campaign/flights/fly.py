@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from threading import Timer
@@ -18,9 +18,10 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
+    from scaloft_fi.mutants.facts import Facts
+    from scaloft_fi.sim.load import SimConfig
     from scaloft_fi.sim.log import FlightLog
     from scaloft_fi.sim.scenario import Scenario
-    from scaloft_fi.sim.sensors.imu import ImuConfig
     from scaloft_fi.stack.seam import Wire
 
 KERNELS_S = 5.0
@@ -118,24 +119,31 @@ def wire_of(study: Study, flight: Flight) -> Wire:
     from scaloft_fi.mutants.wire import contexts, wire_for
 
     scenario = study.scenario(flight.situation)
-    known = facts(scenario, study.sim.sensors.imu)
-    context = contexts(flight.subject.id, flight.situation.key, flight.seed, scenario.nominal_s, known)
-    return wire_for(flight.mutant, context)
+    context = contexts(flight.subject.id, flight.situation.key, flight.seed, facts(study.sim, scenario))
+    return wire_for(flight.mutant, study.stack, context)
 
 
-def facts(scenario: Scenario, imu: ImuConfig) -> Mapping[str, float | None]:
-    """What a fault may know of the nominal flight and of the sensor whose noise it multiplies."""
-    mission = scenario.world.mission
-    home_x, home_y = mission.home
-    return {
-        "sighting_s": scenario.sighting_s,
-        "home_x": home_x,
-        "home_y": home_y,
-        "cruise_mps": mission.cruise_mps,
-        "slow_mps": mission.slow_mps,
-        "gyro_sigma_radps": imu.rate_sigma_radps,
-        "accel_sigma_mps2": imu.force_sigma_mps2,
-    }
+def facts(sim: SimConfig, scenario: Scenario) -> Facts:
+    """What a fault may know of situation, vehicle and sensors."""
+    from scaloft_fi.mutants.facts import Facts
+
+    mission, imu, wall = scenario.world.mission, sim.sensors.imu, scenario.wall_right
+    home_x_m, home_y_m = mission.home
+    return Facts(
+        duration_s=scenario.nominal_s,
+        sighting_s=scenario.sighting_s,
+        home_x_m=home_x_m,
+        home_y_m=home_y_m,
+        cruise_mps=mission.cruise_mps,
+        slow_mps=mission.slow_mps,
+        wall_m=wall.place if wall else None,
+        inward=wall.inward if wall else Facts.inward,
+        half_width_m=0.5 * sim.vehicle.hull_m[1],
+        view_rad=sim.sensors.depth.camera.fov_rad,
+        gyro_sigma_radps=imu.rate_sigma_radps,
+        accel_sigma_mps2=imu.force_sigma_mps2,
+        settings=sim.stack.parameters,
+    )
 
 
 class Worker:

@@ -13,8 +13,6 @@ from scaloft_fi.mutants.select import select
 from scaloft_fi.study import Study
 
 MOST_SEEDS = 100_000
-STEADY_SEAMS = ("velcmd", "pose", "imu", "goal")
-"""Seams that carry samples in every situation: a control there can be asked to show itself anywhere."""
 
 
 def seeds(text: str, option: str = "--seeds") -> tuple[int, ...]:
@@ -79,7 +77,8 @@ def mutants(study: Study, patterns: Sequence[str]) -> tuple[Mutant, ...]:
 def canary(study: Study) -> Mutant | None:
     """The control that proves, wherever it is flown, that faults reach the drone; None in a study without controls."""
     controls = [mutant for mutant in defaults(study.matrix) if is_control(study, mutant)]
-    steady = sorted((m for m in controls if m.seam in STEADY_SEAMS), key=lambda m: STEADY_SEAMS.index(m.seam))
+    seams = study.stack.canaries
+    steady = sorted((m for m in controls if m.seam in seams), key=lambda m: seams.index(m.seam))
     return next(iter([*steady, *controls]), None)
 
 

@@ -1,36 +1,17 @@
-"""The operators, one module a kind of deviation; importing this package declares them all."""
+"""The operators that fit any stack, one module a kind of deviation; importing this package declares them."""
 
 from scaloft_fi.mutants.operator import OPERATORS
-from scaloft_fi.mutants.operators import event, presence, timing, value
-from scaloft_fi.mutants.reference import (
-    clock,
-    collision,
-    depth,
-    goal,
-    inertial,
-    limits,
-    mapping,
-    person,
-    pose,
-    power,
-    route,
-)
+from scaloft_fi.mutants.operators import boxes, clock, event, image, inertial, power, presence, timing, value
 
 __all__ = [
     "OPERATORS",
+    "boxes",
     "clock",
-    "collision",
-    "depth",
     "event",
-    "goal",
+    "image",
     "inertial",
-    "limits",
-    "mapping",
-    "person",
-    "pose",
     "power",
     "presence",
-    "route",
     "timing",
     "value",
 ]

@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from scaloft_fi.mutants.argument import Component, Hold, Number, NumericField, Period, Seconds
+from scaloft_fi.mutants.need import NUMBERS
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
 from scaloft_fi.mutants.sample import altered, within
 from scaloft_fi.mutants.window import Windows
 from scaloft_fi.stack.messages import Exposure, Imu, Stamps
+from scaloft_fi.stack.seam import STEP_HZ
 
 _EXPOSURE = Exposure(1.0, 2.0, 0.0)
 _REST = Imu(0.0, np.array([0.1, -0.2, 0.3]), np.array([0.0, 0.0, 9.81]))
@@ -16,8 +18,9 @@ _REST = Imu(0.0, np.array([0.1, -0.2, 0.3]), np.array([0.0, 0.0, 9.81]))
 
 @operator(
     "pulse",
+    need=NUMBERS,
     example=Example(
-        "exposure",
+        Exposure,
         {"field": "ev", "amount": 4.0, "hold_s": 0.05, "period_s": 0.1},
         (_EXPOSURE,) * 4,
         (_EXPOSURE, _EXPOSURE, _EXPOSURE._replace(ev=5.0), _EXPOSURE),
@@ -43,11 +46,13 @@ def pulse(
 
 @operator(
     "blank",
+    need=NUMBERS,
     example=Example(
-        "imu",
+        Imu,
         {"field": "rate", "hold_s": 1 / 240, "period_s": 1 / 120},
         (_REST,) * 3,
         (_REST, _REST, _REST._replace(rate=np.zeros(3))),
+        rate_hz=STEP_HZ,
     ),
 )
 def blank(
@@ -65,8 +70,9 @@ def blank(
 
 @operator(
     "jump",
+    need=NUMBERS,
     example=Example(
-        "stamps",
+        Stamps,
         {"field": "all", "amount": -1.0, "at_s": 0.05},
         (Stamps(10.0, 10.0, 9.9), Stamps(10.1, 10.1, 10.0)),
         (Stamps(10.0, 10.0, 9.9), Stamps(9.1, 9.1, 9.0)),

@@ -8,7 +8,6 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from scaloft_fi.hazop.cell import Value
 from scaloft_fi.mutants.argument import (
     ALL,
     AnyField,
@@ -19,10 +18,13 @@ from scaloft_fi.mutants.argument import (
     Number,
     NumericField,
     Range,
+    ValueOfField,
 )
+from scaloft_fi.mutants.need import NUMBERS
 from scaloft_fi.mutants.operator import Example, Samples, Tap, TapContext, operator
 from scaloft_fi.mutants.sample import altered, on_each
-from scaloft_fi.stack.messages import CollisionFlag, Metering, SpeedLimit, VelocityCommand
+from scaloft_fi.stack.messages import Metering
+from scaloft_fi.stack.reference.messages import CollisionFlag, SpeedLimit, VelocityCommand
 
 _FORWARD = VelocityCommand(0.0, np.array([0.1, 0.5, -0.2]), 1.5)
 
@@ -33,7 +35,10 @@ def _forward(x: float, y: float, z: float) -> VelocityCommand:
 
 @operator(
     "scale",
-    example=Example("velcmd", {"field": "velocity", "factor": 2.0}, (None, _FORWARD), (None, _forward(0.2, 1.0, -0.4))),
+    need=NUMBERS,
+    example=Example(
+        VelocityCommand, {"field": "velocity", "factor": 2.0}, (None, _FORWARD), (None, _forward(0.2, 1.0, -0.4))
+    ),
 )
 def scale(_context: TapContext, *, field: NumericField, factor: Factor) -> Tap:
     """Multiply `field` by `factor`: a wrong gain, a wrong unit."""
@@ -43,13 +48,13 @@ def scale(_context: TapContext, *, field: NumericField, factor: Factor) -> Tap:
 @operator(
     "set",
     example=Example(
-        "speedlimit",
+        SpeedLimit,
         {"field": "norm", "value": "per_axis"},
         (SpeedLimit(0.0, 0.5, "euclidean"), None),
         (SpeedLimit(0.0, 0.5, "per_axis"), None),
     ),
 )
-def set_field(_context: TapContext, *, field: AnyField, value: Value) -> Tap:
+def set_field(_context: TapContext, *, field: AnyField, value: ValueOfField) -> Tap:
     """Replace `field` by `value`, in the field's own unit: a wrong or forgotten setting."""
     if field == ALL:
         return on_each(lambda sample: altered(sample, field, lambda _v: value))
@@ -58,8 +63,9 @@ def set_field(_context: TapContext, *, field: AnyField, value: Value) -> Tap:
 
 @operator(
     "bias",
+    need=NUMBERS,
     example=Example(
-        "velcmd",
+        VelocityCommand,
         {"field": "velocity", "amount": 0.1, "component": "x"},
         (_FORWARD, None),
         (_forward(0.2, 0.5, -0.2), None),
@@ -93,7 +99,8 @@ def _all_entries_differ(before: Samples, after: Samples) -> bool:
 
 @operator(
     "noise",
-    example=Example("velcmd", {"field": "velocity", "sigma": 0.1}, (_FORWARD, _FORWARD), _all_entries_differ),
+    need=NUMBERS,
+    example=Example(VelocityCommand, {"field": "velocity", "sigma": 0.1}, (_FORWARD, _FORWARD), _all_entries_differ),
 )
 def noise(
     context: TapContext,
@@ -108,7 +115,8 @@ def noise(
 
 @operator(
     "negate",
-    example=Example("metering", {"field": "error_ev"}, (Metering(0.0, 1.5), None), (Metering(0.0, -1.5), None)),
+    need=NUMBERS,
+    example=Example(Metering, {"field": "error_ev"}, (Metering(0.0, 1.5), None), (Metering(0.0, -1.5), None)),
 )
 def negate(_context: TapContext, *, field: NumericField, component: Component = "") -> Tap:
     """Turn the sign of `field`, or of one component of it: an inverted loop, a frame taken for its mirror image."""
@@ -117,8 +125,9 @@ def negate(_context: TapContext, *, field: NumericField, component: Component = 
 
 @operator(
     "turn",
+    need=NUMBERS,
     example=Example(
-        "collision",
+        CollisionFlag,
         {"field": "bearing_rad", "angle_deg": 180.0},
         (None, CollisionFlag(0.05, 0.5 * math.pi)),
         (None, CollisionFlag(0.05, -0.5 * math.pi)),
@@ -135,8 +144,9 @@ def turn(_context: TapContext, *, field: NumericField, angle_deg: Degrees) -> Ta
 
 @operator(
     "zero_component",
+    need=NUMBERS,
     example=Example(
-        "velcmd", {"field": "velocity", "component": "y"}, (_FORWARD, None), (_forward(0.1, 0.0, -0.2), None)
+        VelocityCommand, {"field": "velocity", "component": "y"}, (_FORWARD, None), (_forward(0.1, 0.0, -0.2), None)
     ),
 )
 def zero_component(_context: TapContext, *, field: NumericField, component: Axis) -> Tap:

@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 
 from scaloft_fi.mutants.argument import Degrees, Hold, Period, Seconds, Share
+from scaloft_fi.mutants.need import the
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
 from scaloft_fi.mutants.sample import on_each
 from scaloft_fi.mutants.window import Windows
-from scaloft_fi.stack.messages import Bumper, CollisionFlag, Proximity
+from scaloft_fi.stack.messages import Bumper
+from scaloft_fi.stack.reference.messages import CollisionFlag, Proximity
 
 _FLAG = CollisionFlag(0.0, 0.2)
 _SECTORS = Proximity(
@@ -21,9 +23,9 @@ _SECTORS = Proximity(
 
 @operator(
     "gear_as_hull",
-    seams=("bumper",),
+    need=the(Bumper),
     example=Example(
-        "bumper",
+        Bumper,
         {},
         (Bumper(0.0, hull=False, gear=True), Bumper(0.05, hull=False, gear=False), None),
         (Bumper(0.0, hull=True, gear=True), Bumper(0.05, hull=False, gear=False), None),
@@ -36,9 +38,9 @@ def gear_as_hull(_context: TapContext) -> Tap:
 
 @operator(
     "watch",
-    seams=("proximity",),
+    need=the(Proximity),
     example=Example(
-        "proximity",
+        Proximity,
         {"share": 0.5},
         (_SECTORS, None),
         (_SECTORS._replace(watched=np.array([True, True, False, False])), None),
@@ -56,8 +58,8 @@ def watch(_context: TapContext, *, share: Share) -> Tap:
 
 @operator(
     "invert_flag",
-    seams=("collision",),
-    example=Example("collision", {}, (None, _FLAG), (CollisionFlag(0.0, 0.0), None)),
+    need=the(CollisionFlag),
+    example=Example(CollisionFlag, {}, (None, _FLAG), (CollisionFlag(0.0, 0.0), None)),
 )
 def invert_flag(_context: TapContext, *, bearing_deg: Degrees = 0.0) -> Tap:
     """Raise the flag at `bearing_deg` [deg, left positive] while it is not raised, and hide it while it is.
@@ -70,9 +72,9 @@ def invert_flag(_context: TapContext, *, bearing_deg: Degrees = 0.0) -> Tap:
 
 @operator(
     "false_flag",
-    seams=("collision",),
+    need=the(CollisionFlag),
     example=Example(
-        "collision",
+        CollisionFlag,
         {"hold_s": 0.05, "period_s": 0.1, "bearing_deg": 180.0},
         (None, None, None, _FLAG),
         (None, None, CollisionFlag(0.1, math.pi), _FLAG),

@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from scaloft_fi.mutants.argument import Axis, Period, Place, Seconds
+from scaloft_fi.mutants.need import the
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
 from scaloft_fi.mutants.sample import AtEach, altered, on_each
 from scaloft_fi.mutants.window import TOLERANCE_S, Windows
-from scaloft_fi.stack.messages import GoalCheck
+from scaloft_fi.stack.reference.messages import GoalCheck
 
-GOAL = ("goal",)
 _FAR = GoalCheck(0, (0.0, 2.0, 0.0), (1.0, 1.0, 0.0), 0.15, 0.5)
 _THERE = GoalCheck(0, (0.0, 0.1, 0.0), (1.0, 1.0, 0.0), 0.15, 0.5)
 
@@ -22,8 +22,10 @@ def _says(check: GoalCheck, *, verdict: bool) -> GoalCheck:
 
 @operator(
     "never_reached",
-    seams=GOAL,
-    example=Example("goal", {}, (_FAR, None, _THERE), (_says(_FAR, verdict=False), None, _says(_THERE, verdict=False))),
+    need=the(GoalCheck),
+    example=Example(
+        GoalCheck, {}, (_FAR, None, _THERE), (_says(_FAR, verdict=False), None, _says(_THERE, verdict=False))
+    ),
 )
 def never_reached(_context: TapContext) -> Tap:
     """Never declare a waypoint reached: the check is not called, or its threshold is 0."""
@@ -32,8 +34,10 @@ def never_reached(_context: TapContext) -> Tap:
 
 @operator(
     "invert_reached",
-    seams=GOAL,
-    example=Example("goal", {}, (_FAR, None, _THERE), (_says(_FAR, verdict=True), None, _says(_THERE, verdict=False))),
+    need=the(GoalCheck),
+    example=Example(
+        GoalCheck, {}, (_FAR, None, _THERE), (_says(_FAR, verdict=True), None, _says(_THERE, verdict=False))
+    ),
 )
 def invert_reached(_context: TapContext) -> Tap:
     """Declare a waypoint reached exactly while it is not: an inverted comparison."""
@@ -42,8 +46,8 @@ def invert_reached(_context: TapContext) -> Tap:
 
 @operator(
     "ignore_axis",
-    seams=GOAL,
-    example=Example("goal", {"axis": "y"}, (_FAR, None), (_FAR._replace(axes=(1.0, 0.0, 0.0)), None)),
+    need=the(GoalCheck),
+    example=Example(GoalCheck, {"axis": "y"}, (_FAR, None), (_FAR._replace(axes=(1.0, 0.0, 0.0)), None)),
 )
 def ignore_axis(_context: TapContext, *, axis: Axis) -> Tap:
     """Leave one axis (x, y, z of the world) out of the distance to the waypoint."""
@@ -66,9 +70,9 @@ class _Dwell:
 
 @operator(
     "dwell",
-    seams=GOAL,
+    need=the(GoalCheck),
     example=Example(
-        "goal",
+        GoalCheck,
         {"dwell_s": 0.1},
         (_FAR, _THERE, _FAR, _FAR),
         (_FAR, _says(_THERE, verdict=False), _says(_FAR, verdict=False), _says(_FAR, verdict=True)),
@@ -84,9 +88,9 @@ def dwell(_context: TapContext, *, dwell_s: Seconds) -> Tap:
 
 @operator(
     "skip",
-    seams=GOAL,
+    need=the(GoalCheck),
     example=Example(
-        "goal", {"index": 0}, (_FAR, _FAR._replace(leg=1)), (_says(_FAR, verdict=True), _FAR._replace(leg=1))
+        GoalCheck, {"index": 0}, (_FAR, _FAR._replace(leg=1)), (_says(_FAR, verdict=True), _FAR._replace(leg=1))
     ),
 )
 def skip(_context: TapContext, *, index: Place) -> Tap:
@@ -99,8 +103,8 @@ def skip(_context: TapContext, *, index: Place) -> Tap:
 
 @operator(
     "early_reached",
-    seams=GOAL,
-    example=Example("goal", {"lead_s": 4.0}, (_FAR, None), (_FAR._replace(radius_m=2.15), None)),
+    need=the(GoalCheck),
+    example=Example(GoalCheck, {"lead_s": 4.0}, (_FAR, None), (_FAR._replace(radius_m=2.15), None)),
 )
 def early_reached(_context: TapContext, *, lead_s: Seconds) -> Tap:
     """Declare each waypoint reached `lead_s` [s] before it will be at the present closing speed.
@@ -112,9 +116,12 @@ def early_reached(_context: TapContext, *, lead_s: Seconds) -> Tap:
 
 @operator(
     "spurious_reached",
-    seams=GOAL,
+    need=the(GoalCheck),
     example=Example(
-        "goal", {"period_s": 0.1}, (_FAR, _FAR, _FAR, _FAR, None), (_FAR, _FAR, _says(_FAR, verdict=True), _FAR, None)
+        GoalCheck,
+        {"period_s": 0.1},
+        (_FAR, _FAR, _FAR, _FAR, None),
+        (_FAR, _FAR, _says(_FAR, verdict=True), _FAR, None),
     ),
 )
 def spurious_reached(_context: TapContext, *, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:

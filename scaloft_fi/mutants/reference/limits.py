@@ -8,17 +8,17 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any
 
 from scaloft_fi.mutants.argument import Period, Range, Seconds
+from scaloft_fi.mutants.need import the
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
 from scaloft_fi.mutants.sample import on_each
 from scaloft_fi.mutants.window import TOLERANCE_S, Windows
-from scaloft_fi.stack.messages import SpeedLimit
+from scaloft_fi.stack.reference.messages import SpeedLimit
 
-LIMIT = ("speedlimit",)
 Speed = Annotated[float, Range(above=0.0, most=100.0)]
 
 
 def _cruise(context: TapContext) -> float:
-    return context.fact("cruise_mps", 0.5)
+    return context.facts.cruise_mps
 
 
 def _fast(t_s: float = 0.0) -> SpeedLimit:
@@ -30,7 +30,9 @@ def _slow(t_s: float = 0.0, limit_mps: float = 0.2) -> SpeedLimit:
 
 
 @operator(
-    "drop_reductions", seams=LIMIT, example=Example("speedlimit", {}, (_fast(), _slow(), None), (_fast(), None, None))
+    "drop_reductions",
+    need=the(SpeedLimit),
+    example=Example(SpeedLimit, {}, (_fast(), _slow(), None), (_fast(), None, None)),
 )
 def drop_reductions(context: TapContext) -> Tap:
     """Lose every reduction: the cruise limit stays in force."""
@@ -40,8 +42,8 @@ def drop_reductions(context: TapContext) -> Tap:
 
 @operator(
     "slow_limit",
-    seams=LIMIT,
-    example=Example("speedlimit", {"limit_mps": 0.3}, (_fast(), _slow(), None), (_fast(), _slow(limit_mps=0.3), None)),
+    need=the(SpeedLimit),
+    example=Example(SpeedLimit, {"limit_mps": 0.3}, (_fast(), _slow(), None), (_fast(), _slow(limit_mps=0.3), None)),
 )
 def slow_limit(context: TapContext, *, limit_mps: Speed) -> Tap:
     """Reduce to `limit_mps` [m/s] instead: a wrong constant."""
@@ -50,11 +52,13 @@ def slow_limit(context: TapContext, *, limit_mps: Speed) -> Tap:
 
 
 @operator(
-    "swap_limits", seams=LIMIT, example=Example("speedlimit", {}, (_fast(), _slow(), None), (_slow(), _fast(), None))
+    "swap_limits",
+    need=the(SpeedLimit),
+    example=Example(SpeedLimit, {}, (_fast(), _slow(), None), (_slow(), _fast(), None)),
 )
 def swap_limits(context: TapContext) -> Tap:
     """Publish the slow limit for the cruise limit, and the cruise limit for a reduction: an inverted condition."""
-    cruise_mps, slow_mps = _cruise(context), context.fact("slow_mps", 0.2)
+    cruise_mps, slow_mps = _cruise(context), context.facts.slow_mps
     return on_each(lambda limit: limit._replace(limit_mps=cruise_mps if limit.limit_mps < cruise_mps else slow_mps))
 
 
@@ -78,9 +82,9 @@ class _Republish:
 
 @operator(
     "republish",
-    seams=LIMIT,
+    need=the(SpeedLimit),
     example=Example(
-        "speedlimit",
+        SpeedLimit,
         {"after_s": 0.1},
         (_slow(), _slow(0.05), None, None, None),
         (_slow(), _slow(0.05), None, _fast(0.15), None),
@@ -116,9 +120,9 @@ class _Release:
 
 @operator(
     "release",
-    seams=LIMIT,
+    need=the(SpeedLimit),
     example=Example(
-        "speedlimit",
+        SpeedLimit,
         {"after_s": 0.1},
         (_slow(), _slow(0.05), None, _slow(0.15), None),
         (_slow(), _slow(0.05), _fast(0.1), None, None),
@@ -154,9 +158,9 @@ class _LateRelease:
 
 @operator(
     "late_release",
-    seams=LIMIT,
+    need=the(SpeedLimit),
     example=Example(
-        "speedlimit",
+        SpeedLimit,
         {"delay_s": 0.1},
         (_fast(), _slow(), _fast(0.1), None, None),
         (_fast(), _slow(), None, None, _fast(0.1)),
@@ -169,8 +173,8 @@ def late_release(context: TapContext, *, delay_s: Seconds) -> Tap:
 
 @operator(
     "reset_limit",
-    seams=LIMIT,
-    example=Example("speedlimit", {"period_s": 0.1}, (_slow(), None, None, None), (_slow(), None, _fast(0.1), None)),
+    need=the(SpeedLimit),
+    example=Example(SpeedLimit, {"period_s": 0.1}, (_slow(), None, None, None), (_slow(), None, _fast(0.1), None)),
 )
 def reset_limit(context: TapContext, *, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
     """Publish the cruise limit without cause once each `period_s` [s].

@@ -7,12 +7,14 @@ import math
 import numpy as np
 
 from scaloft_fi.mutants.argument import Degrees, Metres, Period, Seconds, Share
+from scaloft_fi.mutants.facts import Facts
+from scaloft_fi.mutants.need import the
 from scaloft_fi.mutants.operator import Example, Samples, Tap, TapContext, operator
 from scaloft_fi.mutants.sample import AtEach, on_each
 from scaloft_fi.mutants.window import Windows
-from scaloft_fi.stack.messages import Array, Clearing, ObstacleMap
+from scaloft_fi.stack.fields import Array
+from scaloft_fi.stack.reference.messages import Clearing, ObstacleMap
 
-MAP, CLEARING = ("map",), ("clearing",)
 _HERE = np.array([0.0, 0.0, 1.5])
 
 
@@ -24,7 +26,9 @@ def _clearing(*forget: int) -> Clearing:
     return Clearing(0.0, np.array(forget, dtype=np.int64), np.array([3, 5, 8], dtype=np.int64))
 
 
-@operator("empty_map", seams=MAP, example=Example("map", {}, (_map((1.0, 0.0, 1.5)), None), (_map(), None)))
+@operator(
+    "empty_map", need=the(ObstacleMap), example=Example(ObstacleMap, {}, (_map((1.0, 0.0, 1.5)), None), (_map(), None))
+)
 def empty_map(_context: TapContext) -> Tap:
     """Tell the planner of no obstacle at all: the map's topic is not connected."""
     return on_each(lambda told: told._replace(points=told.points[:0].copy()))
@@ -32,17 +36,17 @@ def empty_map(_context: TapContext) -> Tap:
 
 @operator(
     "lose_points",
-    seams=MAP,
+    need=the(ObstacleMap),
     example=Example(
-        "map", {"share": 0.25}, (_map((0.0, 1.0, 1.5), (1.0, 0.0, 1.5)), None), (_map((1.0, 0.0, 1.5)), None)
+        ObstacleMap, {"share": 0.25}, (_map((0.0, 1.0, 1.5), (1.0, 0.0, 1.5)), None), (_map((1.0, 0.0, 1.5)), None)
     ),
 )
-def lose_points(_context: TapContext, *, share: Share, bearing_deg: Degrees = 90.0) -> Tap:
+def lose_points(context: TapContext, *, share: Share) -> Tap:
     """Lose the points in a sector of `share` (0..1) of all directions from the vehicle: a tile that is not loaded.
 
-    `bearing_deg` [deg from x, world] is the sector's middle; the default is +y, along the corridor.
+    The sector's middle is the direction of the first leg.
     """
-    half_rad, centre_rad = math.pi * share, math.radians(bearing_deg)
+    half_rad, centre_rad = math.pi * share, context.facts.bearing_rad
 
     def partial(told: ObstacleMap) -> ObstacleMap:
         away = told.points - told.origin
@@ -75,21 +79,28 @@ def _swaps_free_and_occupied(before: Samples, after: Samples) -> bool:
 
 @operator(
     "invert_map",
-    seams=MAP,
-    example=Example("map", {}, (_map((0.375, 0.075, 1.575), (0.375, 0.225, 1.575)), None), _swaps_free_and_occupied),
+    need=the(ObstacleMap),
+    example=Example(
+        ObstacleMap,
+        {},
+        (_map((0.375, 0.075, 1.575), (0.375, 0.225, 1.575)), None),
+        _swaps_free_and_occupied,
+        Facts(settings={"memory": {"voxel_m": 0.15}}),
+    ),
 )
-def invert_map(_context: TapContext, *, cell_m: Metres = 0.15, radius_m: Metres = 1.5) -> Tap:
+def invert_map(context: TapContext, *, radius_m: Metres = 1.5) -> Tap:
     """Tell the planner of the free cells around the vehicle as if they were the occupied ones: inverted polarity.
 
-    Cells of edge `cell_m` [m] within `radius_m` [m], and one layer up and down.
+    Cells of the memory's edge within `radius_m` [m], and one layer up and down.
     """
+    cell_m = context.facts.settings["memory"]["voxel_m"]
     return on_each(lambda told: told._replace(points=_free_cells(told.points, told.origin, cell_m, radius_m)))
 
 
 @operator(
     "shift_map",
-    seams=MAP,
-    example=Example("map", {"distance_m": 0.5}, (_map((1.0, 2.0, 1.5)), None), (_map((1.5, 2.0, 1.5)), None)),
+    need=the(ObstacleMap),
+    example=Example(ObstacleMap, {"distance_m": 0.5}, (_map((1.0, 2.0, 1.5)), None), (_map((1.5, 2.0, 1.5)), None)),
 )
 def shift_map(_context: TapContext, *, distance_m: Metres, bearing_deg: Degrees = 0.0) -> Tap:
     """Shift the map against the world by `distance_m` [m] towards `bearing_deg` [deg from x, world].
@@ -103,8 +114,8 @@ def shift_map(_context: TapContext, *, distance_m: Metres, bearing_deg: Degrees 
 
 @operator(
     "rotate_map",
-    seams=MAP,
-    example=Example("map", {"angle_deg": 90.0}, (_map((1.0, 2.0, 1.5)), None), (_map((-2.0, 1.0, 1.5)), None)),
+    need=the(ObstacleMap),
+    example=Example(ObstacleMap, {"angle_deg": 90.0}, (_map((1.0, 2.0, 1.5)), None), (_map((-2.0, 1.0, 1.5)), None)),
 )
 def rotate_map(_context: TapContext, *, angle_deg: Degrees) -> Tap:
     """Rotate the map about the world's origin by `angle_deg` [deg, left positive].
@@ -116,7 +127,9 @@ def rotate_map(_context: TapContext, *, angle_deg: Degrees) -> Tap:
     return on_each(lambda told: told._replace(points=told.points @ turn))
 
 
-@operator("never_clear", seams=CLEARING, example=Example("clearing", {}, (_clearing(3, 5), None), (_clearing(), None)))
+@operator(
+    "never_clear", need=the(Clearing), example=Example(Clearing, {}, (_clearing(3, 5), None), (_clearing(), None))
+)
 def never_clear(_context: TapContext) -> Tap:
     """Forget no cell: neither age nor seeing through a cell removes an obstacle."""
     return on_each(lambda clearing: clearing._replace(forget=clearing.forget[:0].copy()))
@@ -124,9 +137,9 @@ def never_clear(_context: TapContext) -> Tap:
 
 @operator(
     "clear_all",
-    seams=CLEARING,
+    need=the(Clearing),
     example=Example(
-        "clearing",
+        Clearing,
         {"period_s": 0.1},
         (_clearing(3), _clearing(), _clearing(5)),
         (_clearing(3), _clearing(), _clearing(3, 5, 8)),

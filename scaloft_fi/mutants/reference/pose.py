@@ -9,11 +9,11 @@ from typing import Any, Literal
 import numpy as np
 
 from scaloft_fi.mutants.argument import Seconds
+from scaloft_fi.mutants.need import the
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
 from scaloft_fi.mutants.window import TOLERANCE_S
-from scaloft_fi.stack.messages import Array, PoseEstimate
-
-POSE = ("pose",)
+from scaloft_fi.stack.fields import Array
+from scaloft_fi.stack.reference.messages import PoseEstimate
 
 
 def _pose(x: float, y: float, yaw_rad: float = 0.0) -> PoseEstimate:
@@ -48,9 +48,9 @@ class _Hold:
 
 @operator(
     "hold_component",
-    seams=POSE,
+    need=the(PoseEstimate),
     example=Example(
-        "pose",
+        PoseEstimate,
         {"component": "yaw"},
         (_pose(0.0, 0.0, 1.5), None, _pose(0.0, 1.0, 0.5)),
         (_pose(0.0, 0.0, 1.5), None, _pose(0.0, 1.0, 1.5)),
@@ -79,9 +79,9 @@ class _ResetOrigin:
 
 @operator(
     "reset_origin",
-    seams=POSE,
+    need=the(PoseEstimate),
     example=Example(
-        "pose",
+        PoseEstimate,
         {"at_s": 0.05},
         (_pose(1.0, 2.0), _pose(1.0, 3.0), _pose(1.0, 4.0)),
         (_pose(1.0, 2.0), _pose(0.0, 0.0), _pose(0.0, 1.0)),

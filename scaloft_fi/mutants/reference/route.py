@@ -7,13 +7,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from scaloft_fi.mutants.argument import Metres, Number, Place, Seconds
+from scaloft_fi.mutants.argument import Metres, Place, Seconds
+from scaloft_fi.mutants.need import the
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
 from scaloft_fi.mutants.sample import on_each
 from scaloft_fi.mutants.window import TOLERANCE_S
-from scaloft_fi.stack.messages import Point, Route, Target
+from scaloft_fi.stack.fields import Point
+from scaloft_fi.stack.reference.messages import Route, Target
 
-ROUTE, TARGET = ("route",), ("target",)
 Points = tuple[Point, ...]
 
 _UP, _OVER, _HOME = (0.0, 7.0, 1.65), (-3.0, 8.0, 1.65), (0.0, 0.0, 1.65)
@@ -26,15 +27,13 @@ def _rerouted(change: Callable[[Points], Points]) -> Tap:
 
 
 def _home(context: TapContext) -> tuple[float, float]:
-    return context.fact("home_x", 0.0), context.fact("home_y", 0.0)
+    return context.facts.home_x_m, context.facts.home_y_m
 
 
 @operator(
     "extend",
-    seams=ROUTE,
-    example=Example(
-        "route", {"distance_m": 1.0}, (Route((_UP, _HOME)), None), (Route(((0.0, 8.0, 1.65), _HOME)), None)
-    ),
+    need=the(Route),
+    example=Example(Route, {"distance_m": 1.0}, (Route((_UP, _HOME)), None), (Route(((0.0, 8.0, 1.65), _HOME)), None)),
 )
 def extend(context: TapContext, *, distance_m: Metres) -> Tap:
     """Move every waypoint but home `distance_m` [m] farther from home: a survey with a wrong datum."""
@@ -52,9 +51,9 @@ def extend(context: TapContext, *, distance_m: Metres) -> Tap:
 
 @operator(
     "lower",
-    seams=ROUTE,
+    need=the(Route),
     example=Example(
-        "route", {"distance_m": 0.65}, (Route((_UP, _HOME)), None), (Route(((0.0, 7.0, 1.0), (0.0, 0.0, 1.0))), None)
+        Route, {"distance_m": 0.65}, (Route((_UP, _HOME)), None), (Route(((0.0, 7.0, 1.0), (0.0, 0.0, 1.0))), None)
     ),
 )
 def lower(_context: TapContext, *, distance_m: Metres) -> Tap:
@@ -64,38 +63,37 @@ def lower(_context: TapContext, *, distance_m: Metres) -> Tap:
 
 @operator(
     "insert_near_wall",
-    seams=ROUTE,
+    need=the(Route),
     example=Example(
-        "route",
+        Route,
         {"clearance_m": 0.25},
         (Route((_UP, _HOME)), None),
         (Route(((1.015, 3.5, 1.65), _UP, _HOME)), None),
     ),
 )
-def insert_near_wall(
-    context: TapContext,
-    *,
-    clearance_m: Metres,
-    wall_x_m: Number = 1.5,
-    half_width_m: Metres = 0.235,
-) -> Tap:
-    """Insert a waypoint halfway to the first one, where the hull is `clearance_m` [m] off the wall at `wall_x_m` [m].
+def insert_near_wall(context: TapContext, *, clearance_m: Metres) -> Tap:
+    """Insert a waypoint halfway to the first one, where the hull is `clearance_m` [m] off the wall on the right.
 
-    A leftover of an older plan, a point added by hand.  `half_width_m` [m] is half the hull's width.
+    A leftover of an older plan, a point added by hand.
     """
+    facts = context.facts
     x0, y0 = _home(context)
 
     def inserted(points: Points) -> Points:
         for place, point in enumerate(points):
-            if math.hypot(point[0] - x0, point[1] - y0) >= _NEAR_HOME_M:
-                extra = (wall_x_m - half_width_m - clearance_m, (y0 + point[1]) / 2, point[2])
+            if facts.wall_m and math.hypot(point[0] - x0, point[1] - y0) >= _NEAR_HOME_M:
+                (x, y), (nx, ny) = facts.wall_m, facts.inward
+                x, y = x + nx * facts.half_width_m, y + ny * facts.half_width_m
+                extra = (x + nx * clearance_m, y + ny * clearance_m, point[2])
                 return (*points[:place], extra, *points[place:])
         return points
 
     return _rerouted(inserted)
 
 
-@operator("omit", seams=ROUTE, example=Example("route", {"index": 1}, (_PLAN, None), (Route((_UP, _UP, _HOME)), None)))
+@operator(
+    "omit", need=the(Route), example=Example(Route, {"index": 1}, (_PLAN, None), (Route((_UP, _UP, _HOME)), None))
+)
 def omit(_context: TapContext, *, index: Place) -> Tap:
     """Leave out the waypoint at place `index` (from 0), where the route has one.
 
@@ -105,7 +103,7 @@ def omit(_context: TapContext, *, index: Place) -> Tap:
 
 
 @operator(
-    "reverse_route", seams=ROUTE, example=Example("route", {}, (_PLAN, None), (Route((_HOME, _UP, _OVER, _UP)), None))
+    "reverse_route", need=the(Route), example=Example(Route, {}, (_PLAN, None), (Route((_HOME, _UP, _OVER, _UP)), None))
 )
 def reverse_route(_context: TapContext) -> Tap:
     """Hand over the waypoints in reverse order."""
@@ -114,8 +112,8 @@ def reverse_route(_context: TapContext) -> Tap:
 
 @operator(
     "swap_axes",
-    seams=ROUTE,
-    example=Example("route", {}, (Route((_UP, _HOME)), None), (Route(((7.0, 0.0, 1.65), _HOME)), None)),
+    need=the(Route),
+    example=Example(Route, {}, (Route((_UP, _HOME)), None), (Route(((7.0, 0.0, 1.65), _HOME)), None)),
 )
 def swap_axes(_context: TapContext) -> Tap:
     """Swap x and y of every waypoint: north-east taken for east-north."""
@@ -124,8 +122,8 @@ def swap_axes(_context: TapContext) -> Tap:
 
 @operator(
     "swap_waypoints",
-    seams=ROUTE,
-    example=Example("route", {"first": 0, "second": 1}, (_PLAN, None), (Route((_OVER, _UP, _UP, _HOME)), None)),
+    need=the(Route),
+    example=Example(Route, {"first": 0, "second": 1}, (_PLAN, None), (Route((_OVER, _UP, _UP, _HOME)), None)),
 )
 def swap_waypoints(_context: TapContext, *, first: Place = 0, second: Place = 1) -> Tap:
     """Swap the waypoints at places `first` and `second` (from 0), where the route has both: packets out of order."""
@@ -159,9 +157,9 @@ class _Withhold:
 
 @operator(
     "withhold",
-    seams=TARGET,
+    need=the(Target),
     example=Example(
-        "target",
+        Target,
         {"delay_s": 0.1},
         (Target(0, _UP), Target(1, _OVER), Target(1, _OVER), None, Target(1, _OVER)),
         (Target(0, _UP), Target(0, _UP), Target(0, _UP), None, Target(1, _OVER)),
@@ -177,9 +175,9 @@ def withhold(_context: TapContext, *, delay_s: Seconds) -> Tap:
 
 @operator(
     "divert_home",
-    seams=TARGET,
+    need=the(Target),
     example=Example(
-        "target", {"at_s": 0.05}, (Target(0, _UP), Target(0, _UP), None), (Target(0, _UP), Target(0, _HOME), None)
+        Target, {"at_s": 0.05}, (Target(0, _UP), Target(0, _UP), None), (Target(0, _UP), Target(0, _HOME), None)
     ),
 )
 def divert_home(context: TapContext, *, at_s: Seconds = 20.0, phase_s: Seconds = 0.0) -> Tap:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from scaloft_fi.stack.messages import Battery, Failsafe
+from scaloft_fi.stack.messages import Battery
+from scaloft_fi.stack.reference.messages import Failsafe
 
 
 @dataclass(frozen=True)

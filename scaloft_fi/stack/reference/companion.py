@@ -11,23 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaloft_fi.stack.messages import (
-    Array,
-    Bumper,
-    DepthFrame,
-    Exposure,
-    PoseEstimate,
-    Proximity,
-    Route,
-    SensorFrames,
-    SpeedLimit,
-    Target,
-    VelocityCommand,
-)
+from scaloft_fi.stack.fields import Array
+from scaloft_fi.stack.messages import Bumper, DepthFrame, Exposure, SensorFrames
 from scaloft_fi.stack.reference.battery_monitor import BatteryMonitor
+from scaloft_fi.stack.reference.declaration import NOBODY_M
 from scaloft_fi.stack.reference.exposure import ExposureControl
 from scaloft_fi.stack.reference.flight_control import FlightControl
 from scaloft_fi.stack.reference.memory import ObstacleMemory
+from scaloft_fi.stack.reference.messages import PoseEstimate, Proximity, Route, SpeedLimit, Target, VelocityCommand
 from scaloft_fi.stack.reference.mission import Mission
 from scaloft_fi.stack.reference.planner import Plan, Planner, shape_velocity
 from scaloft_fi.stack.reference.pose_buffer import PoseBuffer
@@ -228,7 +219,7 @@ class Companion:
         command = (0.0, 0.0, 0.0, 0.0) if order is None else (*order.velocity.tolist(), order.yaw_rad)
         return (
             float(told),
-            self.told_range_m if told else 100.0,
+            self.told_range_m if told else NOBODY_M,
             self.limit.limit_mps,
             float(self.flagged),
             float(self.stages.mission.index),

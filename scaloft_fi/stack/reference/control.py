@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.kernel import jit
-from scaloft_fi.stack.messages import Array
 from scaloft_fi.stack.reference.strapdown import GRAVITY_MPS2
 
 VELOCITY_MODE, HOLD_MODE, LAND_MODE, LEVEL_MODE = 0, 1, 2, 3

@@ -13,8 +13,8 @@ import numpy as np
 from numba import types
 from numba.extending import intrinsic
 
+from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.kernel import jit
-from scaloft_fi.stack.messages import Array
 
 SIZE = 15
 """Parts of the error: position, velocity, attitude, rate bias, force bias, three each."""

@@ -12,8 +12,8 @@ import numpy as np
 from filterpy.kalman import KalmanFilter
 from scipy.linalg.lapack import dgesv
 
+from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.kernel import jit
-from scaloft_fi.stack.messages import Array
 from scaloft_fi.stack.reference.covariance import MEASURED, SIZE, carried, corrected, innovation
 
 TICK_S = 0.05

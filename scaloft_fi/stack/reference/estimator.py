@@ -11,9 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaloft_fi.stack.messages import Array, Fix, Imu, PoseEstimate
+from scaloft_fi.stack.fields import Array
+from scaloft_fi.stack.messages import Fix, Imu
 from scaloft_fi.stack.reference.error_state import error_filter, plausible, transition
 from scaloft_fi.stack.reference.history import History
+from scaloft_fi.stack.reference.messages import PoseEstimate
 from scaloft_fi.stack.reference.strapdown import (
     ATTITUDE,
     NUMBERS,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaloft_fi.stack.messages import Imu, Thrust, VelocityCommand
+from scaloft_fi.stack.messages import Imu, Thrust
 from scaloft_fi.stack.reference.control import (
     HEADING,
     HOLD_MODE,
@@ -19,6 +19,7 @@ from scaloft_fi.stack.reference.control import (
     parts_of,
 )
 from scaloft_fi.stack.reference.estimator import Estimator
+from scaloft_fi.stack.reference.messages import VelocityCommand
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.kernel import jit
-from scaloft_fi.stack.messages import Array
 
 _ROWS = 64
 

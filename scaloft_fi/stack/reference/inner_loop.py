@@ -5,8 +5,8 @@ The same kernels on the same numbers as `FlightControl.step`, in the same order.
 
 from __future__ import annotations
 
+from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.kernel import jit, joined
-from scaloft_fi.stack.messages import Array
 from scaloft_fi.stack.reference import control, strapdown
 from scaloft_fi.stack.reference.estimator import IMU_GAP_S, Estimator
 from scaloft_fi.stack.reference.flight_control import FlightControl

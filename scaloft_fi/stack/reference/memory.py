@@ -12,8 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaloft_fi.stack.camera import DepthCamera
-from scaloft_fi.stack.messages import Array, Clearing, DepthFrame, ObstacleMap, PoseEstimate
+from scaloft_fi.stack.fields import Array
+from scaloft_fi.stack.messages import DepthFrame
 from scaloft_fi.stack.reference import voxels
+from scaloft_fi.stack.reference.messages import Clearing, ObstacleMap, PoseEstimate
 from scaloft_fi.stack.reference.voxels import Cells
 
 _NOTHING: Cells = np.empty(0, np.int64)

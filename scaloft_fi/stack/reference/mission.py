@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from scaloft_fi.stack.messages import Failsafe, GoalCheck, Point, PoseEstimate, Route, Target
+from scaloft_fi.stack.fields import Point
+from scaloft_fi.stack.reference.messages import Failsafe, GoalCheck, PoseEstimate, Route, Target
 
 
 @dataclass(frozen=True)

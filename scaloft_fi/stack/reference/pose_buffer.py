@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 
-from scaloft_fi.stack.messages import PoseEstimate
+from scaloft_fi.stack.reference.messages import PoseEstimate
 
 
 class PoseBuffer:

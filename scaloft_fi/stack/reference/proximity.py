@@ -9,7 +9,8 @@ import numpy as np
 
 from scaloft_fi.stack.camera import DepthCamera
 from scaloft_fi.stack.kernel import jit
-from scaloft_fi.stack.messages import CollisionFlag, DepthFrame, PoseEstimate, Proximity
+from scaloft_fi.stack.messages import DepthFrame
+from scaloft_fi.stack.reference.messages import CollisionFlag, PoseEstimate, Proximity
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaloft_fi.stack.messages import Array, CollisionFlag, PoseEstimate
+from scaloft_fi.stack.fields import Array
+from scaloft_fi.stack.reference.messages import CollisionFlag, PoseEstimate
 
 
 @dataclass(frozen=True)

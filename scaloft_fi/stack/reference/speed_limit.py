@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from scaloft_fi.stack.messages import Detections, Person, SpeedLimit
+from scaloft_fi.stack.messages import Detections, Person
+from scaloft_fi.stack.reference.messages import SpeedLimit
 
 
 @dataclass(frozen=True)

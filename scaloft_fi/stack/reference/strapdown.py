@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
+from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.kernel import jit
-from scaloft_fi.stack.messages import Array
 
 GRAVITY_MPS2 = 9.81
 

@@ -10,8 +10,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.kernel import jit
-from scaloft_fi.stack.messages import Array
 
 Cells = NDArray[np.int64]
 

@@ -22,6 +22,7 @@ from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.mutants.derive import realise
+from scaloft_fi.stack.reference.declaration import REFERENCE
 
 CONTROL, LATE, MORE = "REVERSE-velcmd", "LATE-human@3s", "MORE-goal@1m"
 HAZOP = Path(__file__).parents[3] / "hazop"
@@ -89,7 +90,7 @@ def test_a_mutant_that_changed_is_named(study: Any, fly: Callable[..., Held], tm
     old = "operator: delay\n      magnitude: {argument: delay_s, unit: s, ladder: [0.5, 1, 3, 5]"
     assert old in path.read_text()
     path.write_text(path.read_text().replace(old, old.replace("\n", "\n      arguments: {keep_first: true}\n")))
-    changed = replace(study, matrix=load_matrix(tmp_path / "hazop"))
+    changed = replace(study, matrix=load_matrix(tmp_path / "hazop", REFERENCE.by_name))
     assert _why(changed) == {f"mutant {LATE} changed": 4}
 
 

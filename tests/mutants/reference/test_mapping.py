@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from scaloft_fi.mutants.reference.mapping import invert_map
-from scaloft_fi.stack.messages import ObstacleMap
+from scaloft_fi.stack.reference.messages import ObstacleMap
 
 
 @given(

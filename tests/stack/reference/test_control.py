@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from scaloft_fi.stack.messages import Fix, Imu, VelocityCommand
+from scaloft_fi.stack.messages import Fix, Imu
 from scaloft_fi.stack.reference.control import (
     HOLD_MODE,
     LAND_MODE,
@@ -14,6 +14,7 @@ from scaloft_fi.stack.reference.control import (
 )
 from scaloft_fi.stack.reference.estimator import Estimator, EstimatorConfig
 from scaloft_fi.stack.reference.flight_control import FailsafeConfig, FlightControl
+from scaloft_fi.stack.reference.messages import VelocityCommand
 from scaloft_fi.stack.reference.strapdown import rotation
 
 CONFIG = ControlConfig(

@@ -3,8 +3,9 @@ import copy
 import numpy as np
 import pytest
 
-from scaloft_fi.stack.messages import Clearing, DepthFrame
+from scaloft_fi.stack.messages import DepthFrame
 from scaloft_fi.stack.reference.memory import ObstacleMemory
+from scaloft_fi.stack.reference.messages import Clearing
 from scaloft_fi.stack.reference.voxels import cells_at
 
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from scaloft_fi.stack.messages import Failsafe, PoseEstimate, Route
+from scaloft_fi.stack.reference.messages import Failsafe, PoseEstimate, Route
 from scaloft_fi.stack.reference.mission import Mission, MissionConfig
 
 CONFIG = MissionConfig(goal_radius_m=0.15, goal_axes=(1.0, 1.0, 0.0), settled_m=0.1, dwell_s=0.5)

@@ -5,9 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.stack.messages import DepthFrame, Proximity
+from scaloft_fi.stack.messages import DepthFrame
+from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.stack.reference.messages import Proximity
 from scaloft_fi.stack.reference.proximity import ProximityMonitor
-from scaloft_fi.stack.seam import SEAMS
 
 
 @pytest.fixture
@@ -148,4 +149,4 @@ def proximities(draw):
 @given(first=proximities(), second=proximities())
 def test_samples_that_do_not_differ_raise_the_same_flag(first, second):
     flags = [ProximityMonitor.flag(None, 1.0, sample) for sample in (first, second)]
-    assert SEAMS["proximity"].differ(first, second) or flags[0] == flags[1]
+    assert REFERENCE.by_name["proximity"].differ(first, second) or flags[0] == flags[1]

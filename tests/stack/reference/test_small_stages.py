@@ -10,9 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaloft_fi.stack.config import ConfigError, build
-from scaloft_fi.stack.messages import Battery, CollisionFlag, Detections, Metering, Person, PoseEstimate
+from scaloft_fi.stack.messages import Battery, Detections, Metering, Person
 from scaloft_fi.stack.reference.battery_monitor import BatteryConfig, BatteryMonitor
 from scaloft_fi.stack.reference.exposure import ExposureConfig, ExposureControl
+from scaloft_fi.stack.reference.messages import CollisionFlag, PoseEstimate
 from scaloft_fi.stack.reference.pose_buffer import PoseBuffer
 from scaloft_fi.stack.reference.recoil import Recoil, RecoilConfig
 from scaloft_fi.stack.reference.speed_limit import SpeedLimitConfig, SpeedLimitStage

@@ -17,10 +17,11 @@ from scaloft_fi.hazop.cell import CellStatus
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.mutants.derive import derive
+from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.views.worksheet.worksheet import worksheet
 from scaloft_fi.views.worksheet.worksheet_text import to_latex
 
-MATRIX = load_matrix(Path(__file__).parents[3] / "hazop")
+MATRIX = load_matrix(Path(__file__).parents[3] / "hazop", REFERENCE.by_name)
 SOME = MATRIX.only(["LATE", "NO", "EARLY"], ["human", "collision"])
 ENGINES = {
     "pdflatex": r"\usepackage[T1]{fontenc}",

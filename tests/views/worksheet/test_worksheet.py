@@ -25,12 +25,13 @@ from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.derive import derive
+from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.views.tables.literal import FORMULA, latex, line, markdown, printable
 from scaloft_fi.views.worksheet.spreadsheet import LONGEST, to_xlsx
 from scaloft_fi.views.worksheet.worksheet import COLUMNS, FINDINGS, TEAM, Row, population, to_records, worksheet
 from scaloft_fi.views.worksheet.worksheet_text import to_csv, to_latex, to_markdown, to_text
 
-MATRIX = load_matrix(Path(__file__).parents[3] / "hazop").only(
+MATRIX = load_matrix(Path(__file__).parents[3] / "hazop", REFERENCE.by_name).only(
     ["LATE", "NO", "EARLY", "REVERSE"], ["human", "collision"]
 )
 ROSTER = Roster.of(MATRIX, [mutant.id for mutant in derive(MATRIX)])

@@ -12,7 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scaloft_fi.stack.messages import Array, ObstacleMap, Point, PoseEstimate
+from scaloft_fi.stack.fields import Array, Point
+from scaloft_fi.stack.reference.messages import ObstacleMap, PoseEstimate
 from scaloft_fi.stack.reference.planner.config import PlannerConfig, settings
 from scaloft_fi.stack.reference.planner.search import MAX_DILATION, search
 

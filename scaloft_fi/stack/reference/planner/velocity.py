@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from scaloft_fi.stack.messages import Array, PoseEstimate, SpeedLimit
+from scaloft_fi.stack.fields import Array
+from scaloft_fi.stack.reference.messages import PoseEstimate, SpeedLimit
 from scaloft_fi.stack.reference.planner.config import PlannerConfig
 from scaloft_fi.stack.reference.planner.planner import Plan
 

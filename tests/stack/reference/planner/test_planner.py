@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.stack.messages import ObstacleMap
+from scaloft_fi.stack.reference.messages import ObstacleMap
 from scaloft_fi.stack.reference.planner import Planner
 from scaloft_fi.stack.reference.planner.planner import dilation_bins
 

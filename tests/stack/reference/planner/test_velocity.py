@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.stack.messages import SpeedLimit
+from scaloft_fi.stack.reference.messages import SpeedLimit
 from scaloft_fi.stack.reference.planner import Plan, shape_velocity
 
 angles = st.floats(-math.pi, math.pi)

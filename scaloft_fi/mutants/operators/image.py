@@ -1,4 +1,4 @@
-"""Faults of the depth image, at the seam `depth`.  A depth of 0 means that the sensor saw nothing."""
+"""Faults of an image.  A pixel of 0 means that the sensor saw nothing there."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from typing import Any, Literal
 import numpy as np
 
 from scaloft_fi.mutants.argument import Hold, Metres, Period, Seconds, Share
+from scaloft_fi.mutants.need import IMAGE
 from scaloft_fi.mutants.operator import Example, Samples, Tap, TapContext, operator
-from scaloft_fi.mutants.sample import on_each, within
+from scaloft_fi.mutants.sample import on_each, redrawn, within
 from scaloft_fi.mutants.window import Windows
+from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.messages import DepthFrame
 
-DEPTH = ("depth",)
 _ROW = DepthFrame(0.0, np.array([[1.0, 2.0, 3.0, 0.0]] * 4))
 
 
@@ -27,17 +28,19 @@ class _RangeNoise:
     rng: np.random.Generator
 
     def __call__(self, _t_s: float, sample: Any | None) -> Any | None:
-        if sample is None:
-            return None
-        factor = 1.0 + self.share * self.rng.standard_normal(sample.depth.shape)
-        return sample._replace(depth=sample.depth * np.maximum(factor, 0.0))
+        return None if sample is None else redrawn(sample, self._noisy)
+
+    def _noisy(self, image: Array) -> Array:
+        factor = 1.0 + self.share * self.rng.standard_normal(image.shape)
+        noisy: Array = image * np.maximum(factor, 0.0)
+        return noisy
 
 
 def _seen_pixels_differ(before: Samples, after: Samples) -> bool:
     return all(np.array_equal(a.depth != b.depth, b.depth > 0.0) for b, a in zip(before, after, strict=True))
 
 
-@operator("range_noise", seams=DEPTH, example=Example("depth", {"share": 0.05}, (_ROW, _ROW), _seen_pixels_differ))
+@operator("range_noise", need=IMAGE, example=Example(DepthFrame, {"share": 0.05}, (_ROW, _ROW), _seen_pixels_differ))
 def range_noise(context: TapContext, *, share: Share) -> Tap:
     """Add Gaussian noise of standard deviation `share` (0..1) of the range to every pixel that sees something.
 
@@ -48,34 +51,36 @@ def range_noise(context: TapContext, *, share: Share) -> Tap:
 
 @operator(
     "lose_columns",
-    seams=DEPTH,
-    example=Example("depth", {"share": 0.5}, (_ROW, None), (_rows(*[(1.0, 0.0, 0.0, 0.0)] * 4), None)),
+    need=IMAGE,
+    example=Example(DepthFrame, {"share": 0.5}, (_ROW, None), (_rows(*[(1.0, 0.0, 0.0, 0.0)] * 4), None)),
 )
 def lose_columns(_context: TapContext, *, share: Share, side: Literal["left", "centre", "right"] = "centre") -> Tap:
     """Let a block of `share` (0..1) of the image's columns, at `side`, see nothing: dirt on the lens, a lost stripe."""
 
-    def blinded(frame: DepthFrame) -> DepthFrame:
-        width = frame.depth.shape[1]
+    def blinded(image: Array) -> Array:
+        width = image.shape[1]
         lost = round(share * width)
         first = {"left": 0, "centre": (width - lost) // 2, "right": width - lost}[side]
-        depth = frame.depth.copy()
-        depth[:, first : first + lost] = 0.0
-        return frame._replace(depth=depth)
+        seen = image.copy()
+        seen[:, first : first + lost] = 0.0
+        return seen
 
-    return on_each(blinded)
+    return on_each(lambda sample: redrawn(sample, blinded))
 
 
-@operator("mirror", seams=DEPTH, example=Example("depth", {}, (_ROW, None), (_rows(*[(0.0, 3.0, 2.0, 1.0)] * 4), None)))
+@operator(
+    "mirror", need=IMAGE, example=Example(DepthFrame, {}, (_ROW, None), (_rows(*[(0.0, 3.0, 2.0, 1.0)] * 4), None))
+)
 def mirror(_context: TapContext) -> Tap:
     """Swap left and right of the image: columns published in reverse order (seen in PX4 pull request 22418)."""
-    return on_each(lambda frame: frame._replace(depth=np.ascontiguousarray(frame.depth[:, ::-1])))
+    return on_each(lambda sample: redrawn(sample, lambda image: np.ascontiguousarray(image[:, ::-1])))
 
 
 @operator(
     "phantom_blob",
-    seams=DEPTH,
+    need=IMAGE,
     example=Example(
-        "depth",
+        DepthFrame,
         {"range_m": 1.5, "hold_s": 0.05, "period_s": 0.05, "share": 0.5},
         (_ROW, _ROW, None),
         (_ROW, _rows((1.0, 2.0, 3.0, 0.0), (1.0, 1.5, 1.5, 0.0), (1.0, 1.5, 1.5, 0.0), (1.0, 2.0, 3.0, 0.0)), None),
@@ -96,11 +101,11 @@ def phantom_blob(
     """
     windows = Windows.polls(period_s, phase_s, hold_s, context.period_s)
 
-    def blotted(frame: DepthFrame) -> DepthFrame:
-        depth = frame.depth.copy()
-        (top, high), (left, wide) = (((n - round(share * n)) // 2, round(share * n)) for n in depth.shape)
-        blot = depth[top : top + high, left : left + wide]
+    def blotted(image: Array) -> Array:
+        seen = image.copy()
+        (top, high), (left, wide) = (((n - round(share * n)) // 2, round(share * n)) for n in seen.shape)
+        blot = seen[top : top + high, left : left + wide]
         blot[(blot == 0.0) | (blot > range_m)] = range_m
-        return frame._replace(depth=depth)
+        return seen
 
-    return within(windows, blotted)
+    return within(windows, lambda sample: redrawn(sample, blotted))

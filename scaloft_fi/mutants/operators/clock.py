@@ -1,17 +1,16 @@
-"""Faults of the sensors' clocks, at the seam `stamps`."""
+"""Faults of clocks: what the time stamps of a message say."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from scaloft_fi.mutants.argument import ALL, Hold, Number, Period, Range, Seconds
+from scaloft_fi.mutants.argument import Hold, Number, Period, Range, Seconds
+from scaloft_fi.mutants.need import STAMP
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
-from scaloft_fi.mutants.sample import altered, on_each, within
+from scaloft_fi.mutants.sample import on_each, reclocked, within
 from scaloft_fi.mutants.window import Windows
 from scaloft_fi.stack.messages import Stamps
-
-STAMPS = ("stamps",)
 
 
 def _stamps(t_s: float) -> Stamps:
@@ -20,28 +19,28 @@ def _stamps(t_s: float) -> Stamps:
 
 @operator(
     "clock_rate",
-    seams=STAMPS,
-    example=Example("stamps", {"share": 0.1}, (_stamps(0.0), _stamps(10.0)), (_stamps(0.0), _stamps(11.0))),
+    need=STAMP,
+    example=Example(Stamps, {"share": 0.1}, (_stamps(0.0), _stamps(10.0)), (_stamps(0.0), _stamps(11.0))),
 )
 def clock_rate(_context: TapContext, *, share: Annotated[float, Range(above=-1.0, most=10.0)]) -> Tap:
-    """Let all sensor clocks run fast (slow where negative) by `share` of the time since take-off.
+    """Let the sender's clock run fast (slow where negative) by `share` of the time since take-off.
 
     A wrong oscillator setting.
     """
-    return on_each(lambda stamps: altered(stamps, ALL, lambda t_s: t_s * (1.0 + share)))
+    return on_each(lambda stamps: reclocked(stamps, lambda t_s: t_s * (1.0 + share)))
 
 
 @operator(
     "epoch",
-    seams=STAMPS,
-    example=Example("stamps", {"offset_s": 1000.0}, (_stamps(1.0), None), (_stamps(1001.0), None)),
+    need=STAMP,
+    example=Example(Stamps, {"offset_s": 1000.0}, (_stamps(1.0), None), (_stamps(1001.0), None)),
 )
 def epoch(_context: TapContext, *, offset_s: Number = 1.7e9) -> Tap:
-    """Count all sensor clocks from another epoch, `offset_s` [s] earlier.
+    """Count the sender's clock from another epoch, `offset_s` [s] earlier.
 
     Wall-clock time (1.7e9 s since 1970) for time since take-off.
     """
-    return on_each(lambda stamps: altered(stamps, ALL, lambda t_s: t_s + offset_s))
+    return on_each(lambda stamps: reclocked(stamps, lambda t_s: t_s + offset_s))
 
 
 @dataclass
@@ -55,14 +54,14 @@ class _Disorder:
             return None
         back_s = 2 * self.place * self.poll_s
         self.place = (self.place + 1) % self.count
-        return altered(sample, ALL, lambda t_s: t_s - back_s)
+        return reclocked(sample, lambda t_s: t_s - back_s)
 
 
 @operator(
     "disorder",
-    seams=STAMPS,
+    need=STAMP,
     example=Example(
-        "stamps", {"count": 2}, tuple(_stamps(i / 20) for i in range(4)), tuple(_stamps(i / 20) for i in (0, -1, 2, 1))
+        Stamps, {"count": 2}, tuple(_stamps(i / 20) for i in range(4)), tuple(_stamps(i / 20) for i in (0, -1, 2, 1))
     ),
 )
 def disorder(context: TapContext, *, count: Annotated[int, Range(least=2, most=1000)]) -> Tap:
@@ -72,9 +71,9 @@ def disorder(context: TapContext, *, count: Annotated[int, Range(least=2, most=1
 
 @operator(
     "stale_pulse",
-    seams=STAMPS,
+    need=STAMP,
     example=Example(
-        "stamps",
+        Stamps,
         {"hold_s": 0.05, "period_s": 0.05, "age_s": 0.05, "phase_s": 0.05},
         (_stamps(0.0), _stamps(0.05), _stamps(0.1)),
         (_stamps(0.0), _stamps(0.05), _stamps(0.05)),
@@ -90,4 +89,4 @@ def stale_pulse(
 ) -> Tap:
     """Let every stamp be `age_s` [s] old for `hold_s` [s], each `period_s` [s]: a spurious time-out."""
     windows = Windows.polls(period_s, phase_s, hold_s, context.period_s)
-    return within(windows, lambda stamps: altered(stamps, ALL, lambda t_s: t_s - age_s))
+    return within(windows, lambda stamps: reclocked(stamps, lambda t_s: t_s - age_s))

@@ -9,16 +9,14 @@ from typing import Annotated, Any
 import numpy as np
 
 from scaloft_fi.mutants.argument import Hold, Period, Range, Seconds
+from scaloft_fi.mutants.need import the
 from scaloft_fi.mutants.operator import Example, Samples, Tap, TapContext, operator
 from scaloft_fi.mutants.sample import on_each
 from scaloft_fi.mutants.window import Windows
 from scaloft_fi.stack.messages import Imu
+from scaloft_fi.stack.seam import STEP_HZ
 
-IMU = ("imu",)
 Positive = Annotated[float, Range(above=0.0, most=1e6)]
-# where the context knows none: white noise per sample at 120 Hz bandwidth of a Bosch BMI088 (data sheet:
-# 0.014 deg/s/sqrt(Hz), 175 ug/sqrt(Hz))
-_GYRO_SIGMA_RADPS, _ACCEL_SIGMA_MPS2 = 0.0027, 0.019
 _REST = Imu(0.0, np.array([0.1, -0.2, 0.3]), np.array([0.5, 0.0, 9.81]))
 
 
@@ -39,24 +37,22 @@ class _Shake:
         return sample._replace(rate=sample.rate + self.rate_radps * rate, force=sample.force + self.force_mps2 * force)
 
 
-@operator("vibration", seams=IMU, example=Example("imu", {"factor": 10.0}, (_REST, _REST), _all_axes_shake))
+@operator("vibration", need=the(Imu), example=Example(Imu, {"factor": 10.0}, (_REST, _REST), _all_axes_shake))
 def vibration(context: TapContext, *, factor: Annotated[float, Range(least=1.0, most=1e6)]) -> Tap:
     """Raise the white noise of both sensors to `factor` times the nominal sigma per sample.
 
     An unbalanced propeller, a loose mount.
     """
     extra = math.sqrt(factor**2 - 1.0)  # variances add up
-    rate_radps = context.fact("gyro_sigma_radps", _GYRO_SIGMA_RADPS)
-    force_mps2 = context.fact("accel_sigma_mps2", _ACCEL_SIGMA_MPS2)
+    rate_radps = context.facts.gyro_sigma_radps
+    force_mps2 = context.facts.accel_sigma_mps2
     return _Shake(extra * rate_radps, extra * force_mps2, context.rng)
 
 
 @operator(
     "remount",
-    seams=IMU,
-    example=Example(
-        "imu", {}, (_REST, None), (Imu(0.0, np.array([-0.1, 0.2, 0.3]), np.array([-0.5, 0.0, 9.81])), None)
-    ),
+    need=the(Imu),
+    example=Example(Imu, {}, (_REST, None), (Imu(0.0, np.array([-0.1, 0.2, 0.3]), np.array([-0.5, 0.0, 9.81])), None)),
 )
 def remount(_context: TapContext) -> Tap:
     """Turn the sensor by 180 deg about the body's z axis: mounted the wrong way round, or a wrong rotation setting."""
@@ -84,8 +80,10 @@ def _second_is_garbage(before: Samples, after: Samples) -> bool:
 
 @operator(
     "garbage",
-    seams=IMU,
-    example=Example("imu", {"hold_s": 1 / 240, "period_s": 1 / 240}, (_REST, _REST, None), _second_is_garbage),
+    need=the(Imu),
+    example=Example(
+        Imu, {"hold_s": 1 / 240, "period_s": 1 / 240}, (_REST, _REST, None), _second_is_garbage, rate_hz=STEP_HZ
+    ),
 )
 def garbage(
     context: TapContext,

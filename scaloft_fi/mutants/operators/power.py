@@ -7,12 +7,13 @@ import math
 import numpy as np
 
 from scaloft_fi.mutants.argument import Hold, Seconds, Share
+from scaloft_fi.mutants.facts import Facts
+from scaloft_fi.mutants.need import the
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
 from scaloft_fi.mutants.sample import on_each, within
 from scaloft_fi.mutants.window import Windows
 from scaloft_fi.stack.messages import Battery, Thrust
 
-BATTERY = ("battery",)
 _FULL = Battery(0.0, 0.9, 16.0, 4)
 
 
@@ -23,8 +24,8 @@ def _depleted(battery: Battery, charge: float) -> Battery:
 
 @operator(
     "sag",
-    seams=("thrust",),
-    example=Example("thrust", {"share": 0.5}, (Thrust(np.full(4, 4.0)), None), (Thrust(np.full(4, 1.0)), None)),
+    need=the(Thrust),
+    example=Example(Thrust, {"share": 0.5}, (Thrust(np.full(4, 4.0)), None), (Thrust(np.full(4, 1.0)), None)),
 )
 def sag(_context: TapContext, *, share: Share) -> Tap:
     """Multiply the thrust of every rotor by (1 - `share`)^2.
@@ -37,13 +38,13 @@ def sag(_context: TapContext, *, share: Share) -> Tap:
 
 @operator(
     "early_depletion",
-    seams=BATTERY,
+    need=the(Battery),
     example=Example(
-        "battery",
+        Battery,
         {"share": 0.5},
         (_FULL, _FULL, _FULL, None),
         (_FULL, _FULL._replace(charge=0.0), _FULL._replace(charge=0.0), None),
-        duration_s=0.1,
+        facts=Facts(duration_s=0.1),
     ),
 )
 def early_depletion(context: TapContext, *, share: Share, charge: Share = 0.0) -> Tap:
@@ -51,14 +52,14 @@ def early_depletion(context: TapContext, *, share: Share, charge: Share = 0.0) -
 
     A gauge that drops too early.
     """
-    return within(Windows.since(share * context.duration_s), lambda battery: _depleted(battery, charge))
+    return within(Windows.since(share * context.facts.duration_s), lambda battery: _depleted(battery, charge))
 
 
 @operator(
     "depleted_pulse",
-    seams=BATTERY,
+    need=the(Battery),
     example=Example(
-        "battery", {"hold_s": 0.05, "at_s": 0.1}, (_FULL,) * 4, (_FULL, _FULL, _FULL._replace(charge=0.0), _FULL)
+        Battery, {"hold_s": 0.05, "at_s": 0.1}, (_FULL,) * 4, (_FULL, _FULL, _FULL._replace(charge=0.0), _FULL)
     ),
 )
 def depleted_pulse(

@@ -1,4 +1,4 @@
-"""Faults of the person detector, at the seam `person`."""
+"""Faults of a person detector: which boxes it reports, and what they say."""
 
 from __future__ import annotations
 
@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from scaloft_fi.mutants.argument import Degrees, Factor, Hold, Metres, Period, Seconds, Share
+from scaloft_fi.mutants.argument import Factor, Hold, Metres, Period, Seconds, Share
+from scaloft_fi.mutants.facts import Facts
+from scaloft_fi.mutants.need import the
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
 from scaloft_fi.mutants.sample import on_each
 from scaloft_fi.mutants.window import TOLERANCE_S, Windows
 from scaloft_fi.stack.messages import Detections, Person
 
-PERSON = ("person",)
 _SILENCE_S = 0.5  # a detector that has said nothing for so long reports nobody
 _NEAR = Person("person", 0.9, 0.1, 3.0)
 _FAR = Person("person", 0.7, -0.4, 6.0)
@@ -31,9 +32,9 @@ def _phantom(range_m: float) -> Person:
 
 @operator(
     "scale_range",
-    seams=PERSON,
+    need=the(Detections),
     example=Example(
-        "person",
+        Detections,
         {"factor": 2.0},
         (_boxes(_NEAR, _FAR),),
         (_boxes(_NEAR._replace(range_m=6.0), _FAR._replace(range_m=12.0)),),
@@ -53,8 +54,8 @@ def _keep(boxes: Detections, keep: Any) -> Detections | None:
 
 @operator(
     "min_score",
-    seams=PERSON,
-    example=Example("person", {"score": 0.8}, (_boxes(_NEAR, _FAR), _boxes(_FAR), None), (_boxes(_NEAR), None, None)),
+    need=the(Detections),
+    example=Example(Detections, {"score": 0.8}, (_boxes(_NEAR, _FAR), _boxes(_FAR), None), (_boxes(_NEAR), None, None)),
 )
 def min_score(_context: TapContext, *, score: Share) -> Tap:
     """Lose every box with a confidence below `score` (0..1): a threshold tuned against false alarms."""
@@ -63,23 +64,23 @@ def min_score(_context: TapContext, *, score: Share) -> Tap:
 
 @operator(
     "narrow",
-    seams=PERSON,
-    example=Example("person", {"share": 0.5}, (_boxes(_NEAR, _FAR), _boxes(_FAR)), (_boxes(_NEAR), None)),
+    need=the(Detections),
+    example=Example(Detections, {"share": 0.5}, (_boxes(_NEAR, _FAR), _boxes(_FAR)), (_boxes(_NEAR), None)),
 )
-def narrow(_context: TapContext, *, share: Share, view_deg: Degrees = 59.0) -> Tap:
-    """Lose every box outside the middle `share` (0..1) of the camera's `view_deg` [deg].
+def narrow(context: TapContext, *, share: Share) -> Tap:
+    """Lose every box outside the middle `share` (0..1) of the camera's view.
 
     A cropped image, a lens hood.
     """
-    half_rad = math.radians(view_deg) * share / 2
+    half_rad = context.facts.view_rad * share / 2
     return on_each(lambda boxes: _keep(boxes, lambda p: abs(p.bearing_rad) <= half_rad))
 
 
 @operator(
     "ghost",
-    seams=PERSON,
+    need=the(Detections),
     example=Example(
-        "person", {"distance_m": 2.0}, (_boxes(_NEAR), None), (_boxes(_NEAR, _NEAR._replace(range_m=5.0)), None)
+        Detections, {"distance_m": 2.0}, (_boxes(_NEAR), None), (_boxes(_NEAR, _NEAR._replace(range_m=5.0)), None)
     ),
 )
 def ghost(_context: TapContext, *, distance_m: Metres) -> Tap:
@@ -108,8 +109,8 @@ class _Invert:
 
 @operator(
     "invert_presence",
-    seams=PERSON,
-    example=Example("person", {"range_m": 2.0}, (None, _boxes(_NEAR), None), (_boxes(_phantom(2.0)), None, None)),
+    need=the(Detections),
+    example=Example(Detections, {"range_m": 2.0}, (None, _boxes(_NEAR), None), (_boxes(_phantom(2.0)), None, None)),
 )
 def invert_presence(_context: TapContext, *, range_m: Metres = 3.0) -> Tap:
     """Report a person `range_m` [m] ahead while the detector reports none, and nobody while it reports one.
@@ -137,9 +138,9 @@ class _Relabel:
 
 @operator(
     "relabel",
-    seams=PERSON,
+    need=the(Detections),
     example=Example(
-        "person", {"share": 1.0, "label": "cart"}, (_boxes(_NEAR), None), (_boxes(_NEAR._replace(label="cart")), None)
+        Detections, {"share": 1.0, "label": "cart"}, (_boxes(_NEAR), None), (_boxes(_NEAR._replace(label="cart")), None)
     ),
 )
 def relabel(context: TapContext, *, share: Share = 1.0, label: str = "cart") -> Tap:
@@ -152,13 +153,13 @@ def relabel(context: TapContext, *, share: Share = 1.0, label: str = "cart") -> 
 
 @operator(
     "early_report",
-    seams=PERSON,
+    need=the(Detections),
     example=Example(
-        "person",
+        Detections,
         {"lead_s": 0.05},
         (None, None, _boxes(_NEAR, t_s=0.1), None),
         (None, _boxes(_phantom(3.0), t_s=0.05), _boxes(_NEAR, t_s=0.1), None),
-        facts={"sighting_s": 0.1},
+        facts=Facts(sighting_s=0.1),
     ),
 )
 def early_report(context: TapContext, *, lead_s: Seconds, range_m: Metres = 3.0) -> Tap:
@@ -166,7 +167,8 @@ def early_report(context: TapContext, *, lead_s: Seconds, range_m: Metres = 3.0)
 
     A warning by radio or from a map, a replayed detection.  Nothing happens where nobody is ever seen.
     """
-    sighting_s = context.fact("sighting_s", math.inf)
+    known_s = context.facts.sighting_s
+    sighting_s = math.inf if known_s is None else known_s
     start_s = max(0.0, sighting_s - lead_s) if math.isfinite(sighting_s) else math.inf
 
     def tap(t_s: float, sample: Any | None) -> Any | None:
@@ -178,9 +180,9 @@ def early_report(context: TapContext, *, lead_s: Seconds, range_m: Metres = 3.0)
 
 @operator(
     "phantom_person",
-    seams=PERSON,
+    need=the(Detections),
     example=Example(
-        "person",
+        Detections,
         {"hold_s": 0.05, "period_s": 0.05, "phase_s": 0.05, "range_m": 4.0},
         (None, None, None, _boxes(_NEAR, t_s=0.15)),
         (None, None, _boxes(_phantom(4.0), t_s=0.1), _boxes(_NEAR, _phantom(4.0), t_s=0.15)),

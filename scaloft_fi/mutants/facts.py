@@ -1,0 +1,50 @@
+"""What a fault may know of the flight that it is patched into: the study's numbers, never the flight's own state."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Facts:
+    """Facts of the situation, the vehicle and the sensors.  The defaults serve examples and tests.
+
+    Attributes:
+        duration_s: nominal mission time of the situation [s].
+        sighting_s: when the nominal flight first sees a person [s]; None where it sees none.
+        home_x_m, home_y_m: where the mission starts and ends [m, world].
+        cruise_mps, slow_mps: speed, and speed once a person was seen [m/s].
+        wall_m: point of the wall on the right of the first leg, nearest to the leg's middle [m, world]; None without.
+        inward: unit normal of the wall there, into the open space.
+        half_width_m: half of the hull's width [m].
+        view_rad: width of the camera's view [rad].
+        gyro_sigma_radps, accel_sigma_mps2: white noise of the inertial sensor per sample [rad/s, m/s2]; by default a
+            Bosch BMI088 at 120 Hz bandwidth (data sheet: 0.014 deg/s/sqrt(Hz), 175 ug/sqrt(Hz)).
+        settings: of the stack, as `sim/stack.yaml` has them, for operators of that stack's own.
+    """
+
+    duration_s: float = 60.0
+    sighting_s: float | None = None
+    home_x_m: float = 0.0
+    home_y_m: float = 0.0
+    cruise_mps: float = 0.5
+    slow_mps: float = 0.2
+    wall_m: tuple[float, float] | None = (1.5, 3.5)
+    inward: tuple[float, float] = (-1.0, 0.0)
+    half_width_m: float = 0.235
+    view_rad: float = 1.0297442586766545
+    gyro_sigma_radps: float = 0.0027
+    accel_sigma_mps2: float = 0.019
+    settings: Mapping[str, Any] = field(default_factory=dict, hash=False)
+
+    @property
+    def bearing_rad(self) -> float:
+        """Direction along the wall on the right, the way of the first leg, from x [rad, world].
+
+        >>> Facts().bearing_rad == math.pi / 2
+        True
+        """
+        return math.atan2(-self.inward[0], self.inward[1])

@@ -1,0 +1,104 @@
+"""The contract between a stack under test and the flight loop."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from scaloft_fi.stack.camera import DepthCamera
+from scaloft_fi.stack.fields import Array, Point
+from scaloft_fi.stack.messages import Exposure, Imu, SensorFrames, Stamps, Thrust
+
+
+@dataclass(frozen=True)
+class Task:
+    """What a stack is given before take-off.
+
+    Attributes:
+        settings: of `sim/stack.yaml` without its `name`: built into the schema that the stack declares, else the plain
+            mapping.
+        camera: geometry of the depth camera.
+        home: (3,) where it stands [m, world]; yaw_rad: its heading [rad].
+        route: waypoints in order, the last one home [m, world].
+        altitude_m: height of flight [m].
+        cruise_mps, slow_mps: speed, and speed once a person was seen [m/s].
+    """
+
+    settings: Any
+    camera: DepthCamera
+    home: Point
+    yaw_rad: float
+    route: tuple[Point, ...]
+    altitude_m: float
+    cruise_mps: float
+    slow_mps: float
+
+
+class Stack(Protocol):
+    """What the flight loop asks of a stack under test.
+
+    At each tick (20 Hz) the loop calls `beliefs`, `stamps`, `autopilot` and `companion`, in this order, then `step`
+    for each of the 12 physics steps (240 Hz) up to the next tick.  A stack is told nothing but these arguments and its
+    `Task`, and sends every sample of a declared seam through `Wire.cross` exactly once a poll, `None` where it sends
+    nothing: a seam of the declared rate is polled at every tick, or at every step.
+
+    What a method raises is a fact about the drone.  After an error of `autopilot`, `stamps` or `step` the rotors stop;
+    after an error of `companion` the autopilot flies on alone.  The requirements judge what follows.
+
+    Two flights of the same subject, situation and seed call the methods with the same arguments; a stack that is
+    declared deterministic answers with the same bits, so it draws no random numbers and reads no clock.
+    """
+
+    @property
+    def exposure(self) -> Exposure:
+        """The order in force for the colour camera."""
+        ...
+
+    @property
+    def fast_path(self) -> Any:
+        """A compiled equal of `step` (`stack.fast_path`), used while nobody listens to its seams; None without one."""
+        ...
+
+    def stamps(self, now_s: float) -> Stamps:
+        """What the sensors' clocks read at `now_s` [s]; the sensors stamp their messages with it."""
+        ...
+
+    def autopilot(self, now_s: float, frames: SensorFrames) -> None:
+        """Run at 20 Hz what stays alive when the companion is dead; every tick, before `companion`.
+
+        Args:
+            now_s: time since the start [s].
+            frames: what arrived from the sensors at this tick; a field is None where nothing did.
+        """
+        ...
+
+    def companion(self, now_s: float, frames: SensorFrames) -> None:
+        """Run the companion computer once, at 20 Hz; arguments as `autopilot`."""
+        ...
+
+    def step(self, now_s: float, imu: Imu) -> Thrust | None:
+        """Run flight control once, at 240 Hz; None, when the order was lost on the wire, stops the rotors.
+
+        Args:
+            now_s: time since the start [s].
+            imu: the inertial sample of this step.
+        """
+        ...
+
+    def beliefs(self, now_s: float) -> Array:
+        """(B,) the values of the declared beliefs, in their order, at `now_s` [s]."""
+        ...
+
+
+class PlainStack:
+    """A base for stacks that leave clocks and colour camera alone and have no companion computer or fast path."""
+
+    exposure = Exposure(0.0, 1.0, 0.0)
+    fast_path = None
+
+    def stamps(self, now_s: float) -> Stamps:
+        """The true time."""
+        return Stamps(now_s, now_s, now_s)
+
+    def companion(self, now_s: float, frames: SensorFrames) -> None:
+        """Nothing."""

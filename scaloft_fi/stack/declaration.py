@@ -1,0 +1,60 @@
+"""What a stack declares: the rest of the framework reads seams and beliefs from here and names none of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from scaloft_fi.stack.belief import Belief
+from scaloft_fi.stack.contract import Stack, Task
+from scaloft_fi.stack.seam import Seam, Wire
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """A stack under test, as the framework knows it.
+
+    Attributes:
+        name: as `sim/stack.yaml` gives it.
+        seams: where faults can be patched in; each sample of the stack's own edges crosses `Wire.cross` there.
+        beliefs: what `Stack.beliefs` returns, in order.
+        make: the stack, ready for take-off.  Import what is heavy inside it: the declaration is read without flying.
+        settings: returns the frozen dataclass, or named tuple, that the rest of `sim/stack.yaml` is built into
+            (`stack.config.build`); None hands the plain mapping over.
+        canaries: seams that carry samples in every situation, the one nearest to the rotors first.  `run --mutant`
+            flies a control there, to prove that faults reach the drone.
+        operators: modules that declare operators of this stack's own; imported when a study names the stack.
+        deterministic: whether two flights of the same subject, situation and seed have the same bits.
+
+    Raises:
+        ValueError: a name is taken twice, or a canary is no seam.
+    """
+
+    name: str
+    seams: tuple[Seam, ...]
+    beliefs: tuple[Belief, ...]
+    make: Callable[[Task, Wire], Stack]
+    settings: Callable[[], type] | None = None
+    canaries: tuple[str, ...] = ()
+    operators: tuple[str, ...] = ()
+    deterministic: bool = True
+
+    def __post_init__(self) -> None:
+        for noun, names in (("seam", [s.name for s in self.seams]), ("belief", [b.name for b in self.beliefs])):
+            twice = [name for place, name in enumerate(names) if name in names[:place]]
+            if twice:
+                raise ValueError(f"stack {self.name!r} declares {noun} {twice[0]!r} twice")
+        lost = [name for name in self.canaries if name not in self.by_name]
+        if lost:
+            raise ValueError(f"stack {self.name!r} has no seam {lost[0]!r} for a canary")
+
+    @cached_property
+    def by_name(self) -> Mapping[str, Seam]:
+        """The seams by name."""
+        return {seam.name: seam for seam in self.seams}
+
+    @property
+    def belief_names(self) -> tuple[str, ...]:
+        """Names of the beliefs, in order."""
+        return tuple(belief.name for belief in self.beliefs)

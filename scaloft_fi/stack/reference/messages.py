@@ -1,0 +1,131 @@
+"""What travels between the stages of the reference stack.  Messages of sensors and rotors: `stack.messages`."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scaloft_fi.stack.fields import Array, Point, Stamp, Vector
+
+
+class PoseEstimate(NamedTuple):
+    """The estimator's word to the companion stages.
+
+    position: (3,) [m, world]; velocity: (3,) [m/s, world]; yaw_rad: heading [rad]; attitude: (4,) x, y, z, w.
+    """
+
+    stamp_s: Stamp
+    position: Vector
+    velocity: Vector
+    yaw_rad: float
+    attitude: Array
+
+
+class Proximity(NamedTuple):
+    """Input of the proximity monitor.
+
+    sectors: (S,) least range seen in each bearing sector, left to right [m], inf where nothing was seen;
+    watched: (S,) which sectors the monitor looks at; bearings: (S,) sector centres [rad, body, left positive].
+    """
+
+    stamp_s: Stamp
+    sectors: Array
+    watched: NDArray[np.bool_]
+    bearings: Array
+    trigger_m: float
+    touched: bool
+
+
+class CollisionFlag(NamedTuple):
+    """The stack's own collision flag; sent only while raised.  bearing_rad: where from [rad, body, left positive]."""
+
+    stamp_s: Stamp
+    bearing_rad: float
+
+
+class GoalCheck(NamedTuple):
+    """Input of the goal test.
+
+    leg: place of the waypoint in the route; offset: (3,) waypoint minus position [m, world];
+    axes: (3,) 1.0 for each axis that counts; speed_mps: closing speed [m/s];
+    verdict: None = by distance, else what a fault says.
+    """
+
+    leg: int
+    offset: Point
+    axes: Point
+    radius_m: float
+    speed_mps: float
+    verdict: bool | None = None
+
+    @property
+    def distance_m(self) -> float:
+        """Distance over the axes that count [m]."""
+        return float(sum((o * a) ** 2 for o, a in zip(self.offset, self.axes, strict=True)) ** 0.5)
+
+    @property
+    def reached(self) -> bool:
+        """Whether the waypoint counts as reached."""
+        return self.distance_m < self.radius_m if self.verdict is None else self.verdict
+
+
+class Route(NamedTuple):
+    """The waypoints of the mission in order, the last one home [m, world]."""
+
+    points: tuple[Point, ...]
+
+
+class Target(NamedTuple):
+    """The waypoint the planner flies to: place in the route, position [m, world]."""
+
+    leg: int
+    point: Point
+
+
+class SpeedLimit(NamedTuple):
+    """Speed limit [m/s]; `norm` says of what: "euclidean" (the speed) or "per_axis" (each axis by itself)."""
+
+    stamp_s: Stamp
+    limit_mps: float
+    norm: str
+
+
+class Clearing(NamedTuple):
+    """What the obstacle memory is about to forget.
+
+    forget: (N,) cells to erase; occupied: (M,) all occupied cells (indices of the memory's grid).
+    """
+
+    stamp_s: Stamp
+    forget: NDArray[np.int64]
+    occupied: NDArray[np.int64]
+
+
+class ObstacleMap(NamedTuple):
+    """What the memory tells the planner.
+
+    points: (N, 3) centres of occupied cells [m, world]; inflation: factor on the planner's obstacle dilation;
+    origin: (3,) where the vehicle believes to be [m, world].
+    """
+
+    stamp_s: Stamp
+    points: Array
+    inflation: float
+    origin: Vector
+
+
+class VelocityCommand(NamedTuple):
+    """Order to flight control.  velocity: (3,) [m/s, world]; yaw_rad: heading to take [rad, world]."""
+
+    stamp_s: Stamp
+    velocity: Vector
+    yaw_rad: float
+
+
+class Failsafe(NamedTuple):
+    """What the battery monitor asks of the mission: "return" (fly home and land) or "land" (here and now)."""
+
+    stamp_s: Stamp
+    action: str
