@@ -127,7 +127,7 @@ class Study:
         for axis in grid.axes:
             for value in axis.values:
                 try:
-                    check_caps(value.realised)
+                    check_caps(value.realised, self.stack.caps)
                 except FormulaError as error:
                     raise InputError(
                         f"{self._place(axis.id, value.id)}: realised of {axis.id}{value.id} {error}"
@@ -153,7 +153,7 @@ class Study:
         from scaloft_fi.judge.requirement import load_requirements
         from scaloft_fi.judge.stl import Formula
 
-        return load_requirements(self._requirements_path, self.signals, within_caps(Formula.spelt))
+        return load_requirements(self._requirements_path, self.signals, within_caps(Formula.spelt, self.stack.caps))
 
     @property
     def _requirements_path(self) -> Path:
@@ -277,7 +277,7 @@ class Study:
         from scaloft_fi.judge.requirement import load_requirements
         from scaloft_fi.judge.stl import Formula
 
-        proved = load_requirements(self._requirements_path, self.signals, within_caps(Formula.parse))
+        proved = load_requirements(self._requirements_path, self.signals, within_caps(Formula.parse, self.stack.caps))
         known = [requirement.name for requirement in proved]
         for cell in self.matrix:
             for name in cell.requirements:

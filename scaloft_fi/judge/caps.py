@@ -10,6 +10,7 @@ import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import takewhile
+from types import MappingProxyType
 
 from scaloft_fi.judge.requirement import Check
 from scaloft_fi.judge.stl import ARITHMETIC, WORDS, Formula, FormulaError, tokenize
@@ -41,41 +42,47 @@ class Cap:
 _CLEARANCE = re.compile(r"clearance_(\w+_)?m")
 _CLEAR = Cap(CLEARANCE_CAP_M, f"{CLEARANCE_CAP_M:g} m beyond")
 _NOBODY = Cap(FAR_M, f"{FAR_M:g} m without a person")
+NO_BELIEFS: Mapping[str, float] = MappingProxyType({})
 _CAPS: Mapping[str, Cap] = {
     "waypoint_wall_m": _CLEAR,
     "person_sight_m": Cap(SIGHT_M, f"{FAR_M:g} m beyond", itself=True),
     "person_range_m": _NOBODY,
-    "told_range_m": _NOBODY,
 }
 
 
-def cap_of(signal: str) -> Cap | None:
+def cap_of(signal: str, beliefs: Mapping[str, float] = NO_BELIEFS) -> Cap | None:
     """The cap of a signal, None where it is measured however large it gets.
+
+    Args:
+        signal: its name.
+        beliefs: the greatest value of each belief that has one (`stack.belief.Belief.most`).
 
     >>> cap_of("clearance_wall_m").most_m
     1.0
     """
+    if signal in beliefs:
+        return Cap(beliefs[signal], f"{beliefs[signal]:g} m beyond")
     return _CLEAR if _CLEARANCE.fullmatch(signal) else _CAPS.get(signal)
 
 
-def within_caps(check: Check) -> Check:
+def within_caps(check: Check, beliefs: Mapping[str, float] = NO_BELIEFS) -> Check:
     """What `check` does, after the thresholds of the text were held against the caps of its signals."""
 
     def checked(text: str, signals: Collection[str]) -> Formula:
-        check_caps(text)
+        check_caps(text, beliefs)
         return check(text, signals)
 
     return checked
 
 
-def check_caps(text: str) -> None:
+def check_caps(text: str, beliefs: Mapping[str, float] = NO_BELIEFS) -> None:
     """Hold each comparison of a signal with a number against the signal's cap; others are let pass.
 
     Raises:
         FormulaError: a threshold is where the signal is not measured, or a character belongs to no word.
     """
     for written, signal, threshold in comparisons(text):
-        cap = cap_of(signal)
+        cap = cap_of(signal, beliefs)
         if cap and not cap.allows(threshold):
             allowed = f"{'at most' if cap.itself else 'less than'} {cap.most_m:g} m"
             raise FormulaError(

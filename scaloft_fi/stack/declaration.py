@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -53,6 +54,11 @@ class Declaration:
     def by_name(self) -> Mapping[str, Seam]:
         """The seams by name."""
         return {seam.name: seam for seam in self.seams}
+
+    @property
+    def caps(self) -> Mapping[str, float]:
+        """The greatest value of each belief that has one."""
+        return {belief.name: belief.most for belief in self.beliefs if math.isfinite(belief.most)}
 
     @property
     def belief_names(self) -> tuple[str, ...]:

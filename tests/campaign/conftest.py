@@ -28,6 +28,7 @@ from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.mutants.mutant import PLACEBO
+from scaloft_fi.stack.declaration import Declaration
 from scaloft_fi.stack.reference.declaration import REFERENCE
 
 KINDS = {"SR1": Kind.SAFETY, "SR2": Kind.SAFETY, "OP1": Kind.OPERABILITY}
@@ -77,6 +78,7 @@ class FakeStudy:
     inputs: Mapping[str, str] = field(default_factory=lambda: {"sim": "s", "requirements": "r", "code": "c"})
     grid: FakeGrid = GRID
     matrix: Matrix = MATRIX
+    stack: Declaration = REFERENCE
     space: Space = SPACE
     roster: Roster = ROSTER
     predicate: str = "t"

@@ -8,7 +8,7 @@ from scaloft_fi.judge.caps import SIGHT_M, cap_of, check_caps, comparisons
 from scaloft_fi.judge.stl import Formula, FormulaError
 from scaloft_fi.sim import observer
 from scaloft_fi.sim.signals import signal_names
-from scaloft_fi.stack.reference.declaration import BELIEFS
+from scaloft_fi.stack.reference.declaration import BELIEFS, REFERENCE
 
 
 @pytest.mark.parametrize(
@@ -34,7 +34,7 @@ def test_a_threshold_where_a_signal_is_not_measured_is_refused_with_the_cap_and_
     text: str, said: str
 ) -> None:
     with pytest.raises(FormulaError) as caught:
-        check_caps(text)
+        check_caps(text, REFERENCE.caps)
     assert said in str(caught.value)
 
 
@@ -76,7 +76,7 @@ def test_a_person_is_in_sight_as_far_as_the_observer_looks() -> None:
 
 
 def test_every_clearance_has_a_cap_and_other_places_and_times_have_none() -> None:
-    capped = {name for name in signal_names(("wall", "left_wall"), BELIEFS) if cap_of(name)}
+    capped = {name for name in signal_names(("wall", "left_wall"), BELIEFS) if cap_of(name, REFERENCE.caps)}
     clearances = {"clearance_m", "clearance_wall_m", "clearance_left_wall_m"}
     assert capped == clearances | {"waypoint_wall_m", "person_sight_m", "person_range_m", "told_range_m"}
 

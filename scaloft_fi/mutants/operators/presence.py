@@ -10,15 +10,15 @@ import numpy as np
 
 from scaloft_fi.mutants.argument import Hold, Period, Range, Seconds, Share
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
+from scaloft_fi.mutants.sent import Reading
 from scaloft_fi.mutants.window import TOLERANCE_S, Windows
 from scaloft_fi.stack.messages import Detections as Boxes
 from scaloft_fi.stack.messages import Person
-from scaloft_fi.stack.reference.messages import Failsafe, Target
 
-_A, _B, _C = (Target(i, (0.0, float(i), 1.65)) for i in range(3))
+_A, _B, _C = (Reading(0.0, float(i)) for i in range(3))
 
 
-@operator("identity", example=Example(Target, {}, (_A, None, _B), (_A, None, _B)))
+@operator("identity", example=Example(Reading, {}, (_A, None, _B), (_A, None, _B)))
 def identity(_context: TapContext) -> Tap:
     """Pass every sample as it is: PLACEBO, the false-kill meter of the whole pipeline."""
     return lambda _t_s, sample: sample
@@ -35,7 +35,7 @@ class _Drop:
         return None if self.rng.random() < self.share else sample
 
 
-@operator("drop", example=Example(Failsafe, {"share": 1.0}, (Failsafe(0.0, "land"), None), (None, None)))
+@operator("drop", example=Example(Reading, {"share": 1.0}, (Reading(0.0, 1.0), None), (None, None)))
 def drop(context: TapContext, *, share: Share = 1.0) -> Tap:
     """Lose each sample with probability `share` (0..1), independently: an overloaded or unplugged link."""
     return _Drop(share, context.rng)
@@ -43,7 +43,9 @@ def drop(context: TapContext, *, share: Share = 1.0) -> Tap:
 
 @operator(
     "outage",
-    example=Example(Target, {"burst_s": 0.05, "period_s": 0.1}, (_A, _A, _A, _B, _B, _C), (_A, _A, None, _B, None, _C)),
+    example=Example(
+        Reading, {"burst_s": 0.05, "period_s": 0.1}, (_A, _A, _A, _B, _B, _C), (_A, _A, None, _B, None, _C)
+    ),
 )
 def outage(_context: TapContext, *, burst_s: Hold, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
     """Lose every sample for `burst_s` [s], each `period_s` [s]: a driver that restarts, a loose plug."""
@@ -64,7 +66,7 @@ class _Throttle:
         return sample
 
 
-@operator("throttle", example=Example(Target, {"rate_hz": 10.0}, (_A, _B, _C, _A, _B), (_A, None, _C, None, _B)))
+@operator("throttle", example=Example(Reading, {"rate_hz": 10.0}, (_A, _B, _C, _A, _B), (_A, None, _C, None, _B)))
 def throttle(_context: TapContext, *, rate_hz: Annotated[float, Range(above=0.0, most=1e4)]) -> Tap:
     """Pass the first sample of each 1/`rate_hz` [s] and lose the others: a sender that runs too slowly."""
     return _Throttle(rate_hz)

@@ -9,12 +9,10 @@ from typing import Annotated, Any
 from scaloft_fi.mutants.argument import Hold, Period, Range, Seconds
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
 from scaloft_fi.mutants.sample import restamped
+from scaloft_fi.mutants.sent import Reading
 from scaloft_fi.mutants.window import TOLERANCE_S, Windows
-from scaloft_fi.stack.reference.messages import SpeedLimit, Target
 
-_A, _B, _C, _D = (Target(i, (0.0, float(i), 1.65)) for i in range(4))
-_FAST = SpeedLimit(0.0, 0.5, "euclidean")
-_SLOW = SpeedLimit(0.05, 0.2, "euclidean")
+_A, _B, _C, _D = (Reading(0.0, float(i)) for i in range(4))
 
 
 @dataclass
@@ -35,7 +33,7 @@ class _Delay:
         return None
 
 
-@operator("delay", example=Example(Target, {"delay_s": 0.1}, (_A, _B, None, None, _C), (None, None, _A, _B, None)))
+@operator("delay", example=Example(Reading, {"delay_s": 0.1}, (_A, _B, None, None, _C), (None, None, _A, _B, None)))
 def delay(_context: TapContext, *, delay_s: Seconds, keep_first: bool = False) -> Tap:
     """Deliver each sample at the first poll `delay_s` [s] or more after it was sent, with its original time stamp.
 
@@ -61,10 +59,10 @@ class _Freeze:
 @operator(
     "freeze",
     example=Example(
-        SpeedLimit,
+        Reading,
         {"hold_s": 0.1, "period_s": 0.15},
-        (*(SpeedLimit(i / 20, 0.1 * i, "euclidean") for i in range(6)),),
-        (*(SpeedLimit(i / 20, 0.1 * j, "euclidean") for i, j in enumerate((0, 1, 2, 2, 2, 5))),),
+        (*(Reading(i / 20, 0.1 * i) for i in range(6)),),
+        (*(Reading(i / 20, 0.1 * j) for i, j in enumerate((0, 1, 2, 2, 2, 5))),),
     ),
 )
 def freeze(_context: TapContext, *, hold_s: Hold, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
@@ -91,7 +89,7 @@ class _Reorder:
         return self.ready.pop() if self.ready else None
 
 
-@operator("reorder", example=Example(Target, {"count": 2}, (_A, _B, _C, _D, None), (None, _B, _A, _D, _C)))
+@operator("reorder", example=Example(Reading, {"count": 2}, (_A, _B, _C, _D, None), (None, _B, _A, _D, _C)))
 def reorder(_context: TapContext, *, count: Annotated[int, Range(least=2, most=1000)]) -> Tap:
     """Deliver every block of `count` samples in reverse order, with the original time stamps.
 

@@ -23,22 +23,20 @@ from scaloft_fi.mutants.argument import (
 from scaloft_fi.mutants.need import NUMBERS
 from scaloft_fi.mutants.operator import Example, Samples, Tap, TapContext, operator
 from scaloft_fi.mutants.sample import altered, on_each
+from scaloft_fi.mutants.sent import Move, Word
 from scaloft_fi.stack.messages import Metering
-from scaloft_fi.stack.reference.messages import CollisionFlag, SpeedLimit, VelocityCommand
 
-_FORWARD = VelocityCommand(0.0, np.array([0.1, 0.5, -0.2]), 1.5)
+_FORWARD = Move(0.0, np.array([0.1, 0.5, -0.2]), 1.5)
 
 
-def _forward(x: float, y: float, z: float) -> VelocityCommand:
+def _forward(x: float, y: float, z: float) -> Move:
     return _FORWARD._replace(velocity=np.array([x, y, z]))
 
 
 @operator(
     "scale",
     need=NUMBERS,
-    example=Example(
-        VelocityCommand, {"field": "velocity", "factor": 2.0}, (None, _FORWARD), (None, _forward(0.2, 1.0, -0.4))
-    ),
+    example=Example(Move, {"field": "velocity", "factor": 2.0}, (None, _FORWARD), (None, _forward(0.2, 1.0, -0.4))),
 )
 def scale(_context: TapContext, *, field: NumericField, factor: Factor) -> Tap:
     """Multiply `field` by `factor`: a wrong gain, a wrong unit."""
@@ -48,10 +46,10 @@ def scale(_context: TapContext, *, field: NumericField, factor: Factor) -> Tap:
 @operator(
     "set",
     example=Example(
-        SpeedLimit,
-        {"field": "norm", "value": "per_axis"},
-        (SpeedLimit(0.0, 0.5, "euclidean"), None),
-        (SpeedLimit(0.0, 0.5, "per_axis"), None),
+        Word,
+        {"field": "word", "value": "per_axis"},
+        (Word(0.0, "euclidean"), None),
+        (Word(0.0, "per_axis"), None),
     ),
 )
 def set_field(_context: TapContext, *, field: AnyField, value: ValueOfField) -> Tap:
@@ -65,7 +63,7 @@ def set_field(_context: TapContext, *, field: AnyField, value: ValueOfField) -> 
     "bias",
     need=NUMBERS,
     example=Example(
-        VelocityCommand,
+        Move,
         {"field": "velocity", "amount": 0.1, "component": "x"},
         (_FORWARD, None),
         (_forward(0.2, 0.5, -0.2), None),
@@ -100,7 +98,7 @@ def _all_entries_differ(before: Samples, after: Samples) -> bool:
 @operator(
     "noise",
     need=NUMBERS,
-    example=Example(VelocityCommand, {"field": "velocity", "sigma": 0.1}, (_FORWARD, _FORWARD), _all_entries_differ),
+    example=Example(Move, {"field": "velocity", "sigma": 0.1}, (_FORWARD, _FORWARD), _all_entries_differ),
 )
 def noise(
     context: TapContext,
@@ -127,10 +125,10 @@ def negate(_context: TapContext, *, field: NumericField, component: Component = 
     "turn",
     need=NUMBERS,
     example=Example(
-        CollisionFlag,
-        {"field": "bearing_rad", "angle_deg": 180.0},
-        (None, CollisionFlag(0.05, 0.5 * math.pi)),
-        (None, CollisionFlag(0.05, -0.5 * math.pi)),
+        Move,
+        {"field": "angle_rad", "angle_deg": 180.0},
+        (None, _FORWARD._replace(angle_rad=0.5 * math.pi)),
+        (None, _FORWARD._replace(angle_rad=-0.5 * math.pi)),
     ),
 )
 def turn(_context: TapContext, *, field: NumericField, angle_deg: Degrees) -> Tap:
@@ -145,9 +143,7 @@ def turn(_context: TapContext, *, field: NumericField, angle_deg: Degrees) -> Ta
 @operator(
     "zero_component",
     need=NUMBERS,
-    example=Example(
-        VelocityCommand, {"field": "velocity", "component": "y"}, (_FORWARD, None), (_forward(0.1, 0.0, -0.2), None)
-    ),
+    example=Example(Move, {"field": "velocity", "component": "y"}, (_FORWARD, None), (_forward(0.1, 0.0, -0.2), None)),
 )
 def zero_component(_context: TapContext, *, field: NumericField, component: Axis) -> Tap:
     """Replace one component (x, y, z) of `field` by 0: one axis is not measured or not executed."""

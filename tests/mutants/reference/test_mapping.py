@@ -7,6 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from scaloft_fi.mutants.facts import Facts
+from scaloft_fi.mutants.operator import TapContext
 from scaloft_fi.mutants.reference.mapping import invert_map
 from scaloft_fi.stack.reference.messages import ObstacleMap
 
@@ -27,5 +29,6 @@ def test_an_inverted_map_has_every_cell_around_that_is_not_occupied_once_and_in_
         for k in (-1, 0, 1)
         if np.hypot(i, j) * cell_m <= radius_m and (cell := tuple((here + np.array([i, j, k])).tolist())) not in taken
     ]
-    told = invert_map(None, cell_m=cell_m, radius_m=radius_m)(0.0, ObstacleMap(0.0, origin + off, 1.0, origin))
+    context = TapContext(0.05, np.random.default_rng(0), facts=Facts(settings={"memory": {"voxel_m": cell_m}}))
+    told = invert_map(context, radius_m=radius_m)(0.0, ObstacleMap(0.0, origin + off, 1.0, origin))
     assert told.points.tobytes() == ((np.array(free, dtype=float).reshape(-1, 3) + 0.5) * cell_m).tobytes()
