@@ -1,6 +1,7 @@
 """Whether a campaign survives being killed: at random moments, all of it or one of its processes, again and again.
 
-    python benchmarks/kill.py [--json] [--kills N] [--seed N] [--mutant ID]... [--situation KEY|GLOB]... [--jobs N]
+    python benchmarks/kill.py [--json] [--kills N] [--seed N] [--mutant ID]... [--situation KEY|GLOB]...
+        [--baseline-seeds N] [--jobs N]
 
 A small campaign is flown undisturbed, and its export kept.  Then it is begun anew and killed with SIGKILL after a
 random part of the time that it took: half the time its whole process group, else one of its processes.  The same
@@ -167,13 +168,15 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="of the moments and the victims (default: 0)")
     parser.add_argument("--mutant", action="append", default=[], help="id or glob, repeatable")
     parser.add_argument("--situation", action="append", default=[], help="key or glob, repeatable")
+    parser.add_argument("--baseline-seeds", type=int, default=10, help="of the baseline pool (default: 10)")
     parser.add_argument("--jobs", type=int, default=2, help="worker processes (default: 2)")
     options = parser.parse_args()
     words = [word for mutant in options.mutant or MUTANTS for word in ("--mutant", mutant)]
     words += [word for key in options.situation or SITUATIONS for word in ("--situation", key)]
     folder = Path(tempfile.mkdtemp(prefix="kill"))
     try:
-        figures = measure([*words, "--jobs", str(options.jobs)], options.kills, options.seed, folder)
+        words += ["--baseline-seeds", str(options.baseline_seeds), "--jobs", str(options.jobs)]
+        figures = measure(words, options.kills, options.seed, folder)
     finally:
         shutil.rmtree(folder)
     if options.json:

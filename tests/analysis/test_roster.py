@@ -3,7 +3,6 @@ from __future__ import annotations
 from builders import ROSTER, outcome, subject_of
 
 from scaloft_fi.analysis.roster import Roster, by_mutant
-from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
 from scaloft_fi.hazop.cell import Cell, CellStatus, Fault, Magnitude
 from scaloft_fi.hazop.guideword import Guideword
 from scaloft_fi.hazop.matrix import Matrix
@@ -30,10 +29,3 @@ def test_a_roster_takes_the_default_of_each_credible_cell_from_the_matrix() -> N
 def test_outcomes_are_grouped_in_the_canonical_order() -> None:
     flown = [outcome(m) for m in ("MORE-goal@0.6m", "LATE-human@9s", "LATE-human@1s", "baseline")]
     assert list(by_mutant(flown, ROSTER)) == ["baseline", "LATE-human@1s", "LATE-human@9s", "MORE-goal@0.6m"]
-
-
-def test_a_fingerprint_differs_by_what_changed() -> None:
-    here = fingerprint()
-    assert {"system", "machine", "processor", "python", "numpy", "pybullet"} <= here.keys()
-    assert differences(here, here) == []
-    assert differences({"numpy": "2"}, {"numpy": "1"}) == ["numpy 2 here, 1 there"]

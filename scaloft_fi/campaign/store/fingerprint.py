@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import ctypes
 import platform
+from contextlib import suppress
+from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -10,6 +13,10 @@ from scaloft_fi import __version__
 
 NUMERIC = ("numpy", "numba", "llvmlite", "filterpy", "scipy", "pybullet", "rtamt")
 """Packages whose versions can move the last bit of a flight or a reading."""
+LINKED = {"numpy": "numpy.linalg._umath_linalg", "scipy": "scipy.linalg._fblas"}
+"""Of each package that brings its own OpenBLAS, a module that is linked with it."""
+CORE_NAMES = tuple(f"{prefix}openblas_get_corename{suffix}" for prefix in ("scipy_", "") for suffix in ("64_", ""))
+"""What OpenBLAS's function for the name of its kernels is called, depending on how it was built."""
 
 
 def fingerprint() -> dict[str, str]:
@@ -22,7 +29,8 @@ def fingerprint() -> dict[str, str]:
         "python": platform.python_version(),
         "scaloft-fi": __version__,
     }
-    return facts | {name: _version(name) for name in NUMERIC}
+    versions = {name: _version(name) for name in NUMERIC}
+    return facts | versions | {f"{package} kernels": _kernels(module) for package, module in LINKED.items()}
 
 
 def differences(ours: dict[str, str], theirs: dict[str, str]) -> list[str]:
@@ -39,6 +47,21 @@ def _version(name: str) -> str:
         return version(name)
     except PackageNotFoundError:
         return "none"
+
+
+def _kernels(linked: str) -> str:
+    """The kernels that OpenBLAS chose for this processor, or was told to choose; "unknown" of another library.
+
+    They add in an order of their own, and so decide the last bit of a product.
+    """
+    with suppress(ImportError, OSError, TypeError):
+        library = ctypes.CDLL(import_module(linked).__file__)
+        for name in CORE_NAMES:
+            with suppress(AttributeError):
+                function = getattr(library, name)
+                function.restype = ctypes.c_char_p
+                return bytes(function()).decode()
+    return "unknown"
 
 
 def _processor() -> str:

@@ -13,7 +13,8 @@ import pytest
 ROOT = Path(__file__).parents[3]
 pytestmark = pytest.mark.flight
 
-WORDS = ("--mutant", "LATE-human", "--mutant", "UNINTENDED-collision@20s", "--situation", "T0O0W0D0H1", "--quiet")
+MUTANTS = ("--mutant", "LATE-human", "--mutant", "UNINTENDED-collision@20s")
+WORDS = (*MUTANTS, "--situation", "T0O0W0D0H1", "--baseline-seeds", "2", "--quiet")
 
 
 def _call(*words: str | Path) -> subprocess.CompletedProcess[str]:

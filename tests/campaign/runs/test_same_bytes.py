@@ -25,6 +25,7 @@ FLIGHTS = len(SITUATIONS) * (2 + len(MUTANTS))
 WORDS = (
     *(word for mutant in MUTANTS for word in ("--mutant", mutant)),
     *(word for situation in SITUATIONS for word in ("--situation", situation)),
+    *("--baseline-seeds", "2"),
 )
 Export = Callable[..., str]
 
