@@ -17,8 +17,9 @@ from functools import lru_cache
 from typing import Any, Protocol
 
 from scaloft_fi.errors import did_you_mean
+from scaloft_fi.stack.rates import TICK_S
 
-SAMPLE_MS = 50
+SAMPLE_MS = round(1000 * TICK_S)
 """Sampling period of the flight log [ms]."""
 
 PAST = frozenset({"historically", "once", "since"})

@@ -9,6 +9,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 
 from scaloft_fi.stack import messages as m
+from scaloft_fi.stack.rates import STEP_HZ, TICK_HZ
 
 S = TypeVar("S")
 
@@ -118,7 +119,6 @@ def _same(a: Any, b: Any) -> Any:
 
 _FEW = 16
 """So many numbers are sooner compared one by one than as an array."""
-STEP_HZ, TICK_HZ = 240.0, 20.0
 
 SEAMS: dict[str, Seam] = {
     seam.name: seam

@@ -10,7 +10,9 @@ import numpy as np
 
 from scaloft_fi.stack.camera import DepthCamera
 from scaloft_fi.stack.config import build
+from scaloft_fi.stack.fast_path import FastPath
 from scaloft_fi.stack.messages import Array, Exposure, Imu, Point, Route, SensorFrames, Stamps, Thrust
+from scaloft_fi.stack.rates import STEP_HZ
 from scaloft_fi.stack.reference.battery_monitor import BatteryConfig, BatteryMonitor
 from scaloft_fi.stack.reference.companion import Companion, CompanionConfig, Stages
 from scaloft_fi.stack.reference.control import ControlConfig
@@ -24,7 +26,7 @@ from scaloft_fi.stack.reference.planner import Planner, PlannerConfig
 from scaloft_fi.stack.reference.proximity import ProximityConfig, ProximityMonitor
 from scaloft_fi.stack.reference.recoil import Recoil, RecoilConfig
 from scaloft_fi.stack.reference.speed_limit import SpeedLimitConfig, SpeedLimitStage
-from scaloft_fi.stack.seam import STEP_HZ, Wire
+from scaloft_fi.stack.seam import Wire
 
 BELIEFS = (
     "told_person",
@@ -75,6 +77,11 @@ class Stack(Protocol):
     """What the flight loop asks of a stack under test."""
 
     @property
+    def fast_path(self) -> FastPath | None:
+        """`step` as a compiled kernel, None where there is none."""
+        ...
+
+    @property
     def exposure(self) -> Exposure:
         """The order in force for the colour camera."""
         ...
@@ -122,7 +129,7 @@ class ReferenceStack:
     """Estimator and flight control below, companion computer above.
 
     Attributes:
-        inner: the same as `step`, compiled, for steps whose seams nobody listens on.
+        fast_path: the same as `step`, compiled, for steps whose seams nobody listens on.
     """
 
     def __init__(self, task: Task, wire: Wire) -> None:
@@ -147,7 +154,7 @@ class ReferenceStack:
             task.yaw_rad,
         )
         self._control.take_off(task.altitude_m)
-        self.inner = InnerLoop(self._estimator, self._control)
+        self.fast_path = InnerLoop(self._estimator, self._control)
         self._pose = self._estimator.tick(0.0, None)
         self._last_stamps = Stamps(0.0, 0.0, 0.0)
 
