@@ -53,7 +53,7 @@ class CompiledStepper:
 @cache
 def loop_with(kernel: Kernel) -> Loop:
     """`_loop`, compiled with the stack's kernel."""
-    return jit(joined(inertial, kernel, actuate, free_step)(with_globals(_loop, kernel=kernel)))
+    return jit(joined(inertial, actuate, free_step)(with_globals(_loop, kernel=kernel)))
 
 
 def _loop(

@@ -33,7 +33,7 @@ def joined(*parts: Callable[..., object]) -> Callable[[Callable[P, R]], Callable
 
 
 def with_globals(function: Callable[P, R], **kernels: Callable[..., object]) -> Callable[P, R]:
-    """A copy of `function`, not yet compiled, in which these global names stand for these kernels.
+    """A copy of `function`, `joined` with these kernels but not yet compiled, in which they have these global names.
 
     numba keeps its machine code on disk, unlike that of a function which closes over a kernel or takes one as an
     argument: what identifies a kernel there is new in every process.
@@ -41,7 +41,7 @@ def with_globals(function: Callable[P, R], **kernels: Callable[..., object]) -> 
     plain = cast(FunctionType, function)
     copy = FunctionType(plain.__code__, {**plain.__globals__, **kernels}, plain.__name__, plain.__defaults__)
     copy.__qualname__, copy.__doc__ = plain.__qualname__, plain.__doc__
-    return cast(Callable[P, R], copy)
+    return joined(*kernels.values())(cast(Callable[P, R], copy))
 
 
 def jit(function: Callable[P, R]) -> Callable[P, R]:
