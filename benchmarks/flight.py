@@ -29,15 +29,15 @@ import numpy as np
 
 from scaloft_fi.judge.requirement import judge
 from scaloft_fi.sim import flight as flight_module
-from scaloft_fi.sim.body import Body, spawn
+from scaloft_fi.sim.airframe import Airframe, spawn
 from scaloft_fi.sim.build import build
+from scaloft_fi.sim.compiled_stepper import CompiledStepper
 from scaloft_fi.sim.contact import Feeler
-from scaloft_fi.sim.flight import fly, physics_server
+from scaloft_fi.sim.flight import Flight, fly, physics_server
 from scaloft_fi.sim.observer import Observer
 from scaloft_fi.sim.sensors import suite
 from scaloft_fi.sim.sensors.camera import DepthSensor
 from scaloft_fi.sim.sensors.detector import Detector
-from scaloft_fi.sim.tight_loop import TightLoop
 from scaloft_fi.stack.reference import companion
 from scaloft_fi.stack.reference.estimator import Estimator
 from scaloft_fi.stack.reference.memory import ObstacleMemory
@@ -48,7 +48,7 @@ from scaloft_fi.study import Study
 
 # Who is timed: (owner, attribute, part).  Nested parts are taken out of the outer ones.
 PROBES: tuple[tuple[Any, str, str], ...] = (
-    (Body, "moves", "physics"),
+    (Airframe, "step", "physics"),
     (Feeler, "feel", "physics"),
     (suite, "look", "camera"),
     (DepthSensor, "measure", "camera"),
@@ -60,8 +60,8 @@ PROBES: tuple[tuple[Any, str, str], ...] = (
     (ProximityMonitor, "flag", "perception"),
     (Planner, "plan", "planner"),
     (companion, "shape_velocity", "planner"),
-    (TightLoop, "drive", "inertial sensor, control, rotors"),
-    (TightLoop, "run", "free flight"),
+    (Flight, "_drive", "inertial sensor, control, rotors"),
+    (CompiledStepper, "advance", "free flight"),
     (Estimator, "tick", "estimator"),
     (Observer, "step", "oracle"),
     (Observer, "sample", "oracle"),

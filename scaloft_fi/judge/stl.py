@@ -17,8 +17,9 @@ from functools import lru_cache
 from typing import Any, Protocol
 
 from scaloft_fi.errors import did_you_mean
+from scaloft_fi.stack.rates import TICK_S
 
-SAMPLE_MS = 50
+SAMPLE_MS = round(1000 * TICK_S)
 """Sampling period of the flight log [ms]."""
 
 PAST = frozenset({"historically", "once", "since"})
@@ -116,7 +117,8 @@ class Formula:
         if length < 2:  # RTAMT needs two samples; one is as good as the same one twice
             columns = {name: column * 2 for name, column in columns.items()}
         times = _times_s(max(2, length))
-        values: list[float] = _specification(self.text, self.names).evaluate({"time": times, **columns})[:length]
+        pairs = _specification(self.text, self.names).evaluate({"time": times, **columns})[:length]
+        values = [float(value) for _, value in pairs]
         if math.isfinite(sum(values)) and min(values) >= -LARGEST and max(values) <= LARGEST:
             return values
         return [min(LARGEST, max(-LARGEST, value)) for value in values]

@@ -16,7 +16,7 @@ from scaloft_fi.mutants.facts import Facts
 from scaloft_fi.mutants.need import ANYTHING, Need
 from scaloft_fi.registry import Registry
 from scaloft_fi.stack.fields import vector_fields
-from scaloft_fi.stack.seam import TICK_HZ
+from scaloft_fi.stack.rates import TICK_HZ
 
 Tap = Callable[[float, Any | None], Any | None]
 """(time [s], sample or None when nothing is sent at this poll) -> what arrives.

@@ -1,7 +1,7 @@
-"""Whether compiled free flight and the physics server have the same bits here: asked once, before it is used.
+"""Whether compiled free flight and the physics server compute the same bits on this machine: tested once a process.
 
-They may differ on a processor that fuses multiplication and addition, or with another version of the server; then every
-step is the server's.
+They may differ on a processor that fuses multiplication and addition, or with another version of the server; then the
+server makes every step.
 """
 
 from __future__ import annotations
@@ -10,13 +10,13 @@ from functools import cache
 
 import numpy as np
 
-from scaloft_fi.sim.body import Body
+from scaloft_fi.sim.airframe import Airframe
 from scaloft_fi.sim.build import connect, set_up
 from scaloft_fi.sim.free_flight import free_step
 from scaloft_fi.sim.vehicle import Vehicle
 
 STEPS = 240
-"""Tried, a second's."""
+"""How many steps are compared: those of a second."""
 BLOCK = Vehicle(
     mass_kg=1.3,
     inertia=(0.011, 0.017, 0.023),
@@ -40,22 +40,22 @@ def agrees() -> bool:
     client = connect()
     try:
         set_up(client)
-        return _tumbles_alike(Body(client, BLOCK, (0.1, -0.2, 5.0), 0.3))
+        return _tumbles_alike(Airframe(client, BLOCK, (0.1, -0.2, 5.0), 0.3))
     finally:
         pybullet.disconnect(physicsClientId=client)
 
 
-def _tumbles_alike(body: Body) -> bool:
-    state, turned = body.state.copy(), body.turned().copy()
+def _tumbles_alike(airframe: Airframe) -> bool:
+    state, inverse = airframe.state.copy(), airframe.inverse_attitude().copy()
     pushes = np.random.default_rng(0).normal(0.0, (9.0, 9.0, 9.0, 0.3, 0.3, 0.3), (STEPS, 6))
-    pushed = body.pushed
+    pushed = airframe.pushed
 
     def drive(step: int) -> None:
         pushed[:] = pushes[step]
 
     for step in range(STEPS):
-        body.moves(drive, step, 1)
-        free_step(state, turned, pushes[step], body.inertia)
-        if state.tobytes() != body.state.tobytes():
+        airframe.step(drive, step, 1)
+        free_step(state, inverse, pushes[step], airframe.inertia)
+        if state.tobytes() != airframe.state.tobytes():
             return False
-    return turned.tobytes() == body.turned().tobytes()
+    return inverse.tobytes() == airframe.inverse_attitude().tobytes()

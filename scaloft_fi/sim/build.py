@@ -10,9 +10,9 @@ from typing import Any
 from scaloft_fi.sim.mesh import Mesh
 from scaloft_fi.sim.mine import SLAB_M
 from scaloft_fi.sim.world import GROUND, WALL, World
+from scaloft_fi.stack.rates import STEP_S
 
 GRAVITY_MPS2 = 9.81
-STEP_S = 1.0 / 240.0
 
 RAY_GROUP, VEHICLE_GROUP, WORLD_GROUP = 1, 2, 4
 """Collision groups: the vehicle meets the world, rays meet the world only."""

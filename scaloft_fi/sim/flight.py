@@ -14,8 +14,9 @@ import numpy as np
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.wire import TapError
 from scaloft_fi.sim.agreement import agrees
-from scaloft_fi.sim.body import Body, Drive
-from scaloft_fi.sim.build import STEP_S, build, connect
+from scaloft_fi.sim.airframe import Airframe
+from scaloft_fi.sim.build import build, connect
+from scaloft_fi.sim.compiled_stepper import CompiledStepper
 from scaloft_fi.sim.contact import Feeler
 from scaloft_fi.sim.events import events_of
 from scaloft_fi.sim.load import SimConfig, StackChoice
@@ -25,15 +26,15 @@ from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.sensors import Sensors
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.sim.stacks import STACKS
-from scaloft_fi.sim.tight_loop import TightLoop
+from scaloft_fi.sim.stepper import ServerStepper, Stepper
 from scaloft_fi.stack.camera import DepthCamera
 from scaloft_fi.stack.config import ConfigError
 from scaloft_fi.stack.config import build as build_settings
 from scaloft_fi.stack.contract import Stack, Task
 from scaloft_fi.stack.messages import SensorFrames
+from scaloft_fi.stack.rates import STEP_HZ, STEP_S, STEPS_PER_TICK, TICK_HZ
 from scaloft_fi.stack.seam import Wire
 
-STEPS_PER_TICK = 12
 NO_THRUST = np.zeros(4)
 HARNESS = (TapError, MemoryError)
 """What is no fact about the drone, wherever it is raised."""
@@ -115,7 +116,7 @@ class Flight:
     """A flight under way.
 
     Attributes:
-        stack, sensors, body: the system under test, what it senses with, the vehicle.
+        stack, sensors, airframe: the system under test, what it senses with, the vehicle.
         ticks: samples recorded after which it went on.
 
     Whatever the stack under test raises is a fact about the drone: when its companion fails, the autopilot flies on
@@ -132,21 +133,23 @@ class Flight:
             config.sensors, scenario.world.scene, scenario.persons, scenario.world.light, scenario.key, seed
         )
         self._client, self._scenario, self._wire = client, scenario, wire
-        self.body = Body(client, vehicle, start, scenario.world.mission.yaw_rad)
-        self._observer = Observer(client, ids, self.body.number, vehicle, scenario, config.sensors.depth.max_m)
-        self._feeler = Feeler(client, self.body.number, vehicle, ids.name_of)
+        self.airframe = Airframe(client, vehicle, start, scenario.world.mission.yaw_rad)
+        self._observer = Observer(client, ids, self.airframe.number, vehicle, scenario, config.sensors.depth.max_m)
+        self._feeler = Feeler(client, self.airframe.number, vehicle, ids.name_of)
         self._truth, self._beliefs = Recorder(self._observer.names), Recorder(self._declared.belief_names)
-        inner = self.stack.fast_path
-        self._tight = TightLoop(inner, self.sensors.inertial, self.body, wire) if inner is not None else None
+        self._server: Stepper = ServerStepper(self.airframe, self._drive)
+        self._compiled: Stepper | None = None
+        if self.stack.fast_path is not None:
+            self._compiled = CompiledStepper(self.stack.fast_path, self.sensors.inertial, self.airframe)
         self.ticks = self._steps = 0
         self._companion_alive = self._autopilot_alive = True
         self._stack_error = ""
 
     def tick(self) -> bool:
         """Record a sample; unless the flight is over, let sensors and companion work.  Returns whether it goes on."""
-        now_s = self.ticks / 20
-        self._truth.add(self._observer.sample(now_s, self.body.state, self.sensors.view))
-        self._feeler.look(self.body.truth, self._observer.room_m)
+        now_s = self.ticks / TICK_HZ
+        self._truth.add(self._observer.sample(now_s, self.airframe.state, self.sensors.view))
+        self._feeler.look(self.airframe.truth, self._observer.room_m)
         self._beliefs.add(self.stack.beliefs(now_s))
         if self._ending(now_s) is not None:
             return False
@@ -158,57 +161,51 @@ class Flight:
 
     def advance(self) -> None:
         """Step up to the next sample."""
-        tight = self._tight if self._autopilot_alive and self._tight is not None and self._tight.free else None
-        if tight is not None:
-            tight.begin()
-        drive = self._drive if tight is None else tight.drive
-        if self._feeler.out_of_reach:
-            # who listens to the rotors has the server's own steps, so that PLACEBO tells whether others have them
-            if self._wire.listens("thrust") or not agrees():
-                top_square = self.body.moves(drive, self._steps, STEPS_PER_TICK)
-            elif tight is None:
-                top_square = self.body.glides(drive, self._steps, STEPS_PER_TICK)
-            else:
-                top_square = tight.run(self._steps, STEPS_PER_TICK)
-            self._steps += STEPS_PER_TICK
-            self._observer.pass_by(top_square, self.body.truth)
-        else:
+        if not self._feeler.out_of_reach:
             for _ in range(STEPS_PER_TICK):
-                self._move(drive)
-        if tight is not None:
-            tight.end()
+                self.step()
+            return
+        top_square = self._stepper().advance(self._steps, STEPS_PER_TICK)
+        self._steps += STEPS_PER_TICK
+        self._observer.pass_by(top_square, self.airframe.truth)
 
     def step(self) -> None:
-        """One physics step with the thrust that flight control orders."""
-        self._move(self._drive)
-
-    def _move(self, drive: Drive) -> None:
-        """One physics step, watched."""
-        self.body.moves(drive, self._steps, 1)
+        """Let the server make one physics step, and look what it touched."""
+        self._server.advance(self._steps, 1)
         self._steps += 1
         self._watch()
+
+    def _stepper(self) -> Stepper:
+        """Who makes the steps where nothing can be touched.
+
+        PLACEBO listens on every seam and so has the server's steps: it compares both steppers on every campaign.
+        """
+        fast_path = self.stack.fast_path
+        if self._compiled is None or fast_path is None or not self._autopilot_alive or not agrees():
+            return self._server
+        return self._server if any(map(self._wire.listens, fast_path.seams)) else self._compiled
 
     def _drive(self, step: int) -> None:
         """Let flight control order the thrust of physics step number `step`."""
         order = NO_THRUST
         if self._autopilot_alive:
-            now_s = step / 240
+            now_s = step / STEP_HZ
             try:
-                thrust = self.stack.step(now_s, self.sensors.imu(step, self.body.state))
+                thrust = self.stack.step(now_s, self.sensors.imu(step, self.airframe.state))
                 order = NO_THRUST if thrust is None else thrust.rotors
             except HARNESS:
                 raise
             except Exception as error:  # noqa: BLE001 - whatever the stack under test raises
                 self._autopilot_fails(now_s, error)
-        self.body.actuate(order)
+        self.airframe.actuate(order)
 
     def _watch(self) -> None:
         """Let touch sensor and observer look at the step just made."""
-        body = self.body
-        touched = self._feeler.feel(body.truth, body.state)
+        airframe = self.airframe
+        touched = self._feeler.feel(airframe.truth, airframe.state)
         if touched:
             self.sensors.feel(touched)
-        self._observer.step(self._steps * STEP_S, body.truth, touched)
+        self._observer.step(self._steps * STEP_S, airframe.truth, touched)
 
     def log(self) -> FlightLog:
         """What happened so far."""
@@ -217,7 +214,7 @@ class Flight:
         observer = self._observer
         return FlightLog(
             signals={**truth, **beliefs},
-            ending=self._ending(self.ticks / 20) or Ending.TIMED_OUT,
+            ending=self._ending(self.ticks / TICK_HZ) or Ending.TIMED_OUT,
             struck=observer.struck,
             struck_at_s=observer.struck_at_s,
             stack_error=self._stack_error,
@@ -252,7 +249,7 @@ class Flight:
                 raise
             except Exception as error:  # noqa: BLE001 - whatever the stack under test raises
                 self._autopilot_fails(now_s, error)
-        return self.sensors.frames(self.ticks, self.body.state, self.body.thrusts, self.stack.exposure, stamps)
+        return self.sensors.frames(self.ticks, self.airframe.state, self.airframe.thrusts, self.stack.exposure, stamps)
 
     def _think(self, now_s: float, frames: SensorFrames) -> None:
         try:

@@ -13,9 +13,10 @@ import math
 
 import numpy as np
 
-from scaloft_fi.sim.build import GRAVITY_MPS2, STEP_S
+from scaloft_fi.sim.build import GRAVITY_MPS2
 from scaloft_fi.sim.vehicle import Array, Vehicle
 from scaloft_fi.stack.kernel import jit
+from scaloft_fi.stack.rates import STEP_S
 
 _LARGEST_MPS = 100.0
 """Bullet keeps every coordinate of velocity and rate within this [m/s, rad/s]."""
@@ -31,17 +32,17 @@ def inertia_of(vehicle: Vehicle) -> Array:
 
 
 @jit
-def free_step(state: Array, turned: Array, pushed: Array, inertia: Array) -> float:
-    """Advance `state` and `turned` by one step, in place; returns the square of the speed after it [m2/s2].
+def free_step(state: Array, inverse: Array, pushed: Array, inertia: Array) -> float:
+    """Advance `state` and `inverse` by one step, in place; returns the square of the speed after it [m2/s2].
 
     Args:
         state: (13,) of the body, as `sim.vehicle` lays it out.
-        turned: (4,) x, y, z, w from world to body: what Bullet keeps; `state` has a rounded inverse of it.
+        inverse: (4,) x, y, z, w from world to body: what Bullet keeps; `state` has a rounded inverse of it.
         pushed: (6,) force at the centre [N, world], torque [N m, world], without weight.
         inertia: (5,) as `inertia_of`.
     """
     r = np.empty((3, 3))
-    matrix_of(turned[0], turned[1], turned[2], turned[3], r)
+    matrix_of(inverse[0], inverse[1], inverse[2], inverse[3], r)
     ix, iy, iz, mass, per_mass = inertia[0], inertia[1], inertia[2], inertia[3], inertia[4]
     vx, vy, vz, ox, oy, oz = state[7], state[8], state[9], state[10], state[11], state[12]
     fx, fy, fz = pushed[0], pushed[1], pushed[2] + -GRAVITY_MPS2 * mass
@@ -69,8 +70,8 @@ def free_step(state: Array, turned: Array, pushed: Array, inertia: Array) -> flo
         state[10 + k] = _kept(state[10 + k] + (r[0, k] * ax + r[1, k] * ay + r[2, k] * az) * STEP_S)
         state[7 + k] = _kept(state[7 + k] + (r[0, k] * gx + r[1, k] * gy + r[2, k] * gz) * STEP_S)
         state[k] += STEP_S * state[7 + k]
-    turn_on(turned, state[10:13])
-    attitude_of(turned, state[3:7])
+    turn_on(inverse, state[10:13])
+    attitude_of(inverse, state[3:7])
     square: float = state[7] * state[7] + state[8] * state[8] + state[9] * state[9]
     return square
 
@@ -86,8 +87,8 @@ def _kept(speed):  # type: ignore[no-untyped-def]
 
 
 @jit
-def turn_on(turned: Array, rate: Array) -> None:
-    """Advance `turned` (4,), world to body, by one step at `rate` (3,) [rad/s, world], in place."""
+def turn_on(inverse: Array, rate: Array) -> None:
+    """Advance `inverse` (4,), world to body, by one step at `rate` (3,) [rad/s, world], in place."""
     x, y, z = rate[0], rate[1], rate[2]
     size = math.sqrt(x * x + y * y + z * z)
     if size * STEP_S > _LARGEST_TURN:
@@ -97,20 +98,20 @@ def turn_on(turned: Array, rate: Array) -> None:
     else:
         share = math.sin(0.5 * size * STEP_S) / size
     bx, by, bz, bw = -(x * share), -(y * share), -(z * share), math.cos(size * STEP_S * 0.5)
-    ax, ay, az, aw = turned[0], turned[1], turned[2], turned[3]
+    ax, ay, az, aw = inverse[0], inverse[1], inverse[2], inverse[3]
     qx = aw * bx + ax * bw + ay * bz - az * by
     qy = aw * by + ay * bw + az * bx - ax * bz
     qz = aw * bz + az * bw + ax * by - ay * bx
     qw = aw * bw - ax * bx - ay * by - az * bz
     scale = 1.0 / math.sqrt(qx * qx + qy * qy + qz * qz + qw * qw)
-    turned[0], turned[1], turned[2], turned[3] = qx * scale, qy * scale, qz * scale, qw * scale
+    inverse[0], inverse[1], inverse[2], inverse[3] = qx * scale, qy * scale, qz * scale, qw * scale
 
 
 @jit
-def turn_through(turned: Array, rates: Array) -> None:
+def turn_through(inverse: Array, rates: Array) -> None:
     """`turn_on` once for each row of `rates` (N, 3)."""
     for i in range(len(rates)):
-        turn_on(turned, rates[i])
+        turn_on(inverse, rates[i])
 
 
 @jit
@@ -127,10 +128,10 @@ def matrix_of(x, y, z, w, r):  # type: ignore[no-untyped-def]
 
 
 @jit
-def attitude_of(turned: Array, attitude: Array) -> None:
-    """Write into `attitude` (4,), body to world, what the server tells of `turned` (4,): by way of a matrix."""
+def attitude_of(inverse: Array, attitude: Array) -> None:
+    """Write into `attitude` (4,), body to world, what the server tells of `inverse` (4,): by way of a matrix."""
     m = np.empty((3, 3))
-    matrix_of(-turned[0], -turned[1], -turned[2], turned[3], m)
+    matrix_of(-inverse[0], -inverse[1], -inverse[2], inverse[3], m)
     trace = m[0, 0] + m[1, 1] + m[2, 2]
     if trace > 0.0:
         s = math.sqrt(trace + 1.0)

@@ -10,8 +10,8 @@ import numpy as np
 
 from scaloft_fi.sim.build import GRAVITY_MPS2
 from scaloft_fi.sim.vehicle import RATE, VELOCITY, Vehicle
+from scaloft_fi.stack.rates import TICK_S
 
-TICK_S = 0.05
 _GAINED_S2 = TICK_S**2 * 13.0 / 24.0
 """Way per acceleration, where each of 12 steps first gains speed and then moves by it [s2]."""
 

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.build import GRAVITY_MPS2, STEP_S
+from scaloft_fi.sim.build import GRAVITY_MPS2
 from scaloft_fi.stack.kernel import jit
+from scaloft_fi.stack.rates import STEP_S
 
 Array = NDArray[np.float64]
 

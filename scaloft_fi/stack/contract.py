@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from scaloft_fi.stack.camera import DepthCamera
+from scaloft_fi.stack.fast_path import FastPath
 from scaloft_fi.stack.fields import Array, Point
 from scaloft_fi.stack.messages import Exposure, Imu, SensorFrames, Stamps, Thrust
 
@@ -55,8 +56,8 @@ class Stack(Protocol):
         ...
 
     @property
-    def fast_path(self) -> Any:
-        """A compiled equal of `step` (`stack.fast_path`), used while nobody listens to its seams; None without one."""
+    def fast_path(self) -> FastPath | None:
+        """`step` as a compiled kernel, used while no fault sits on its seams; None where there is none."""
         ...
 
     def stamps(self, now_s: float) -> Stamps:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable
 from pathlib import Path
+from types import FunctionType
 from typing import ParamSpec, TypeVar, cast
 
 import numba
@@ -16,16 +17,31 @@ R = TypeVar("R")
 def joined(*parts: Callable[..., object]) -> Callable[[Callable[P, R]], Callable[P, R]]:
     """Mark a function that calls kernels of other files, below `@jit`.
 
-    numba keeps machine code under the function's name, which here changes with the sources of `parts`.
+    numba keeps machine code under the function's name, which here changes with the names and sources of `parts`, and
+    so with all that parts which are `joined` themselves call.
     """
-    sources = {Path(getattr(part, "py_func", part).__code__.co_filename) for part in parts}
-    digest = hashlib.sha256(b"".join(source.read_bytes() for source in sorted(sources))).hexdigest()[:12]
+    functions = [getattr(part, "py_func", part) for part in parts]
+    names = "".join(sorted(function.__qualname__ for function in functions)).encode()
+    sources = {Path(function.__code__.co_filename) for function in functions}
+    digest = hashlib.sha256(names + b"".join(source.read_bytes() for source in sorted(sources))).hexdigest()[:12]
 
     def named(function: Callable[P, R]) -> Callable[P, R]:
         function.__qualname__ += f"_{digest}"
         return function
 
     return named
+
+
+def with_globals(function: Callable[P, R], **kernels: Callable[..., object]) -> Callable[P, R]:
+    """A copy of `function`, `joined` with these kernels but not yet compiled, in which they have these global names.
+
+    numba keeps its machine code on disk, unlike that of a function which closes over a kernel or takes one as an
+    argument: what identifies a kernel there is new in every process.
+    """
+    plain = cast(FunctionType, function)
+    copy = FunctionType(plain.__code__, {**plain.__globals__, **kernels}, plain.__name__, plain.__defaults__)
+    copy.__qualname__, copy.__doc__ = plain.__qualname__, plain.__doc__
+    return joined(*kernels.values())(cast(Callable[P, R], copy))
 
 
 def jit(function: Callable[P, R]) -> Callable[P, R]:

@@ -134,4 +134,3 @@ def _same(a: Any, b: Any) -> Any:
 
 _FEW = 16
 """So many numbers are sooner compared one by one than as an array."""
-STEP_HZ, TICK_HZ = 240.0, 20.0

@@ -182,15 +182,5 @@ def test_what_was_made_quick_is_to_the_bit_the_librarys_own(
     assert list(map(repr, rho(text, **signals))) == list(map(repr, expected))
 
 
-@given(st.lists(st.sampled_from([0.0, -0.0, 1.0, -1.0, 2.0]), min_size=1, max_size=40), st.integers(1, 40))
-def test_a_window_slides_as_if_each_were_looked_at_whole(samples: list[float], width: int) -> None:
-    from scaloft_fi.judge.monitor import slid
-
-    width = min(width, len(samples))
-    for most in (min, max):
-        whole = [most(samples[i : i + width]) for i in range(len(samples) - width + 1)]
-        assert list(map(repr, slid(most, samples, width))) == list(map(repr, whole))
-
-
 def test_the_sampling_period_is_that_of_the_flight_log() -> None:
     assert SAMPLE_MS == 1000 / 20

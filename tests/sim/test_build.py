@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from scaloft_fi.sim import mesh
-from scaloft_fi.sim.body import Body, spawn
+from scaloft_fi.sim.airframe import Airframe, spawn
 from scaloft_fi.sim.build import build, connect
 from scaloft_fi.sim.contact import contacts
 from scaloft_fi.sim.geometry import blocked
@@ -31,12 +31,12 @@ def test_nothing_touches_at_the_start_but_the_floor(client, config, world):
     import pybullet
 
     ids = build(client, world)
-    body = Body(client, config.vehicle, (0, 0, config.vehicle.half_height_m), 0)
+    airframe = Airframe(client, config.vehicle, (0, 0, config.vehicle.half_height_m), 0)
     for _ in range(60):
         pybullet.stepSimulation(physicsClientId=client)
-    body.read()
-    assert abs(body.state[2] - config.vehicle.half_height_m) < 2e-3
-    touched = contacts(client, body.number, ids.name_of, body.state, config.vehicle.half_height_m)
+    airframe.read()
+    assert abs(airframe.state[2] - config.vehicle.half_height_m) < 2e-3
+    touched = contacts(client, airframe.number, ids.name_of, airframe.state, config.vehicle.half_height_m)
     assert touched == (("ground", True),)
 
 
@@ -72,10 +72,10 @@ def test_a_body_pushed_into_the_hull_is_a_touch_with_its_name(client, config, wo
 
     ids = build(client, world)
     half = config.vehicle.half_height_m
-    body = Body(client, config.vehicle, (-0.5 + 0.25 + 0.235 - 0.005, 3.25, 0.85), 0)
+    airframe = Airframe(client, config.vehicle, (-0.5 + 0.25 + 0.235 - 0.005, 3.25, 0.85), 0)
     pybullet.stepSimulation(physicsClientId=client)
-    body.read()
-    assert contacts(client, body.number, ids.name_of, body.state, half) == (("person", False),)
+    airframe.read()
+    assert contacts(client, airframe.number, ids.name_of, airframe.state, half) == (("person", False),)
 
 
 def test_the_line_of_sight_equals_a_ray_test(client, config, world):
@@ -108,12 +108,12 @@ def test_a_users_mesh_mine_is_rock_and_floor(client, config):
     wall, floor = mesh.split_floor(room, [""] * 12, [], "here")
     mine = replace(config.world.mine, wall=wall, ground=floor, ground_is_slab=False, footprint=())
     ids = build(client, replace(config.world, mine=mine))
-    body = Body(client, config.vehicle, (0, 2, 0.4), 0)
+    airframe = Airframe(client, config.vehicle, (0, 2, 0.4), 0)
     for _ in range(240):
         pybullet.stepSimulation(physicsClientId=client)
-    body.read()
-    assert body.state[2] == pytest.approx(config.vehicle.half_height_m, abs=3e-3)
-    touched = contacts(client, body.number, ids.name_of, body.state, config.vehicle.half_height_m)
+    airframe.read()
+    assert airframe.state[2] == pytest.approx(config.vehicle.half_height_m, abs=3e-3)
+    touched = contacts(client, airframe.number, ids.name_of, airframe.state, config.vehicle.half_height_m)
     assert touched == (("ground", True),)
 
 

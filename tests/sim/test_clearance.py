@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.sim.body import spawn
+from scaloft_fi.sim.airframe import spawn
 from scaloft_fi.sim.build import build, connect
 from scaloft_fi.sim.clearance import Clearances, moved_m
 from scaloft_fi.sim.load import load

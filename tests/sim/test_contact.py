@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from scaloft_fi.sim.body import Body
+from scaloft_fi.sim.airframe import Airframe
 from scaloft_fi.sim.build import build
 from scaloft_fi.sim.contact import Feeler, contacts
 from scaloft_fi.sim.observer import Observer
@@ -26,20 +26,20 @@ def test_feeling_only_where_something_is_near_finds_every_touch(client, config, 
 
     scenario = config.scenario(config.grid.situation("T1O1W0D0H1"))
     ids, vehicle = build(client, scenario.world), config.vehicle
-    body = Body(client, vehicle, position, 0.0)
-    pybullet.resetBaseVelocity(body.number, velocity, spin, physicsClientId=client)
-    body.read()
-    observer = Observer(client, ids, body.number, vehicle, scenario, 5.0)
-    feeler = Feeler(client, body.number, vehicle, ids.name_of)
+    airframe = Airframe(client, vehicle, position, 0.0)
+    pybullet.resetBaseVelocity(airframe.number, velocity, spin, physicsClientId=client)
+    airframe.read()
+    observer = Observer(client, ids, airframe.number, vehicle, scenario, 5.0)
+    feeler = Feeler(client, airframe.number, vehicle, ids.name_of)
     felt = []
     for step in range(240):
         if step % 12 == 0:
-            observer.sample(step / 240, body.state, None)
-            feeler.look(body.truth, observer.room_m)
-        body.moves(lambda _step: body.actuate(np.zeros(4)), 0, 1)
-        touches = feeler.feel(body.truth, body.state)
-        assert touches == contacts(client, body.number, ids.name_of, body.state, vehicle.half_height_m)
-        observer.step((step + 1) / 240, body.truth, touches)
+            observer.sample(step / 240, airframe.state, None)
+            feeler.look(airframe.truth, observer.room_m)
+        airframe.step(lambda _step: airframe.actuate(np.zeros(4)), 0, 1)
+        touches = feeler.feel(airframe.truth, airframe.state)
+        assert touches == contacts(client, airframe.number, ids.name_of, airframe.state, vehicle.half_height_m)
+        observer.step((step + 1) / 240, airframe.truth, touches)
         felt += touches
         assert not (feeler.out_of_reach and touches)
     assert felt
@@ -51,14 +51,14 @@ def truth_at(y=4.0, velocity=(0.0, 0.0, 0.0), rate=(0.0, 0.0, 0.0)):
 
 def test_it_asks_again_once_the_vehicle_may_have_come_near(client, config):
     build(client, config.world)
-    body = Body(client, config.vehicle, (0, 4, 1.65), 0.0)
-    feeler = Feeler(-1, body.number, config.vehicle, {})
+    airframe = Airframe(client, config.vehicle, (0, 4, 1.65), 0.0)
+    feeler = Feeler(-1, airframe.number, config.vehicle, {})
     free_m = 1.0 - 0.5 * math.hypot(*config.vehicle.hull_m) + 0.5 * min(config.vehicle.hull_m) - 0.05
     feeler.look(truth_at(), 1.0)
-    assert feeler.feel((0.0, 4.0 + free_m - 1e-6, 1.65), body.state) == ()
+    assert feeler.feel((0.0, 4.0 + free_m - 1e-6, 1.65), airframe.state) == ()
     for place in ((0.0, 4.0 + free_m + 1e-6, 1.65), (math.nan, 4.0, 1.65)):
         with pytest.raises(Exception, match="Not connected"):
-            feeler.feel(place, body.state)
+            feeler.feel(place, airframe.state)
 
 
 @pytest.mark.parametrize(

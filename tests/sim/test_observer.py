@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from scaloft_fi.sim.body import spawn
+from scaloft_fi.sim.airframe import spawn
 from scaloft_fi.sim.build import build
 from scaloft_fi.sim.contact import Contact
 from scaloft_fi.sim.observer import Observer

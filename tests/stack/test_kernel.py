@@ -1,7 +1,7 @@
 import numba
 import pytest
 
-from scaloft_fi.stack.kernel import jit, joined
+from scaloft_fi.stack.kernel import jit, joined, with_globals
 
 
 def test_a_kernel_computes_what_its_function_says():
@@ -62,3 +62,37 @@ def test_machine_code_of_joined_kernels_has_a_name_that_changes_with_their_sourc
     plain = name_when_a_part_is("def part(x):\n    return x\n")
     assert name_when_a_part_is("def part(x):\n    return x\n") == plain
     assert name_when_a_part_is("STEP = 2\ndef part(x):\n    return x\n") != plain
+
+
+def test_the_name_of_joined_kernels_changes_with_what_their_parts_call(tmp_path):
+    def part_called(name):
+        def part():
+            pass
+
+        part.__qualname__ = name
+        return part
+
+    def name_with(part):
+        @joined(part)
+        def whole():
+            pass
+
+        return whole.__qualname__
+
+    assert name_with(part_called("part_1")) == name_with(part_called("part_1"))
+    assert name_with(part_called("part_1")) != name_with(part_called("part_2"))
+
+
+def _applied(x):
+    return kernel(x) + 1.0  # noqa: F821 - given by `with_globals`
+
+
+def test_a_copy_with_other_globals_calls_other_kernels():
+    def double(x):
+        return 2.0 * x
+
+    def half(x):
+        return 0.5 * x
+
+    one, other = (jit(with_globals(_applied, kernel=jit(kernel))) for kernel in (double, half))
+    assert (one(4.0), other(4.0)) == (9.0, 3.0)

@@ -65,7 +65,8 @@ class Physics:
         with _unheard():
             import pybullet  # noqa: F401 - it greets on standard error when first imported
         from scaloft_fi.sim import flight
-        from scaloft_fi.stack.seam import TICK_HZ, PlainWire
+        from scaloft_fi.stack.rates import TICK_HZ
+        from scaloft_fi.stack.seam import PlainWire
 
         notice = Timer(PATIENCE_S, say, ["compiling kernels (first run only)"])
         notice.start()

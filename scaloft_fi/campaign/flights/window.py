@@ -10,6 +10,7 @@ from scaloft_fi.campaign.flights.fly import wire_of
 from scaloft_fi.campaign.plan.plan import Flight
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.log import FlightLog
+from scaloft_fi.stack.rates import TICK_S
 from scaloft_fi.study import Study
 
 DISTANCE_M, TURN_DEG, TILT_DEG = 3.0, 15.0, -60.0
@@ -37,10 +38,10 @@ def fly_in_window(study: Study, flight: Flight) -> FlightLog:
         under_way = flying.Flight(client, study.sim, study.scenario(flight.situation), flight.seed, wire)
         due_s = time.monotonic()
         while under_way.tick():
-            follow = under_way.body.state[:3].tolist()
+            follow = under_way.airframe.state[:3].tolist()
             pybullet.resetDebugVisualizerCamera(DISTANCE_M, TURN_DEG, TILT_DEG, follow, physicsClientId=client)
             under_way.advance()
-            due_s += 0.05
+            due_s += TICK_S
             time.sleep(max(0.0, due_s - time.monotonic()))
         return under_way.log()
     finally:

@@ -10,7 +10,7 @@ from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
 from scaloft_fi.mutants.sample import altered, within
 from scaloft_fi.mutants.window import Windows
 from scaloft_fi.stack.messages import Exposure, Imu, Stamps
-from scaloft_fi.stack.seam import STEP_HZ
+from scaloft_fi.stack.rates import STEP_HZ
 
 _EXPOSURE = Exposure(1.0, 2.0, 0.0)
 _REST = Imu(0.0, np.array([0.1, -0.2, 0.3]), np.array([0.0, 0.0, 9.81]))

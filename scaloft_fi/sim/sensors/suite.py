@@ -19,10 +19,9 @@ from scaloft_fi.sim.sensors.metering import LightMeter, MeteringConfig
 from scaloft_fi.sim.sensors.positioning import Positioning, PositioningConfig
 from scaloft_fi.sim.streams import Array
 from scaloft_fi.stack.messages import DepthFrame, Detections, Exposure, Fix, Imu, SensorFrames, Stamps
+from scaloft_fi.stack.rates import TICK_S
 
 M = TypeVar("M")
-
-TICK_S = 0.05
 
 
 @dataclass(frozen=True)

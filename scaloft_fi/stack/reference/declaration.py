@@ -10,8 +10,9 @@ from scaloft_fi.stack import messages as m
 from scaloft_fi.stack.belief import Belief, Mark
 from scaloft_fi.stack.contract import Stack, Task
 from scaloft_fi.stack.declaration import Declaration
+from scaloft_fi.stack.rates import STEP_HZ, TICK_HZ
 from scaloft_fi.stack.reference import messages as own
-from scaloft_fi.stack.seam import STEP_HZ, TICK_HZ, Seam, Wire
+from scaloft_fi.stack.seam import Seam, Wire
 
 MODES = ("takeoff", "offboard", "hold", "land", "level", "stopped")
 """What flight control does, by the number that the belief `mode` has."""

@@ -14,9 +14,9 @@ from scipy.linalg.lapack import dgesv
 
 from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.kernel import jit
+from scaloft_fi.stack.rates import TICK_S
 from scaloft_fi.stack.reference.covariance import MEASURED, SIZE, carried, corrected, innovation
 
-TICK_S = 0.05
 _IDENTITY = np.eye(len(MEASURED))
 
 

@@ -21,17 +21,16 @@ from scaloft_fi.stack.reference.strapdown import (
     NUMBERS,
     POSITION,
     RATE_BIAS,
+    STAMP_S,
+    USED_S,
     VELOCITY,
     correct,
+    integrate,
     parts_of,
-    propagate,
     rotation,
     turn,
     yaw_of,
 )
-
-IMU_GAP_S = 0.1
-"""An inertial sample so long after the one before is not integrated [s]."""
 
 
 @dataclass(frozen=True)
@@ -67,25 +66,21 @@ class Estimator:
     """The running estimate.
 
     Attributes:
-        numbers: (31,) state, rotation, world_force and rate in one piece; these four are views of it.
+        numbers: (33,) state, rotation, world_force, rate and two times in one piece; the first four are views of it.
         state: (16,) nominal state, see `strapdown.propagate`.
         rate: (3,) last angular rate, bias removed [rad/s, body].
         rotation: (3, 3) attitude as a matrix, body to world.
         world_force: (3,) specific force integrated since the last prediction [m/s, world].
-        stamp_s: stamp of the last inertial sample [s].
-        last_imu_s: time of the last inertial sample that was used [s].
         last_fix_s: own time at which a fix was last accepted [s].
     """
 
     def __init__(self, config: EstimatorConfig, position: Array, yaw_rad: float) -> None:
         self.config = config
         self.numbers = np.zeros(NUMBERS)
-        self.state, self.rotation, self.world_force, self.rate = parts_of(self.numbers)
+        self.state, self.rotation, self.world_force, self.rate, self._times = parts_of(self.numbers)
         self.state[POSITION:VELOCITY] = position
         self.state[8], self.state[9] = math.sin(0.5 * yaw_rad), math.cos(0.5 * yaw_rad)
-        self.last_imu_s = 0.0
         self.last_fix_s = 0.0
-        self.stamp_s = 0.0
         self._fix_stamp_s = 0.0
         self._refused_since_s: float | None = None
         self._predicted_s = 0.0
@@ -100,14 +95,19 @@ class Estimator:
             config.fix_yaw_sigma_rad,
         )
 
+    @property
+    def stamp_s(self) -> float:
+        """Stamp of the last inertial sample [s]."""
+        return float(self._times[STAMP_S])
+
+    @property
+    def last_imu_s(self) -> float:
+        """Time of the last inertial sample that was used [s]."""
+        return float(self._times[USED_S])
+
     def inertial(self, now_s: float, imu: Imu) -> None:
         """Integrate one inertial sample."""
-        dt_s = imu.stamp_s - self.stamp_s
-        self.stamp_s = imu.stamp_s
-        if not 0.0 < dt_s < IMU_GAP_S:
-            return
-        self.last_imu_s = now_s
-        propagate(self.state, imu.rate, imu.force, dt_s, self.rotation, self.world_force, self.rate)
+        integrate(now_s, imu.stamp_s, imu.rate, imu.force, self.numbers)
 
     def tick(self, now_s: float, fix: Fix | None) -> PoseEstimate:
         """Predict the error's covariance, correct by `fix` if there is one; returns the estimate."""

@@ -1,78 +1,72 @@
-"""The autopilot's 240 Hz part as one compiled step, for a flight loop in which nobody listens to what it is sent.
+"""The autopilot's 240 Hz part as one compiled step: the fast path of the reference stack.
 
 The same kernels on the same numbers as `FlightControl.step`, in the same order.
 """
 
 from __future__ import annotations
 
+import numpy as np
+
+from scaloft_fi.stack.fast_path import Numbers
 from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.kernel import jit, joined
+from scaloft_fi.stack.rates import STEP_HZ
 from scaloft_fi.stack.reference import control, strapdown
-from scaloft_fi.stack.reference.estimator import IMU_GAP_S, Estimator
+from scaloft_fi.stack.reference.estimator import Estimator
 from scaloft_fi.stack.reference.flight_control import FlightControl
 
 STOPPED_MODE = -1
 
-
-class InnerLoop:
-    """Estimator and flight control as `stabilise` takes them.
-
-    Attributes:
-        estimate, control: (31,), (52,) their numbers themselves, not copies.
-    """
-
-    def __init__(self, estimator: Estimator, flight_control: FlightControl) -> None:
-        self._estimator, self._control = estimator, flight_control
-        self.estimate, self.control = estimator.numbers, flight_control.numbers
-
-    @property
-    def stamp_s(self) -> float:
-        """Stamp of the last inertial sample [s]."""
-        return self._estimator.stamp_s
-
-    @property
-    def heard_s(self) -> float:
-        """Time of the last inertial sample that was used [s]."""
-        return self._estimator.last_imu_s
-
-    @property
-    def mode(self) -> int:
-        """What flight control does now, as `stabilise` takes it."""
-        return STOPPED_MODE if self._control.mode == "stopped" else self._control.kernel_mode
-
-    @property
-    def orders(self) -> tuple[float, float]:
-        """Heading to take [rad], and greatest change of the velocity setpoint [m/s2]; they hold for a tick."""
-        return self._control.yaw_rad, self._control.accel_mps2
-
-    def note(self, stamp_s: float, heard_s: float, mode: int) -> None:
-        """Take note of what the steps came to: the last sample's stamp, when one was last used [s], and the mode."""
-        self._estimator.stamp_s, self._estimator.last_imu_s = stamp_s, heard_s
-        if mode == STOPPED_MODE:
-            self._control.mode = "stopped"
+# Layout of the orders, which hold for a tick: mode of `control` or STOPPED_MODE, heading, change of the velocity.
+_MODE, _YAW, _ACCEL, _ORDERS = 0, 1, 2, 3
 
 
 @jit
-@joined(strapdown.propagate, control.control)
-def stabilise(
-    rate: Array, force: Array, dt_s: float, step_s: float, mode: int, yaw_sp: float, accel_mps2: float,
-    estimate: Array, controlled: Array,
-) -> tuple[bool, Array]:  # fmt: skip
-    """One 240 Hz step: integrate the inertial sample; whether the rotors go on, and their thrust (4,) [N].
+@joined(strapdown.integrate, control.control)
+def stabilise(now_s: float, stamp_s: float, rate: Array, force: Array, numbers: Numbers) -> Array:
+    """One 240 Hz step: integrate the inertial sample; returns the thrust of each rotor (4,) [N].
 
     Args:
-        rate, force: (3,) of the inertial sample [rad/s, m/s2, body], which came `dt_s` [s] after the one before.
-        step_s: length of the step [s].
-        mode: of `control`, or STOPPED_MODE. yaw_sp, accel_mps2: of `control`.
-        estimate, controlled: (31,), (52,) numbers of estimator and flight control.
+        now_s, stamp_s, rate, force: of `strapdown.integrate`.
+        numbers: (33,) of the estimator, (52,) of flight control, (3,) orders.
     """
-    state, r, world_force, body_rate = strapdown.parts_of(estimate)
+    estimate, controlled, orders = numbers
+    state, r, _, body_rate, _ = strapdown.parts_of(estimate)
     velocity_sp, hold, memory, gains, allocation, thrust = control.parts_of(controlled)
-    if 0.0 < dt_s < IMU_GAP_S:
-        strapdown.propagate(state, rate, force, dt_s, r, world_force, body_rate)
-    goes_on = mode != STOPPED_MODE and control.control(
-        state, r, body_rate, mode, velocity_sp, hold, yaw_sp, accel_mps2, step_s, gains, allocation, memory, thrust
-    )
-    if not goes_on:
+    strapdown.integrate(now_s, stamp_s, rate, force, estimate)
+    mode = int(orders[_MODE])
+    if mode == STOPPED_MODE or not control.control(
+        state, r, body_rate, mode, velocity_sp, hold, orders[_YAW], orders[_ACCEL], 1.0 / STEP_HZ,
+        gains, allocation, memory, thrust,
+    ):  # fmt: skip
+        orders[_MODE] = STOPPED_MODE
         thrust[:] = 0.0
-    return goes_on, thrust
+    return thrust
+
+
+class InnerLoop:
+    """Estimator and flight control as one kernel.
+
+    Attributes:
+        seams: the seams that it skips.
+        kernel: the compiled step.
+    """
+
+    seams = ("imu", "thrust")
+    kernel = staticmethod(stabilise)
+
+    def __init__(self, estimator: Estimator, flight_control: FlightControl) -> None:
+        self._control, self._orders = flight_control, np.empty(_ORDERS)
+        self._numbers = (estimator.numbers, flight_control.numbers, self._orders)
+
+    def begin(self) -> Numbers:
+        """The numbers of estimator and flight control themselves, not copies, and the orders of this tick."""
+        control = self._control
+        mode = STOPPED_MODE if control.mode == "stopped" else control.kernel_mode
+        self._orders[:] = mode, control.yaw_rad, control.accel_mps2
+        return self._numbers
+
+    def end(self) -> None:
+        """Stop flight control if the kernel stopped the rotors."""
+        if self._orders[_MODE] == STOPPED_MODE:
+            self._control.mode = "stopped"

@@ -9,6 +9,7 @@ import numpy as np
 from scaloft_fi.stack.contract import Task
 from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.messages import Exposure, Imu, SensorFrames, Stamps, Thrust
+from scaloft_fi.stack.rates import STEP_HZ
 from scaloft_fi.stack.reference.battery_monitor import BatteryConfig, BatteryMonitor
 from scaloft_fi.stack.reference.companion import Companion, CompanionConfig, Stages
 from scaloft_fi.stack.reference.control import ControlConfig
@@ -24,7 +25,7 @@ from scaloft_fi.stack.reference.planner import Planner, PlannerConfig
 from scaloft_fi.stack.reference.proximity import ProximityConfig, ProximityMonitor
 from scaloft_fi.stack.reference.recoil import Recoil, RecoilConfig
 from scaloft_fi.stack.reference.speed_limit import SpeedLimitConfig, SpeedLimitStage
-from scaloft_fi.stack.seam import STEP_HZ, Wire
+from scaloft_fi.stack.seam import Wire
 
 
 @dataclass(frozen=True)

@@ -12,15 +12,22 @@ GRAVITY_MPS2 = 9.81
 # Layout of the nominal state.
 POSITION, VELOCITY, ATTITUDE, RATE_BIAS, FORCE_BIAS, STATE_SIZE = 0, 3, 6, 10, 13, 16
 
-# Layout of what a sample changes: the state, its rotation matrix, the integrated force, the last rate.
-_ROTATION, _FORCE, _RATE, NUMBERS = STATE_SIZE, STATE_SIZE + 9, STATE_SIZE + 12, STATE_SIZE + 15
+# Layout of what a sample changes: the state, its rotation matrix, the integrated force, the last rate, two times.
+_ROTATION, _FORCE, _RATE, _TIMES = STATE_SIZE, STATE_SIZE + 9, STATE_SIZE + 12, STATE_SIZE + 15
+NUMBERS = STATE_SIZE + 17
+
+# Layout of the times.
+STAMP_S, USED_S = 0, 1
+
+GAP_S = 0.1
+"""An inertial sample that comes later than this after the one before is not integrated [s]."""
 
 
 @jit
-def parts_of(numbers: Array) -> tuple[Array, Array, Array, Array]:
-    """State (16,), rotation (3, 3), integrated force (3,) and rate (3,) as views of `numbers` (31,)."""
-    turned = numbers[_ROTATION:_FORCE].reshape((3, 3))
-    return numbers[:STATE_SIZE], turned, numbers[_FORCE:_RATE], numbers[_RATE:NUMBERS]
+def parts_of(numbers: Array) -> tuple[Array, Array, Array, Array, Array]:
+    """State (16,), rotation (3, 3), integrated force (3,), rate (3,) and times (2,) as views of `numbers` (33,)."""
+    rotated = numbers[_ROTATION:_FORCE].reshape((3, 3))
+    return numbers[:STATE_SIZE], rotated, numbers[_FORCE:_RATE], numbers[_RATE:_TIMES], numbers[_TIMES:NUMBERS]
 
 
 @jit
@@ -53,6 +60,24 @@ def turn(q: Array, dx: float, dy: float, dz: float, in_world: bool) -> None:
     nw = w * ew - x * ex - y * ey - z * ez
     norm = math.sqrt(nx * nx + ny * ny + nz * nz + nw * nw)
     q[0], q[1], q[2], q[3] = nx / norm, ny / norm, nz / norm, nw / norm
+
+
+@jit
+def integrate(now_s: float, stamp_s: float, rate: Array, force: Array, numbers: Array) -> None:
+    """Take in one inertial sample; one that comes too late after the one before, or before it, only sets the stamp.
+
+    Args:
+        now_s: own time [s].
+        stamp_s: of the sample [s].
+        rate, force: (3,) of the sample [rad/s, m/s2, body].
+        numbers: (33,) see `parts_of`; its times are the stamp of the last sample and when one was last used [s].
+    """
+    state, r, world_force, body_rate, times = parts_of(numbers)
+    dt_s = stamp_s - times[STAMP_S]
+    times[STAMP_S] = stamp_s
+    if 0.0 < dt_s < GAP_S:
+        times[USED_S] = now_s
+        propagate(state, rate, force, dt_s, r, world_force, body_rate)
 
 
 @jit

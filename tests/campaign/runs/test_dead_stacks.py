@@ -26,7 +26,7 @@ class Raising(ReferenceStack):
 class Standing(ReferenceStack):
     def __init__(self, task, wire):
         super().__init__(task, wire)
-        self.inner = None
+        self.fast_path = None
 
     def step(self, now_s, imu):
         return None

@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from scaloft_fi.sim.body import Body
-from scaloft_fi.sim.build import GRAVITY_MPS2, STEP_S, build
+from scaloft_fi.sim.airframe import Airframe
+from scaloft_fi.sim.build import GRAVITY_MPS2, build
+from scaloft_fi.stack.rates import STEP_S
 
 pytestmark = pytest.mark.flight
 
@@ -15,16 +16,16 @@ def fly(client, config, steps, thrust, spin=None):
     import pybullet
 
     build(client, config.world)
-    body = Body(client, config.vehicle, (0, 4, 1.5), 0.3)
+    airframe = Airframe(client, config.vehicle, (0, 4, 1.5), 0.3)
     if spin is not None:
-        pybullet.resetBaseVelocity(body.number, [0, 0, 0], spin, physicsClientId=client)
-    body.thrusts[:] = thrust
-    body.read()
-    states = [body.state.copy()]
+        pybullet.resetBaseVelocity(airframe.number, [0, 0, 0], spin, physicsClientId=client)
+    airframe.thrusts[:] = thrust
+    airframe.read()
+    states = [airframe.state.copy()]
     for _ in range(steps):
-        body.moves(lambda _step: body.actuate(thrust), 0, 1)
-        states.append(body.state.copy())
-        assert np.array_equal(body.truth, body.state)
+        airframe.step(lambda _step: airframe.actuate(thrust), 0, 1)
+        states.append(airframe.state.copy())
+        assert np.array_equal(airframe.truth, airframe.state)
     return np.array(states)
 
 

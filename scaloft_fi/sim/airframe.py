@@ -1,6 +1,6 @@
-"""The vehicle's body in the physics server: pushed by its rotors, stepped, and read.
+"""The vehicle in the physics server: pushed by its rotors, stepped, and read.
 
-Steps in which it can touch nothing may be computed outside the server, which is then told where they led.
+Steps in which it can touch nothing may be computed outside the server, which then gets the state they lead to.
 """
 
 from __future__ import annotations
@@ -12,21 +12,21 @@ from collections.abc import Callable
 import numpy as np
 
 from scaloft_fi.sim.build import VEHICLE_GROUP, WORLD_GROUP
-from scaloft_fi.sim.free_flight import attitude_of, free_step, inertia_of, turn_through
+from scaloft_fi.sim.free_flight import attitude_of, inertia_of, turn_through
 from scaloft_fi.sim.vehicle import NUMBERS, STATE_SIZE, Array, Vehicle, actuate, parts_of
 from scaloft_fi.sim.world import Point
 
 _pack = struct.Struct(f"{STATE_SIZE}d").pack_into
 
 
-UNTURNED = 1200
-"""So many rates are kept before `turned` is brought up to date: those of 5 s."""
+KEPT_RATES = 1200
+"""Rates of steps, at most, that `inverse_attitude` has not been advanced by: those of 5 s."""
 
 Drive = Callable[[int], None]
-"""Called with the number of a physics step before it, to set force and torque."""
+"""Sets force and torque of the physics step whose number it gets, before that step."""
 
 
-class Body:
+class Airframe:
     """The vehicle in the physics server.
 
     Args:
@@ -49,7 +49,7 @@ class Body:
         import pybullet
 
         # A flight makes these calls 240 times a second: bound once, arguments by place.
-        self._step = pybullet.stepSimulation
+        self._simulate = pybullet.stepSimulation
         self._pose, self._motion = pybullet.getBasePositionAndOrientation, pybullet.getBaseVelocity
         self._push, self._turn = pybullet.applyExternalForce, pybullet.applyExternalTorque
         self._put, self._throw = pybullet.resetBasePositionAndOrientation, pybullet.resetBaseVelocity
@@ -63,15 +63,15 @@ class Body:
         self._position: Point = position
         self.truth: tuple[float, ...] = ()
         self.inertia = inertia_of(vehicle)
-        self._turned, self._rates = inverse_at(yaw_rad), list[tuple[float, ...]]()
+        self._inverse, self._rates = inverse_at(yaw_rad), list[tuple[float, ...]]()
         self.read()
 
     def actuate(self, order: Array) -> None:
         """Turn the rotors towards thrusts `order` (4,) [N]: the force and torque of the next step."""
         actuate(self.thrusts, order, self._lag, self._effect, self.state, self.pushed)
 
-    def moves(self, drive: Drive, first: int, count: int) -> float:
-        """Physics steps, each under the force and torque that `numbers` has then.
+    def step(self, drive: Drive, first: int, count: int) -> float:
+        """Let the server make physics steps, each under the force and torque that `pushed` has then.
 
         Args:
             drive: sets them before each step.
@@ -81,10 +81,10 @@ class Body:
         Returns:
             The greatest square of the speed after a step [m2/s2].
         """
-        push, turn, step, pose, motion = self._push, self._turn, self._step, self._pose, self._motion
+        push, turn, step, pose, motion = self._push, self._turn, self._simulate, self._pose, self._motion
         number, client, frame = self.number, self._client, self._world_frame
         pushed, buffer, position, top_square = self.pushed.tolist, self._buffer, self._position, 0.0
-        turns = self._rates.append
+        keep_rate = self._rates.append
         for i in range(first, first + count):
             drive(i)
             fx, fy, fz, tx, ty, tz = pushed()
@@ -93,7 +93,7 @@ class Body:
             step(client)
             position, attitude = pose(number, client)
             velocity, rate = motion(number, client)
-            turns(rate)
+            keep_rate(rate)
             truth = (*position, *attitude, *velocity, *rate)
             _pack(buffer, 0, *truth)
             vx, vy, vz = velocity
@@ -101,30 +101,21 @@ class Body:
             if square > top_square:
                 top_square = square
         self._position, self.truth = position, truth
-        if len(self._rates) > UNTURNED:
-            self.turned()
+        if len(self._rates) > KEPT_RATES:
+            self.inverse_attitude()
         return top_square
 
-    def glides(self, drive: Drive, first: int, count: int) -> float:
-        """The same where nothing can be touched, computed outside the server."""
-        turned, pushed, state, inertia, top_square = self.turned(), self.pushed, self.state, self.inertia, 0.0
-        for i in range(first, first + count):
-            drive(i)
-            top_square = max(top_square, free_step(state, turned, pushed, inertia))
-        self.follow()
-        return top_square
-
-    def turned(self) -> Array:
-        """The quaternion from world to body (4,) to the bit as the server has it, which it does not tell."""
+    def inverse_attitude(self) -> Array:
+        """The quaternion from world to body (4,) that the server keeps, to the bit; it tells only a rounded inverse."""
         if self._rates:
-            turn_through(self._turned, np.array(self._rates))
+            turn_through(self._inverse, np.array(self._rates))
             self._rates.clear()
-        return self._turned
+        return self._inverse
 
-    def follow(self) -> None:
-        """Tell the server of `state` and `turned`, which were advanced without it."""
+    def update_server(self) -> None:
+        """Put the server's body where `state` and `inverse_attitude` are, which were advanced outside the server."""
         number, client = self.number, self._client
-        x, y, z, w = self._turned.tolist()
+        x, y, z, w = self._inverse.tolist()
         self.truth = truth = tuple(self.state.tolist())
         self._position = truth[:3]
         self._put(number, self._position, (-x, -y, -z, w), client)
@@ -140,11 +131,11 @@ class Body:
 
 
 def inverse_at(yaw_rad: float) -> Array:
-    """What the server makes of the attitude of a body that is put upright at `yaw_rad`: (4,) from world to body."""
-    turned, attitude = np.array([0.0, 0.0, -math.sin(0.5 * yaw_rad), math.cos(0.5 * yaw_rad)]), np.empty(4)
-    attitude_of(turned, attitude)  # it takes it by way of a matrix, as it tells it
-    turned[:3], turned[3] = -attitude[:3], attitude[3]
-    return turned
+    """The quaternion from world to body (4,) that the server keeps of a body put upright at `yaw_rad`."""
+    inverse, attitude = np.array([0.0, 0.0, -math.sin(0.5 * yaw_rad), math.cos(0.5 * yaw_rad)]), np.empty(4)
+    attitude_of(inverse, attitude)  # the server converts by way of a matrix, in both directions
+    inverse[:3], inverse[3] = -attitude[:3], attitude[3]
+    return inverse
 
 
 def spawn(client: int, vehicle: Vehicle, position: Point, yaw_rad: float) -> int:
