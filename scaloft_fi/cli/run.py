@@ -131,7 +131,7 @@ def run_command(
 
     What the campaign already holds is not flown again: the same command resumes.
     """
-    from scaloft_fi.campaign.workers.hire import one_thread_each
+    from scaloft_fi.campaign.processes.hire import one_thread_each
 
     one_thread_each()
     from scaloft_fi.analysis.scoring.pool import LEAST
@@ -146,7 +146,7 @@ def run_command(
     from scaloft_fi.campaign.runs.options import RunOptions
     from scaloft_fi.campaign.runs.run import run
     from scaloft_fi.campaign.store.folder import campaign_folder
-    from scaloft_fi.campaign.workers.executor import executor_named
+    from scaloft_fi.campaign.workers.named import executor_named
     from scaloft_fi.cli.score import report
     from scaloft_fi.judge.rulings import rulings_of
     from scaloft_fi.study import Study

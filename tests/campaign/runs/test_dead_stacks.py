@@ -24,8 +24,8 @@ class Raising(ReferenceStack):
 
 
 class Standing(ReferenceStack):
-    def __init__(self, task, wire):
-        super().__init__(task, wire)
+    def __init__(self, batch, wire):
+        super().__init__(batch, wire)
         self.inner = None
 
     def step(self, now_s, imu):

@@ -14,7 +14,8 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.plan.plan import Flight, Plan, plan
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.plan.plan import Plan, plan
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import Report, run
