@@ -137,9 +137,10 @@ def run_command(
     from scaloft_fi.analysis.scoring.pool import LEAST
     from scaloft_fi.analysis.scoring.score import score_of
     from scaloft_fi.campaign.flights.fork import CAN_FORK
-    from scaloft_fi.campaign.plan import choose, strategy
+    from scaloft_fi.campaign.plan import choose
     from scaloft_fi.campaign.plan.plan import plan_draws
     from scaloft_fi.campaign.progress.progress import Progress, Silence
+    from scaloft_fi.campaign.runs import strategy
     from scaloft_fi.campaign.runs.baseline_pool import borrowed
     from scaloft_fi.campaign.runs.budget import budget_s
     from scaloft_fi.campaign.runs.looks import run_looks
