@@ -18,7 +18,7 @@ from scaloft_fi.campaign.progress.lookout import Lookout
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs import gates
 from scaloft_fi.campaign.runs.options import RunOptions
-from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
+from scaloft_fi.campaign.runs.platform import prove_platform
 from scaloft_fi.campaign.store.folder import LOG_NAME, STORE_NAME, promising, writable
 from scaloft_fi.campaign.store.key import Keys
 from scaloft_fi.campaign.store.store import Store
@@ -214,6 +214,7 @@ def hired(
             written, so that a study that cannot be flown leaves nothing behind.
 
     Raises:
+        GateError: the platform is another one, and none of the stored flights could be flown again on it.
         InputError: the folder or the store cannot be written, or the study cannot be flown.
     """
     promising(folder)
@@ -225,7 +226,7 @@ def hired(
         if not _all_flown(study, first, folder / STORE_NAME):
             hands.ready()
         with Store(writable(folder) / STORE_NAME) as store:
-            _remember_platform(store, progress)
+            prove_platform(study, store, hands, say=progress.line, stopped=stopped)
             yield Crew(study, folder, store, hands, progress, options, stopped)
 
 
@@ -236,11 +237,3 @@ def _all_flown(study: Study, flights: Iterable[Flight], path: Path) -> bool:
     with Store(path, create=False) as store:
         keys = set(map(Keys(study).key, flights))
         return store.known(keys) == keys
-
-
-def _remember_platform(store: Store, progress: Progress) -> None:
-    """Keep the platform of the campaign's first flight, and say when this one is another: its bits may differ."""
-    ours, theirs = fingerprint(), store.meta()
-    if theirs and (changed := differences(ours, theirs)):
-        progress.line(f"warning: the campaign began on another platform, digests may differ: {', '.join(changed)}")
-    store.set_meta(ours)

@@ -79,6 +79,14 @@ def current_in(study: Study, store: Store) -> tuple[Outcome, ...]:
         return store.that(_Now(study, store).stands)
 
 
+def counting_flights(study: Study, store: Store) -> list[Flown]:
+    """The flights of an open store whose outcomes count, the invalid ones left out, ordered by their keys."""
+    with store.snapshot():
+        now = _Now(study, store)
+        standing = {flight.key: flight for flight in store.flights() if now.stands(flight)}
+        return [standing[key] for key in sorted(store.known(standing))]
+
+
 def current(study: Study, campaign: str) -> tuple[Outcome, ...]:
     """The outcomes of a campaign that count.
 
@@ -175,8 +183,11 @@ class _Now:
             return now
         if flight.origin is None:
             return "flown by an earlier version, which kept no reasons"
+        then = self._then[flight.origin]
+        if then.platform:
+            return f"flown on a platform with other digests: {then.platform}"
         words = {**_PARTS, "mutant": f"mutant {flight.mutant}"}
-        return f"{' and '.join(words[part] for part in self._then[flight.origin].changed(now))} changed"
+        return f"{' and '.join(words[part] for part in then.changed(now))} changed"
 
     def _origin(self, mutant: str, situation: str) -> Origin | str:
         if situation not in self._situations:

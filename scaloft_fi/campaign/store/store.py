@@ -20,7 +20,8 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.rulings import Rulings
 
-_NOTE = "note: "
+NOTE = "note: "
+"""What the names of notes begin with in the table of facts."""
 BUSY_S = 30.0
 """How long a writer waits for another process [s]."""
 RETRY_S = 0.01
@@ -88,7 +89,7 @@ class Store:
         run("PRAGMA synchronous=FULL")
         if current:
             return
-        with self._transaction():
+        with self.transaction():
             migrate(self._connection, self._schema())  # asked again, as another process may have been faster
 
     def _keep_log(self) -> None:
@@ -130,11 +131,12 @@ class Store:
         self._connection.close()
 
     @contextmanager
-    def _transaction(self) -> Iterator[None]:
+    def transaction(self) -> Iterator[sqlite3.Connection]:
+        """What is written while it lasts is kept whole or, when anything is raised, not at all."""
         with _sentences(self.path):
             self._connection.execute("BEGIN IMMEDIATE")
             try:
-                yield
+                yield self._connection
                 self._connection.execute("COMMIT")
             except BaseException:
                 if self._connection.in_transaction:  # SQLite itself takes it back when the disk is full
@@ -165,7 +167,7 @@ class Store:
         Raises:
             InputError: the store cannot be written.
         """
-        with self._transaction():
+        with self.transaction():
             return insert(self._connection, key, outcome)
 
     def put_all(self, rows: Iterable[tuple[str, Outcome]]) -> None:
@@ -174,7 +176,7 @@ class Store:
         Raises:
             InputError: the store cannot be written.
         """
-        with self._transaction():
+        with self.transaction():
             for key, outcome in rows:
                 insert(self._connection, key, outcome)
 
@@ -233,7 +235,7 @@ class Store:
         Raises:
             InputError: the store cannot be written.
         """
-        with self._transaction():
+        with self.transaction():
             origins: dict[Origin, int] = {}
             for flight in flights:
                 if flight.origin is not None and flight.origin not in origins:
@@ -276,14 +278,14 @@ class Store:
         Raises:
             InputError: the store cannot be written.
         """
-        with self._transaction():
+        with self.transaction():
             self._connection.executemany(
                 "INSERT INTO meta VALUES (?, ?) ON CONFLICT (name) DO NOTHING", entries.items()
             )
 
     def meta(self) -> dict[str, str]:
         """The facts kept by `set_meta`."""
-        return {name: value for name, value in self._facts() if not name.startswith(_NOTE)}
+        return {name: value for name, value in self._facts() if not name.startswith(NOTE)}
 
     def set_notes(self, notes: Mapping[str, str]) -> None:
         """Keep what was said of the campaign; of one name the first note stays.
@@ -291,11 +293,11 @@ class Store:
         Raises:
             InputError: the store cannot be written.
         """
-        self.set_meta({_NOTE + name: text for name, text in notes.items()})
+        self.set_meta({NOTE + name: text for name, text in notes.items()})
 
     def notes(self) -> dict[str, str]:
         """The notes kept by `set_notes`."""
-        return {name.removeprefix(_NOTE): text for name, text in self._facts() if name.startswith(_NOTE)}
+        return {name.removeprefix(NOTE): text for name, text in self._facts() if name.startswith(NOTE)}
 
     def _facts(self) -> list[tuple[str, str]]:
         with _sentences(self.path):
