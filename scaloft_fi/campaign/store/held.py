@@ -182,7 +182,7 @@ class _Now:
         if isinstance(now, str):
             return now
         if flight.origin is None:
-            return "flown by an earlier version, which kept no reasons"
+            return "flown for reasons that were not kept"
         then = self._then[flight.origin]
         if then.platform:
             return f"flown on a platform with other digests: {then.platform}"
