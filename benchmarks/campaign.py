@@ -28,10 +28,13 @@ from contextlib import contextmanager
 from operator import itemgetter
 from typing import Any
 
-from scaloft_fi.campaign.flights.fly import Physics, Worker, left_of, lost
-from scaloft_fi.campaign.plan.plan import Flight, plan
-from scaloft_fi.campaign.plan.task import Task, alone, together
-from scaloft_fi.campaign.workers.pool import Pool
+from scaloft_fi.campaign.flights.physics import Physics
+from scaloft_fi.campaign.flights.worker import Worker, left_of, lost
+from scaloft_fi.campaign.plan.arrange import alone, together
+from scaloft_fi.campaign.plan.batch import Batch
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.plan.plan import plan
+from scaloft_fi.campaign.processes.pool import Pool
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.mutants.derive import defaults, realise
 from scaloft_fi.mutants.mutant import PLACEBO
@@ -79,11 +82,11 @@ class TickCounter:
             flight_module.Flight.tick = tick  # type: ignore[method-assign]
 
 
-def flown(study: Study, tasks: Sequence[Task], jobs: int) -> tuple[dict[str, Outcome], float, float]:
-    """The outcomes of `tasks` by name, and the wall time and the processor time they took [s]."""
+def flown(study: Study, batches: Sequence[Batch], jobs: int) -> tuple[dict[str, Outcome], float, float]:
+    """The outcomes of `batches` by name, and the wall time and the processor time they took [s]."""
     begin_s, begin_cpu_s = time.perf_counter(), cpu_s()
     with Pool(Worker(study, Physics()), jobs, left=left_of, lost=lost) as pool:
-        outcomes = {outcome.name: outcome for outcome in pool.map(tasks)}
+        outcomes = {outcome.name: outcome for outcome in pool.map(batches)}
     return outcomes, time.perf_counter() - begin_s, cpu_s() - begin_cpu_s
 
 
@@ -108,24 +111,24 @@ def peak_rss(study: Study) -> dict[str, dict[str, float]]:
     """Peak memory of one worker after so many flights, each split off a baseline [MiB]."""
     situation = study.grid.situation(SHORTEST)
     subjects = (None, *(realise(study.matrix, name) for name in QUICK))
-    tasks = [
-        Task(tuple(Flight(subject, situation, seed) for subject in subjects), shared=True)
+    batches = [
+        Batch(tuple(Flight(subject, situation, seed) for subject in subjects), shared=True)
         for seed in range(RSS_FLIGHTS[-1] // len(subjects))
     ]
 
-    def work(batch: Sequence[Task], home: Callable[[tuple[int, float, float]], None]) -> None:
+    def work(batches: Sequence[Batch], home: Callable[[tuple[int, float, float]], None]) -> None:
         fly, count = Worker(study, Physics()), 0
-        for task in batch:
-            fly(task, lambda _outcome: None)
-            count += len(task.flights)
+        for batch in batches:
+            fly(batch, lambda _outcome: None)
+            count += len(batch.flights)
             if count in RSS_FLIGHTS:
                 home((count, peak_mib(resource.RUSAGE_SELF), peak_mib(resource.RUSAGE_CHILDREN)))
 
-    pool: Pool[Sequence[Task], tuple[int, float, float]] = Pool(
+    pool: Pool[Sequence[Batch], tuple[int, float, float]] = Pool(
         work, 1, left=lambda _task, _home: None, lost=lambda _task, _how: [], patience_s=86400.0
     )
     with pool:
-        return {str(count): {"worker": own, "split_off": child} for count, own, child in pool.map([tasks])}
+        return {str(count): {"worker": own, "split_off": child} for count, own, child in pool.map([batches])}
 
 
 def peak_mib(who: int) -> float:
@@ -140,16 +143,16 @@ def measure(study: Study, keys: Sequence[str], every: int, rounds: int) -> dict[
     flights = (*planned.baselines, *planned.mutants)
     weight_s = {flight.name: study.expected_s(flight.situation) for flight in flights}
 
-    def tasks(jobs: int) -> list[Task]:
+    def batches(jobs: int) -> list[Batch]:
         return together(flights, lambda flight: weight_s[flight.name], jobs)
 
     counter = TickCounter()
     with counter.counting():
-        counted = flown(study, tasks(1), 1)
-    ones, twos = [counted], [flown(study, tasks(2), 2)]
+        counted = flown(study, batches(1), 1)
+    ones, twos = [counted], [flown(study, batches(2), 2)]
     for _ in range(rounds - 1):
-        ones.append(flown(study, tasks(1), 1))
-        twos.append(flown(study, tasks(2), 2))
+        ones.append(flown(study, batches(1), 1))
+        twos.append(flown(study, batches(2), 2))
     (shared, one_s, one_cpu_s), (_, two_s, two_cpu_s) = (min(runs, key=itemgetter(1)) for runs in (ones, twos))
     brute, brute_s, brute_cpu_s = flown(study, alone(flights), 1)
     unavoidable = unavoidable_s(list(brute.values()))

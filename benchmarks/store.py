@@ -32,7 +32,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.store.fingerprint import fingerprint
 from scaloft_fi.campaign.store.folder import STORE_NAME
 from scaloft_fi.campaign.store.key import Keys

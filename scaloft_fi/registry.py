@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from importlib import import_module
 from importlib.metadata import entry_points
-from pathlib import Path
 from typing import Generic, TypeVar
 
 from scaloft_fi.errors import InputError, did_you_mean
@@ -86,18 +85,3 @@ def load_plugins() -> None:
             raise InputError(
                 f"plugin {entry_point.name!r} of package {package!r} cannot be loaded: {reason}; mend or uninstall it"
             ) from error
-
-
-def plugin_sources() -> dict[str, Path]:
-    """The sources of the packages that plugins come from, by package and path in it.
-
-    A package counts whole: what a plugin's module imports from beside itself can change a flight as well.
-    """
-    found: dict[str, Path] = {}
-    for entry_point in entry_points(group=PLUGIN_GROUP):
-        package = import_module(entry_point.module.partition(".")[0])
-        for folder in map(Path, getattr(package, "__path__", ())):
-            found |= {f"{package.__name__}/{path.relative_to(folder)}": path for path in folder.rglob("*.py")}
-        if not hasattr(package, "__path__") and package.__file__:
-            found[package.__name__] = Path(package.__file__)
-    return found

@@ -2,13 +2,18 @@ from __future__ import annotations
 
 import re
 import shutil
+import subprocess
+import sys
+from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
-import scaloft_fi
 from scaloft_fi.errors import InputError
-from scaloft_fi.study import FLYING_CODE, PACKAGE, Study, _meaning
+from scaloft_fi.mutants.operators import OPERATORS
+from scaloft_fi.sources import closure
+from scaloft_fi.study import PACKAGE, Study
 
 ROOT = Path(__file__).parents[1]
 
@@ -130,47 +135,83 @@ def test_a_mesh_of_the_users_own_is_part_of_the_hash(copy: Path) -> None:
     assert Study(copy).inputs["sim"] != before["sim"]
 
 
+@pytest.fixture
+def plugin(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder of an installed package that declares the operator `wander` and keeps its rate in a second module."""
+    folder = tmp_path / "site" / "mine_faults"
+    folder.mkdir(parents=True)
+    (folder / "__init__.py").touch()
+    (folder / "rates.py").write_text("RATE = 0.1\n")
+    (folder / "wander.py").write_text("from mine_faults.rates import RATE\ndef make(_context):\n    return RATE\n")
+    monkeypatch.syspath_prepend(folder.parent)
+    for name in ("mine_faults", "mine_faults.rates", "mine_faults.wander"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    make = import_module("mine_faults.wander").make
+    known = {name: OPERATORS[name] for name in OPERATORS}
+    monkeypatch.setattr(OPERATORS, "_entries", {**known, "wander": replace(known["delay"], name="wander", make=make)})
+    return folder
+
+
 def test_an_edit_of_a_plugin_changes_the_hash_of_the_code_and_a_comment_in_it_does_not(
-    copy: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    copy: Path, plugin: Path
 ) -> None:
-    alone = Study(copy).inputs
-    site = tmp_path / "site"
-    (site / "mine_faults").mkdir(parents=True)
-    (site / "mine_faults" / "__init__.py").touch()
-    source = site / "mine_faults" / "drift.py"
-    source.write_text("RATE = 0.1\n")
-    (site / "mine_faults-1.dist-info").mkdir()
-    (site / "mine_faults-1.dist-info" / "METADATA").write_text("Name: mine-faults\nVersion: 1\n")
-    entry = "[scaloft_fi.plugins]\nfaults = mine_faults\n"
-    (site / "mine_faults-1.dist-info" / "entry_points.txt").write_text(entry)
-    monkeypatch.syspath_prepend(site)
-    hashes = [alone]
-    for text in ("RATE = 0.1\n", "RATE = 0.1  # a comment\n", "RATE = 0.2\n"):
-        source.write_text(text)
-        hashes.append(Study(copy).inputs)
-    assert hashes[0]["code"] != hashes[1]["code"] == hashes[2]["code"] != hashes[3]["code"]
-    assert all(entry["sim"] == alone["sim"] for entry in hashes)
+    before = Study(copy).inputs
+    _edit(copy / "hazop" / "matrix" / "human.yaml", "operator: drop", "operator: wander")
+    used = Study(copy).inputs
+    (plugin / "rates.py").write_text("RATE = 0.1  # a comment\n")
+    assert before["code"] != used["code"] == Study(copy).inputs["code"]
+    (plugin / "rates.py").write_text("RATE = 0.2\n")
+    assert Study(copy).inputs["code"] != used["code"]
+    assert Study(copy).inputs["sim"] == before["sim"]
 
 
-@pytest.mark.parametrize(
-    ("edited", "same"),
-    [
-        ('"""Another text."""\ndef f(x):\n    # why\n    return x + 1\n', True),
-        ('"""Text."""\ndef f(x):\n    """More."""\n\n    return (x\n        + 1)\n', True),
-        ('"""Text."""\ndef f(x):\n    return x + 2\n', False),
-        ('"""Text."""\nTEXT = "a"\ndef f(x):\n    return x + 1\n', False),
-    ],
-)
-def test_only_what_the_interpreter_does_is_part_of_the_hash_of_code(tmp_path: Path, edited: str, *, same: bool) -> None:
-    first, second = tmp_path / "first.py", tmp_path / "second.py"
-    first.write_text('"""Text."""\ndef f(x):\n    return x + 1\n')
-    second.write_text(edited)
-    assert (_meaning(first) == _meaning(second)) is same
+def test_a_plugin_that_the_study_does_not_use_changes_no_hash(copy: Path, plugin: Path) -> None:
+    before = Study(copy).inputs
+    (plugin / "rates.py").write_text("RATE = 0.2\n")
+    assert Study(copy).inputs == before
 
 
-def test_the_code_that_flies_exists() -> None:
-    assert all((PACKAGE / name).exists() for name in FLYING_CODE)
-    assert Path(scaloft_fi.__file__).parent == PACKAGE
+def test_the_code_that_enters_keys_flies_and_judges_and_shows_nothing(study: Study) -> None:
+    """A change of a table, a view, a score or the command line makes no flight stale."""
+    folders = {source.path.parent.relative_to(PACKAGE).as_posix() for source in closure(study.flying_modules).values()}
+    assert {folder for folder in folders if not folder.startswith(("sim", "stack", "mutants", "judge"))} == {
+        *(".", "hazop", "campaign", "campaign/plan", "campaign/flights", "campaign/processes"),
+    }
+
+
+def test_the_code_that_enters_keys_leaves_out_how_flights_are_planned_stored_and_handed_out(study: Study) -> None:
+    names = {name.removeprefix("scaloft_fi.") for name in closure(study.flying_modules)}
+    assert {"setup", "document", "registry", "sim.flight", "judge.outcome", "mutants.watch"} <= names
+    assert not {"study", "campaign.plan.plan", "campaign.processes.pool", "mutants.derive", "hazop.load"} & names
+
+
+@pytest.mark.flight
+def test_nothing_is_imported_to_fly_and_judge_that_does_not_enter_keys(study: Study) -> None:
+    program = """
+import sys
+from scaloft_fi.campaign.flights.share import judged, wire_of
+from scaloft_fi.campaign.plan.flight import Flight as Planned
+from scaloft_fi.mutants.mutant import PLACEBO
+from scaloft_fi.setup import Setup
+from pathlib import Path
+setup = Setup(Path(sys.argv[1]))
+from scaloft_fi.sim import flight
+from scaloft_fi.mutants import watch
+planned = Planned(PLACEBO, setup.grid.situations[0], 0)
+with flight.physics_server() as client:
+    short = flight.Flight(client, setup.sim, setup.scenario(planned.situation), 0, wire_of(setup, planned))
+    for _ in range(5):
+        short.tick()
+        short.advance()
+    judged(setup, planned, short.log())
+    judged(setup, Planned(None, planned.situation, 0), short.log())
+print(*(name for name in sys.modules if name.startswith("scaloft_fi.")))
+"""
+    done = subprocess.run([sys.executable, "-c", program, ROOT], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    imported = set(done.stdout.split("\n")[-2].split())
+    assert "scaloft_fi.judge.outcome" in imported
+    assert imported <= closure(study.flying_modules).keys()
 
 
 def test_a_requirement_that_no_cell_can_name_is_told_with_file_and_line(copy: Path) -> None:

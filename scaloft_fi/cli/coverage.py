@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from scaloft_fi.analysis.curves.curves import Curves
     from scaloft_fi.analysis.curves.prediction import Prediction
     from scaloft_fi.analysis.scoring.detection import Spending
-    from scaloft_fi.campaign.plan.strategy import Remembered
+    from scaloft_fi.campaign.runs.strategy import Remembered
     from scaloft_fi.judge.rulings import Rulings
     from scaloft_fi.study import Study
 
@@ -71,8 +71,8 @@ def coverage_command(study_folder: Path | None, campaign: str, against: bool, ou
 
 
 def _held(study: Study, campaign: str) -> tuple[Rulings, Sequence[Remembered], Spending]:
-    from scaloft_fi.campaign.plan.strategy import remembered
     from scaloft_fi.campaign.runs.spending import spending_of
+    from scaloft_fi.campaign.runs.strategy import remembered
     from scaloft_fi.campaign.store.folder import campaign_folder, existing
     from scaloft_fi.campaign.store.held import current_rulings
     from scaloft_fi.campaign.store.store import Store

@@ -12,7 +12,7 @@ from scaloft_fi.cli.options import campaign_option, study_option
 from scaloft_fi.errors import GateError, InputError
 
 if TYPE_CHECKING:
-    from scaloft_fi.campaign.plan.plan import Flight
+    from scaloft_fi.campaign.plan.flight import Flight
     from scaloft_fi.judge.outcome import Outcome
     from scaloft_fi.sim.log import FlightLog
     from scaloft_fi.study import Study
@@ -40,10 +40,11 @@ def replay_command(name: str, study_folder: Path | None, campaign: str, output: 
     if output is not None and output.suffix.lower() not in (*PICTURES, RECORDING):
         raise InputError(f"--output={str(output)!r} must end in .svg, .png or .mcap")
     check_writable(output)
-    from scaloft_fi.campaign.workers.hire import one_thread_each
+    from scaloft_fi.campaign.processes.hire import one_thread_each
 
     one_thread_each()
-    from scaloft_fi.campaign.flights.fly import Physics, fly_log, judged
+    from scaloft_fi.campaign.flights.fly import fly_log, judged
+    from scaloft_fi.campaign.flights.physics import Physics
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
@@ -101,7 +102,7 @@ def _facts(study: Study, flight: Flight, outcome: Outcome, log: FlightLog) -> st
 
 def _draw(study: Study, flight: Flight, outcome: Outcome, log: FlightLog, output: Path) -> None:
     from scaloft_fi.campaign.flights.fly import fly_log, judged
-    from scaloft_fi.campaign.plan.plan import Flight
+    from scaloft_fi.campaign.plan.flight import Flight
     from scaloft_fi.judge.outcome import BASELINE
     from scaloft_fi.views.pictures.map import draw
     from scaloft_fi.views.pictures.picture import png

@@ -131,22 +131,23 @@ def run_command(
 
     What the campaign already holds is not flown again: the same command resumes.
     """
-    from scaloft_fi.campaign.workers.hire import one_thread_each
+    from scaloft_fi.campaign.processes.hire import one_thread_each
 
     one_thread_each()
     from scaloft_fi.analysis.scoring.pool import LEAST
     from scaloft_fi.analysis.scoring.score import score_of
     from scaloft_fi.campaign.flights.fork import CAN_FORK
-    from scaloft_fi.campaign.plan import choose, strategy
+    from scaloft_fi.campaign.plan import choose
     from scaloft_fi.campaign.plan.plan import plan_draws
     from scaloft_fi.campaign.progress.progress import Progress, Silence
+    from scaloft_fi.campaign.runs import strategy
     from scaloft_fi.campaign.runs.baseline_pool import borrowed
     from scaloft_fi.campaign.runs.budget import budget_s
     from scaloft_fi.campaign.runs.looks import run_looks
     from scaloft_fi.campaign.runs.options import RunOptions
     from scaloft_fi.campaign.runs.run import run
     from scaloft_fi.campaign.store.folder import campaign_folder
-    from scaloft_fi.campaign.workers.executor import executor_named
+    from scaloft_fi.campaign.workers.named import executor_named
     from scaloft_fi.cli.score import report
     from scaloft_fi.judge.rulings import rulings_of
     from scaloft_fi.study import Study

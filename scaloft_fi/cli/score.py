@@ -68,7 +68,9 @@ def score_command(
     from scaloft_fi.analysis.scoring.score import score_of
     from scaloft_fi.campaign.runs.baseline_pool import borrowed
     from scaloft_fi.campaign.runs.spending import spending
+    from scaloft_fi.campaign.store.folder import campaign_folder, existing
     from scaloft_fi.campaign.store.held import current_rulings
+    from scaloft_fi.campaign.store.platforms import warning_for
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
@@ -77,6 +79,9 @@ def score_command(
     if baseline_from:
         flown = rulings.situations
         others = borrowed(study, baseline_from, [key for key, _ in study.space.points if key in flown])
+    warning = warning_for(existing(campaign_folder(study, campaign)))
+    if warning:
+        click.echo(f"warning: {warning}", err=True)
     scored = score_of(rulings, study.roster, study.space, spending(study, campaign), others)
     code = report(
         study,

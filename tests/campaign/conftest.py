@@ -18,8 +18,8 @@ import pytest
 
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.campaign.flights.fly import invalid, reason_of
-from scaloft_fi.campaign.plan.plan import Flight
-from scaloft_fi.campaign.plan.task import Task
+from scaloft_fi.campaign.plan.batch import Batch
+from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
@@ -147,8 +147,8 @@ class Log:
             file.write(f"{flight.name}\n")
         return self.change(flight, fly(study, flight))
 
-    def share(self, study: Any, task: Task, home: Callable[[Outcome], None]) -> None:
-        for flight in task.flights:
+    def share(self, study: Any, batch: Batch, home: Callable[[Outcome], None]) -> None:
+        for flight in batch.flights:
             try:
                 home(self(study, flight))
             except RuntimeError as error:

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from scaloft_fi.campaign.plan.plan import Flight
-from scaloft_fi.campaign.plan.task import Task
+from scaloft_fi.campaign.plan.batch import Batch
+from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.cli.main import main
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.judge.requirement import Reading
@@ -29,8 +29,8 @@ class Paper:
     def prepare(self, study: Study, say: Callable[[str], None]) -> None:
         pass
 
-    def share(self, study: Study, task: Task, home: Callable[[Outcome], None]) -> None:
-        for flight in task.flights:
+    def share(self, study: Study, batch: Batch, home: Callable[[Outcome], None]) -> None:
+        for flight in batch.flights:
             home(self(study, flight))
 
     def __call__(self, study: Study, flight: Flight, baseline: Outcome | None = None) -> Outcome:

@@ -9,9 +9,9 @@ from contextlib import suppress
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 
-from scaloft_fi.campaign.flights.lifeline import LINUX, cause_of_death, die_with
-from scaloft_fi.campaign.plan.plan import Flight
-from scaloft_fi.campaign.workers.pool import ATTEMPTS, PATIENCE_S
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.processes.lifeline import LINUX, cause_of_death, die_with
+from scaloft_fi.campaign.processes.patience import ATTEMPTS, PATIENCE_S
 from scaloft_fi.judge.outcome import Outcome
 
 CAN_FORK = LINUX
@@ -24,7 +24,7 @@ class Fork:
     The trunk waits for each child, so that one process computes at a time.
 
     Args:
-        home: takes the outcome of each flight that was split off.
+        report: takes the outcome of each flight that was split off.
         invalid: the outcome of a flight that the harness could not fly, and why.
         patience_s: after this a child that says nothing is hung [s, wall].
 
@@ -34,16 +34,16 @@ class Fork:
 
     def __init__(
         self,
-        home: Callable[[Outcome], None],
+        report: Callable[[Outcome], None],
         invalid: Callable[[Flight, str], Outcome],
         patience_s: float = PATIENCE_S,
     ) -> None:
         self.taken: Flight | None = None
-        self._home, self._invalid, self._patience_s = home, invalid, patience_s
+        self._report, self._invalid, self._patience_s = report, invalid, patience_s
         self._writer: Connection | None = None
 
     def __call__(self, flight: Flight) -> bool:
-        """Split `flight` off.  True in the child, which flies on; False in the trunk, when its outcome is home.
+        """Split `flight` off.  True in the child, which flies on; False in the trunk, when its outcome was reported.
 
         What the harness fails at is tried again from the same state.
         """
@@ -57,11 +57,11 @@ class Fork:
             if outcome is None:
                 return True
             if not (outcome.invalid and attempts):
-                self._home(outcome)
+                self._report(outcome)
                 return False
 
     def end(self, outcome: Outcome) -> None:
-        """In a child, send its outcome home and end the process; in the trunk, do nothing."""
+        """In a child, send its outcome to the trunk and end the process; in the trunk, do nothing."""
         if self._writer is not None:
             try:
                 with suppress(OSError):  # the trunk is gone, or tired of waiting

@@ -5,66 +5,74 @@ Those that leave it at take-off are flown whole, in another process that is the 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from scaloft_fi.campaign.flights.fly import Physics, Worker, invalid, judged, left_of, lost, reason_of, wire_of
+from scaloft_fi.campaign.flights.fly import invalid, judged, reason_of, wire_of
 from scaloft_fi.campaign.flights.fork import Fork
-from scaloft_fi.campaign.plan.task import Task
-from scaloft_fi.campaign.workers.pool import PATIENCE_S, Pool
+from scaloft_fi.campaign.plan.batch import Batch
+from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.judge.outcome import Outcome, Subject
-from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
     from scaloft_fi.mutants.wire import SeamCount
+    from scaloft_fi.study import Study
 
 SOON_S = 1.0
-"""Who leaves the baseline sooner is flown whole: to be split off takes longer than so much flight [s from take-off]."""
+"""A mutant that leaves the baseline sooner is flown whole, which is faster than a fork [s from take-off]."""
 
 
-def fly_shared(study: Study, task: Task, home: Callable[[Outcome], None]) -> None:
-    """Fly a shared task; every outcome equals that of the flight flown from take-off by itself.
+def fly_shared(
+    study: Study,
+    batch: Batch,
+    report: Callable[[Outcome], None],
+    fly_apart: Callable[[Flight], Iterable[Outcome]],
+) -> None:
+    """Fly a shared batch; every outcome equals that of the flight flown from take-off by itself.
+
+    Args:
+        study: what is flown.
+        batch: the flights.
+        report: takes the outcome of each flight as soon as it is known.
+        fly_apart: flies one flight from take-off in another process.
 
     Raises:
-        Exception: the harness failed over the baseline; what was home before stands.
+        Exception: the harness failed over the baseline; what was reported before stands.
     """
     from scaloft_fi.mutants.watch import WatchingWire
     from scaloft_fi.mutants.wire import TappedWire
     from scaloft_fi.sim.flight import fly
 
-    mutants = {flight.name: flight for flight in task.flights if flight.mutant is not None}
+    mutants = {flight.name: flight for flight in batch.flights if flight.mutant is not None}
     wires = {name: wire_of(study, flight) for name, flight in mutants.items()}
-    fork, carrier = Fork(home, invalid), task.carrier
+    fork, carrier = Fork(report, invalid), batch.carrier
 
-    # who takes this other process with it takes no other flight
-    with Pool(Worker(study, Physics()), 1, left=left_of, lost=lost, patience_s=PATIENCE_S) as apart:
+    def branch(name: str, t_s: float) -> bool:
+        if t_s >= SOON_S:
+            return fork(mutants[name])
+        for outcome in fly_apart(mutants[name]):
+            report(outcome)
+        return False
 
-        def branch(name: str, t_s: float) -> bool:
-            if t_s >= SOON_S:
-                return fork(mutants[name])
-            for outcome in apart.map([Task((mutants[name],))]):
-                home(outcome)
-            return False
-
-        wire = WatchingWire(
-            {name: tapped for name, tapped in wires.items() if isinstance(tapped, TappedWire)},
-            branch=branch,
-            failed=lambda name, error: home(invalid(mutants[name], reason_of(error))),
-        )
-        try:
-            log = fly(study.sim, carrier.situation, carrier.seed, wire)
-            outcome = judged(study, fork.taken or carrier, log)
-        except BaseException as error:
-            if fork.taken is not None:
-                fork.end(invalid(fork.taken, reason_of(error)))
-            raise
-        fork.end(outcome)
-    for flight in task.flights:
+    wire = WatchingWire(
+        {name: tapped for name, tapped in wires.items() if isinstance(tapped, TappedWire)},
+        branch=branch,
+        failed=lambda name, error: report(invalid(mutants[name], reason_of(error))),
+    )
+    try:
+        log = fly(study.sim, carrier.situation, carrier.seed, wire)
+        outcome = judged(study, fork.taken or carrier, log)
+    except BaseException as error:
+        if fork.taken is not None:
+            fork.end(invalid(fork.taken, reason_of(error)))
+        raise
+    fork.end(outcome)
+    for flight in batch.flights:
         if flight.mutant is None:
-            home(outcome)
+            report(outcome)
         elif flight.name in wire.silent:
-            home(as_baseline(outcome, flight.subject, wire.silent[flight.name]))
+            report(as_baseline(outcome, flight.subject, wire.silent[flight.name]))
 
 
 def as_baseline(baseline: Outcome, subject: Subject, counts: Mapping[str, SeamCount]) -> Outcome:

@@ -7,7 +7,7 @@ import sys
 import time
 
 from scaloft_fi.campaign.flights.fly import wire_of
-from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.log import FlightLog
 from scaloft_fi.stack.rates import TICK_S

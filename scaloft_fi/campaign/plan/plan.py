@@ -7,37 +7,13 @@ from dataclasses import dataclass, replace
 from itertools import count, islice
 from typing import TYPE_CHECKING
 
-from scaloft_fi.analysis.scoring.pool import LEAST
-from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.situation import Situation
-
-
-@dataclass(frozen=True)
-class Flight:
-    """One planned flight.
-
-    Attributes:
-        mutant: what is patched in; None = the baseline.
-        situation, seed: where.
-    """
-
-    mutant: Mutant | None
-    situation: Situation
-    seed: int
-
-    @property
-    def subject(self) -> Subject:
-        """What is flown, as results name it."""
-        return subject_of(self.mutant)
-
-    @property
-    def name(self) -> str:
-        """`MUTANT/SITUATION/SEED`, as `replay` takes it."""
-        return f"{self.subject.id}/{self.situation.key}/{self.seed}"
 
 
 @dataclass(frozen=True)
@@ -68,12 +44,17 @@ class Plan:
         """The same with a baseline pool: of these seeds and the mutants' own, by default as many as a pool needs."""
         return replace(self, pool_seeds=None if seeds is None else tuple(seeds))
 
-    def pool(self, situation: Situation) -> tuple[Flight, ...]:
-        """The baselines that are flown in a situation once a mutant has infected there."""
+    def pool(self, situation: Situation, enough: int) -> tuple[Flight, ...]:
+        """The baselines that are flown in a situation once a mutant has infected there.
+
+        Args:
+            situation: one of the plan.
+            enough: how many baselines make a pool, those of the mutants' own seeds counted.
+        """
         own = [flight.seed for flight in self.baselines if flight.situation == situation]
         if self.pool_seeds is None:
             others = (seed for seed in count() if seed not in own)
-            more = list(islice(others, max(0, LEAST - len(own))))
+            more = list(islice(others, max(0, enough - len(own))))
         else:
             more = [seed for seed in self.pool_seeds if seed not in own]
         return tuple(Flight(None, situation, seed) for seed in more)
@@ -134,10 +115,3 @@ def held_requirements(baseline: Outcome) -> int:
     """How many requirements that count the baseline held to its end."""
     counting = [reading for reading in baseline.readings if reading.kind is not Kind.REPORTED]
     return sum(not (reading.violated or reading.open) for reading in counting)
-
-
-def subject_of(mutant: Mutant | None) -> Subject:
-    """What results keep of a mutant; None = the baseline."""
-    if mutant is None:
-        return Subject(BASELINE)
-    return Subject(mutant.id, mutant.guideword, mutant.parameter, mutant.magnitude)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.progress.forecast import Forecast
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.progress.violations import Violations

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from scaloft_fi.campaign.plan.plan import Flight
-from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.store.fingerprint import fingerprint
 from scaloft_fi.campaign.store.folder import campaign_folder, existing
 from scaloft_fi.campaign.store.key import Keys
+from scaloft_fi.campaign.store.platforms import unproved
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, Outcome
@@ -24,7 +25,7 @@ def borrowed(study: Study, campaign: str, situations: Iterable[str]) -> tuple[Ou
     folder = campaign_folder(study, campaign)
     place, keys = f"--baseline-from={campaign!r}", Keys(study)
     with Store(existing(folder), create=False) as store:
-        changed = differences(fingerprint(), store.meta())
+        changed = unproved(store, fingerprint())
         wanted = dict.fromkeys(situations)
         flown = {f.key: f for f in store.flights() if f.mutant == BASELINE and f.situation in wanted}
         flights = {

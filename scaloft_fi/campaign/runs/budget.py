@@ -9,8 +9,9 @@ from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from itertools import pairwise
 from typing import TypeVar
 
-from scaloft_fi.campaign.plan.plan import Flight, Plan
-from scaloft_fi.campaign.plan.task import Task
+from scaloft_fi.campaign.plan.batch import Batch
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.plan.plan import Plan
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.sim.streams import key_words
@@ -58,26 +59,26 @@ class Budget:
         return math.inf if self._end_s is None else max(0.0, self._end_s - self._clock())
 
     def while_it_lasts(
-        self, tasks: Iterable[Task], needs_s: Callable[[Task], float] = lambda _task: 0.0
-    ) -> Iterator[Task]:
-        """`tasks`, until the time is up; a task that was handed out before is flown to its end.
+        self, batches: Iterable[Batch], needs_s: Callable[[Batch], float] = lambda _task: 0.0
+    ) -> Iterator[Batch]:
+        """`batches`, until the time is up; a batch that was handed out before is flown to its end.
 
-        To leave it in the middle would keep of it what comes home first: the mutants that show early.  The first task
+        To leave it in the middle would keep of it what comes home first: the mutants that show early.  The first batch
         that is not expected to end in time is the end: to skip it for a shorter one would favour short flights.
 
         Args:
-            tasks: in the order in which they are flown.
-            needs_s: wall time that a task is expected to take [s].
+            batches: in the order in which they are flown.
+            needs_s: wall time that a batch is expected to take [s].
         """
-        for task in tasks:
-            if self.left_s <= needs_s(task):
+        for batch in batches:
+            if self.left_s <= needs_s(batch):
                 return
-            yield task
+            yield batch
 
 
 def fair_order(
-    study: Study, planned: Plan, arrange: Callable[[Sequence[Flight]], Iterable[Task]], missing: Iterable[Flight]
-) -> Iterator[Task]:
+    study: Study, planned: Plan, arrange: Callable[[Sequence[Flight]], Iterable[Batch]], missing: Iterable[Flight]
+) -> Iterator[Batch]:
     """The `missing` flights of a plan in random, stratified order.
 
     Situations with their seeds are drawn at random, each of them in turn with one random group of mutants in which

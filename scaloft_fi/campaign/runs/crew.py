@@ -7,27 +7,32 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from scaloft_fi.campaign.flights.fly import Flyer, Physics
-from scaloft_fi.campaign.plan.plan import Flight, Plan, infects
-from scaloft_fi.campaign.plan.task import Task, alone, together
+from scaloft_fi.analysis.scoring.pool import LEAST
+from scaloft_fi.campaign.flights.physics import Physics
+from scaloft_fi.campaign.flights.worker import Flyer
+from scaloft_fi.campaign.plan.arrange import alone, together
+from scaloft_fi.campaign.plan.batch import Batch
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.plan.plan import Plan, infects
 from scaloft_fi.campaign.progress.lookout import Lookout
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs import gates
 from scaloft_fi.campaign.runs.options import RunOptions
-from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
+from scaloft_fi.campaign.runs.platform import prove_platform
 from scaloft_fi.campaign.store.folder import LOG_NAME, STORE_NAME, promising, writable
 from scaloft_fi.campaign.store.key import Keys
 from scaloft_fi.campaign.store.store import Store
-from scaloft_fi.campaign.workers.executor import Hands, Local
+from scaloft_fi.campaign.workers.executor import Hands
 from scaloft_fi.campaign.workers.interrupt import Interrupted, interruptible
+from scaloft_fi.campaign.workers.local import Local
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.situation import Situation
 
-Arrange = Callable[[Sequence[Flight]], Iterable[Task]]
-"""Puts flights together into tasks, in the order in which they are handed out."""
+Arrange = Callable[[Sequence[Flight]], Iterable[Batch]]
+"""Puts flights together into batches, in the order in which they are handed out."""
 
 
 class Crew:
@@ -73,11 +78,11 @@ class Crew:
         """Write down what is to be flown."""
         self.store.plan(self._keys.planned(flight, canary=canary) for flight in flights)
 
-    def arrange(self, flights: Sequence[Flight]) -> list[Task]:
-        """Flights as tasks, the longest first; what shares a baseline's beginning together, if that is wanted."""
+    def arrange(self, flights: Sequence[Flight]) -> list[Batch]:
+        """Flights as batches, the longest first; what shares a baseline's beginning together, if that is wanted."""
         return together(flights, self.weight_s, self._hands.jobs) if self.options.share else alone(flights)
 
-    def unit(self, flights: Sequence[Flight]) -> list[Task]:
+    def unit(self, flights: Sequence[Flight]) -> list[Batch]:
         """The same for one process."""
         return together(flights, self.weight_s, 1) if self.options.share else alone(flights)
 
@@ -86,7 +91,7 @@ class Crew:
 
         Args:
             flights: asked for.
-            arrange: puts them together into tasks; `self.arrange` when None.
+            arrange: puts them together into batches; `self.arrange` when None.
         """
         missing = self._missing(flights)
         if not missing:
@@ -116,7 +121,7 @@ class Crew:
     def _expect_pool(self, situation: Situation) -> None:
         if self._planned is not None and situation not in self._expected:
             self._expected.add(situation)
-            self.lookout.expect(self.missing(self._planned.pool(situation)))
+            self.lookout.expect(self.missing(self._planned.pool(situation, LEAST)))
 
     def repeat(self, flights: Sequence[Flight]) -> None:
         """The shortest of `flights` that is home again, when anything was flown: it must be the first one's twin."""
@@ -137,9 +142,9 @@ class Crew:
         """How long a flight is expected to last [s, simulated]."""
         return self.study.expected_s(flight.situation)
 
-    def wall_s(self, task: Task) -> float:
-        """How long one process is expected to fly a task at the pace so far [s, wall]; 0 before anything is home."""
-        return self.lookout.wall_s(task.flights) * self._hands.jobs
+    def wall_s(self, batch: Batch) -> float:
+        """How long one process is expected to fly a batch at the pace so far [s, wall]; 0 before anything is home."""
+        return self.lookout.wall_s(batch.flights) * self._hands.jobs
 
     def hold_gates(self, asked: Plan, outcomes: Sequence[Outcome], *, part: bool = False) -> None:
         """Hold the gates over the outcomes of what was `asked`; `part` of it when not all of it was flown.
@@ -170,10 +175,10 @@ class Crew:
             again = f"the same command resumes: {self.options.command}".removesuffix(": ")
             raise Interrupted(f"interrupted: {said} saved in {self.folder}; {again}")
 
-    def _outcomes(self, tasks: Iterable[Task]) -> Iterator[Outcome]:
+    def _outcomes(self, batches: Iterable[Batch]) -> Iterator[Outcome]:
         self._hands.ready()
         self.lookout.progress.start()
-        return self._hands.map(tasks)
+        return self._hands.map(batches)
 
     def _tracked(self, baseline: Outcome) -> Outcome:
         """The same with its track, which the store keeps apart."""
@@ -209,6 +214,7 @@ def hired(
             written, so that a study that cannot be flown leaves nothing behind.
 
     Raises:
+        GateError: the platform is another one, and none of the stored flights could be flown again on it.
         InputError: the folder or the store cannot be written, or the study cannot be flown.
     """
     promising(folder)
@@ -220,7 +226,7 @@ def hired(
         if not _all_flown(study, first, folder / STORE_NAME):
             hands.ready()
         with Store(writable(folder) / STORE_NAME) as store:
-            _remember_platform(store, progress)
+            prove_platform(study, store, hands, say=progress.line, stopped=stopped)
             yield Crew(study, folder, store, hands, progress, options, stopped)
 
 
@@ -231,11 +237,3 @@ def _all_flown(study: Study, flights: Iterable[Flight], path: Path) -> bool:
     with Store(path, create=False) as store:
         keys = set(map(Keys(study).key, flights))
         return store.known(keys) == keys
-
-
-def _remember_platform(store: Store, progress: Progress) -> None:
-    """Keep the platform of the campaign's first flight, and say when this one is another: its bits may differ."""
-    ours, theirs = fingerprint(), store.meta()
-    if theirs and (changed := differences(ours, theirs)):
-        progress.line(f"warning: the campaign began on another platform, digests may differ: {', '.join(changed)}")
-    store.set_meta(ours)

@@ -72,12 +72,13 @@ def _too_many_invalid(outcomes: Sequence[Outcome], most: float) -> Iterator[str]
 
 
 def _differ(what: str, pairs: Iterable[tuple[Outcome, Outcome]]) -> Iterator[str]:
-    names = [first.name for first, second in pairs if _trace(first) != _trace(second)]
+    names = [first.name for first, second in pairs if digests(first) != digests(second)]
     if names:
         yield f"{what}: {_some(names)}"
 
 
-def _trace(outcome: Outcome) -> tuple[str, str]:
+def digests(outcome: Outcome) -> tuple[str, str]:
+    """What two flights have in common when they are the same bit for bit."""
     return outcome.digest, outcome.perceived_digest
 
 

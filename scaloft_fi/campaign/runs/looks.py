@@ -10,9 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scaloft_fi.analysis.scoring.detection import LOOKS, Verdict
+from scaloft_fi.analysis.scoring.pool import LEAST
 from scaloft_fi.analysis.scoring.score import Score, score
-from scaloft_fi.campaign.flights.fly import Flyer
-from scaloft_fi.campaign.plan.plan import Flight, Plan, canary_flight, plan
+from scaloft_fi.campaign.flights.worker import Flyer
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.plan.plan import Plan, canary_flight, plan
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.crew import Crew, hired
 from scaloft_fi.campaign.runs.options import RunOptions
@@ -135,7 +137,7 @@ class _Rounds:
         self._crew.announce_pool(due)
         self._crew.fly(due.known)
         situations = due.infected(self._crew.outcomes(due.mutants))
-        pool = [flight for situation in situations for flight in self._first.pool(situation)]
+        pool = [flight for situation in situations for flight in self._first.pool(situation, LEAST)]
         self._crew.plan(pool)
         self._crew.fly(pool)
         self.flights = list(dict.fromkeys((*self.flights, *due.known, *pool)))

@@ -14,10 +14,12 @@ from pathlib import Path
 from scaloft_fi.analysis.margin import Margin, Scale, Subject, Tried, margin_of, subject_of, tried_in
 from scaloft_fi.analysis.roster import cell_of
 from scaloft_fi.analysis.scoring.detection import Spending
+from scaloft_fi.analysis.scoring.pool import LEAST
 from scaloft_fi.analysis.scoring.score import Score, score
-from scaloft_fi.campaign.flights.fly import Flyer
+from scaloft_fi.campaign.flights.worker import Flyer
 from scaloft_fi.campaign.plan import choose
-from scaloft_fi.campaign.plan.plan import Flight, Plan, plan
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.plan.plan import Plan, plan
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.bisect import Search
 from scaloft_fi.campaign.runs.options import RunOptions
@@ -183,7 +185,7 @@ class _Question:
             for outcome in outcomes
             if outcome.mutant == BASELINE and outcome.situation in places
         ]
-        pool = [flight for situation in lacking for flight in planned.pool(situation)]
+        pool = [flight for situation in lacking for flight in planned.pool(situation, LEAST)]
         canary = None if planned.canary in {flight.mutant for flight in flights} else planned.canary
         return replace(
             planned,

@@ -7,9 +7,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from scaloft_fi.analysis.scoring.detection import Spending
-from scaloft_fi.campaign.flights.fly import Flyer
-from scaloft_fi.campaign.plan.plan import Flight, Plan, canary_flight
-from scaloft_fi.campaign.plan.task import alone
+from scaloft_fi.analysis.scoring.pool import LEAST
+from scaloft_fi.campaign.flights.worker import Flyer
+from scaloft_fi.campaign.plan.arrange import alone
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.plan.plan import Plan, canary_flight
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.budget import Budget, fair_order
 from scaloft_fi.campaign.runs.crew import Crew, hired
@@ -104,7 +106,7 @@ def _fly(planned: Plan, crew: Crew, budget: Budget) -> Report:
 def fly_pool(planned: Plan, crew: Crew, budget: Budget | None = None) -> tuple[Flight, ...]:
     """Fly the baseline pool where a mutant of the plan has infected; returns its flights."""
     situations = planned.infected(crew.outcomes(planned.mutants))
-    pool = tuple(flight for situation in situations for flight in planned.pool(situation))
+    pool = tuple(flight for situation in situations for flight in planned.pool(situation, LEAST))
     crew.plan(pool)
     if budget is None or crew.options.budget_s is None:
         crew.fly(pool)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
-from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.store.folder import campaign_folder, existing
 from scaloft_fi.campaign.store.key import Keys
 from scaloft_fi.campaign.store.origin import Origin
@@ -77,6 +77,14 @@ def current_in(study: Study, store: Store) -> tuple[Outcome, ...]:
     """The outcomes of an open store that count; there may be none."""
     with store.snapshot():
         return store.that(_Now(study, store).stands)
+
+
+def counting_flights(study: Study, store: Store) -> list[Flown]:
+    """The flights of an open store whose outcomes count, the invalid ones left out, ordered by their keys."""
+    with store.snapshot():
+        now = _Now(study, store)
+        standing = {flight.key: flight for flight in store.flights() if now.stands(flight)}
+        return [standing[key] for key in sorted(store.known(standing))]
 
 
 def current(study: Study, campaign: str) -> tuple[Outcome, ...]:
@@ -174,9 +182,12 @@ class _Now:
         if isinstance(now, str):
             return now
         if flight.origin is None:
-            return "flown by an earlier version, which kept no reasons"
+            return "flown for reasons that were not kept"
+        then = self._then[flight.origin]
+        if then.platform:
+            return f"flown on a platform with other digests: {then.platform}"
         words = {**_PARTS, "mutant": f"mutant {flight.mutant}"}
-        return f"{' and '.join(words[part] for part in self._then[flight.origin].changed(now))} changed"
+        return f"{' and '.join(words[part] for part in then.changed(now))} changed"
 
     def _origin(self, mutant: str, situation: str) -> Origin | str:
         if situation not in self._situations:

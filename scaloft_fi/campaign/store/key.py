@@ -6,7 +6,7 @@ import hashlib
 import json
 from typing import Any
 
-from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.store.origin import Origin
 from scaloft_fi.campaign.store.store import Planned
 from scaloft_fi.mutants.mutant import Mutant

@@ -16,6 +16,7 @@ class Origin(NamedTuple):
         mutant: what is patched in; empty for the baseline.
         situation: what the situation changes in the world.
         realised: for a baseline, by which formulas the situation's values come true.
+        platform: of a flight whose bits an earlier platform made: how that platform differs; empty while it counts.
     """
 
     sim: str
@@ -24,6 +25,7 @@ class Origin(NamedTuple):
     mutant: str
     situation: str
     realised: str = ""
+    platform: str = ""
 
     def key(self, seed: int) -> str:
         """The content hash of the flight with this seed."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields
@@ -170,14 +169,3 @@ def _came_true(axes: Iterable[str], came_true: Iterable[bool]) -> Iterable[tuple
 
 
 _KINDS = {kind.value: kind for kind in Kind}
-
-
-def from_json(values: Mapping[str, Any]) -> Outcome:
-    """The outcome in an object by names, as stores before schema 4 have it; unknown names are ignored."""
-    known = {field.name: values[field.name] for field in fields(Outcome) if field.name in values}
-    known["subject"] = Subject(**values["subject"])
-    known["readings"] = tuple(Reading(**{**entry, "kind": Kind(entry["kind"])}) for entry in values["readings"])
-    known["violations"] = tuple(Violation(**{**entry, "kind": Kind(entry["kind"])}) for entry in values["violations"])
-    known["realised"] = tuple((str(axis), bool(came_true)) for axis, came_true in values["realised"])
-    known["track"] = base64.b64decode(values.get("track", ""))
-    return Outcome(**known)

@@ -14,13 +14,14 @@ from typing import NamedTuple
 
 from scaloft_fi.campaign.store.origin import Origin
 from scaloft_fi.campaign.store.record import COLUMNS, Reader
-from scaloft_fi.campaign.store.schema import SCHEMA, insert, migrate
+from scaloft_fi.campaign.store.schema import SCHEMA, create, insert
 from scaloft_fi.campaign.store.selection import Flown, Stand, outcomes, rulings, those_that, under
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.rulings import Rulings
 
-_NOTE = "note: "
+NOTE = "note: "
+"""What the names of notes begin with in the table of facts."""
 BUSY_S = 30.0
 """How long a writer waits for another process [s]."""
 RETRY_S = 0.01
@@ -36,7 +37,7 @@ class Planned(NamedTuple):
         key: of its outcome.
         mutant, situation, seed: what is flown, where.
         canary: flown only to prove that faults reach the drone.
-        origin: what entered the key; None where an earlier version planned it.
+        origin: what entered the key; None where it is not known.
     """
 
     key: str
@@ -57,8 +58,7 @@ class Store:
         """Open the store, making it and its folder when `create`; in a folder that is read only it is only read.
 
         Raises:
-            InputError: it cannot be opened or written, is no store, is a later version's, or an earlier one's in a
-                folder that is read only.
+            InputError: it cannot be opened or written, is no store, or is another version's.
         """
         self.path = path
         if not create and not path.is_file():
@@ -72,24 +72,22 @@ class Store:
             # rows are written one by one in explicit transactions
             self._connection = sqlite3.connect(name, timeout=BUSY_S, isolation_level=None, uri=fixed)
             try:
+                new = self._is_new()
                 if not fixed:
-                    self._prepare()
-                elif self._schema() < SCHEMA:
-                    raise InputError(f"{path}: store of an earlier version in a folder that is read only; read a copy")
+                    self._prepare(new=new)
             except BaseException:
                 self._connection.close()
                 raise
 
-    def _prepare(self) -> None:
-        run = self._connection.execute
-        current = self._schema() == SCHEMA
-        run(f"PRAGMA page_size={_PAGE_BYTES}")
+    def _prepare(self, *, new: bool) -> None:
+        self._connection.execute(f"PRAGMA page_size={_PAGE_BYTES}")
         self._keep_log()
-        run("PRAGMA synchronous=FULL")
-        if current:
+        self._connection.execute("PRAGMA synchronous=FULL")
+        if not new:
             return
-        with self._transaction():
-            migrate(self._connection, self._schema())  # asked again, as another process may have been faster
+        with self.transaction() as connection:
+            if self._is_new():  # asked again, as another process may have been faster
+                create(connection)
 
     def _keep_log(self) -> None:
         """Have a write-ahead log; SQLite itself does not wait for another process that is beginning the same file."""
@@ -104,18 +102,19 @@ class Store:
             else:
                 return
 
-    def _schema(self) -> int:
-        """Version of the tables in the file.
+    def _is_new(self) -> bool:
+        """Whether the file has no tables yet.
 
         Raises:
-            InputError: it is a later one.
+            InputError: it has those of another version.
         """
         version = int(self._connection.execute("PRAGMA user_version").fetchone()[0])
-        if version > SCHEMA:
+        if version not in (0, SCHEMA):
             raise InputError(
-                f"{self.path}: store of schema {version} must be at most {SCHEMA}; a later version wrote it"
+                f"{self.path}: another version of scaloft-fi wrote this store (schema {version}, not {SCHEMA}); "
+                "read it with that version, or fly again under another --campaign"
             )
-        return version
+        return version == 0
 
     def __enter__(self) -> Store:
         return self
@@ -130,11 +129,12 @@ class Store:
         self._connection.close()
 
     @contextmanager
-    def _transaction(self) -> Iterator[None]:
+    def transaction(self) -> Iterator[sqlite3.Connection]:
+        """What is written while it lasts is kept whole or, when anything is raised, not at all."""
         with _sentences(self.path):
             self._connection.execute("BEGIN IMMEDIATE")
             try:
-                yield
+                yield self._connection
                 self._connection.execute("COMMIT")
             except BaseException:
                 if self._connection.in_transaction:  # SQLite itself takes it back when the disk is full
@@ -165,7 +165,7 @@ class Store:
         Raises:
             InputError: the store cannot be written.
         """
-        with self._transaction():
+        with self.transaction():
             return insert(self._connection, key, outcome)
 
     def put_all(self, rows: Iterable[tuple[str, Outcome]]) -> None:
@@ -174,7 +174,7 @@ class Store:
         Raises:
             InputError: the store cannot be written.
         """
-        with self._transaction():
+        with self.transaction():
             for key, outcome in rows:
                 insert(self._connection, key, outcome)
 
@@ -233,7 +233,7 @@ class Store:
         Raises:
             InputError: the store cannot be written.
         """
-        with self._transaction():
+        with self.transaction():
             origins: dict[Origin, int] = {}
             for flight in flights:
                 if flight.origin is not None and flight.origin not in origins:
@@ -276,14 +276,14 @@ class Store:
         Raises:
             InputError: the store cannot be written.
         """
-        with self._transaction():
+        with self.transaction():
             self._connection.executemany(
                 "INSERT INTO meta VALUES (?, ?) ON CONFLICT (name) DO NOTHING", entries.items()
             )
 
     def meta(self) -> dict[str, str]:
         """The facts kept by `set_meta`."""
-        return {name: value for name, value in self._facts() if not name.startswith(_NOTE)}
+        return {name: value for name, value in self._facts() if not name.startswith(NOTE)}
 
     def set_notes(self, notes: Mapping[str, str]) -> None:
         """Keep what was said of the campaign; of one name the first note stays.
@@ -291,11 +291,11 @@ class Store:
         Raises:
             InputError: the store cannot be written.
         """
-        self.set_meta({_NOTE + name: text for name, text in notes.items()})
+        self.set_meta({NOTE + name: text for name, text in notes.items()})
 
     def notes(self) -> dict[str, str]:
         """The notes kept by `set_notes`."""
-        return {name.removeprefix(_NOTE): text for name, text in self._facts() if name.startswith(_NOTE)}
+        return {name.removeprefix(NOTE): text for name, text in self._facts() if name.startswith(NOTE)}
 
     def _facts(self) -> list[tuple[str, str]]:
         with _sentences(self.path):

@@ -1,4 +1,4 @@
-"""A campaign on a Dask cluster: tasks go out, outcomes stream home as the scheduler's events."""
+"""A campaign on a Dask cluster: batches go out, outcomes stream home as the scheduler's events."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.campaign.flights.fly import Flyer, left_of, lost
-from scaloft_fi.campaign.plan.task import Task
+from scaloft_fi.campaign.flights.worker import Flyer, left_of, lost
+from scaloft_fi.campaign.plan.batch import Batch
+from scaloft_fi.campaign.processes.patience import ATTEMPTS
 from scaloft_fi.campaign.store.fingerprint import fingerprint
 from scaloft_fi.campaign.workers.bundle import digest_of, packed
 from scaloft_fi.campaign.workers.executor import Hands
 from scaloft_fi.campaign.workers.interrupt import Interrupted
-from scaloft_fi.campaign.workers.pool import ATTEMPTS
-from scaloft_fi.campaign.workers.slot import TOPIC, fly_task
+from scaloft_fi.campaign.workers.slot import TOPIC, fly_batch
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
@@ -33,18 +33,18 @@ if TYPE_CHECKING:
 CONNECT_S = 10.0
 """A scheduler that does not answer for so long cannot be reached [s, wall]."""
 LOOK_UP_S = 0.1
-"""How often it is seen whether tasks have ended [s, wall]."""
+"""How often it is seen whether batches have ended [s, wall]."""
 COUNT_S = 1.0
 """How often the threads of all workers are counted [s, wall]."""
 LEAST_JOBS = 8
 """The work is cut for at least so many threads, because workers may join."""
 AHEAD = 2
-"""So many tasks a thread are handed out at a time, so that none waits for the next one."""
+"""So many batches a thread are handed out at a time, so that none waits for the next one."""
 
 GONE = "the Dask scheduler is gone; what came home is saved, the same command resumes"
 
 Event = tuple[str, int, str, str, Any]
-"""Run, number of the task, address of the worker, kind, content."""
+"""Run, number of the batch, address of the worker, kind, content."""
 
 
 @dataclass(frozen=True)
@@ -101,9 +101,9 @@ def _parting() -> Iterator[None]:
 
 @dataclass
 class _Trial:
-    """A task that was handed out, what came home of it since, and how often it was begun without anything home."""
+    """A batch that was handed out, what came home of it since, and how often it was begun without anything home."""
 
-    task: Task
+    batch: Batch
     future: Future[None]
     begun: int
     home: dict[str, Outcome] = field(default_factory=dict)
@@ -144,14 +144,14 @@ class _Run:
         """Take an event of the topic; called in a thread of the client."""
         self._inbox.put(event[1])
 
-    def map(self, tasks: Iterable[Task]) -> Iterator[Outcome]:
-        """The outcomes of `tasks`, as they come home; the next task is asked for when a thread may soon be free."""
-        source = iter(tasks)
+    def map(self, batches: Iterable[Batch]) -> Iterator[Outcome]:
+        """The outcomes of `batches`, as they come home; the next batch is asked for when a thread may soon be free."""
+        source = iter(batches)
         try:
             while not self._stop():
                 self._count_threads()
-                for task in islice(source, max(0, AHEAD * self.jobs - len(self._trials))):
-                    self._hand_out(task)
+                for batch in islice(source, max(0, AHEAD * self.jobs - len(self._trials))):
+                    self._hand_out(batch)
                 if not self._trials:
                     return
                 # those first: all that they told was told before they ended
@@ -165,21 +165,21 @@ class _Run:
         yield from self._heard(0.0)
         self._trials.clear()
 
-    def _hand_out(self, task: Task, begun: int = 0) -> None:
+    def _hand_out(self, batch: Batch, begun: int = 0) -> None:
         number = self._handed_out = self._handed_out + 1
         barred = self._barred.keys()
         where = [address for address in self._client.nthreads() if address not in barred] if barred else None
         if where == []:
             raise InputError(next(iter(self._barred.values())))
-        work = pickle.dumps((self._flyer, task))
+        work = pickle.dumps((self._flyer, batch))
         future = self._client.submit(
-            fly_task,
+            fly_batch,
             *(self._id, number, self._bundle, self._inputs, self._platform, work),
             key=f"scaloft-fi-{self._id}-{number}",
             workers=where,
             pure=False,
         )
-        self._trials[number] = _Trial(task, future, begun)
+        self._trials[number] = _Trial(batch, future, begun)
 
     def _heard(self, wait_s: float) -> Iterator[Outcome]:
         """The outcomes among what has come, at most `wait_s` from now."""
@@ -192,7 +192,7 @@ class _Run:
                     continue
                 if kind == "outcome":
                     outcome = pickle.loads(content)
-                    if outcome.name not in trial.home:  # a task is flown again whole when its worker is lost
+                    if outcome.name not in trial.home:  # a batch is flown again whole when its worker is lost
                         trial.home[outcome.name] = outcome
                         yield outcome
                 elif kind == "begun":
@@ -206,7 +206,7 @@ class _Run:
                     )
 
     def _end(self, trial: _Trial) -> Iterator[Outcome]:
-        """A task has ended, well or not: what is lacking is tried again, as long as that may lead anywhere."""
+        """A batch has ended, well or not: what is lacking is tried again, as long as that may lead anywhere."""
         from distributed import KilledWorker
 
         if trial.future.cancelled():
@@ -217,10 +217,10 @@ class _Run:
             raise InputError(f"a Dask worker cannot fly: {error}; {how}") from error
         if error is not None and not isinstance(error, KilledWorker):
             raise error
-        left = left_of(trial.task, trial.home.values())
+        left = left_of(trial.batch, trial.home.values())
         if left is None:
             return
-        begun = 0 if trial.home else trial.begun  # Dask gives up tasks, too, that only waited on workers that died
+        begun = 0 if trial.home else trial.begun  # Dask gives up batches, too, that only waited on workers that died
         if begun < ATTEMPTS:
             self._hand_out(left, begun)
         else:

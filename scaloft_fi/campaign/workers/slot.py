@@ -12,12 +12,12 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
-from scaloft_fi.campaign.flights.fly import Flyer, Worker, left_of, lost
-from scaloft_fi.campaign.plan.task import Task
+from scaloft_fi.campaign.flights.worker import Flyer, Worker, left_of, lost
+from scaloft_fi.campaign.plan.batch import Batch
+from scaloft_fi.campaign.processes.hire import started_clean
+from scaloft_fi.campaign.processes.pool import Pool
 from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
 from scaloft_fi.campaign.workers.bundle import digest_of, unpacked
-from scaloft_fi.campaign.workers.hire import started_clean
-from scaloft_fi.campaign.workers.pool import Pool
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
@@ -33,18 +33,18 @@ _idle: dict[tuple[Path, bytes], list[_Slot]] = defaultdict(list)
 _lock = threading.Lock()
 
 
-def fly_task(
+def fly_batch(
     run: str, number: int, bundle: str, inputs: Mapping[str, str], platform: dict[str, str], work: bytes
 ) -> None:
-    """Fly one task; what comes of it is told as events `(run, number, kind, content)`, each as it is known.
+    """Fly one batch; what comes of it is told as events `(run, number, kind, content)`, each as it is known.
 
     Args:
-        run, number: whose task, and which.
+        run, number: whose batch, and which.
         bundle: digest of the study, whose file every worker was sent.
         inputs: what the study and its code hash to where the run is; where they hash to something else nothing is
             flown, and the kind is `refused`.
         platform: the run's; that of this worker is told as `platform` when it differs.
-        work: flyer and task, pickled: another version of the package might not even read them.
+        work: flyer and batch, pickled: another version of the package might not even read them.
 
     Raises:
         Exception: the study cannot be flown.
@@ -67,32 +67,32 @@ def fly_task(
     if changed:
         tell("platform", ", ".join(changed))
 
-    def stop() -> bool:  # the run no longer wants the task
+    def stop() -> bool:  # the run no longer wants the batch
         state = worker.state.tasks.get(key)
         return state is None or state.state == "cancelled"
 
     tell("begun", "")
-    flyer, task = pickle.loads(work)
+    flyer, batch = pickle.loads(work)
     with _slot(folder, flyer, stop) as pool:
-        for outcome in pool.map([task]):
+        for outcome in pool.map([batch]):
             tell("outcome", pickle.dumps(outcome))
 
 
 @dataclass
 class Hand:
-    """The work of a process that knows nothing yet: it opens the study when the first task comes."""
+    """The work of a process that knows nothing yet: it opens the study when the first batch comes."""
 
     study: Path
     flyer: Flyer
     _worker: Worker | None = None
 
-    def __call__(self, task: Task, home: Callable[[Outcome], None]) -> None:
-        """Fly one task."""
+    def __call__(self, batch: Batch, home: Callable[[Outcome], None]) -> None:
+        """Fly one batch."""
         if self._worker is None:
             study = Study.open(self.study)
             self.flyer.prepare(study, lambda _text: None)
             self._worker = Worker(study, self.flyer)
-        self._worker(task, home)
+        self._worker(batch, home)
 
 
 @dataclass(eq=False)
@@ -101,7 +101,7 @@ class _Slot:
 
     hand: Hand
     stop: Callable[[], bool] = lambda: False
-    pool: Pool[Task, Outcome] = field(init=False)
+    pool: Pool[Batch, Outcome] = field(init=False)
     expiry: threading.Timer | None = None
 
     def __post_init__(self) -> None:
@@ -111,7 +111,7 @@ class _Slot:
 
 
 @contextmanager
-def _slot(study: Path, flyer: Flyer, stop: Callable[[], bool]) -> Iterator[Pool[Task, Outcome]]:
+def _slot(study: Path, flyer: Flyer, stop: Callable[[], bool]) -> Iterator[Pool[Batch, Outcome]]:
     """The pool of an idle slot, else of a new one; whoever leaves in peace leaves it for the next."""
     slots = _idle[study, pickle.dumps(flyer)]
     with _lock:

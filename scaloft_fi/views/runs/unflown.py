@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 
-from scaloft_fi.campaign.plan.plan import Flight, Plan
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.plan.plan import Plan
 from scaloft_fi.views.tables.table import Table
 
 

@@ -13,8 +13,8 @@ import pytest
 
 from scaloft_fi.campaign.flights.fly import invalid
 from scaloft_fi.campaign.flights.fork import CAN_FORK, Fork
-from scaloft_fi.campaign.plan.plan import Flight
-from scaloft_fi.campaign.workers.pool import ATTEMPTS
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.processes.patience import ATTEMPTS
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.mutant import Mutant
 

@@ -11,11 +11,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.campaign.flights.fly import Physics, Worker
 from scaloft_fi.campaign.flights.fork import CAN_FORK
+from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.campaign.flights.share import as_baseline
-from scaloft_fi.campaign.plan.plan import Flight
-from scaloft_fi.campaign.plan.task import Task, alone
+from scaloft_fi.campaign.flights.worker import Worker
+from scaloft_fi.campaign.plan.arrange import alone
+from scaloft_fi.campaign.plan.batch import Batch
+from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.judge.outcome import Outcome, Subject
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.mutants.mutant import Mutant
@@ -44,10 +46,10 @@ def _study() -> Study:
     return study
 
 
-def _outcomes(tasks: list[Task]) -> dict[str, Outcome]:
+def _outcomes(batches: list[Batch]) -> dict[str, Outcome]:
     home: list[Outcome] = []
-    for task in tasks:
-        Worker(_study(), Physics())(task, home.append)
+    for batch in batches:
+        Worker(_study(), Physics())(batch, home.append)
     assert len({outcome.name for outcome in home}) == len(home)
     return {outcome.name: outcome for outcome in home}
 
@@ -66,7 +68,7 @@ def test_shared_flights_are_the_whole_flights_digest_for_digest_and_field_for_fi
     situation: Situation = _study().grid.situation(key)
     mutants = data.draw(_mutants())
     flights = tuple(Flight(mutant, situation, seed) for mutant in (None, *mutants))
-    shared, whole = _outcomes([Task(flights, shared=True)]), _outcomes(alone(flights))
+    shared, whole = _outcomes([Batch(flights, shared=True)]), _outcomes(alone(flights))
     assert shared.keys() == whole.keys() == {flight.name for flight in flights}
     assert not any(outcome.invalid for outcome in whole.values())
     for name, outcome in whole.items():
@@ -91,7 +93,7 @@ def test_a_whole_flight_that_takes_its_process_with_it_takes_no_other(monkeypatc
         return replace(outcome, ending=f"after {len(whole)}")
 
     monkeypatch.setattr(Physics, "__call__", fly)
-    found = _outcomes([Task(tuple(flights), shared=True)])
+    found = _outcomes([Batch(tuple(flights), shared=True)])
     assert found[deadly.name].invalid == "its worker process died every time it was flown"
     assert not any(found[flight.name].invalid for flight in (from_take_off, late, last))
     assert (found[from_take_off.name].ending, found[late.name].ending) == ("after 1", "landed")

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from scaloft_fi.analysis.scoring.pool import LEAST
 from scaloft_fi.campaign.plan import choose
 from scaloft_fi.campaign.plan.plan import plan
 from scaloft_fi.errors import InputError
@@ -55,17 +56,17 @@ def test_a_range_of_seeds_has_both_ends(first: int, more: int) -> None:
 def test_a_pool_fills_up_to_ten_seeds_beside_the_mutants_own(study: Any) -> None:
     planned = plan(study.grid, (3, 4), [_mutant("MORE-goal")], None).with_pool()
     for situation in study.grid:
-        seeds = [flight.seed for flight in planned.pool(situation)]
+        seeds = [flight.seed for flight in planned.pool(situation, LEAST)]
         assert seeds == [0, 1, 2, 5, 6, 7, 8, 9]
-        assert all(flight.mutant is None for flight in planned.pool(situation))
+        assert all(flight.mutant is None for flight in planned.pool(situation, LEAST))
     assert planned.seeds == (3, 4)
 
 
 def test_a_pool_of_given_seeds_has_those_and_a_plan_without_one_has_none(study: Any) -> None:
     planned = plan(study.grid, (0, 1), [_mutant("MORE-goal")], None)
     (situation, *_) = study.grid
-    assert [flight.seed for flight in planned.with_pool(range(5)).pool(situation)] == [2, 3, 4]
-    assert planned.pool(situation) == ()
+    assert [flight.seed for flight in planned.with_pool(range(5)).pool(situation, LEAST)] == [2, 3, 4]
+    assert planned.pool(situation, LEAST) == ()
 
 
 def test_a_pool_is_flown_where_a_mutant_infects_and_nowhere_else(study: Any, log: Any) -> None:

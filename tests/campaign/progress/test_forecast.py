@@ -11,7 +11,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.campaign.plan.plan import Flight, plan
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.plan.plan import plan
 from scaloft_fi.campaign.progress.forecast import FLIGHT_S, PRIOR_FLOWN, PRIOR_SHARE, Forecast
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.derive import defaults

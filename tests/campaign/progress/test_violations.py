@@ -10,7 +10,8 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.plan.plan import Flight, plan
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.plan.plan import plan
 from scaloft_fi.campaign.progress.lookout import Lookout
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.progress.violations import Violations

@@ -12,8 +12,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.campaign.plan.plan import Flight, Plan, plan
-from scaloft_fi.campaign.plan.task import Task, together
+from scaloft_fi.campaign.plan.arrange import together
+from scaloft_fi.campaign.plan.batch import Batch
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.plan.plan import Plan, plan
 from scaloft_fi.campaign.progress.progress import Silence
 from scaloft_fi.campaign.runs.budget import Budget, budget_s, fair_order, interleaved
 from scaloft_fi.campaign.runs.options import RunOptions
@@ -56,8 +58,8 @@ def _whole(study: Any, seeds: Sequence[int] = (0,)) -> Plan:
     return plan(study.grid, seeds, defaults(study.matrix), None)
 
 
-def _tasks(study: Any, planned: Plan, left: Sequence[Flight] | None = None) -> list[Task]:
-    def arrange(flights: Sequence[Flight]) -> list[Task]:
+def _tasks(study: Any, planned: Plan, left: Sequence[Flight] | None = None) -> list[Batch]:
+    def arrange(flights: Sequence[Flight]) -> list[Batch]:
         return together(flights, lambda flight: flight.situation.nominal_s, 1)
 
     everything = (*planned.baselines, *planned.mutants)
@@ -66,21 +68,21 @@ def _tasks(study: Any, planned: Plan, left: Sequence[Flight] | None = None) -> l
 
 def test_the_order_has_every_planned_flight_once(study: Any) -> None:
     planned = _whole(study, (0, 1))
-    flown = Counter(f.name for task in _tasks(study, planned) for f in task.flights if f.mutant)
+    flown = Counter(f.name for batch in _tasks(study, planned) for f in batch.flights if f.mutant)
     assert flown == Counter(flight.name for flight in planned.mutants)
 
 
 def test_a_situation_begins_with_its_baseline_and_placebo(study: Any) -> None:
     first: dict[str, set[str]] = {}
-    for task in _tasks(study, _whole(study)):
-        names = first.setdefault(task.carrier.situation.key, set())
+    for batch in _tasks(study, _whole(study)):
+        names = first.setdefault(batch.carrier.situation.key, set())
         if not {"baseline", "PLACEBO"} <= names:
-            names.update(flight.subject.id for flight in task.flights)
+            names.update(flight.subject.id for flight in batch.flights)
     assert all(18 >= len(names) > 2 and {"baseline", "PLACEBO"} <= names for names in first.values())
 
 
 def test_every_situation_is_drawn_once_before_any_is_drawn_again(study: Any) -> None:
-    shared = [task.carrier.situation.key for task in _tasks(study, _whole(study)) if task.shared]
+    shared = [batch.carrier.situation.key for batch in _tasks(study, _whole(study)) if batch.shared]
     assert all(len(set(shared[turn : turn + 4])) == 4 for turn in range(0, len(shared), 4))
 
 
@@ -88,15 +90,15 @@ def test_the_first_turn_flies_every_parameter_in_proportion(study: Any) -> None:
     planned = _whole(study)
     everything = Counter(f.subject.parameter for f in planned.mutants if f.subject.parameter)
     share = 4 * 16 / sum(everything.values())
-    first = [task for task in _tasks(study, planned) if task.shared][:4]
-    flown = Counter(f.subject.parameter for task in first for f in task.flights if f.mutant)
+    first = [batch for batch in _tasks(study, planned) if batch.shared][:4]
+    flown = Counter(f.subject.parameter for batch in first for f in batch.flights if f.mutant)
     assert flown.keys() == everything.keys()
     assert all(abs(flown[name] - share * count) <= 4 for name, count in everything.items())
 
 
 def test_situations_drawn_one_after_the_other_fly_other_groups(study: Any) -> None:
-    first = [task for task in _tasks(study, _whole(study)) if task.shared][:4]
-    names = [flight.subject.id for task in first for flight in task.flights if flight.mutant]
+    first = [batch for batch in _tasks(study, _whole(study)) if batch.shared][:4]
+    names = [flight.subject.id for batch in first for flight in batch.flights if flight.mutant]
     assert len(names) == len(set(names)) > 4 * 12
 
 
@@ -105,8 +107,8 @@ def test_each_mutant_has_the_same_chance_over_many_studies(study: Any) -> None:
     tries, first = 300, Counter[str]()
     for number in range(tries):
         other = type(study)(study.folder, {**study.inputs, "sim": str(number)})
-        (task,) = islice((task for task in _tasks(other, planned) if task.shared), 1)
-        first.update(f.subject.id for f in task.flights if f.mutant)
+        (batch,) = islice((batch for batch in _tasks(other, planned) if batch.shared), 1)
+        first.update(f.subject.id for f in batch.flights if f.mutant)
     chance = sum(first.values()) / (40 * tries)
     assert len(first) == 40
     assert all(abs(count / tries - chance) < 5 * (chance * (1 - chance) / tries) ** 0.5 for count in first.values())
@@ -114,11 +116,11 @@ def test_each_mutant_has_the_same_chance_over_many_studies(study: Any) -> None:
 
 def test_what_is_flown_is_left_out_and_the_rest_keeps_its_order(study: Any) -> None:
     planned = _whole(study)
-    tasks = _tasks(study, planned)
-    home = {flight.name for task in tasks[:9] for flight in task.flights} | {tasks[9].flights[1].name}
+    batches = _tasks(study, planned)
+    home = {flight.name for batch in batches[:9] for flight in batch.flights} | {batches[9].flights[1].name}
     left = [flight for flight in (*planned.baselines, *planned.mutants) if flight.name not in home]
-    owed = [{f.name for f in task.flights if f.mutant} - home for task in tasks]
-    rest = [{f.name for f in task.flights if f.mutant} for task in _tasks(study, planned, left)]
+    owed = [{f.name for f in batch.flights if f.mutant} - home for batch in batches]
+    rest = [{f.name for f in batch.flights if f.mutant} for batch in _tasks(study, planned, left)]
     assert rest == [names for names in owed if names]
 
 
@@ -126,17 +128,17 @@ def test_when_time_is_up_no_task_is_handed_out() -> None:
     now_s = [0.0]
     budget = Budget(10.0, clock=lambda: now_s[0])
     handed = []
-    for task in budget.while_it_lasts([Task(())] * 9):
-        handed.append(task)
+    for batch in budget.while_it_lasts([Batch(())] * 9):
+        handed.append(batch)
         now_s[0] += 4.0
     assert len(handed) == 3
     assert Budget(None).left_s == float("inf")
 
 
 def test_the_first_task_that_would_not_end_in_time_is_the_end() -> None:
-    tasks = [Task(()), Task((), shared=True), Task(())]
+    batches = [Batch(()), Batch((), shared=True), Batch(())]
     budget = Budget(10.0, clock=lambda: 0.0)
-    assert list(budget.while_it_lasts(tasks, lambda task: 11.0 if task.shared else 9.0)) == tasks[:1]
+    assert list(budget.while_it_lasts(batches, lambda batch: 11.0 if batch.shared else 9.0)) == batches[:1]
 
 
 def _run(study: Any, log: Any, folder: str, options: RunOptions) -> tuple[Plan, Report]:

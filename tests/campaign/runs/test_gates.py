@@ -9,7 +9,8 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.plan.plan import Flight, Plan, plan
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.plan.plan import Plan, plan
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.gates import RISE_M, check
 from scaloft_fi.campaign.runs.options import RunOptions

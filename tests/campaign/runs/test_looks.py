@@ -11,7 +11,8 @@ import pytest
 
 from scaloft_fi.analysis.scoring.detection import LOOKS, Verdict
 from scaloft_fi.analysis.scoring.score import score
-from scaloft_fi.campaign.plan.plan import Flight, Plan, plan
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.plan.plan import Plan, plan
 from scaloft_fi.campaign.progress.progress import Silence
 from scaloft_fi.campaign.runs.looks import Look, run_looks
 from scaloft_fi.campaign.runs.options import RunOptions

@@ -12,7 +12,8 @@ import pytest
 
 from scaloft_fi.analysis.margin import Answer, Margin, Subject, lowest, margins
 from scaloft_fi.analysis.scoring.score import score
-from scaloft_fi.campaign.plan.plan import Flight, plan
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.plan.plan import plan
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.margin import find, target
 from scaloft_fi.campaign.runs.options import RunOptions

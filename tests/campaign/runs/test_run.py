@@ -9,12 +9,12 @@ import os
 import signal
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.plan.plan import Flight, Plan, plan
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.plan.plan import Plan, plan
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import Report, run
@@ -224,15 +224,6 @@ def test_a_folder_that_cannot_be_written_is_one_sentence_before_anything_flies(s
     with pytest.raises(InputError, match="the results folder cannot be written"):
         _run(study, log)
     assert log.flown == []
-
-
-def test_another_platform_is_said(study: Any, log: Any, tmp_path: Path) -> None:
-    _run(study, log)
-    with Store(study.folder / "c" / STORE_NAME) as store:
-        store._connection.execute("UPDATE meta SET value = 'PDP-11' WHERE name = 'machine'")
-    stream = io.StringIO()
-    run(study, _plan(study), study.folder / "c", progress=Progress(stream=stream), flyer=log)
-    assert "warning: the campaign began on another platform, digests may differ: machine" in stream.getvalue()
 
 
 def test_a_study_that_cannot_be_flown_stops_the_run_with_its_sentence(study: Any, log: Any) -> None:

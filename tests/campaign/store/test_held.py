@@ -106,12 +106,12 @@ def test_flights_flown_again_leave_the_stale_ones_beside_them(study: Any, fly: C
     assert (len(found.current), dict(found.why)) == (16, {"the requirements changed": 16})
 
 
-def test_what_an_earlier_version_flew_has_no_reason(study: Any, fly: Callable[..., Held]) -> None:
+def test_a_flight_of_which_no_reason_was_kept_is_said_to_have_none(study: Any, fly: Callable[..., Held]) -> None:
     fly()
     with Store(study.folder / "c" / STORE_NAME) as store:
         store._connection.execute("UPDATE outcomes SET origin = NULL")
         assert held_in(study, store, study.folder / "c").stale == 0
-    assert _why(_inputs(study, sim="x")) == {"flown by an earlier version, which kept no reasons": 16}
+    assert _why(_inputs(study, sim="x")) == {"flown for reasons that were not kept": 16}
 
 
 def test_what_is_owed_is_planned_as_the_study_is_now(study: Any, fly: Callable[..., Held]) -> None:

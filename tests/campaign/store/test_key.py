@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.campaign.plan.plan import Flight
+from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.store.held import flight_named
 from scaloft_fi.campaign.store.key import Keys, flight_key
 from scaloft_fi.study import Study

@@ -17,11 +17,12 @@ from typing import Any
 import distributed
 import pytest
 
-from scaloft_fi.campaign.plan.plan import Flight
-from scaloft_fi.campaign.plan.task import Task
+from scaloft_fi.campaign.plan.batch import Batch
+from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.workers.cluster import Cluster
-from scaloft_fi.campaign.workers.executor import Local, executor_named
 from scaloft_fi.campaign.workers.interrupt import Interrupted
+from scaloft_fi.campaign.workers.local import Local
+from scaloft_fi.campaign.workers.named import executor_named
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.derive import realise
@@ -53,8 +54,8 @@ class Flyer:
             time.sleep(60.0)
         return Outcome(flight.subject, flight.situation.key, flight.seed, ending="landed", digest=str(study.folder))
 
-    def share(self, study, task, home):
-        for flight in task.flights:
+    def share(self, study, batch, home):
+        for flight in batch.flights:
             home(self(study, flight))
 """
 
@@ -89,9 +90,9 @@ def _flights(study: Study, *mutants: str) -> list[Flight]:
     return [Flight(subject, situation, 0) for situation in study.grid.situations[:3] for subject in subjects]
 
 
-def _tasks(flights: list[Flight]) -> list[Task]:
+def _tasks(flights: list[Flight]) -> list[Batch]:
     keys = dict.fromkeys(flight.situation.key for flight in flights)
-    return [Task(tuple(f for f in flights if f.situation.key == key), shared=True) for key in keys]
+    return [Batch(tuple(f for f in flights if f.situation.key == key), shared=True) for key in keys]
 
 
 def _flown(
@@ -128,9 +129,9 @@ def test_every_outcome_comes_home_once_and_was_flown_from_the_study_that_was_sen
 
 def test_outcomes_come_home_before_their_task_is_done(address: str, reference: Study, flyer: Any) -> None:
     times_s: list[float] = []
-    task = Task(tuple(_flights(reference, LATE, MORE)[:3]), shared=True)
+    batch = Batch(tuple(_flights(reference, LATE, MORE)[:3]), shared=True)
     with Cluster(address).hands(reference, flyer(slow_s=0.5), stop=lambda: False, say=print) as hands:
-        times_s.extend(time.monotonic() for _ in hands.map([task]))
+        times_s.extend(time.monotonic() for _ in hands.map([batch]))
     assert min(later - sooner for sooner, later in pairwise(times_s)) > 0.25
 
 
@@ -149,11 +150,11 @@ def test_what_flies_for_a_run_that_is_killed_ends_with_it(
         "import cluster_flyer\n"
         "from scaloft_fi.campaign.workers.cluster import Cluster\n"
         "from scaloft_fi.campaign.plan.plan import Flight\n"
-        "from scaloft_fi.campaign.plan.task import Task\n"
+        "from scaloft_fi.campaign.plan.batch import Batch\n"
         "from scaloft_fi.study import Study\n"
         f"study, flyer = Study.open({str(ROOT)!r}), cluster_flyer.Flyer(slow_s=300.0, mark={str(tmp_path / 'pid')!r})\n"
         f"with Cluster({address!r}).hands(study, flyer, stop=lambda: False, say=print) as hands:\n"
-        "    list(hands.map([Task((Flight(None, study.grid.situations[0], 0),))]))\n"
+        "    list(hands.map([Batch((Flight(None, study.grid.situations[0], 0),))]))\n"
     )
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
     run = subprocess.Popen([sys.executable, "-c", program], env=environment)

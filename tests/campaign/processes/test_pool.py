@@ -13,8 +13,9 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.workers.hire import cores, started_clean
-from scaloft_fi.campaign.workers.pool import ATTEMPTS, Pool
+from scaloft_fi.campaign.processes.hire import cores, started_clean
+from scaloft_fi.campaign.processes.patience import ATTEMPTS
+from scaloft_fi.campaign.processes.pool import Pool
 
 
 def _square(number: int, home: Callable[[Any], None]) -> None:
@@ -190,7 +191,7 @@ def test_what_raises_in_a_worker_started_clean_reaches_the_caller(work: Any) -> 
 
 def test_a_worker_started_clean_ends_with_the_process_that_started_it(work: Any) -> None:
     program = (
-        "import os, clean_work; from scaloft_fi.campaign.workers.hire import started_clean\n"
+        "import os, clean_work; from scaloft_fi.campaign.processes.hire import started_clean\n"
         "hired = started_clean(clean_work.work, ()); hired.connection.send(('pid', 1))\n"
         "print(hired.connection.recv()[1][1], flush=True); os.kill(os.getpid(), 9)"
     )
@@ -205,7 +206,7 @@ def test_a_worker_started_clean_ends_with_the_process_that_started_it(work: Any)
 INTERRUPTED = """
 import os, signal, sys
 import clean_work
-from scaloft_fi.campaign.workers import hire
+from scaloft_fi.campaign.processes import hire
 
 run, heard = os.getpid(), []
 

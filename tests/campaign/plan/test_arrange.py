@@ -9,8 +9,9 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.plan.plan import Flight
-from scaloft_fi.campaign.plan.task import LEAST_SHARING, Task, alone, together
+from scaloft_fi.campaign.plan.arrange import LEAST_SHARING, alone, together
+from scaloft_fi.campaign.plan.batch import Batch
+from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 
 
@@ -29,10 +30,10 @@ def _nominal_s(flight: Flight) -> float:
 
 def test_the_mutants_of_a_situation_and_seed_share_its_baseline(study: Any) -> None:
     flights = [*_flights(study.grid[0], 3), *_flights(study.grid[1], 2), *_flights(study.grid[0], 1, seed=1)]
-    tasks = together(flights, _nominal_s, 1)
-    assert all(task.shared for task in tasks)
-    assert [len(task.flights) for task in tasks] == [3, 4, 2]
-    assert {(task.carrier.situation.key, task.carrier.seed) for task in tasks} == {
+    batches = together(flights, _nominal_s, 1)
+    assert all(batch.shared for batch in batches)
+    assert [len(batch.flights) for batch in batches] == [3, 4, 2]
+    assert {(batch.carrier.situation.key, batch.carrier.seed) for batch in batches} == {
         ("D0H0", 0),
         ("D0H1", 0),
         ("D0H0", 1),
@@ -41,14 +42,14 @@ def test_the_mutants_of_a_situation_and_seed_share_its_baseline(study: Any) -> N
 
 def test_placebo_is_flown_whole_and_by_itself(study: Any) -> None:
     placebo = Flight(PLACEBO, study.grid[0], 0)
-    assert Task((placebo,)) in together([*_flights(study.grid[0], 3), placebo], _nominal_s, 1)
+    assert Batch((placebo,)) in together([*_flights(study.grid[0], 3), placebo], _nominal_s, 1)
     with pytest.raises(ValueError, match="PLACEBO is always flown whole"):
-        Task((placebo,), shared=True)
+        Batch((placebo,), shared=True)
 
 
 def test_a_known_baseline_is_flown_again_for_its_missing_mutants(study: Any) -> None:
-    (task,) = together(_flights(study.grid[0], 3, baseline=False), _nominal_s, 1)
-    assert task.flights[0] == task.carrier
+    (batch,) = together(_flights(study.grid[0], 3, baseline=False), _nominal_s, 1)
+    assert batch.flights[0] == batch.carrier
 
 
 def test_a_single_mutant_of_a_known_baseline_is_flown_whole(study: Any) -> None:
@@ -57,14 +58,14 @@ def test_a_single_mutant_of_a_known_baseline_is_flown_whole(study: Any) -> None:
 
 
 def test_a_lone_situation_keeps_every_process_busy(study: Any) -> None:
-    tasks = together(_flights(study.grid[0], 10 * LEAST_SHARING), _nominal_s, 4)
-    assert len(tasks) > 4
-    assert all(len(task.flights) > LEAST_SHARING for task in tasks)
+    batches = together(_flights(study.grid[0], 10 * LEAST_SHARING), _nominal_s, 4)
+    assert len(batches) > 4
+    assert all(len(batch.flights) > LEAST_SHARING for batch in batches)
 
 
 def test_tasks_get_smaller_towards_the_end(study: Any) -> None:
     flights = [flight for situation in study.grid for flight in _flights(situation, 8 * LEAST_SHARING)]
-    pieces = [task.carrier.situation.key for task in together(flights, _nominal_s, 2)]
+    pieces = [batch.carrier.situation.key for batch in together(flights, _nominal_s, 2)]
     assert [pieces.count(situation.key) for situation in sorted(study.grid, key=lambda s: -s.nominal_s)] == [2, 2, 3, 4]
 
 
@@ -77,8 +78,8 @@ def test_processes_end_at_about_the_same_time_though_nobody_knows_how_long_a_mut
     flights = [flight for situation in situations for flight in _flights(situation, 100)]
     spent_s = {flight.name: draw.expovariate(1.0) * flight.situation.nominal_s for flight in flights if flight.mutant}
     ends_s = [0.0] * jobs
-    for task in together(flights, _nominal_s, jobs):
-        took_s = task.carrier.situation.nominal_s + sum(spent_s[f.name] for f in task.flights if f.mutant)
+    for batch in together(flights, _nominal_s, jobs):
+        took_s = batch.carrier.situation.nominal_s + sum(spent_s[f.name] for f in batch.flights if f.mutant)
         heapq.heapreplace(ends_s, ends_s[0] + took_s)
     assert max(ends_s) < 1.05 * sum(ends_s) / jobs
 
@@ -90,14 +91,14 @@ def test_a_baseline_with_few_mutants_is_not_flown_twice(study: Any) -> None:
 @pytest.mark.parametrize("jobs", [1, 2, 7, 64])
 def test_every_flight_is_in_one_task_and_only_baselines_are_flown_again(study: Any, jobs: int) -> None:
     flights = [f for i, situation in enumerate(study.grid) for f in _flights(situation, 30 * i, baseline=i != 1)]
-    planned = [flight for task in together(flights, _nominal_s, jobs) for flight in task.flights]
+    planned = [flight for batch in together(flights, _nominal_s, jobs) for flight in batch.flights]
     assert sorted(f.name for f in planned if f.mutant) == sorted(f.name for f in flights if f.mutant)
     assert {f.name for f in planned if not f.mutant} == {f"baseline/{s.key}/0" for s in study.grid}
 
 
 def test_what_is_home_is_owed_no_longer(study: Any) -> None:
-    task = Task(tuple(_flights(study.grid[0], 2)), shared=True)
-    left = task.without({"baseline/D0H0/0", "LATE-human@0s/D0H0/0"})
-    assert left == Task((Flight(_mutant(1), study.grid[0], 0),), shared=True)
-    assert left.carrier == task.carrier
+    batch = Batch(tuple(_flights(study.grid[0], 2)), shared=True)
+    left = batch.without({"baseline/D0H0/0", "LATE-human@0s/D0H0/0"})
+    assert left == Batch((Flight(_mutant(1), study.grid[0], 0),), shared=True)
+    assert left.carrier == batch.carrier
     assert left.without({"LATE-human@1s/D0H0/0"}) is None

@@ -12,14 +12,12 @@ from multiprocessing.connection import wait as wait_for
 from types import TracebackType
 from typing import Generic, TypeVar
 
-from scaloft_fi.campaign.workers.hire import Hire, Hired, forked
+from scaloft_fi.campaign.processes.hire import Hire, Hired, forked
+from scaloft_fi.campaign.processes.patience import ATTEMPTS, PATIENCE_S
 
-Task = TypeVar("Task")
-Result = TypeVar("Result")
+TaskT = TypeVar("TaskT")
+ResultT = TypeVar("ResultT")
 
-ATTEMPTS = 3
-PATIENCE_S = 300.0
-"""A flight that takes longer is hung: a hundred times what it should take [s, wall]."""
 WORKER_PATIENCE_S = (ATTEMPTS + 1) * PATIENCE_S
 """A worker says nothing while a process that it split off is flown, at most so often again [s, wall]."""
 LOOK_UP_S = 0.5
@@ -27,20 +25,20 @@ LOOK_UP_S = 0.5
 
 
 @dataclass
-class _Try(Generic[Task, Result]):
+class _Try(Generic[TaskT, ResultT]):
     """A task, how often it was handed out, this time counted, and what came home of it this time."""
 
-    task: Task
+    task: TaskT
     attempt: int = 1
-    home: list[Result] = field(default_factory=list)
+    home: list[ResultT] = field(default_factory=list)
 
 
 @dataclass(eq=False)
-class _Worker(Generic[Task, Result]):
+class _Worker(Generic[TaskT, ResultT]):
     """A process and what it is busy with."""
 
     hired: Hired
-    trial: _Try[Task, Result] | None = None
+    trial: _Try[TaskT, ResultT] | None = None
     heard_s: float = 0.0
 
     def end(self) -> None:
@@ -51,7 +49,7 @@ class _Worker(Generic[Task, Result]):
         self.hired.process.join()
 
 
-class Pool(Generic[Task, Result]):
+class Pool(Generic[TaskT, ResultT]):
     """`jobs` processes that turn each task into results; a context manager, at whose end they end.
 
     Args:
@@ -67,11 +65,11 @@ class Pool(Generic[Task, Result]):
 
     def __init__(
         self,
-        work: Callable[[Task, Callable[[Result], None]], None],
+        work: Callable[[TaskT, Callable[[ResultT], None]], None],
         jobs: int,
         *,
-        left: Callable[[Task, Sequence[Result]], Task | None],
-        lost: Callable[[Task, str], Iterable[Result]],
+        left: Callable[[TaskT, Sequence[ResultT]], TaskT | None],
+        lost: Callable[[TaskT, str], Iterable[ResultT]],
         stop: Callable[[], bool] = lambda: False,
         patient: bool = True,
         patience_s: float = WORKER_PATIENCE_S,
@@ -80,9 +78,9 @@ class Pool(Generic[Task, Result]):
         self.jobs = jobs
         self._work, self._left, self._lost = work, left, lost
         self._stop, self._patient, self._patience_s, self._hire = stop, patient, patience_s, hire
-        self._crew: list[_Worker[Task, Result]] = []
+        self._crew: list[_Worker[TaskT, ResultT]] = []
 
-    def __enter__(self) -> Pool[Task, Result]:
+    def __enter__(self) -> Pool[TaskT, ResultT]:
         return self
 
     def __exit__(
@@ -94,13 +92,13 @@ class Pool(Generic[Task, Result]):
         """End all processes."""
         self._end(self._crew)
 
-    def map(self, tasks: Iterable[Task]) -> Iterator[Result]:
+    def map(self, tasks: Iterable[TaskT]) -> Iterator[ResultT]:
         """The results of `tasks`, as they are done; the next task is asked for when a process is free to do it.
 
         Raises:
             Exception: whatever the work raised.
         """
-        source, waiting = iter(tasks), deque[_Try[Task, Result]]()
+        source, waiting = iter(tasks), deque[_Try[TaskT, ResultT]]()
         try:
             while True:
                 if not self._stop():
@@ -116,12 +114,12 @@ class Pool(Generic[Task, Result]):
         finally:
             self._end([worker for worker in self._crew if worker.trial is not None])
 
-    def _end(self, workers: Iterable[_Worker[Task, Result]]) -> None:
+    def _end(self, workers: Iterable[_Worker[TaskT, ResultT]]) -> None:
         for worker in list(workers):
             self._crew.remove(worker)
             worker.end()
 
-    def _hand_out(self, source: Iterator[Task], waiting: deque[_Try[Task, Result]]) -> None:
+    def _hand_out(self, source: Iterator[TaskT], waiting: deque[_Try[TaskT, ResultT]]) -> None:
         idle = [worker for worker in self._crew if worker.trial is None]
         while idle or len(self._crew) < self.jobs:
             waiting.extend(_Try(task) for task in islice(source, 0 if waiting else 1))
@@ -133,12 +131,12 @@ class Pool(Generic[Task, Result]):
             with suppress(OSError):  # it has just died; that is heard when it is listened to
                 worker.hired.connection.send(trial.task)
 
-    def _another(self) -> _Worker[Task, Result]:
+    def _another(self) -> _Worker[TaskT, ResultT]:
         others = [worker.hired.connection for worker in self._crew]
         self._crew.append(_Worker(self._hire(self._work, others)))
         return self._crew[-1]
 
-    def _hear(self, worker: _Worker[Task, Result], waiting: deque[_Try[Task, Result]]) -> Iterator[Result]:
+    def _hear(self, worker: _Worker[TaskT, ResultT], waiting: deque[_Try[TaskT, ResultT]]) -> Iterator[ResultT]:
         """One message of a worker."""
         trial = worker.trial
         if trial is None:
@@ -159,12 +157,14 @@ class Pool(Generic[Task, Result]):
             self._end([worker])
         yield content
 
-    def _end_hung(self, waiting: deque[_Try[Task, Result]]) -> Iterator[Result]:
+    def _end_hung(self, waiting: deque[_Try[TaskT, ResultT]]) -> Iterator[ResultT]:
         due_s = time.monotonic() - self._patience_s
         for worker in [worker for worker in self._crew if worker.trial is not None and worker.heard_s < due_s]:
             yield from self._bury(worker, "hung", waiting)
 
-    def _bury(self, worker: _Worker[Task, Result], how: str, waiting: deque[_Try[Task, Result]]) -> Iterator[Result]:
+    def _bury(
+        self, worker: _Worker[TaskT, ResultT], how: str, waiting: deque[_Try[TaskT, ResultT]]
+    ) -> Iterator[ResultT]:
         """A worker is lost: what it still owes is tried again, as long as that may lead anywhere."""
         trial = worker.trial
         self._end([worker])

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaloft_fi.analysis.situations.t_way import t_way
-from scaloft_fi.campaign.plan.strategy import Choice, choose, remember, remembered
+from scaloft_fi.campaign.runs.strategy import Choice, choose, remember, remembered
 from scaloft_fi.campaign.store.folder import STORE_NAME
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any, Protocol
 
-from scaloft_fi.campaign.flights.lifeline import die_with
+from scaloft_fi.campaign.processes.lifeline import die_with
 
 THREAD_SETTINGS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 """A worker is one core: numeric libraries must not start threads of their own.  Set before numpy is imported."""

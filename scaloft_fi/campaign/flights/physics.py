@@ -1,0 +1,84 @@
+"""The flyer that flies in PyBullet."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from threading import Timer
+from typing import TYPE_CHECKING
+
+from scaloft_fi.campaign.flights.fly import fly_log, judged
+from scaloft_fi.campaign.flights.share import fly_shared
+from scaloft_fi.campaign.flights.worker import Worker, left_of, lost
+from scaloft_fi.campaign.plan.batch import Batch
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.processes.patience import PATIENCE_S
+from scaloft_fi.campaign.processes.pool import Pool
+from scaloft_fi.collector import uncollected
+from scaloft_fi.judge.outcome import Outcome
+
+if TYPE_CHECKING:
+    from scaloft_fi.study import Study
+
+KERNELS_S = 5.0
+"""After this time in the air every compiled kernel was called: the drone has climbed, and plans [s]."""
+NOTICE_S = 1.0
+"""After this a person is told what the wait is for [s, wall]."""
+
+
+class Physics:
+    """Flies in PyBullet."""
+
+    @uncollected()
+    def prepare(self, study: Study, say: Callable[[str], None]) -> None:
+        """Build the stack, compile its kernels and parse the formulas by flying and judging a few seconds.
+
+        Whatever is forked afterwards has them.
+
+        Raises:
+            InputError: the settings of the stack do not fit.
+        """
+        with _unheard():
+            import pybullet  # noqa: F401 - it greets on standard error when first imported
+        from scaloft_fi.sim import flight
+        from scaloft_fi.stack.rates import TICK_HZ
+        from scaloft_fi.stack.seam import PlainWire
+
+        notice = Timer(NOTICE_S, say, ["compiling kernels (first run only)"])
+        notice.start()
+        try:
+            first = study.grid.situations[0]
+            with flight.physics_server() as client:
+                trial = flight.Flight(client, study.sim, study.scenario(first), 0, PlainWire())
+                trial.step()
+                for _ in range(round(KERNELS_S * TICK_HZ)):
+                    trial.tick()
+                    trial.advance()
+                judged(study, Flight(None, first, 0), trial.log())
+        finally:
+            notice.cancel()
+            notice.join()
+
+    def __call__(self, study: Study, flight: Flight) -> Outcome:
+        """Fly and judge one flight from take-off."""
+        return judged(study, flight, fly_log(study, flight))
+
+    def share(self, study: Study, batch: Batch, report: Callable[[Outcome], None]) -> None:
+        """Fly the baseline once, and each mutant from where it leaves it."""
+        # a flight that takes this other process with it takes no other flight
+        with Pool(Worker(study, self), 1, left=left_of, lost=lost, patience_s=PATIENCE_S) as apart:
+            fly_shared(study, batch, report, lambda flight: apart.map([Batch((flight,))]))
+
+
+@contextmanager
+def _unheard() -> Iterator[None]:
+    """Send what C code writes to standard error nowhere."""
+    saved, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 2)
+    try:
+        yield
+    finally:
+        os.dup2(saved, 2)
+        os.close(saved)
+        os.close(nowhere)

@@ -1,0 +1,103 @@
+"""Batches to outcomes, each flight tried again when the harness failed; then it is `invalid`, never a verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Protocol
+
+from scaloft_fi.campaign.flights.fly import invalid, reason_of
+from scaloft_fi.campaign.plan.batch import Batch
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.processes.patience import ATTEMPTS
+from scaloft_fi.errors import InputError
+from scaloft_fi.judge.outcome import Outcome
+
+if TYPE_CHECKING:
+    from scaloft_fi.study import Study
+
+
+class Flyer(Protocol):
+    """What turns planned flights into outcomes."""
+
+    def prepare(self, study: Study, say: Callable[[str], None]) -> None:
+        """Do in the parent what every worker would have to do by itself.
+
+        Raises:
+            InputError: the study cannot be flown.
+        """
+        ...
+
+    def __call__(self, study: Study, flight: Flight) -> Outcome:
+        """Fly and judge one flight from take-off; whatever goes wrong with the harness is raised."""
+        ...
+
+    def share(self, study: Study, batch: Batch, report: Callable[[Outcome], None]) -> None:
+        """Fly and judge the flights of a shared batch; what goes wrong over the baseline is raised."""
+        ...
+
+
+class Worker:
+    """The work of one process: a callable that never raises over a flight, only over the study.
+
+    Args:
+        study: opened in the parent; a forked worker shares it.
+        flyer: what flies.
+    """
+
+    def __init__(self, study: Study, flyer: Flyer) -> None:
+        self.study, self.flyer = study, flyer
+
+    def __call__(self, batch: Batch, report: Callable[[Outcome], None]) -> None:
+        """Report the outcome of every flight of `batch`, tried twice more when the harness failed.
+
+        Raises:
+            InputError: the study cannot be flown.
+        """
+        if batch.shared:
+            self._share(batch, report)
+            return
+        for flight in batch.flights:
+            report(self._alone(flight))
+
+    def _alone(self, flight: Flight) -> Outcome:
+        reason = ""
+        for _ in range(ATTEMPTS):
+            try:
+                return self.flyer(self.study, flight)
+            except InputError:
+                raise
+            except Exception as error:  # noqa: BLE001 - any failure of the harness is a fact to be told, never a verdict
+                reason = reason_of(error)
+        return invalid(flight, reason)
+
+    def _share(self, batch: Batch, report: Callable[[Outcome], None]) -> None:
+        told: set[str] = set()
+
+        def note(outcome: Outcome) -> None:
+            told.add(outcome.name)
+            report(outcome)
+
+        reason = ""
+        for _ in range(ATTEMPTS):
+            left = batch.without(told)
+            if left is None:
+                return
+            try:
+                self.flyer.share(self.study, left, note)
+            except InputError:
+                raise
+            except Exception as error:  # noqa: BLE001 - as above
+                reason = reason_of(error)
+        left = batch.without(told)
+        for flight in left.flights if left else ():
+            report(invalid(flight, f"its baseline: {reason}"))
+
+
+def lost(batch: Batch, reason: str) -> list[Outcome]:
+    """The outcomes of the flights that took their worker with them."""
+    return [invalid(flight, f"its worker process {reason}") for flight in batch.flights]
+
+
+def left_of(batch: Batch, outcomes: Iterable[Outcome]) -> Batch | None:
+    """What a worker that was lost still owes of its batch."""
+    return batch.without({outcome.name for outcome in outcomes})

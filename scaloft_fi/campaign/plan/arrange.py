@@ -1,0 +1,65 @@
+"""Flights put together into batches, in the order in which they are handed out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+
+from scaloft_fi.campaign.plan.batch import Batch
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.mutants.mutant import PLACEBO
+
+SHARES_PER_JOB = 2
+"""A batch is at most this part of what one process has still to do, so that all processes end at about one time."""
+LEAST_SHARING = 8
+"""A baseline is flown once more for another process only when at least so many mutants share it."""
+
+
+def alone(flights: Iterable[Flight]) -> list[Batch]:
+    """Each flight whole and by itself."""
+    return [Batch((flight,)) for flight in flights]
+
+
+def together(flights: Sequence[Flight], weight_s: Callable[[Flight], float], jobs: int) -> list[Batch]:
+    """Mutants with the baseline of their situation and seed, which is flown again when it is not among `flights`.
+
+    Tasks get smaller towards the end (Polychronopoulos and Kuck, Guided self-scheduling, IEEE Trans. Computers 36(12),
+    1987): how long a mutant flies is known only when it has flown, and small batches last even that out.
+
+    Args:
+        flights: to be flown.
+        weight_s: how long one is expected to take [s].
+        jobs: number of processes; a baseline with many mutants is flown by several when that keeps them busy.
+
+    Returns:
+        The batches, the longest first.
+    """
+    batches = alone(flight for flight in flights if flight.mutant == PLACEBO)
+    sharing: list[tuple[float, Flight, list[Flight]]] = []
+    for baseline, mutants in _by_baseline(flights).items():
+        if len(mutants) == 1 and baseline not in flights:  # the baseline would cost more than it saves
+            batches += alone(mutants)
+        else:
+            sharing.append((weight_s(baseline) * (1 + len(mutants)), baseline, mutants))
+
+    def whole_s(batch: Batch) -> float:
+        return sum(map(weight_s, batch.flights))
+
+    left_s = sum(map(whole_s, batches)) + sum(own_s for own_s, _, _ in sharing)
+    for own_s, baseline, mutants in sorted(sharing, key=lambda entry: entry[0], reverse=True):
+        most = len(mutants) // LEAST_SHARING if jobs > 1 else 1
+        pieces = max(1, min(most, math.ceil(own_s * SHARES_PER_JOB * jobs / left_s) if left_s else 1))
+        batches += [Batch((baseline, *mutants[piece::pieces]), shared=True) for piece in range(pieces)]
+        left_s -= own_s
+    return sorted(batches, key=whole_s, reverse=True)
+
+
+def _by_baseline(flights: Iterable[Flight]) -> dict[Flight, list[Flight]]:
+    """The mutants by the baseline they leave; PLACEBO leaves none."""
+    draws: dict[Flight, list[Flight]] = {}
+    for flight in flights:
+        if flight.mutant != PLACEBO:
+            mutants = draws.setdefault(Flight(None, flight.situation, flight.seed), [])
+            if flight.mutant is not None:
+                mutants.append(flight)
+    return draws

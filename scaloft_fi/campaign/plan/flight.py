@@ -1,0 +1,43 @@
+"""One planned flight: what is patched in, and where it is flown."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from scaloft_fi.judge.outcome import BASELINE, Subject
+from scaloft_fi.mutants.mutant import Mutant
+
+if TYPE_CHECKING:
+    from scaloft_fi.sim.situation import Situation
+
+
+@dataclass(frozen=True)
+class Flight:
+    """One planned flight.
+
+    Attributes:
+        mutant: what is patched in; None = the baseline.
+        situation, seed: where.
+    """
+
+    mutant: Mutant | None
+    situation: Situation
+    seed: int
+
+    @property
+    def subject(self) -> Subject:
+        """What is flown, as results name it."""
+        return subject_of(self.mutant)
+
+    @property
+    def name(self) -> str:
+        """`MUTANT/SITUATION/SEED`, as `replay` takes it."""
+        return f"{self.subject.id}/{self.situation.key}/{self.seed}"
+
+
+def subject_of(mutant: Mutant | None) -> Subject:
+    """What results keep of a mutant; None = the baseline."""
+    if mutant is None:
+        return Subject(BASELINE)
+    return Subject(mutant.id, mutant.guideword, mutant.parameter, mutant.magnitude)

@@ -1,0 +1,47 @@
+"""Worker processes of this machine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from scaloft_fi.campaign.flights.worker import Flyer, Worker, left_of, lost
+from scaloft_fi.campaign.plan.batch import Batch
+from scaloft_fi.campaign.processes.pool import Pool
+from scaloft_fi.campaign.workers.executor import Hands
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.study import Study
+
+
+@dataclass(frozen=True)
+class Local:
+    """So many processes of this machine."""
+
+    jobs: int
+
+    @contextmanager
+    def hands(
+        self, study: Study, flyer: Flyer, *, stop: Callable[[], bool], say: Callable[[str], None]
+    ) -> Iterator[Hands]:
+        """Processes that inherit what was made ready here; each is forked when it is first needed."""
+        with Pool(Worker(study, flyer), self.jobs, left=left_of, lost=lost, stop=stop) as pool:
+            yield _Here(pool, lambda: flyer.prepare(study, say))
+
+
+class _Here:
+    """A pool that is made ready once."""
+
+    def __init__(self, pool: Pool[Batch, Outcome], prepare: Callable[[], None]) -> None:
+        self.jobs = pool.jobs
+        self._pool, self._prepare = pool, prepare
+        self._is_ready = False
+
+    def ready(self) -> None:
+        if not self._is_ready:
+            self._prepare()
+            self._is_ready = True
+
+    def map(self, batches: Iterable[Batch]) -> Iterator[Outcome]:
+        self.ready()
+        return self._pool.map(batches)

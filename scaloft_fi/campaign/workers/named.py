@@ -1,0 +1,30 @@
+"""The executor that a user names."""
+
+from __future__ import annotations
+
+import re
+
+from scaloft_fi.campaign.processes.hire import cores
+from scaloft_fi.campaign.workers.cluster import Cluster
+from scaloft_fi.campaign.workers.executor import Executor
+from scaloft_fi.campaign.workers.local import Local
+from scaloft_fi.errors import InputError
+
+LOCAL = "local"
+_DASK = re.compile(r"dask://(?P<address>[^/\s:@]+:[0-9]{1,5}|\[[0-9A-Fa-f:.]+\]:[0-9]{1,5})/?")
+
+
+def executor_named(name: str, jobs: int | None) -> Executor:
+    """The executor that `--executor` and `--jobs` stand for.
+
+    Raises:
+        InputError: it is none, or what it needs is not installed.
+    """
+    if name == LOCAL:
+        return Local(jobs or cores())
+    found = _DASK.fullmatch(name)
+    if found is None:
+        raise InputError(f"--executor={name!r} must be 'local' or 'dask://HOST:PORT', the address of a Dask scheduler")
+    if jobs is not None:
+        raise InputError(f"--jobs={jobs} is for --executor=local; how many fly on {name} is up to its workers")
+    return Cluster(found["address"])

@@ -1,0 +1,154 @@
+"""The part of a study that a flight is flown in and judged by: world, vehicle, sensors, situations, requirements."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from scaloft_fi.document import load
+from scaloft_fi.errors import InputError
+from scaloft_fi.sim.stacks import STACKS
+from scaloft_fi.stack.declaration import Declaration
+
+if TYPE_CHECKING:
+    from scaloft_fi.judge.requirement import Requirement
+    from scaloft_fi.judge.space import Realisation, Space
+    from scaloft_fi.sim.grid import Grid
+    from scaloft_fi.sim.load import SimConfig
+    from scaloft_fi.sim.scenario import Scenario
+    from scaloft_fi.sim.situation import Situation
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What flights are flown in; each part is read when it is first asked for.
+
+    Attributes:
+        folder: of the study; its `sim/` is read.
+    """
+
+    folder: Path
+
+    @cached_property
+    def stack(self) -> Declaration:
+        """What the stack that `sim/stack.yaml` names declares; its own operators are declared with it.
+
+        Raises:
+            InputError: there is no such stack.
+        """
+        name = load(self.folder / "sim" / "stack.yaml").need("name")
+        try:
+            declared = STACKS[name.text()]
+        except InputError as error:
+            raise InputError(f"{name.place}: {error}") from None
+        for module in declared.operators:
+            import_module(module)
+        return declared
+
+    @cached_property
+    def sim(self) -> SimConfig:
+        """Mine, vehicle, sensors, stack and situations."""
+        from scaloft_fi.sim.load import load as load_sim
+
+        return load_sim(self.folder / "sim", grid=self.grid)
+
+    @cached_property
+    def grid(self) -> Grid:
+        """The situations; whoever reads results needs no more of `sim`, which brings the compiler.
+
+        Raises:
+            InputError: a predicate of an axis asks for more of a signal than is measured.
+        """
+        from scaloft_fi.judge.caps import check_caps
+        from scaloft_fi.judge.stl import FormulaError
+        from scaloft_fi.sim.grid import load_grid
+
+        grid = load_grid(self.folder / "sim")
+        for axis in grid.axes:
+            for value in axis.values:
+                try:
+                    check_caps(value.realised, self.stack.caps)
+                except FormulaError as error:
+                    raise InputError(
+                        f"{self._place(axis.id, value.id)}: realised of {axis.id}{value.id} {error}"
+                    ) from error
+        return grid
+
+    def _place(self, axis: str, value: int) -> str:
+        """File and line of the predicate of a value of an axis."""
+        axes = load(self.folder / "sim" / "situations.yaml").need("axes")
+        return axes.need(axis).need("values").items()[value].need("realised").place
+
+    @cached_property
+    def signals(self) -> tuple[str, ...]:
+        """Names of the signals that requirements and situations may speak of."""
+        from scaloft_fi.sim.signals import signal_names
+
+        return signal_names(self.grid.world(()).surfaces, self.stack.beliefs)
+
+    @cached_property
+    def requirements(self) -> tuple[Requirement, ...]:
+        """What flights are judged by, as it is written; that every formula is one is for `check` to say."""
+        from scaloft_fi.judge.caps import within_caps
+        from scaloft_fi.judge.requirement import load_requirements
+        from scaloft_fi.judge.stl import Formula
+
+        return load_requirements(self._requirements_path, self.signals, within_caps(Formula.spelt, self.stack.caps))
+
+    @property
+    def _requirements_path(self) -> Path:
+        return self.folder / "sim" / "requirements.yaml"
+
+    @cached_property
+    def space(self) -> Space:
+        """The situations as scores and coverage see them."""
+        from scaloft_fi.judge.space import Space
+
+        axes = self.grid.axes
+        return Space(
+            axes=tuple(axis.id for axis in axes),
+            values=tuple(tuple(str(value.id) for value in axis.values) for axis in axes),
+            words=tuple(tuple(value.title for value in axis.values) for axis in axes),
+            points=tuple((s.key, tuple(str(level) for _, level in s.levels)) for s in self.grid.situations),
+        )
+
+    @cached_property
+    def realisation(self) -> Realisation:
+        """Judges whether a flight met its situation.
+
+        Raises:
+            InputError: a predicate of an axis is no formula over the log.
+        """
+        from scaloft_fi.judge.space import Realisation
+        from scaloft_fi.judge.stl import Formula, FormulaError
+
+        def parsed(text: str, value: str) -> Formula | None:
+            try:
+                return Formula.parse(text, self.signals) if text else None
+            except FormulaError as error:
+                path = self.folder / "sim" / "situations.yaml"
+                raise InputError(f"{path}: realised of {value} {error}") from error
+
+        predicates = [[parsed(v.realised, f"{axis.id}{v.id}") for v in axis.values] for axis in self.grid.axes]
+        return Realisation(self.space, tuple(map(tuple, predicates)))
+
+    def scenario(self, situation: Situation) -> Scenario:
+        """What stands before a flight in the situation."""
+        return self.sim.scenario(situation)
+
+    def expected_s(self, situation: Situation) -> float:
+        """How long a flight in the situation is expected to last: its nominal mission time [s]."""
+        return self.scenario(situation).nominal_s
+
+    def changes(self, situation: Situation) -> dict[str, Any]:
+        """What the situation changes in the world's document, by dotted path."""
+        values = [axis.value(situation[axis.id]) for axis in self.grid.axes]
+        return {path: item.plain() for value in values for path, item in value.changes.items()}
+
+    def realised(self, situation: Situation) -> dict[str, Any]:
+        """By which formulas the situation's values come true: per axis its value's, else those of the others."""
+        values = [(axis, axis.value(situation[axis.id])) for axis in self.grid.axes]
+        return {axis.id: value.realised or [other.realised for other in axis.values] for axis, value in values}

@@ -1,0 +1,139 @@
+"""What sources say to the interpreter: the modules that a module imports, and a hash of them all."""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+PACKAGE = __name__.partition(".")[0]
+_ROOT = Path(__file__).resolve().parents[1]
+
+
+@dataclass(frozen=True)
+class Source:
+    """A source file.
+
+    Attributes:
+        path: of the file.
+        meaning: a hash of what it does: comments, docstrings and layout do not enter.
+        imports: names that it may import, relative ones with their dots.
+    """
+
+    path: Path
+    meaning: str
+    imports: tuple[str, ...]
+
+
+def digest_of(entries: Iterable[str]) -> str:
+    """A hash of what `entries` do and of all that they import."""
+    meanings = {name: source.meaning for name, source in closure(entries).items()}
+    return hashlib.sha256(json.dumps(meanings, sort_keys=True).encode()).hexdigest()
+
+
+def closure(entries: Iterable[str]) -> Mapping[str, Source]:
+    """The modules of this package that `entries` import, at the top or inside a function, and the entries themselves.
+
+    Of an entry in another package every module of that package counts, because any of them can be imported by name.
+    What is imported for type checkers only is left out.  So is the `__init__` of this package, which has the version.
+
+    Args:
+        entries: names of modules, such as `scaloft_fi.sim.flight`.
+
+    Returns:
+        Sources by names of modules.
+
+    Raises:
+        ModuleNotFoundError: there is no such entry.
+    """
+    waiting = dict(pair for entry in entries for pair in _entry(entry))
+    sources: dict[str, Source] = {}
+    while waiting:
+        name, path = waiting.popitem()
+        sources[name] = source = read(path)
+        for imported in _imported(name, source):
+            own = _own(imported)
+            if own is not None and imported not in sources:
+                waiting[imported] = own
+    return sources
+
+
+def _entry(name: str) -> Iterator[tuple[str, Path]]:
+    top = name.partition(".")[0]
+    if top == PACKAGE:
+        path = _own(name)
+        if path is None:
+            raise ModuleNotFoundError(f"no module named {name!r}")
+        yield name, path
+        return
+    spec = find_spec(top)
+    if spec is None:
+        raise ModuleNotFoundError(f"no module named {name!r}")
+    for folder in map(Path, spec.submodule_search_locations or ()):
+        for path in folder.rglob("*.py"):
+            yield ".".join((top, *path.relative_to(folder).with_suffix("").parts)), path
+    if spec.submodule_search_locations is None and spec.origin:
+        yield top, Path(spec.origin)
+
+
+def _own(name: str) -> Path | None:
+    """The source of a module of this package; None when `name` is no such module."""
+    top, *parts = name.split(".")
+    if top != PACKAGE or not parts:
+        return None
+    path = _ROOT.joinpath(top, *parts)
+    return next((one for one in (path.with_suffix(".py"), path / "__init__.py") if one.is_file()), None)
+
+
+def _imported(name: str, source: Source) -> Iterator[str]:
+    """The names that a module imports, and the packages around each, whose `__init__` runs first."""
+    package = name if source.path.name == "__init__.py" else name.rpartition(".")[0]
+    for imported in (name, *source.imports):
+        parts = _absolute(imported, package).split(".")
+        for end in range(1, len(parts) + 1):
+            yield ".".join(parts[:end])
+
+
+def _absolute(name: str, package: str) -> str:
+    """A name as it is without the dots that a relative import begins with, seen from `package`."""
+    rest = name.lstrip(".")
+    dots = len(name) - len(rest)
+    above = package.split(".")[: -dots + 1 or None] if dots else []
+    return ".".join((*above, rest))
+
+
+def read(path: Path) -> Source:
+    """Read a source."""
+    tree = ast.parse(path.read_bytes(), path)
+    imports: list[str] = []
+    blocks: list[Any] = [tree]
+    while blocks:  # not `ast.walk`, which looks into every expression too
+        block = blocks.pop()
+        if hasattr(block, "body"):  # a string that stands alone does nothing, wherever it stands
+            block.body = [entry for entry in block.body if not _is_text(entry)]
+        if isinstance(block, ast.Import):
+            imports += [alias.name for alias in block.names]
+        elif isinstance(block, ast.ImportFrom):
+            module = "." * block.level + (f"{block.module}." if block.module else "")
+            imports += [module + alias.name for alias in block.names]
+        names = ("orelse",) if _for_types_only(block) else _BLOCKS
+        blocks += [inner for name in names for inner in getattr(block, name, ())]
+    return Source(path, hashlib.sha256(ast.dump(tree).encode()).hexdigest(), tuple(imports))
+
+
+_BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")
+"""Where statements have statements in them."""
+
+
+def _is_text(statement: ast.stmt) -> bool:
+    return isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)
+
+
+def _for_types_only(statement: ast.AST) -> bool:
+    test = statement.test if isinstance(statement, ast.If) else None
+    return isinstance(test, ast.Name) and test.id == "TYPE_CHECKING"

@@ -1,0 +1,102 @@
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import scaloft_fi
+from scaloft_fi import sources
+from scaloft_fi.sources import closure, digest_of, read
+
+
+@pytest.fixture
+def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A package in the place of ours; it has folders `fly` and `show`."""
+    for name in ("fly", "show"):
+        (tmp_path / "scaloft_fi" / name).mkdir(parents=True)
+        (tmp_path / "scaloft_fi" / name / "__init__.py").touch()
+    (tmp_path / "scaloft_fi" / "__init__.py").write_text("__version__ = '1'\n")
+    monkeypatch.setattr(sources, "_ROOT", tmp_path)
+    return tmp_path / "scaloft_fi"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "import scaloft_fi.fly.wing\n",
+        "from scaloft_fi.fly import wing\n",
+        "from scaloft_fi.fly.wing import area\n",
+        "from . import wing\n",
+        "from .wing import area\n",
+        "from ..fly.wing import area\n",
+        "def f():\n    if True:\n        from scaloft_fi.fly.wing import area\n",
+        "try:\n    pass\nexcept ImportError:\n    import scaloft_fi.fly.wing as w\n",
+    ],
+)
+def test_whatever_way_a_module_is_imported_it_is_in_the_closure(package: Path, text: str) -> None:
+    (package / "fly" / "craft.py").write_text(text)
+    (package / "fly" / "wing.py").write_text("from scaloft_fi.fly.spar import area\n")
+    (package / "fly" / "spar.py").write_text("area = 1.0\n")
+    (package / "show" / "page.py").write_text("import scaloft_fi.fly.craft\n")
+    assert closure(["scaloft_fi.fly.craft"]).keys() == {
+        f"scaloft_fi.{name}" for name in ("fly", "fly.craft", "fly.wing", "fly.spar")
+    }
+
+
+def test_what_a_package_imports_when_it_is_imported_is_in_the_closure(package: Path) -> None:
+    (package / "fly" / "__init__.py").write_text("from .wing import area\n")
+    (package / "fly" / "craft.py").write_text("import json\n")
+    (package / "fly" / "wing.py").write_text("area = 1.0\n")
+    assert "scaloft_fi.fly.wing" in closure(["scaloft_fi.fly.craft"])
+
+
+def test_what_is_imported_for_type_checkers_only_is_not_in_the_closure(package: Path) -> None:
+    (package / "fly" / "craft.py").write_text(
+        "if TYPE_CHECKING:\n    from scaloft_fi.show import page\nelse:\n    from scaloft_fi.fly import wing\n"
+    )
+    (package / "fly" / "wing.py").touch()
+    (package / "show" / "page.py").touch()
+    assert closure(["scaloft_fi.fly.craft"]).keys() == {
+        f"scaloft_fi.{name}" for name in ("fly", "fly.craft", "fly.wing")
+    }
+
+
+def test_the_digest_follows_what_is_imported_and_nothing_else(package: Path) -> None:
+    (package / "fly" / "craft.py").write_text("from scaloft_fi.fly.wing import area\n")
+    (package / "fly" / "wing.py").write_text("area = 1.0\n")
+    (package / "show" / "page.py").write_text("from scaloft_fi.fly import craft\n")
+    before = digest_of(["scaloft_fi.fly.craft"])
+    (package / "show" / "page.py").write_text("from scaloft_fi.fly import wing\n")
+    (package / "__init__.py").write_text("__version__ = '2'\n")
+    assert digest_of(["scaloft_fi.fly.craft"]) == before
+    (package / "fly" / "wing.py").write_text("area = 2.0\n")
+    assert digest_of(["scaloft_fi.fly.craft"]) != before
+
+
+def test_an_entry_that_does_not_exist_is_refused() -> None:
+    for name in ("scaloft_fi.nowhere", "scaloft_fi_nowhere.module"):
+        with pytest.raises(ModuleNotFoundError, match=name.partition(".")[0]):
+            closure([name])
+
+
+def test_the_package_itself_says_only_its_version() -> None:
+    """Its `__init__` is left out of every closure, so it must decide nothing."""
+    statements = ast.parse(Path(scaloft_fi.__file__).read_text()).body[1:]
+    assert [ast.unparse(statement).split(" = ")[0] for statement in statements] == ["__version__"]
+
+
+@pytest.mark.parametrize(
+    ("edited", "same"),
+    [
+        ('"""Another text."""\ndef f(x):\n    # why\n    return x + 1\n', True),
+        ('"""Text."""\ndef f(x):\n    """More."""\n\n    return (x\n        + 1)\n', True),
+        ('"""Text."""\ndef f(x):\n    return x + 2\n', False),
+        ('"""Text."""\nTEXT = "a"\ndef f(x):\n    return x + 1\n', False),
+    ],
+)
+def test_only_what_the_interpreter_does_is_part_of_the_hash_of_code(tmp_path: Path, edited: str, *, same: bool) -> None:
+    first, second = tmp_path / "first.py", tmp_path / "second.py"
+    first.write_text('"""Text."""\ndef f(x):\n    return x + 1\n')
+    second.write_text(edited)
+    assert (read(first).meaning == read(second).meaning) is same
