@@ -43,13 +43,13 @@ def dispositions_command(
     `scaloft-fi score --ratchet` makes a gate of it.
     """
     from scaloft_fi.analysis.scoring.score import score_of
-    from scaloft_fi.campaign.runs.spending import spending
-    from scaloft_fi.campaign.store.held import current_rulings
     from scaloft_fi.study import Study
+    from scaloft_fi.views.moment import moment
     from scaloft_fi.views.tables.table import Format, render
 
     study = Study.open(study_folder)
-    scored = score_of(current_rulings(study, campaign), study.roster, study.space, spending(study, campaign))
+    with moment(study, campaign) as now:
+        scored = score_of(now.rulings, study.roster, study.space, now.spending)
     judged = _judged(study, scored, today)
     click.echo(render((_table(judged),), Format(style)), nl=False)
     if writing:

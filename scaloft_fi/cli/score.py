@@ -67,17 +67,17 @@ def score_command(
     """Say which faults the tests would have shown, which not, how sure that is, and what to do next."""
     from scaloft_fi.analysis.scoring.score import score_of
     from scaloft_fi.campaign.runs.baseline_pool import borrowed
-    from scaloft_fi.campaign.runs.spending import spending
-    from scaloft_fi.campaign.store.held import current_rulings
     from scaloft_fi.study import Study
+    from scaloft_fi.views.moment import moment
 
     study = Study.open(study_folder)
-    rulings = current_rulings(study, campaign)
+    with moment(study, campaign) as now:
+        rulings, spending = now.rulings, now.spending
     others: Iterable[Outcome] = ()
     if baseline_from:
         flown = rulings.situations
         others = borrowed(study, baseline_from, [key for key, _ in study.space.points if key in flown])
-    scored = score_of(rulings, study.roster, study.space, spending(study, campaign), others)
+    scored = score_of(rulings, study.roster, study.space, spending, others)
     code = report(
         study,
         rulings,

@@ -100,7 +100,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "firsts": [_first(finding) for finding in findings(outcomes, space) if finding.first],
         "tallies": [_tally(tally) for tally in tallies(outcomes)],
         "accepted": accepted(scored, roster, study.dispositions, evidence.today),
-        **analyses(evidence, rulings, scored, kills),
+        **analyses(evidence, scored, kills),
         "far": FAR,
         "endings": {ending.value: ending.sentence for ending in Ending},
         "scenes": scenes(study, sorted({outcome.situation for outcome in outcomes} & set(keys))),
