@@ -88,7 +88,7 @@ def _detection(dossier: Dossier) -> dict[str, Any]:
     rule = "more violations of a safety requirement than chance explains, beside the unmutated drone's own flights"
     return {
         "G3": {
-            "text": f"{claim}; chance explains at most {scored.expected_false:.2g} of them",
+            "text": f"{claim}; chance explains at most {scored.expected_false:.2g} of them on average",
             "supportedBy": ["Sn2"],
             "inContextOf": ["C4"],
         },

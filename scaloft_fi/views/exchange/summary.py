@@ -35,7 +35,7 @@ def _ratios(dossier: Dossier) -> Table:
     )
     detected = (
         "Detected: it violates safety requirements more often than chance explains, beside the unmutated drone's own "
-        f"flights; at alpha {scored.alpha:g} chance explains at most {scored.expected_false:.2g} of them."
+        f"flights; at alpha {scored.alpha:g} chance explains at most {scored.expected_false:.2g} of them on average."
     )
     killed = (
         "A situation tests a mutant that changes a sample there, if the unmutated drone holds a safety requirement "

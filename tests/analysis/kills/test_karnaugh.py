@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ET
 from itertools import product
 
 import pytest
-from builders import GRID, ROSTER, outcome, seeded, ten
+from builders import GRID, ROSTER, outcome, pool, seeded
 from hypothesis import given, settings
 
 from scaloft_fi.analysis.condition import condition
@@ -30,7 +30,7 @@ def map_of(row: Row, space: Space = GRID) -> KarnaughMap:
 
 def flown(space: Space, killing: set[str]) -> list[Outcome]:
     late = [outcome(LATE, key, violated={"SR2": 9.0} if key in killing else {}) for key in space.point]
-    return [*ten(*space.point), *late]
+    return [*pool(*space.point), *late]
 
 
 HUMAN_IN_LIGHT = {key for key in GRID.point if "D0" in key and "H1" in key}
@@ -86,7 +86,7 @@ def test_a_violation_that_decides_nothing_is_seen_and_not_killed() -> None:
 
 
 def test_a_situation_without_a_steady_requirement_says_so() -> None:
-    late = [*ten("T0O0W0D0H1", violated={"SR1": 30.0}, struck="bar"), outcome(LATE, "T0O0W0D0H1")]
+    late = [*pool("T0O0W0D0H1", red=10, violated={"SR1": 30.0}, struck="bar"), outcome(LATE, "T0O0W0D0H1")]
     row = row_of(late)
     assert "survived, no safety requirement is steady here" in draw_karnaugh(GRID, map_of(row), row)
 
