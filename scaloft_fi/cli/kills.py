@@ -51,7 +51,7 @@ PICTURES = (".svg", ".png", ".dot")
     "--output",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Draw there: the Karnaugh map of one MUTANT (.svg, .png), else the subsumption graph (.dot too).",
+    help="Draw the subsumption graph there: .svg, .png or .dot.",
 )
 def kills_command(
     mutants: tuple[str, ...],
@@ -83,7 +83,7 @@ def kills_command(
         matrix = _chosen(study, kill_matrix(scored, study.roster, study.space), mutants)
         cases = _survivors(now, scored, matrix) if "survivors" in wanted and output is None else ()
     if output is not None:
-        _draw(matrix, mutants, _graph(matrix, by_requirement), output)
+        _draw(_graph(matrix, by_requirement), output)
         return
     chosen = [situation.key for situation in study.grid.select(situations)] if situations else []
     if style == Format.JSON:
@@ -200,38 +200,14 @@ def _json(
     return plain
 
 
-def _draw(matrix: KillMatrix, asked: Sequence[str], graph: Subsumption, output: Path) -> None:
-    """The Karnaugh map when one mutant was asked for, else the subsumption graph.
-
-    Raises:
-        InputError: the grid is too large for a map, or a map was asked for as .dot.
-    """
+def _draw(graph: Subsumption, output: Path) -> None:
     from scaloft_fi.views.pictures.picture import png
     from scaloft_fi.views.pictures.subsumption_picture import dot, draw_subsumption
 
     suffix = output.suffix.lower()
-    if asked and len(matrix.rows) == 1:
-        if suffix == ".dot":
-            raise InputError(f"--output={str(output)!r}: a Karnaugh map is no graph; it must end in .svg or .png")
-        svg, what = _karnaugh(matrix), f"Karnaugh map of {matrix.rows[0].id}"
-    elif suffix == ".dot":
+    if suffix == ".dot":
         write(output, dot(graph).encode())
-        click.echo(f"subsumption graph: {output}")
-        return
     else:
-        svg, what = draw_subsumption(graph), "subsumption graph"
-    write(output, png(svg) if suffix == ".png" else svg.encode())
-    click.echo(f"{what}: {output}")
-
-
-def _karnaugh(matrix: KillMatrix) -> str:
-    from scaloft_fi.analysis.condition import condition
-    from scaloft_fi.analysis.kills.karnaugh import karnaugh_map
-    from scaloft_fi.views.pictures.karnaugh_picture import draw_karnaugh
-
-    (row,) = matrix.rows
-    try:
-        found = karnaugh_map(matrix.space, row, condition(matrix.space, row.killing, row.surviving))
-    except ValueError as error:
-        raise InputError(str(error)) from error
-    return draw_karnaugh(matrix.space, found, row)
+        svg = draw_subsumption(graph)
+        write(output, png(svg) if suffix == ".png" else svg.encode())
+    click.echo(f"subsumption graph: {output}")
