@@ -11,11 +11,9 @@ import checkout  # noqa: F401 - first: it sets the path and the threads
 
 # isort: split
 
-import argparse
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
-from varied import Beside, outcomes
+from varied import Beside, main, outcomes
 
 from scaloft_fi.judge.flights import flight_of
 from scaloft_fi.judge.outcome import Outcome
@@ -106,19 +104,5 @@ def _seen(draw: Sequence[Outcome]) -> list[bool]:
     return ["SR2" in flight_of(outcome, baseline).revealed for outcome in mutants]
 
 
-def main() -> None:
-    """Fly and write the page."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--plan", action="store_true", help="fly nothing: the page without results")
-    parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--output", type=Path, help="a Markdown file (default: print)")
-    options = parser.parse_args()
-    text = PLAN if options.plan else PLAN + results(fly_all(Study.open(None), options.jobs))
-    if options.output:
-        options.output.write_text(text, encoding="utf-8")
-    else:
-        print(text)
-
-
 if __name__ == "__main__":
-    main()
+    main(__doc__, PLAN, lambda study, jobs: results(fly_all(study, jobs)))

@@ -11,15 +11,13 @@ import checkout  # noqa: F401 - first: it sets the path and the threads
 
 # isort: split
 
-import argparse
 import itertools
 import multiprocessing
 from collections.abc import Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from varied import Beside, flown, outcomes
+from varied import Beside, flown, main, outcomes
 
 from scaloft_fi.judge.flights import flight_of
 from scaloft_fi.judge.outcome import Outcome
@@ -134,19 +132,5 @@ def _end(outcome: Outcome, baseline: Outcome) -> str:
     return f"SR1 at {first.t_s:.1f} s, ({first.x:.1f}, {first.y:.1f}) m, {first.struck}"
 
 
-def main() -> None:
-    """Fly and write the page."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--plan", action="store_true", help="fly nothing: the page without results")
-    parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--output", type=Path, help="a Markdown file (default: print)")
-    options = parser.parse_args()
-    text = PLAN if options.plan else PLAN + results(Study.open(None), options.jobs)
-    if options.output:
-        options.output.write_text(text, encoding="utf-8")
-    else:
-        print(text)
-
-
 if __name__ == "__main__":
-    main()
+    main(__doc__, PLAN, results)

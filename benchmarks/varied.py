@@ -9,8 +9,9 @@ import checkout  # noqa: F401 - first: it sets the path and the threads
 
 # isort: split
 
+import argparse
 import multiprocessing
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -72,3 +73,23 @@ def outcomes(besides: Iterable[Beside], jobs: int) -> list[list[Outcome]]:
 
 def _outcomes(beside: Beside) -> list[Outcome]:
     return [outcome for outcome, _ in flown(beside)]
+
+
+def main(about: str | None, plan: str, results: Callable[[Study, int], str]) -> None:
+    """Write the page of a script: its plan and, unless `--plan` asks for that alone, what was flown by it.
+
+    Args:
+        about: the script's own docstring.
+        plan: the page without results, in Markdown.
+        results: flies with a number of processes and gives the section with the results.
+    """
+    parser = argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--plan", action="store_true", help="fly nothing: the page without results")
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--output", type=Path, help="a Markdown file (default: print)")
+    options = parser.parse_args()
+    text = plan if options.plan else plan + results(Study.open(None), options.jobs)
+    if options.output:
+        options.output.write_text(text, encoding="utf-8")
+    else:
+        print(text)

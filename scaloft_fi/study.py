@@ -113,7 +113,7 @@ class Study(Setup):
     @cached_property
     def dispositions(self) -> tuple[Disposition, ...]:
         """The accepted survivors."""
-        from scaloft_fi.analysis.disposition import load_dispositions
+        from scaloft_fi.dispositions import load_dispositions
 
         return load_dispositions(self.dispositions_path, self.matrix, self.space.point)
 

@@ -7,27 +7,15 @@ nobody has accepted may not.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from datetime import date
 from enum import StrEnum
-from pathlib import Path
 
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.score import Score
-from scaloft_fi.document import Item, load
-from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.mutants.derive import realise
-
-HEADER = """\
-# Survivors that were looked at and accepted; `scaloft-fi score --ratchet` fails on any other.
-# Each says who answers for it (owner), why it may survive (reason) and until which day that holds (expires);
-# `situations`, if given, limits it to those: a survival elsewhere is to be looked at again.
-"""
 
 
 @dataclass(frozen=True)
@@ -49,11 +37,6 @@ class Disposition:
     expires: date
     situations: tuple[str, ...] = ()
     place: str = field(default="", compare=False)
-
-    def __str__(self) -> str:
-        """In a sentence."""
-        where = f" in {', '.join(self.situations)}" if self.situations else ""
-        return f"accepted{where} by {self.owner} until {self.expires.isoformat()}: {self.reason}"
 
 
 class State(StrEnum):
@@ -95,86 +78,6 @@ class Judged:
     disposition: Disposition | None = None
     verdict: Verdict | None = None
 
-    @property
-    def words(self) -> str:
-        """The verdict as people read it."""
-        return self.verdict.words if self.verdict else "not flown"
-
-
-def load_dispositions(path: Path, matrix: Matrix, situations: Collection[str]) -> tuple[Disposition, ...]:
-    """The dispositions of a study; none where it has no such file.
-
-    Args:
-        path: `hazop/dispositions.yaml`.
-        matrix: of the study.
-        situations: keys of its grid.
-
-    Raises:
-        InputError: naming the place of a mutant, a situation or a date that does not exist, of a key that is missing,
-            empty or unknown, of a mutant that stands twice.
-    """
-    if not path.exists():
-        return ()
-    found: dict[str, Disposition] = {}
-    for name, item in load(path).mapping().items():
-        disposition = _disposition(name, item, matrix, situations)
-        if disposition.mutant in found:
-            first = found[disposition.mutant].place
-            raise InputError(
-                f"{item.place}: mutant {name!r} is {disposition.mutant!r}, which stands at {first} already"
-            )
-        found[disposition.mutant] = disposition
-    return tuple(found.values())
-
-
-def _disposition(name: str, item: Item, matrix: Matrix, situations: Collection[str]) -> Disposition:
-    try:
-        mutant = realise(matrix, name)
-    except InputError as error:
-        raise InputError(f"{item.place}: {error}") from None
-    item.need("status").choice(("accepted",))
-    only = item.get("situations")
-    keys = tuple(_situation(entry, situations) for entry in only.items()) if only else ()
-    if only is not None and not keys:
-        raise only.error("a list of at least one, or left out")
-    disposition = Disposition(
-        mutant=mutant.id,
-        owner=item.need("owner").text(),
-        reason=item.need("reason").text(),
-        expires=_date(item.need("expires")),
-        situations=keys,
-        place=item.place,
-    )
-    item.close()
-    return disposition
-
-
-def _situation(item: Item, situations: Collection[str]) -> str:
-    if item.value not in situations:
-        raise InputError(f"{item.place}: no situation {item.value!r}{did_you_mean(str(item.value), situations)}")
-    return str(item.value)
-
-
-def _date(item: Item) -> date:
-    found = parse_date(str(item.value))
-    if found is None:
-        raise item.error("a date such as 2027-01-31")
-    return found
-
-
-def parse_date(text: str) -> date | None:
-    """A date as ISO 8601 writes it, YYYY-MM-DD; None for anything else.
-
-    >>> parse_date("2027-01-31"), parse_date("2027-02-30"), parse_date("20270131")
-    (datetime.date(2027, 1, 31), None, None)
-    """
-    if not re.fullmatch(r"\d{4}-\d{2}-\d{2}", text):
-        return None
-    try:
-        return date.fromisoformat(text)
-    except ValueError:
-        return None
-
 
 def survives(mutant: MutantScore) -> bool:
     """Whether it is not detected though it was put to the test, or undecided."""
@@ -214,33 +117,3 @@ def _judged(name: str, mutant: MutantScore | None, known: Disposition | None, to
     else:
         state = State.ACCEPTED
     return Judged(name, state, surviving, known, mutant.verdict if mutant else None)
-
-
-def told(judged: Judged) -> str:
-    """The sentence of one that does not pass, or can go.
-
-    >>> told(Judged("LATE-human@3s", State.OPEN, ("D0H1",), verdict=Verdict.NOT_DETECTED))
-    'LATE-human@3s is not detected (tested in D0H1) and not accepted'
-    """
-    known = judged.disposition
-    if known is None:
-        some = ", ".join(judged.surviving[:3]) + " and more" * (len(judged.surviving) > 3)
-        return f"{judged.mutant} is {judged.words}{f' (tested in {some})' if some else ''} and not accepted"
-    if judged.state is State.STALE:
-        return f"{judged.mutant} is detected now; its disposition can go ({known.place})"
-    if judged.state is State.EXPIRED:
-        return f"{judged.mutant}: its disposition expired on {known.expires.isoformat()} ({known.place})"
-    new = [key for key in judged.surviving if key not in known.situations]
-    return f"{judged.mutant} survives in {', '.join(new)}, which its disposition does not name ({known.place})"
-
-
-def draft(judged: Sequence[Judged]) -> str:
-    """YAML to append for the survivors that are not accepted.
-
-    What a person has to decide is left empty, so that the file is refused until somebody has.
-    """
-    return "".join(
-        f'\n{entry.mutant}:\n  status: accepted\n  owner: ""\n  reason: ""\n  expires: ""\n'
-        for entry in judged
-        if entry.state is State.OPEN
-    )

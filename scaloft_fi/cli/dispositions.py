@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from scaloft_fi.analysis.disposition import Judged
     from scaloft_fi.analysis.scoring.score import Score
     from scaloft_fi.study import Study
-    from scaloft_fi.views.tables.table import Table
 
 UNACCEPTED = 3
 """Exit code of a ratchet that does not pass: as of a score below --fail-under."""
@@ -43,15 +42,16 @@ def dispositions_command(
     `scaloft-fi score --ratchet` makes a gate of it.
     """
     from scaloft_fi.analysis.scoring.score import score_of
-    from scaloft_fi.campaign.runs.spending import spending
-    from scaloft_fi.campaign.store.held import current_rulings
     from scaloft_fi.study import Study
+    from scaloft_fi.views.dispositions import disposition_table
+    from scaloft_fi.views.moment import moment
     from scaloft_fi.views.tables.table import Format, render
 
     study = Study.open(study_folder)
-    scored = score_of(current_rulings(study, campaign), study.roster, study.space, spending(study, campaign))
+    with moment(study, campaign) as now:
+        scored = score_of(now.rulings, study.roster, study.space, now.spending)
     judged = _judged(study, scored, today)
-    click.echo(render((_table(judged),), Format(style)), nl=False)
+    click.echo(render((disposition_table(judged),), Format(style)), nl=False)
     if writing:
         _append(study, judged)
 
@@ -62,15 +62,16 @@ def ratchet(study: Study, scored: Score, today: date | None) -> int:
     Raises:
         InputError: there is no baseline pool to decide by.
     """
-    from scaloft_fi.analysis.disposition import State, told
+    from scaloft_fi.analysis.disposition import State
+    from scaloft_fi.views.dispositions import complaint
 
     judged = _judged(study, scored, today)
     for entry in judged:
         if entry.state is State.STALE:
-            click.echo(f"warning: {told(entry)}", err=True)
+            click.echo(f"warning: {complaint(entry)}", err=True)
     failing = [entry for entry in judged if entry.state.fails]
     for entry in failing:
-        click.echo(f"ratchet: {told(entry)}", err=True)
+        click.echo(f"ratchet: {complaint(entry)}", err=True)
     if not scored.tested.part:
         click.echo("ratchet: no counted mutant was put to the test; there is nothing to hold", err=True)
     return UNACCEPTED if failing or not scored.tested.part else 0
@@ -86,35 +87,12 @@ def _judged(study: Study, scored: Score, today: date | None) -> tuple[Judged, ..
     return judge(scored, study.roster, study.dispositions, today or date.today())  # noqa: DTZ011 - the user's own day
 
 
-def _table(judged: Sequence[Judged]) -> Table:
-    from scaloft_fi.views.tables.table import Table
-
-    rows = tuple(
-        (
-            entry.mutant,
-            entry.state.value,
-            entry.words,
-            len(entry.surviving),
-            entry.disposition.owner if entry.disposition else "",
-            entry.disposition.reason if entry.disposition else "",
-            entry.disposition.expires.isoformat() if entry.disposition else "",
-            " ".join(entry.disposition.situations) if entry.disposition else "",
-        )
-        for entry in judged
-    )
-    headers = ("mutant", "state", "verdict", "survives in", "owner", "reason", "expires", "accepted in")
-    notes = (
-        "Survivors are the default mutants put to the test that are not detected, undecided ones too.",
-        "open, uncovered and expired fail `score --ratchet`; stale: detected now, the disposition can go.",
-    )
-    return Table("Survivors and dispositions", headers, rows, notes)
-
-
 def _append(study: Study, judged: Sequence[Judged]) -> None:
-    from scaloft_fi.analysis.disposition import HEADER, draft
+    from scaloft_fi.analysis.disposition import State
+    from scaloft_fi.dispositions import HEADER, draft
 
-    text = draft(judged)
-    if not text:
+    opened = [entry.mutant for entry in judged if entry.state is State.OPEN]
+    if not opened:
         click.echo("nothing to write: no survivor without a disposition", err=True)
         return
     path = study.dispositions_path
@@ -122,10 +100,10 @@ def _append(study: Study, judged: Sequence[Judged]) -> None:
         raise InputError(f"{path}: the packaged study cannot be written; copy it and name the copy by --study")
     try:
         before = path.read_text(encoding="utf-8") if path.exists() else HEADER
-        path.write_text(before.rstrip("\n") + "\n" + text, encoding="utf-8")
+        path.write_text(before.rstrip("\n") + "\n" + draft(opened), encoding="utf-8")
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from error
-    click.echo(f"{path}: {_counted(text.count('status:'))} to decide on; fill in owner, reason and expires", err=True)
+    click.echo(f"{path}: {_counted(len(opened))} to decide on; fill in owner, reason and expires", err=True)
 
 
 def _counted(survivors: int) -> str:

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from scaloft_fi.analysis.kills.kill_matrix import KillMatrix
     from scaloft_fi.analysis.kills.subsumption import Subsumption
     from scaloft_fi.analysis.scoring.score import Score
-    from scaloft_fi.judge.outcome import Outcome
     from scaloft_fi.study import Study
     from scaloft_fi.views.kills.survivors import Survivor
+    from scaloft_fi.views.moment import Moment
     from scaloft_fi.views.tables.table import Table
 
 PARTS = ("conditions", "situations", "suite", "subsumption", "survivors")
@@ -51,7 +51,7 @@ PICTURES = (".svg", ".png", ".dot")
     "--output",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Draw there: the Karnaugh map of one MUTANT (.svg, .png), else the subsumption graph (.dot too).",
+    help="Draw the subsumption graph there: .svg, .png or .dot.",
 )
 def kills_command(
     mutants: tuple[str, ...],
@@ -72,32 +72,30 @@ def kills_command(
     check_writable(output)
     from scaloft_fi.analysis.kills.kill_matrix import kill_matrix
     from scaloft_fi.analysis.scoring.score import score
-    from scaloft_fi.campaign.runs.spending import spending
-    from scaloft_fi.campaign.store.held import current
     from scaloft_fi.study import Study
+    from scaloft_fi.views.moment import moment
     from scaloft_fi.views.tables.table import Format
 
     study = Study.open(study_folder)
-    outcomes = current(study, campaign)
-    scored = score(outcomes, study.roster, study.space, spending(study, campaign))
-    whole = kill_matrix(scored, study.roster, study.space)
-    matrix = _chosen(study, whole, mutants)
+    wanted = parts or PARTS
+    with moment(study, campaign) as now:
+        scored = score(now.outcomes, study.roster, study.space, now.spending)
+        matrix = _chosen(study, kill_matrix(scored, study.roster, study.space), mutants)
+        cases = _survivors(now, scored, matrix) if "survivors" in wanted and output is None else ()
     if output is not None:
-        _draw(matrix, mutants, _graph(matrix, by_requirement), output)
+        _draw(_graph(matrix, by_requirement), output)
         return
     chosen = [situation.key for situation in study.grid.select(situations)] if situations else []
-    wanted = parts or PARTS
-    found = _survivors(study, campaign, outcomes, scored, matrix) if "survivors" in wanted else ()
     if style == Format.JSON:
         import json
 
-        plain = _json(matrix, _graph(matrix, by_requirement), found, wanted, chosen)
+        plain = _json(matrix, _graph(matrix, by_requirement), cases, wanted, chosen)
         click.echo(json.dumps(plain, indent=2, allow_nan=False))
         return
     from scaloft_fi.views.tables.table import render
 
     graph = _graph(matrix, by_requirement)
-    click.echo(render(_tables(matrix, graph, found, wanted, chosen, short=not parts), Format(style)), nl=False)
+    click.echo(render(_tables(matrix, graph, cases, wanted, chosen, short=not parts), Format(style)), nl=False)
 
 
 def _chosen(study: Study, matrix: KillMatrix, patterns: Sequence[str]) -> KillMatrix:
@@ -123,21 +121,18 @@ def _graph(matrix: KillMatrix, by_requirement: bool) -> Subsumption:
     return subsumption(kills_by_requirement(matrix) if by_requirement else matrix.kills)
 
 
-def _survivors(
-    study: Study, campaign: str, outcomes: Sequence[Outcome], scored: Score, matrix: KillMatrix
-) -> tuple[Survivor, ...]:
+def _survivors(now: Moment, scored: Score, matrix: KillMatrix) -> tuple[Survivor, ...]:
     """The survivors among `matrix`, judged beside all that the campaign holds."""
     from scaloft_fi.analysis.kills.background import backgrounds
     from scaloft_fi.analysis.scoring.detection import Verdict
-    from scaloft_fi.campaign.store.tracks import with_tracks
     from scaloft_fi.judge.outcome import BASELINE
     from scaloft_fi.views.kills.survivors import short_units, survivors
 
     ids = {row.id for row in matrix.mutants if row.verdict is not Verdict.DETECTED}
-    seeds = sorted({outcome.seed for outcome in outcomes if outcome.mutant in ids})
-    tracked = with_tracks(study, campaign, outcomes, [BASELINE, *ids], seeds[:1])
-    known = backgrounds(study.matrix, [mutant.subject.id for mutant in scored.mutants])
-    return survivors(tracked, scored, matrix, known, short_units(study.requirements))
+    seeds = sorted({outcome.seed for outcome in now.outcomes if outcome.mutant in ids})
+    tracked = now.with_tracks(now.outcomes, [BASELINE, *ids], seeds[:1])
+    known = backgrounds(now.study.matrix, [mutant.subject.id for mutant in scored.mutants])
+    return survivors(tracked, scored, matrix, known, short_units(now.study.requirements))
 
 
 def _tables(
@@ -205,38 +200,14 @@ def _json(
     return plain
 
 
-def _draw(matrix: KillMatrix, asked: Sequence[str], graph: Subsumption, output: Path) -> None:
-    """The Karnaugh map when one mutant was asked for, else the subsumption graph.
-
-    Raises:
-        InputError: the grid is too large for a map, or a map was asked for as .dot.
-    """
+def _draw(graph: Subsumption, output: Path) -> None:
     from scaloft_fi.views.pictures.picture import png
     from scaloft_fi.views.pictures.subsumption_picture import dot, draw_subsumption
 
     suffix = output.suffix.lower()
-    if asked and len(matrix.rows) == 1:
-        if suffix == ".dot":
-            raise InputError(f"--output={str(output)!r}: a Karnaugh map is no graph; it must end in .svg or .png")
-        svg, what = _karnaugh(matrix), f"Karnaugh map of {matrix.rows[0].id}"
-    elif suffix == ".dot":
+    if suffix == ".dot":
         write(output, dot(graph).encode())
-        click.echo(f"subsumption graph: {output}")
-        return
     else:
-        svg, what = draw_subsumption(graph), "subsumption graph"
-    write(output, png(svg) if suffix == ".png" else svg.encode())
-    click.echo(f"{what}: {output}")
-
-
-def _karnaugh(matrix: KillMatrix) -> str:
-    from scaloft_fi.analysis.condition import condition
-    from scaloft_fi.analysis.kills.karnaugh import karnaugh_map
-    from scaloft_fi.views.pictures.karnaugh_picture import draw_karnaugh
-
-    (row,) = matrix.rows
-    try:
-        found = karnaugh_map(matrix.space, row, condition(matrix.space, row.killing, row.surviving))
-    except ValueError as error:
-        raise InputError(str(error)) from error
-    return draw_karnaugh(matrix.space, found, row)
+        svg = draw_subsumption(graph)
+        write(output, png(svg) if suffix == ".png" else svg.encode())
+    click.echo(f"subsumption graph: {output}")

@@ -28,13 +28,16 @@ VERBS: dict[str, tuple[str, str]] = {
         "scaloft_fi.cli.dispositions:dispositions_command",
         "the survivors beside those that were accepted",
     ),
-    "kills": ("scaloft_fi.cli.kills:kills_command", "where mutants die, what situations kill, what to do next"),
+    "kills": (
+        "scaloft_fi.cli.kills:kills_command",
+        "where mutants are killed, by which situations, and what to do next",
+    ),
     "coverage": (
         "scaloft_fi.cli.coverage:coverage_command",
-        "what the situations cover, and whether it predicts kills",
+        "what the situations of a campaign cover",
     ),
     "diff": ("scaloft_fi.cli.diff:diff_command", "the flights of which two campaigns do not say the same"),
-    "export": ("scaloft_fi.cli.export:export_command", "one row per flight, JSON or CSV"),
+    "export": ("scaloft_fi.cli.export:export_command", "one row per flight, or the campaign in another tool's format"),
     "report": ("scaloft_fi.cli.report:report_command", "one HTML file that tells a whole campaign, offline"),
     "replay": ("scaloft_fi.cli.replay:replay_command", "fly one flight again, bit for bit, and draw it"),
 }

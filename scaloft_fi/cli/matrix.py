@@ -82,16 +82,16 @@ def _grid(matrix: Matrix, style: str) -> str:
 def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: str, *, operability: bool) -> str:
     # a campaign needs numpy, the matrix alone does not
     from scaloft_fi.analysis.scoring.score import score
-    from scaloft_fi.campaign.runs.spending import spending
-    from scaloft_fi.campaign.store.held import current
     from scaloft_fi.judge.requirement import Kind
     from scaloft_fi.study import Study
+    from scaloft_fi.views.moment import moment
     from scaloft_fi.views.worksheet.margins import LEGEND, cell_margins
 
     study = Study.open(study_folder)
     kind = Kind.OPERABILITY if operability else Kind.SAFETY
-    outcomes = current(study, campaign)
-    scored = score(outcomes, study.roster, study.space, spending(study, campaign))
+    with moment(study, campaign) as now:
+        outcomes, spending = now.outcomes, now.spending
+    scored = score(outcomes, study.roster, study.space, spending)
     told = cell_margins(outcomes, scored, study.matrix, kind)
     if style == "json":
         return json.dumps([{**record(cell), "margin": told[cell.name]} for cell in matrix], indent=1)

@@ -60,7 +60,7 @@ def replay_command(name: str, study_folder: Path | None, campaign: str, output: 
     outcome = judged(study, flight, log)
     click.echo(_facts(study, flight, outcome, log))
     if output is not None and output.suffix.lower() == RECORDING:
-        from scaloft_fi.views.exchange.mcap import mcap
+        from scaloft_fi.views.flights.mcap import mcap
 
         write(output, mcap(log, outcome.name))
         click.echo(f"recording: {output}")

@@ -67,14 +67,14 @@ def score_command(
     """Say which faults the tests would have shown, which not, how sure that is, and what to do next."""
     from scaloft_fi.analysis.scoring.score import score_of
     from scaloft_fi.campaign.runs.baseline_pool import borrowed
-    from scaloft_fi.campaign.runs.spending import spending
     from scaloft_fi.campaign.store.folder import campaign_folder, existing
-    from scaloft_fi.campaign.store.held import current_rulings
     from scaloft_fi.campaign.store.platforms import warning_for
     from scaloft_fi.study import Study
+    from scaloft_fi.views.moment import moment
 
     study = Study.open(study_folder)
-    rulings = current_rulings(study, campaign)
+    with moment(study, campaign) as now:
+        rulings, spending = now.rulings, now.spending
     others: Iterable[Outcome] = ()
     if baseline_from:
         flown = rulings.situations
@@ -82,7 +82,7 @@ def score_command(
     warning = warning_for(existing(campaign_folder(study, campaign)))
     if warning:
         click.echo(f"warning: {warning}", err=True)
-    scored = score_of(rulings, study.roster, study.space, spending(study, campaign), others)
+    scored = score_of(rulings, study.roster, study.space, spending, others)
     code = report(
         study,
         rulings,

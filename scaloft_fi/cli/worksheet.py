@@ -38,14 +38,14 @@ def worksheet_command(study_folder: Path | None, campaign: str, style: str, outp
         raise click.UsageError("--format xlsx goes into a file: name it with --output")
     check_writable(output)
     from scaloft_fi.analysis.scoring.score import score
-    from scaloft_fi.campaign.runs.spending import spending
-    from scaloft_fi.campaign.store.held import current
     from scaloft_fi.study import Study
+    from scaloft_fi.views.moment import moment
     from scaloft_fi.views.worksheet.worksheet import worksheet
 
     study = Study.open(study_folder)
-    outcomes = current(study, campaign)
-    scored = score(outcomes, study.roster, study.space, spending(study, campaign))
+    with moment(study, campaign) as now:
+        outcomes, spending = now.outcomes, now.spending
+    scored = score(outcomes, study.roster, study.space, spending)
     rows = worksheet(study.matrix, outcomes, scored, study.space, study.dispositions)
     content = _content(rows, style)
     if output is None:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import pytest
-from builders import GRID, ROSTER, campaigns, outcome, seeded, ten, thrice
+from builders import GRID, ROSTER, campaigns, outcome, pool, seeded, thrice
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -47,7 +47,7 @@ def test_the_least_threshold_of_all_situations_is_within_the_interval(
 
 def flights(*answers: tuple[str, str, dict[str, float]]) -> list[Outcome]:
     """Three outcomes of each (mutant, situation, violated), with the pool they need."""
-    made = ten(*dict.fromkeys(key for _, key, _ in answers))
+    made = pool(*dict.fromkeys(key for _, key, _ in answers))
     return [*made, *(flight for mutant, key, violated in answers for flight in thrice(mutant, key, violated=violated))]
 
 
@@ -75,7 +75,7 @@ def test_two_faults_of_a_cell_each_have_their_own() -> None:
 
 
 def test_what_one_flight_shows_is_seen_and_never_told_as_a_kill() -> None:
-    once = [*ten(HUMAN), outcome("LATE-human@1s", HUMAN), outcome("LATE-human@3s", HUMAN, violated={"SR2": 8.0})]
+    once = [*pool(HUMAN), outcome("LATE-human@1s", HUMAN), outcome("LATE-human@3s", HUMAN, violated={"SR2": 8.0})]
     ((margin,),) = found_in(once).values()
     assert (margin.survives, margin.seen, margin.kills, margin.end) == (1.0, 3.0, None, 3.0)
     assert told(once)["LATE-human"] == str(margin) == "seen 1-3 s"
@@ -89,7 +89,7 @@ def test_what_one_flight_shows_is_seen_and_never_told_as_a_kill() -> None:
 def test_a_magnitude_that_other_situations_detect_kills_where_one_flight_shows_it() -> None:
     keys = KEYS[1:8:2]
     once = [outcome("LATE-human@3s", key, violated={"SR2": 8.0}) for key in keys]
-    assert told([*ten(*keys), *once])["LATE-human"] == "<= 3 s"
+    assert told([*pool(*keys), *once])["LATE-human"] == "<= 3 s"
 
 
 def test_a_milder_magnitude_that_is_only_seen_keeps_the_interval_open() -> None:
@@ -102,8 +102,8 @@ def test_a_milder_magnitude_that_is_only_seen_keeps_the_interval_open() -> None:
 def test_some_flights_of_a_detected_mutant_are_no_kill() -> None:
     keys = KEYS[:8]
     some = [outcome("LATE-human@3s", k, seed, violated={"SR2": 8.0} if seed else {}) for k in keys for seed in (0, 1)]
-    assert score([*ten(*keys), *some], ROSTER, GRID).mutants[0].detected
-    assert told([*ten(*keys), *some])["LATE-human"] == "> 3 s"
+    assert score([*pool(*keys), *some], ROSTER, GRID).mutants[0].detected
+    assert told([*pool(*keys), *some])["LATE-human"] == "> 3 s"
 
 
 def test_faults_without_an_order_say_which_of_them_are_detected() -> None:
@@ -120,7 +120,7 @@ def test_faults_without_an_order_say_which_of_them_are_detected() -> None:
         "not detected",
         "detected",
     ]
-    assert told([*ten(HUMAN), outcome("NO-map", HUMAN, violated={"SR1": 9.0})])["NO-map"] == "undecided"
+    assert told([*pool(HUMAN), outcome("NO-map", HUMAN, violated={"SR1": 9.0})])["NO-map"] == "undecided"
 
 
 def test_operability_has_margins_of_its_own() -> None:
@@ -131,7 +131,7 @@ def test_operability_has_margins_of_its_own() -> None:
 
 def test_what_no_sample_reached_or_no_sample_differed_in_tells_nothing() -> None:
     for carried in (0, 100):
-        flown = [*ten(HUMAN), *thrice("LATE-human@3s", HUMAN, altered=0, carried=carried)]
+        flown = [*pool(HUMAN), *thrice("LATE-human@3s", HUMAN, altered=0, carried=carried)]
         assert told(flown)["LATE-human"] == "?"
 
 
@@ -141,7 +141,7 @@ def test_a_harmless_magnitude_is_a_survival_beside_one_that_is_killed() -> None:
 
 
 def test_where_nothing_that_the_cell_puts_at_risk_is_steady_nothing_is_told() -> None:
-    red = ten(HUMAN, violated={"SR2": 6.0})
+    red = pool(HUMAN, red=10, violated={"SR2": 6.0})
     assert told([*red, *thrice("LATE-human@3s", HUMAN)])["LATE-human"] == "?"
     assert told([*red, *thrice("LATE-depth@0.4s", HUMAN)])["LATE-depth"] == "> 0.4 s"
     assert told([outcome(situation=HUMAN), outcome("LATE-human@3s", HUMAN, violated={"SR2": 8.0})])["LATE-human"] == "?"

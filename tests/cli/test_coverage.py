@@ -50,7 +50,6 @@ def test_json_counts_what_was_chosen_and_flown(call: Call) -> None:
     cases = {tuple(draw) for draw in [*draws["draws"], *first["draws"]]}
     assert said["coverage"]["draws"] - said["coverage"]["pool"] == len(cases)
     assert said["coverage"]["situations"] == {"part": len({key for key, _ in cases}), "whole": 32}
-    assert "against_kills" not in said
 
 
 def test_coverage_and_score_say_the_same(call: Call) -> None:
@@ -62,34 +61,6 @@ def test_coverage_and_score_say_the_same(call: Call) -> None:
         assert {name: said["t_way"][strength][name] for name in ratio} == ratio
     for name in ("situations", "draws", "realised"):
         assert scored[name] == said[name]
-
-
-def test_against_kills_answers_with_the_campaigns_own_figures(call: Call, tmp_path: Path) -> None:
-    flown(call)
-    picture = tmp_path / "curves.svg"
-    told = call("coverage", "--against-kills", "--format", "json", "--output", str(picture))
-    said = json.loads(told.stdout)["against_kills"]
-    # the stand-in for physics kills LATE-human wherever a person is: a block of one axis, met as a value of it is
-    assert (said["mutants"], said["killed"], said["sub_cubes"]) == (1, 1, [{"axes": 1, "mutants": 1}])
-    random = said["strategies"][0]
-    assert random["kills"]["mean"] == pytest.approx(random["t_way"]["1"])
-    assert picture.read_text().startswith("<svg")
-    assert said["unkilled"] == []
-    text = call("coverage", "--against-kills").stdout
-    assert max(map(len, text.splitlines())) <= 100
-    assert "Does coverage predict kills beyond the number of situations?" in " ".join(text.split())
-
-
-def test_a_picture_of_another_kind_is_refused_before_anything_is_read(call: Call) -> None:
-    refused = call("coverage", "--output", "curves.pdf")
-    assert refused.exit_code == 2
-    assert "must end in .svg or .png" in refused.stderr
-
-
-def test_curves_without_default_mutants_are_refused(call: Call) -> None:
-    assert call("run", "--mutant", "LATE-human@1s", "--situation", "T0*", "--quiet").exit_code == 0
-    refused = sentence(call("coverage", "--against-kills"))
-    assert "needs default mutants of credible cells: none was flown" in refused
 
 
 def test_a_campaign_that_is_not_there_is_a_sentence(call: Call) -> None:
@@ -132,8 +103,6 @@ def test_a_large_grid_is_sampled_and_scored_without_making_every_world(
         assert covered["t_way"]["2"]["part"] == 404
         assert covered["situations"]["part"] <= 18
         assert covered["t_way"]["5"]["whole"] == 61_236 - 56 * 27
-    said = json.loads(call("coverage", "--against-kills", "--format", "json", study=large).stdout)
-    assert said["against_kills"]["grid"] == 52_488
 
 
 def test_a_situation_that_a_large_grid_lacks_is_refused_fast(call: Call, large: Path) -> None:

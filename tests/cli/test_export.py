@@ -3,12 +3,17 @@ from __future__ import annotations
 import csv
 import io
 import json
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from click.testing import Result
 from refusal import sentence
+
+from scaloft_fi.views.exchange import FORMATS, Dossier, export_format
 
 Call = Callable[..., Result]
 
@@ -63,3 +68,47 @@ def test_an_export_can_go_to_a_file(call: Call, tmp_path: Path) -> None:
 def test_nothing_is_exported_of_a_campaign_that_was_never_flown(call: Call, tmp_path: Path) -> None:
     assert "no campaign was flown here" in sentence(call("export"))
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_help_lists_every_format_and_a_wrong_name_gets_the_nearest(call: Call) -> None:
+    listed = call("export", "--help").stdout
+    assert all(f"\n  {name} " in listed for name in FORMATS)
+    assert "no export format 'jnuit'; did you mean 'junit'?" in sentence(call("export", "--format", "jnuit"))
+
+
+def test_a_format_that_is_no_text_asks_for_a_file_before_anything_is_read(call: Call) -> None:
+    assert "--format='parquet' is no text: give --output FILE" in sentence(call("export", "--format", "parquet"))
+
+
+def test_a_format_that_somebody_else_declares_is_listed_and_written(
+    call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(FORMATS, "_entries", dict(FORMATS._entries))
+
+    @export_format("flown", "the flights, counted")
+    def flown(dossier: Dossier) -> dict[str, int]:
+        return {"flights": len(dossier.rows)}
+
+    call("run", "--mutant", "PLACEBO", "--situation", "T0O0W0D0H0", "--baseline-seeds", "1", "--quiet")
+    assert "the flights, counted" in call("export", "--help").stdout
+    written = json.loads(call("export", "--format", "flown").stdout)["flights"]
+    assert written == len(json.loads(call("export").stdout))
+    with pytest.raises(ValueError, match="export format 'flown' is declared twice"):
+        export_format("flown", "again")(flown)
+
+
+def test_a_plugin_of_another_package_adds_a_format(tmp_path: Path) -> None:
+    package = tmp_path / "loud"
+    (tmp_path / "loud-1.dist-info").mkdir()
+    (tmp_path / "loud-1.dist-info" / "METADATA").write_text("Name: loud\nVersion: 1\n")
+    (tmp_path / "loud-1.dist-info" / "entry_points.txt").write_text("[scaloft_fi.plugins]\nloud = loud\n")
+    package.mkdir()
+    (package / "__init__.py").write_text(
+        "from scaloft_fi.views.exchange import Dossier, export_format\n\n\n"
+        "@export_format('loud', 'everything in capitals')\n"
+        "def loud(dossier: Dossier) -> str:\n    return dossier.campaign.upper()\n"
+    )
+    path = os.pathsep.join([str(tmp_path), str(Path(__file__).parents[2])])
+    words = [sys.executable, "-m", "scaloft_fi", "export", "--help"]
+    done = subprocess.run(words, env=os.environ | {"PYTHONPATH": path}, capture_output=True, text=True, check=True)
+    assert "loud              everything in capitals" in done.stdout

@@ -79,13 +79,6 @@ def test_kills_by_requirement_are_told_apart(flown: Call) -> None:
     assert all(key.endswith(" SR2") for key in plain["subsumption"]["nodes"][0]["kills"])
 
 
-@pytest.mark.parametrize("suffix", [".svg", ".png"])
-def test_one_mutant_is_drawn_as_a_karnaugh_map(flown: Call, tmp_path: Path, suffix: str) -> None:
-    path = tmp_path / f"map{suffix}"
-    assert flown("kills", LATE, "--output", str(path)).stdout == f"Karnaugh map of {LATE}: {path}\n"
-    assert b"Karnaugh" in path.read_bytes() or path.read_bytes().startswith(b"\x89PNG")
-
-
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".dot"])
 def test_all_are_drawn_as_the_subsumption_graph(flown: Call, tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"graph{suffix}"
@@ -97,14 +90,12 @@ def test_all_are_drawn_as_the_subsumption_graph(flown: Call, tmp_path: Path, suf
     ("words", "said"),
     [
         (("--output", "map.pdf"), "must end in .svg, .png or .dot"),
-        ((LATE, "--output", "map.dot"), "a Karnaugh map is no graph"),
         (("LATE-humn",), "did you mean"),
         (("NO-goal",), "holds no flight of NO-goal"),
     ],
 )
 def test_what_cannot_be_is_refused_in_asentence(flown: Call, words: tuple[str, ...], said: str) -> None:
     assert said in sentence(flown("kills", *words))
-    assert not Path("map.dot").exists()
 
 
 def test_without_a_campaign_it_says_so(call: Call) -> None:

@@ -18,10 +18,9 @@ try:
     main(sys.argv[1:])
 except SystemExit as done:
     assert done.code == 0, done.code
-heavy = {"numba", "pybullet", "rtamt", "filterpy", "distributed"} | ({"scipy"} if sys.argv[1] != "report" else set())
+heavy = {"numba", "pybullet", "rtamt", "filterpy", "distributed", "scipy"}
 assert not heavy & set(sys.modules), heavy & set(sys.modules)
 """
-"""`report` correlates coverage with kills by scipy's Kendall's tau."""
 VERBS = {
     "score": (),
     "status": (),

@@ -8,7 +8,8 @@ from scaloft_fi.judge.caps import SIGHT_M, cap_of, check_caps, comparisons
 from scaloft_fi.judge.stl import Formula, FormulaError
 from scaloft_fi.sim import observer
 from scaloft_fi.sim.signals import signal_names
-from scaloft_fi.stack.reference.declaration import BELIEFS, REFERENCE
+from scaloft_fi.stack.reference.beliefs import BELIEFS
+from scaloft_fi.stack.reference.declaration import REFERENCE
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from scaloft_fi.mutants.wire import TapError
 from scaloft_fi.sim.flight import fly
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.log import Ending
-from scaloft_fi.stack.reference.declaration import MODES
+from scaloft_fi.stack.reference.beliefs import MODES
 from scaloft_fi.stack.seam import PlainWire
 
 pytestmark = pytest.mark.flight

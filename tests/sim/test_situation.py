@@ -7,7 +7,7 @@ from scaloft_fi.judge.stl import Formula
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.signals import signal_names
 from scaloft_fi.sim.situation import Situation
-from scaloft_fi.stack.reference.declaration import BELIEFS
+from scaloft_fi.stack.reference.beliefs import BELIEFS
 
 
 def test_a_key_is_made_of_axes_and_values():

@@ -15,7 +15,7 @@ from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome, Subject, Violat
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.judge.space import Space
 from scaloft_fi.sim.signals import signal_names
-from scaloft_fi.stack.reference.declaration import BELIEFS
+from scaloft_fi.stack.reference.beliefs import BELIEFS
 
 KINDS = {"SR1": Kind.SAFETY, "SR2": Kind.SAFETY, "SR2-literal": Kind.REPORTED, "OP1": Kind.OPERABILITY}
 
@@ -104,7 +104,7 @@ def pool(*situations: str, seeds: int = 10, red: int = 0, **how: Any) -> list[Ou
     """The baseline in these situations; the last `red` of its seeds violate what `how` says, the others nothing."""
     told = {name: how.pop(name) for name in ("violated", "struck") if name in how}
     return [
-        outcome(BASELINE, key, seed, digest=f"clean{seed}", **how, **(told if seed >= seeds - red else {}))
+        outcome(BASELINE, key, seed, **how, **(told if seed >= seeds - red else {}))
         for key in situations
         for seed in range(seeds)
     ]
@@ -177,11 +177,6 @@ def seeded(draw: st.DrawFn) -> list[Outcome]:
                     )
                 )
     return outcomes
-
-
-def ten(*situations: str, violated: dict[str, float] | None = None, struck: str = "") -> list[Outcome]:
-    """Ten baselines in each situation."""
-    return [outcome(BASELINE, key, seed, violated=violated, struck=struck) for key in situations for seed in range(10)]
 
 
 def thrice(

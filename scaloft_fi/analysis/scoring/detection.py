@@ -35,6 +35,7 @@ from scaloft_fi.judge.requirement import Kind
 ALPHA = 0.01
 """Accepted chance that a fault which does nothing is called detected, where the study names none."""
 MOST_ALPHA = 0.1
+"""Largest alpha that a study may name."""
 LOOKS = (1, 3, 5, 10)
 """Numbers of seeds at which a campaign that grows is looked at."""
 LARGER = (20, 50)

@@ -27,8 +27,8 @@ REDRAWS = 200
 SEED = 20251
 """Of the choices; a fixed number, so that a score is the same whenever it is asked for."""
 
-
 NONE = Ratio(0, 0)
+"""The share where no redraw was made."""
 
 
 @dataclass(frozen=True)

@@ -34,6 +34,7 @@ class Score:
         pool: the pairs of the unmutated drone.
         redraw: how often redraws of the unmutated drone are called detected.
         lacking: situations where a mutant, controls left out, infects and the pool has too few flights, in order.
+        pooled: whether there is a pool to decide by where mutants infect; without one there are only observations.
     """
 
     alpha: float
@@ -48,12 +49,7 @@ class Score:
     pool: Pool
     redraw: Redraw
     lacking: tuple[str, ...]
-
-    @property
-    def pooled(self) -> bool:
-        """Whether there is a pool to decide by: without one nothing is told but what was seen."""
-        infected = {r.situation for m in self.mutants for r in m.results if r.infected}
-        return not infected or bool(infected & self.pool.flown)
+    pooled: bool
 
     @property
     def expected_false(self) -> float:
@@ -101,19 +97,21 @@ def score_of(
     mutants = tuple(m for m in scored if m.subject.id != PLACEBO and not roster.is_control(m.subject))
     counted = [mutant for mutant in mutants if roster.counts(mutant.subject) and mutant.flown]
     infected = {r.situation for m in mutants for r in m.results if r.infected}
-    whole = len(counted) if not infected or infected & pool.flown else 0
+    pooled = not infected or bool(infected & pool.flown)
+    decided = len(counted) if pooled else 0
     seeds = max((result.flown for mutant in counted for result in mutant.results), default=0)
     return Score(
         alpha=spending.alpha,
         exercised=Ratio(len(counted), len(roster.defaults)),
         infected=Ratio(sum(mutant.infected for mutant in counted), len(counted)),
         tested=Ratio(sum(mutant.tested for mutant in counted), len(counted)),
-        mutation_score=Ratio(sum(mutant.detected for mutant in counted), whole),
-        operability=Ratio(sum(mutant.operability.detected for mutant in counted), whole),
+        mutation_score=Ratio(sum(mutant.detected for mutant in counted), decided),
+        operability=Ratio(sum(mutant.operability.detected for mutant in counted), decided),
         mutants=mutants,
         controls=tuple(mutant for mutant in scored if roster.is_control(mutant.subject)),
         placebo=next((mutant for mutant in scored if mutant.subject.id == PLACEBO), None),
         pool=pool,
         redraw=redraw(baselines.values(), seeds, spending.alpha),
         lacking=tuple(sorted(infected - pool.flown, key=space.rank)),
+        pooled=pooled,
     )

@@ -14,7 +14,7 @@ import numpy as np
 from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.messages import Bumper, DepthFrame, Exposure, SensorFrames
 from scaloft_fi.stack.reference.battery_monitor import BatteryMonitor
-from scaloft_fi.stack.reference.declaration import NOBODY_M
+from scaloft_fi.stack.reference.beliefs import NOBODY_M
 from scaloft_fi.stack.reference.exposure import ExposureControl
 from scaloft_fi.stack.reference.flight_control import FlightControl
 from scaloft_fi.stack.reference.memory import ObstacleMemory

@@ -11,9 +11,9 @@ from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.messages import Exposure, Imu, SensorFrames, Stamps, Thrust
 from scaloft_fi.stack.rates import STEP_HZ
 from scaloft_fi.stack.reference.battery_monitor import BatteryConfig, BatteryMonitor
+from scaloft_fi.stack.reference.beliefs import MODES
 from scaloft_fi.stack.reference.companion import Companion, CompanionConfig, Stages
 from scaloft_fi.stack.reference.control import ControlConfig
-from scaloft_fi.stack.reference.declaration import MODES
 from scaloft_fi.stack.reference.estimator import Estimator, EstimatorConfig
 from scaloft_fi.stack.reference.exposure import ExposureConfig, ExposureControl
 from scaloft_fi.stack.reference.flight_control import FailsafeConfig, FlightControl

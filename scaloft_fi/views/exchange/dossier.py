@@ -17,12 +17,13 @@ from scaloft_fi.judge.flights import flights_of
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Requirement
 from scaloft_fi.judge.space import Space
+from scaloft_fi.views.flights.export import Row, columns, export_rows
 from scaloft_fi.views.score.verdict import next_command, verdict, why
 
 
 @dataclass(frozen=True)
 class Dossier:
-    """A campaign and what it was flown with.
+    """A campaign and what it was flown with: all that an export format is made of.
 
     Attributes:
         study, campaign: names.
@@ -50,6 +51,20 @@ class Dossier:
     def score(self) -> Score:
         """The campaign's score."""
         return score(self.outcomes, self.roster, self.space, self.spending)
+
+    @cached_property
+    def rows(self) -> list[Row]:
+        """One row per flight, in the order of mutants, situations and seeds: see `scaloft_fi.views.flights.export`."""
+        return export_rows(self.outcomes, self.roster, self.space, self._names)
+
+    @property
+    def columns(self) -> list[str]:
+        """The columns of the rows."""
+        return columns(self.rows, self._names)
+
+    @property
+    def _names(self) -> list[str]:
+        return [requirement.name for requirement in self.requirements]
 
     @cached_property
     def coverage(self) -> Coverage:

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from scaloft_fi import __version__
-from scaloft_fi.campaign.runs.spending import spending_of
-from scaloft_fi.campaign.store.folder import campaign_folder, existing
-from scaloft_fi.campaign.store.held import current
-from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.study import Study
 from scaloft_fi.views.exchange.dossier import Dossier
+from scaloft_fi.views.moment import moment
 
 
 def dossier(study: Study, campaign: str) -> Dossier:
@@ -17,14 +14,12 @@ def dossier(study: Study, campaign: str) -> Dossier:
     Raises:
         InputError: there is no campaign, or it holds no outcome that counts.
     """
-    folder = campaign_folder(study, campaign)
-    outcomes = current(study, campaign)
-    with Store(existing(folder), create=False) as store:
-        platform, spending = store.meta(), spending_of(study, store)
+    with moment(study, campaign) as now:
+        outcomes, platform, spending = now.outcomes, now.platform, now.spending
     cells = sorted((study.folder / "hazop").rglob("*.yaml"))
     return Dossier(
         study=study.folder.resolve().name,
-        campaign=folder.name,
+        campaign=now.folder.name,
         version=__version__,
         platform=platform,
         matrix=study.matrix,

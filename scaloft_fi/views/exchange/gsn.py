@@ -12,6 +12,7 @@ import yaml
 
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.views.exchange.dossier import Dossier
+from scaloft_fi.views.exchange.format import export_format
 from scaloft_fi.views.score.verdict import NO_POOL
 
 COUNTER = {
@@ -22,6 +23,7 @@ COUNTER = {
 """What speaks against the suite, by the verdict on a mutant."""
 
 
+@export_format("gsn", "the argument in goal structuring notation, for gsn2x")
 def gsn(dossier: Dossier) -> str:
     """The argument as YAML text."""
     return yaml.safe_dump(nodes(dossier), sort_keys=False, allow_unicode=True, width=120)
@@ -88,7 +90,7 @@ def _detection(dossier: Dossier) -> dict[str, Any]:
     rule = "more violations of a safety requirement than chance explains, beside the unmutated drone's own flights"
     return {
         "G3": {
-            "text": f"{claim}; chance explains at most {scored.expected_false:.2g} of them",
+            "text": f"{claim}; chance explains at most {scored.expected_false:.2g} of them on average",
             "supportedBy": ["Sn2"],
             "inContextOf": ["C4"],
         },

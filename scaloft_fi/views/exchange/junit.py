@@ -14,12 +14,14 @@ from xml.etree import ElementTree as ET
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.views.exchange.dossier import Dossier
+from scaloft_fi.views.exchange.format import export_format
 
 CONTROLS = "controls"
 _ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """What no XML 1.0 document may hold."""
 
 
+@export_format("junit", "a test per mutant, one that is not detected fails")
 def junit(dossier: Dossier) -> str:
     """The XML document."""
     root = ET.Element("testsuites", name=_text(f"scaloft-fi {dossier.campaign}"))

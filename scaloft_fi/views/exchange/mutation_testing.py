@@ -19,12 +19,14 @@ from typing import Any
 
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.views.exchange.dossier import Dossier
+from scaloft_fi.views.exchange.format import export_format
 
 SCHEMA_VERSION = "2"
 THRESHOLDS = {"high": 80, "low": 60}
 """Where readers turn the colour of a score: the defaults of StrykerJS."""
 
 
+@export_format("mutation-testing", "mutation-testing-report-schema 2")
 def mutation_testing(dossier: Dossier) -> dict[str, Any]:
     """The report as plain JSON values."""
     files: dict[str, dict[str, Any]] = {

@@ -7,11 +7,19 @@ from collections.abc import Sequence
 from typing import Any
 
 from scaloft_fi.errors import InputError
+from scaloft_fi.views.exchange.dossier import Dossier
+from scaloft_fi.views.exchange.format import export_format
 
 INTEGERS = frozenset({"seed", "carried", "altered"})
 LISTS = frozenset({"violated", "held", "revealed_by", "violation_bodies", "triggered", "realised"})
 TEXTS = frozenset({"mutant", "situation", "status", "ending", "struck", "digest"})
 """Columns by type; every other one is a number."""
+
+
+@export_format("parquet", "one row per flight, typed (extra: parquet)", text=False)
+def parquet_rows(dossier: Dossier) -> bytes:
+    """The file of a campaign."""
+    return parquet(dossier.rows, dossier.columns)
 
 
 def parquet(rows: Sequence[dict[str, Any]], columns: Sequence[str]) -> bytes:

@@ -19,6 +19,7 @@ from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.robustness import spelt_rho
 from scaloft_fi.views.exchange.dossier import Dossier
+from scaloft_fi.views.exchange.format import export_format
 from scaloft_fi.views.score.verdict import NO_POOL
 from scaloft_fi.views.tables.table import Format, Table, render
 
@@ -47,12 +48,14 @@ def verification_log(dossier: Dossier) -> tuple[Table, ...]:
     )
 
 
+@export_format("sace", "the verification log, SACE artefact [SS], Markdown")
 def to_markdown(dossier: Dossier) -> str:
     """The log as a page."""
     head = f"# Verification log (SACE artefact [SS])\n\nCampaign {dossier.campaign} of study {dossier.study}.\n\n"
     return head + render(verification_log(dossier), Format.MARKDOWN)
 
 
+@export_format("sace-json", "the verification log as JSON")
 def to_json(dossier: Dossier) -> dict[str, Any]:
     """The log as plain JSON values, by heading."""
     return {table.title: {"rows": table.records(), "notes": list(table.notes)} for table in verification_log(dossier)}

@@ -11,10 +11,12 @@ from urllib.parse import quote
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.views.exchange.dossier import Dossier
+from scaloft_fi.views.exchange.format import export_format
 
 SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 
 
+@export_format("sarif", "what is not detected on the lines of the HAZOP matrix, SARIF 2.1.0")
 def sarif(dossier: Dossier) -> dict[str, Any]:
     """The log as plain JSON values: a rule is a cell whose mutant is not detected, a result is that mutant."""
     mutants = dossier.of(Verdict.UNDECIDED, Verdict.NOT_DETECTED, Verdict.NOT_TESTED)

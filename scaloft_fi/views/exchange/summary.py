@@ -5,10 +5,12 @@ from __future__ import annotations
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.views.exchange.dossier import Dossier
+from scaloft_fi.views.exchange.format import export_format
 from scaloft_fi.views.score.verdict import NO_POOL
 from scaloft_fi.views.tables.table import Format, Table, render
 
 
+@export_format("markdown", "a page for the summary of a CI job")
 def summary(dossier: Dossier) -> str:
     """The page."""
     mutants = [_of(dossier, verdict) for verdict in Verdict if dossier.of(verdict)]
@@ -35,7 +37,7 @@ def _ratios(dossier: Dossier) -> Table:
     )
     detected = (
         "Detected: it violates safety requirements more often than chance explains, beside the unmutated drone's own "
-        f"flights; at alpha {scored.alpha:g} chance explains at most {scored.expected_false:.2g} of them."
+        f"flights; at alpha {scored.alpha:g} chance explains at most {scored.expected_false:.2g} of them on average."
     )
     killed = (
         "A situation tests a mutant that changes a sample there, if the unmutated drone holds a safety requirement "

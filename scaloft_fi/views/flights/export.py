@@ -112,10 +112,10 @@ def to_json(rows: Sequence[Row]) -> str:
     return "[\n" + ",\n".join(json.dumps(row, allow_nan=False) for row in rows) + "\n]\n" if rows else "[]\n"
 
 
-def to_csv(rows: Sequence[Row], requirements: Sequence[str] = ()) -> str:
+def to_csv(rows: Sequence[Row], columns: Sequence[str]) -> str:
     """CSV with the same columns; lists joined by `;`, nothing where there is no value."""
     text = io.StringIO()
-    writer = csv.DictWriter(text, columns(rows, requirements), lineterminator="\n")
+    writer = csv.DictWriter(text, columns, lineterminator="\n")
     writer.writeheader()
     writer.writerows(
         {key: ";".join(map(str, value)) if isinstance(value, list) else value for key, value in row.items()}

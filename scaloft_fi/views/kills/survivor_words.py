@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from scaloft_fi.analysis.kills.survivor_case import Case
-from scaloft_fi.analysis.scoring.detection import LARGER, Verdict
 from scaloft_fi.analysis.scoring.pool import State
+from scaloft_fi.views.score.verdict import next_command, would_decide
 
 NAMED = 3
 """How many situations a sentence names before it counts the rest."""
@@ -31,17 +31,14 @@ def rates(case: Case) -> str:
 
 
 def seeds(case: Case) -> str:
-    """How many seeds an undecided mutant takes to be decided, with the command; empty for any other."""
-    needed, run = case.score.safety.needed, "scaloft-fi run"
-    if case.row.verdict is not Verdict.UNDECIDED:
+    """How many seeds would decide an undecided mutant, with the command; empty for any other."""
+    decides = would_decide(case.score, case.lacking)
+    if not decides:
         return ""
-    if needed is None:
-        return f"At that rate not even {LARGER[-1]} seeds decide: add a situation where it shows more often."
-    own = ""
-    if case.score.safety.anew:
-        run, own = f"{run} --campaign NAME", ", in a campaign of its own"
-    takes = "At that rate a verdict takes" if case.score.seen_in else "A verdict takes at least"
-    return f"{takes} {needed} seeds{own}: `{run} --mutant {case.row.id} --seeds {needed}`."
+    rate = "At that rate" if case.score.seen_in else "If every flight violated,"
+    if case.score.safety.needed is None:
+        return f"{rate} {decides} would decide: add a situation where it shows more often."
+    return f"{rate} {decides} would decide: `{next_command(case.score, case.lacking, 'default')}`."
 
 
 def only_unsteady(case: Case) -> str:

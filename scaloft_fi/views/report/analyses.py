@@ -1,14 +1,10 @@
-"""What follows from the flights, for the page: coverage against kills, ladders, margins, what kills what, survivors."""
+"""What follows from the flights, for the page: ladders, margins, what kills what, survivors."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
 
-from scaloft_fi.analysis.curves.curve_tables import curves_json
-from scaloft_fi.analysis.curves.curves import curves
-from scaloft_fi.analysis.curves.prediction import predict
-from scaloft_fi.analysis.curves.trial import trial
 from scaloft_fi.analysis.kills.background import backgrounds
 from scaloft_fi.analysis.kills.interaction import interactions, orders
 from scaloft_fi.analysis.kills.kill_matrix import KillMatrix
@@ -16,13 +12,11 @@ from scaloft_fi.analysis.kills.minimal_suite import minimal_suite
 from scaloft_fi.analysis.kills.subsumption import subsumption
 from scaloft_fi.analysis.ratio import share_json
 from scaloft_fi.analysis.roster import Roster, cell_of
-from scaloft_fi.analysis.scoring.detection import Spending, Verdict
+from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.rulings import Rulings
-from scaloft_fi.judge.space import Space
 from scaloft_fi.views.kills.survivors import short_units, survivors
 from scaloft_fi.views.report.evidence import Evidence
 from scaloft_fi.views.report.severity import by_severity, searched
@@ -30,13 +24,12 @@ from scaloft_fi.views.report.thresholds import thresholds
 from scaloft_fi.views.worksheet.margins import cell_margins
 
 
-def analyses(evidence: Evidence, rulings: Rulings, scored: Score, matrix: KillMatrix) -> dict[str, Any]:
+def analyses(evidence: Evidence, scored: Score, matrix: KillMatrix) -> dict[str, Any]:
     """By section of the page; of the default mutants only, where ladders would count one fault several times.
 
     Args:
         evidence: what the page is made from.
-        rulings: of its flights.
-        scored: their score.
+        scored: the score of its flights.
         matrix: their kill matrix.
     """
     study, outcomes, roster = evidence.study, evidence.outcomes, evidence.study.roster
@@ -45,7 +38,6 @@ def analyses(evidence: Evidence, rulings: Rulings, scored: Score, matrix: KillMa
     found = interactions(matrix)
     known = backgrounds(study.matrix, [row.id for row in matrix.mutants])
     return {
-        "curves": coverage_against_kills(scored, rulings, roster, matrix.space, evidence.spending),
         "margins": margin_texts(outcomes, scored, study.matrix),
         "ladders": ladders(scored, study.matrix, roster),
         "thresholds": thresholds(outcomes, scored, study.matrix, study.requirements),
@@ -57,17 +49,6 @@ def analyses(evidence: Evidence, rulings: Rulings, scored: Score, matrix: KillMa
             entry.to_json() for entry in survivors(outcomes, scored, matrix, known, short_units(study.requirements))
         ],
     }
-
-
-def coverage_against_kills(
-    scored: Score, rulings: Rulings, roster: Roster, space: Space, spending: Spending
-) -> dict[str, Any] | None:
-    """The curves of every way to choose situations, None where nothing was flown in common."""
-    common = trial(scored, rulings, roster, space, spending)
-    if common is None:
-        return None
-    followed = curves(common)
-    return curves_json(followed, predict(followed))
 
 
 def margin_texts(outcomes: Sequence[Outcome], scored: Score, cells: Matrix) -> dict[str, str]:

@@ -7,13 +7,10 @@ from dataclasses import dataclass, field
 from datetime import date
 
 from scaloft_fi.analysis.scoring.detection import Spending
-from scaloft_fi.campaign.runs.spending import spending_of
-from scaloft_fi.campaign.store.folder import campaign_folder, existing
-from scaloft_fi.campaign.store.held import held_in, nothing_to_show
-from scaloft_fi.campaign.store.store import Store
-from scaloft_fi.campaign.store.tracks import tracks_in
+from scaloft_fi.campaign.store.held import nothing_to_show
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
+from scaloft_fi.views.moment import moment
 
 
 @dataclass(frozen=True)
@@ -46,10 +43,15 @@ def gather(study: Study, campaign: str, today: date | None = None) -> Evidence:
     Raises:
         InputError: there is none, or it holds no flight that counts.
     """
-    folder = campaign_folder(study, campaign)
-    with Store(existing(folder), create=False) as store, store.snapshot():
-        found = held_in(study, store, folder)
-        known = found.current or nothing_to_show(store, folder)
-        outcomes = tracks_in(study, store, known, {outcome.mutant for outcome in known})
-        spending = spending_of(study, store)
-        return Evidence(study, campaign, outcomes, found.stale, found.owed, store.meta(), today, spending)
+    with moment(study, campaign) as now:
+        known = now.held.current or nothing_to_show(now.store, now.folder)
+        return Evidence(
+            study=study,
+            campaign=campaign,
+            outcomes=now.with_tracks(known, {outcome.mutant for outcome in known}),
+            stale=now.held.stale,
+            owed=now.held.owed,
+            fingerprint=now.platform,
+            today=today,
+            spending=now.spending,
+        )

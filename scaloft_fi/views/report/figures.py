@@ -32,7 +32,7 @@ from scaloft_fi.views.score.answers import answers
 from scaloft_fi.views.score.first_screen import baseline_line, coverage_line
 from scaloft_fi.views.score.score_record import score_json
 
-SCHEMA = 2
+SCHEMA = 3
 """Version of the JSON in the page."""
 RATIOS = {
     "exercised": ("exercised", "credible cells whose default mutant was flown, of all credible cells"),
@@ -86,7 +86,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "signs": matrices.SIGNS,
         "verdicts": [verdict.value for verdict in Verdict],
         "axes": matrices.axes(study.grid),
-        "karnaugh": folding(space, [axis.title for axis in study.grid.axes]),
+        "karnaugh": folding(space),
         "situations": order,
         "by_situation": matrices.by_situation(scored, roster, keys),
         "guidewords": [asdict(word) for word in study.matrix.guidewords],
@@ -100,7 +100,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "firsts": [_first(finding) for finding in findings(outcomes, space) if finding.first],
         "tallies": [_tally(tally) for tally in tallies(outcomes)],
         "accepted": accepted(scored, roster, study.dispositions, evidence.today),
-        **analyses(evidence, rulings, scored, kills),
+        **analyses(evidence, scored, kills),
         "far": FAR,
         "endings": {ending.value: ending.sentence for ending in Ending},
         "scenes": scenes(study, sorted({outcome.situation for outcome in outcomes} & set(keys))),

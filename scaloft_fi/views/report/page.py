@@ -34,7 +34,6 @@ SCRIPTS = (
     "mutant.js",
     "margins.js",
     "cell.js",
-    "curves.js",
     "follows.js",
     "sections.js",
     "main.js",

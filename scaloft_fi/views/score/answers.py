@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 from scaloft_fi.analysis.ratio import Ratio
@@ -15,7 +15,7 @@ from scaloft_fi.analysis.scoring.score import Score
 
 SHOWN, NOT_SHOWN, HOW_SURE, NEXT = NAMES = ("Shown", "Not shown", "How sure", "What next")
 MOST_NAMED = 4
-"""Mutants that a command names one by one."""
+"""Of more mutants than these a command leaves out the names where `run` flies the same without."""
 
 
 class Answer(NamedTuple):
@@ -23,6 +23,22 @@ class Answer(NamedTuple):
 
     name: str
     text: str
+
+
+class Asked(NamedTuple):
+    """What the answers are about.
+
+    Attributes:
+        scored: the campaign's score.
+        faults: the mutants that the answers count.
+        campaign: its name.
+        defaults: ids of the mutants that `run` flies when none is named.
+    """
+
+    scored: Score
+    faults: Sequence[MutantScore]
+    campaign: str
+    defaults: Collection[str]
 
 
 def answers(scored: Score, roster: Roster, campaign: str = "default") -> tuple[Answer, ...]:
@@ -36,23 +52,24 @@ def answers(scored: Score, roster: Roster, campaign: str = "default") -> tuple[A
     counted = [mutant for mutant in scored.mutants if roster.counts(mutant.subject) and mutant.flown]
     faults = counted or [mutant for mutant in scored.mutants if mutant.flown]
     told = (_shown, _not_shown, _how_sure, _next) if scored.pooled else (_seen, _unknown, _not_sure, _next)
-    return tuple(Answer(name, tell(scored, faults, campaign)) for name, tell in zip(NAMES, told, strict=True))
+    asked = Asked(scored, faults, campaign, frozenset(roster.defaults.values()))
+    return tuple(Answer(name, tell(asked)) for name, tell in zip(NAMES, told, strict=True))
 
 
-def _shown(_scored: Score, faults: Sequence[MutantScore], _campaign: str) -> str:
-    if not faults:
+def _shown(asked: Asked) -> str:
+    if not asked.faults:
         return "nothing: no mutant was flown."
-    safety = Ratio(sum(mutant.detected for mutant in faults), len(faults))
-    operability = sum(mutant.operability.detected for mutant in faults)
-    either = sum(mutant.detected or mutant.operability.detected for mutant in faults)
+    safety = Ratio(sum(mutant.detected for mutant in asked.faults), len(asked.faults))
+    operability = sum(mutant.operability.detected for mutant in asked.faults)
+    either = sum(mutant.detected or mutant.operability.detected for mutant in asked.faults)
     said = f"{_of(safety)} would have been shown by your safety requirements"
     if operability:
         said += f"; {operability} by operability, {either} by either"
     return f"{said}."
 
 
-def _not_shown(_scored: Score, faults: Sequence[MutantScore], _campaign: str) -> str:
-    fates = Counter(mutant.verdict for mutant in faults)
+def _not_shown(asked: Asked) -> str:
+    fates = Counter(mutant.verdict for mutant in asked.faults)
     parts = {
         Verdict.NOT_DETECTED: "put to the test, and nothing was seen",
         Verdict.UNDECIDED: "undecided: something was seen, or too few flights were flown",
@@ -62,66 +79,75 @@ def _not_shown(_scored: Score, faults: Sequence[MutantScore], _campaign: str) ->
     return f"{told or 'none'}."
 
 
-def _how_sure(scored: Score, faults: Sequence[MutantScore], _campaign: str) -> str:
-    tested = sum(mutant.tested for mutant in faults)
-    found = sum(mutant.detected for mutant in faults)
-    chance = f"{scored.alpha * tested:.2g} ({scored.alpha:g} x {tested} tested)"
-    said = f"of the {found} shown, chance explains at most {chance}"
-    drawn = scored.redraw
+def _how_sure(asked: Asked) -> str:
+    tested = sum(mutant.tested for mutant in asked.faults)
+    detected = sum(mutant.detected for mutant in asked.faults)
+    alpha, drawn = asked.scored.alpha, asked.scored.redraw
+    most = f"at most {alpha * tested:.2g} on average ({alpha:g} x {tested} tested)"
+    said = f"of the {detected} shown, chance explains {most}" if detected else f"chance alone would show {most}"
     if drawn.seeds:
         said += f"; of {drawn.safety.whole} redraws of the unmutated drone {drawn.safety.part} would have been shown"
-    flown = {pair.flights for pair in scored.pool.pairs.values() if pair.flights >= LEAST}
-    seeds = max((result.flown for mutant in faults for result in mutant.results), default=0)
+    flown = {pair.flights for pair in asked.scored.pool.pairs.values() if pair.flights >= LEAST}
+    seeds = max((result.flown for mutant in asked.faults for result in mutant.results), default=0)
     beside = f"{min(flown)}" + (f" to {max(flown)}" if len(flown) > 1 else "") if flown else "0"
     said += f".  {seeds} seed{'s' * (seeds != 1)} beside {beside} baseline flights a situation"
-    return f"{said}; mutants share seeds, so false ones come in groups." if len(faults) > 1 else f"{said}."
+    return f"{said}; mutants share seeds, so false ones come in groups." if len(asked.faults) > 1 else f"{said}."
 
 
-def _seen(_scored: Score, faults: Sequence[MutantScore], _campaign: str) -> str:
-    if not faults:
+def _seen(asked: Asked) -> str:
+    if not asked.faults:
         return "nothing: no mutant was flown."
-    revealed = sum(mutant.status.value == "revealed" for mutant in faults)
+    revealed = sum(mutant.status.value == "revealed" for mutant in asked.faults)
     return (
-        f"not known: there is no baseline pool.  {revealed} of {_faults(len(faults))} violated a safety requirement "
-        "in a flight whose own baseline held it."
+        f"not known: there is no baseline pool.  {revealed} of {_faults(len(asked.faults))} violated a safety "
+        "requirement in a flight whose own baseline held it."
     )
 
 
-def _unknown(_scored: Score, _faults: Sequence[MutantScore], _campaign: str) -> str:
+def _unknown(_asked: Asked) -> str:
     return "not known: without a pool nobody can tell a fault from a lucky baseline."
 
 
-def _not_sure(_scored: Score, _faults: Sequence[MutantScore], _campaign: str) -> str:
+def _not_sure(_asked: Asked) -> str:
     return f"not at all: {LEAST} baseline flights in each situation where a mutant infects would tell what chance does."
 
 
-def _next(scored: Score, faults: Sequence[MutantScore], campaign: str) -> str:
-    if scored.lacking:
-        seeds = max((result.flown for mutant in faults for result in mutant.results), default=1)
-        where = f"in {len(scored.lacking)} situations"
-        return f"`{command(campaign, faults, seeds)}` flies the baseline pool that is missing {where}."
-    undecided = [mutant for mutant in faults if mutant.verdict is Verdict.UNDECIDED]
+def _next(asked: Asked) -> str:
+    if asked.scored.lacking:
+        seeds = max((result.flown for mutant in asked.faults for result in mutant.results), default=1)
+        flies = command(asked.campaign, asked.faults, seeds, asked.defaults)
+        return f"`{flies}` flies the baseline pool that is missing in {len(asked.scored.lacking)} situations."
+    undecided = [mutant for mutant in asked.faults if mutant.verdict is Verdict.UNDECIDED]
     looks = [mutant for mutant in undecided if mutant.safety.needed and not mutant.safety.anew]
     if looks:
         most = max(mutant.safety.needed or 0 for mutant in looks)
-        return f"`{command(campaign, looks, most)}` would decide {len(looks)} of the {len(undecided)} undecided."
-    silent = [mutant for mutant in faults if not mutant.detected]
+        flies = command(asked.campaign, looks, most, asked.defaults)
+        return f"`{flies}` would decide {len(looks)} of the {len(undecided)} undecided."
+    silent = [mutant for mutant in asked.faults if not mutant.detected]
     if silent:
-        where = f" --campaign {campaign}" * (campaign != "default")
+        where = f" --campaign {asked.campaign}" * (asked.campaign != "default")
         told = f"`scaloft-fi kills{where} --show survivors`"
         return f"{told} says of each fault not shown where it stopped, and what to change."
-    if faults:
-        return f"`scaloft-fi margin {faults[0].subject.id}` finds the smallest magnitude that is still shown."
+    if asked.faults:
+        return f"`scaloft-fi margin {asked.faults[0].subject.id}` finds the smallest magnitude that is still shown."
     return "`scaloft-fi run --mutant ID` flies a mutant; `scaloft-fi mutants` lists them."
 
 
-def command(campaign: str, mutants: Sequence[MutantScore], seeds: int) -> str:
-    """The `run` that flies these mutants; of many all that the study has."""
+def command(campaign: str, mutants: Sequence[MutantScore], seeds: int, defaults: Collection[str] = ()) -> str:
+    """The `run` that flies these mutants, and no others.
+
+    Args:
+        campaign: its name.
+        mutants: those to fly.
+        seeds: of each.
+        defaults: ids of the mutants that `run` flies when none is named; exactly these need no name.
+    """
     words = ["scaloft-fi run"]
     if campaign != "default":
         words.append(f"--campaign {campaign}")
-    if len(mutants) <= MOST_NAMED:
-        words += [f"--mutant {mutant.subject.id}" for mutant in mutants]
+    ids = [mutant.subject.id for mutant in mutants]
+    if len(ids) <= MOST_NAMED or set(ids) != set(defaults):
+        words += [f"--mutant {id_}" for id_ in ids]
     if seeds > 1:
         words.append(f"--seeds {seeds}")
     return " ".join(words)

@@ -12,7 +12,7 @@ from textwrap import fill, indent
 
 from scaloft_fi.analysis.kills.background import Background
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.scoring.detection import LARGER, Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.analysis.scoring.score import Score
@@ -112,7 +112,7 @@ def _lines(table: Table, bold: bool) -> str:
     wide = max(len(str(name)) for name, _ in table.rows) + 2
     lines = []
     for name, text in table.rows:
-        told = indent(fill(printable(str(text)), WIDTH - wide), " " * wide).lstrip()
+        told = indent(fill(printable(str(text)), WIDTH - wide, break_on_hyphens=False), " " * wide).lstrip()
         lines.append(f"{_strong(str(name), bold)}{' ' * (wide - len(str(name)))}{told}\n")
     return "".join(lines)
 
@@ -206,7 +206,7 @@ def effect(mutant: MutantScore) -> str:
 def _next(mutant: MutantScore, background: Background | None) -> str:
     if mutant.verdict is Verdict.UNDECIDED:
         if mutant.safety.needed is None:
-            return "more than 50 seeds" if mutant.tested else "a baseline pool"
+            return f"more than {LARGER[-1]} seeds" if mutant.tested else "a baseline pool"
         return f"--seeds {mutant.safety.needed}" + ", anew" * mutant.safety.anew
     if background is not None and background.expected and not mutant.infected:
         return "nothing: expected"

@@ -24,6 +24,7 @@ from scaloft_fi.hazop.worksheet import record
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.derive import default_of
+from scaloft_fi.views.dispositions import acceptance
 from scaloft_fi.views.score.verdict import NO_POOL, would_decide
 from scaloft_fi.views.worksheet.margins import NOT_TOLD, cell_margins
 
@@ -144,7 +145,7 @@ def worksheet(
             values |= {"mutant": mutant}
             if cell.status is CellStatus.CREDIBLE and margins[cell.name] != NOT_TOLD:
                 values |= {"margin": margins[cell.name]}
-            values |= {"disposition": str(accepted[mutant])} if mutant in accepted else {}
+            values |= {"disposition": acceptance(accepted[mutant])} if mutant in accepted else {}
             values |= _of_flights(score, space, scored.lacking) if score else {}
         rows.append(Row(cell, values, score))
     return tuple(rows)

@@ -3,7 +3,7 @@ from __future__ import annotations
 from itertools import product
 
 import pytest
-from builders import GRID, ROSTER, ten, thrice
+from builders import GRID, ROSTER, pool, thrice
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -66,7 +66,7 @@ def test_no_order_without_a_kill() -> None:
 def test_what_is_not_known_makes_the_order_a_range() -> None:
     human, nobody = "T0O0W0D0H1", "T0O0W0D0H0"
     late = "LATE-human@3s"
-    flights = [*ten(human, nobody), *thrice(late, human, violated={"SR2": 9.0}), *thrice(late, nobody)]
+    flights = [*pool(human, nobody), *thrice(late, human, violated={"SR2": 9.0}), *thrice(late, nobody)]
     scored = score(flights, ROSTER, GRID)
     assert interactions(kill_matrix(scored, ROSTER, GRID)) == (
         Interaction(late, True, "human", order=1, at_most=5, killing=1, unknown=30),

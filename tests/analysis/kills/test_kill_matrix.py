@@ -3,7 +3,7 @@ from __future__ import annotations
 import json
 from itertools import pairwise
 
-from builders import GRID, ROSTER, campaigns, outcome, seeded, ten, thrice
+from builders import GRID, ROSTER, campaigns, outcome, pool, seeded, thrice
 from hypothesis import given, settings
 
 from scaloft_fi.analysis.kills.kill_matrix import NOT_FLOWN, KillMatrix, kill_matrix
@@ -20,8 +20,8 @@ def matrix_of(outcomes: list[Outcome]) -> KillMatrix:
 
 
 CAMPAIGN = [
-    *ten(HUMAN, NOBODY),
-    *ten(DARK, violated={"SR1": 30.0}, struck="bar"),
+    *pool(HUMAN, NOBODY),
+    *pool(DARK, red=10, violated={"SR1": 30.0}, struck="bar"),
     outcome(PLACEBO, HUMAN, altered=0),
     *thrice(CONTROL, HUMAN, violated={"SR2": 9.0}),
     *thrice(LATE, HUMAN, violated={"SR2": 12.35}),
@@ -52,7 +52,7 @@ def test_where_nothing_is_steady_nothing_is_killed_survived_or_tested() -> None:
 
 
 def test_what_does_not_decide_is_seen_and_no_kill() -> None:
-    row = matrix_of([*ten(HUMAN), outcome(LATE, HUMAN, violated={"SR2": 9.0})]).row[LATE]
+    row = matrix_of([*pool(HUMAN), outcome(LATE, HUMAN, violated={"SR2": 9.0})]).row[LATE]
     (entry,) = [entry for entry in row.entries if entry.flown]
     assert (row.verdict, entry.seen, entry.kills) == (Verdict.UNDECIDED, ("SR2",), ())
 
@@ -60,7 +60,7 @@ def test_what_does_not_decide_is_seen_and_no_kill() -> None:
 def test_a_detected_mutant_without_a_kill_is_named() -> None:
     keys = [key for key, _ in GRID.points[:8]]
     spread = [outcome(LATE, key, seed, violated={"SR2": 9.0} if seed == 1 else {}) for key in keys for seed in range(3)]
-    found = matrix_of([*ten(*keys), *spread])
+    found = matrix_of([*pool(*keys), *spread])
     assert (found.scattered, found.kills) == ((LATE,), {})
     assert matrix_of(CAMPAIGN).scattered == ()
 

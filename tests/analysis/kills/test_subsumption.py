@@ -4,7 +4,7 @@ from itertools import permutations
 
 import networkx as nx
 import pytest
-from builders import GRID, ROSTER, ten, thrice
+from builders import GRID, ROSTER, pool, thrice
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -76,7 +76,7 @@ def test_duplicates_are_counted_within_a_cell() -> None:
 def test_a_requirement_can_be_told_from_another() -> None:
     human = "T0O0W0D0H1"
     flights = [
-        *ten(human),
+        *pool(human),
         *thrice("LATE-human@3s", human, violated={"SR2": 9.0}),
         *thrice("NO-human@100%", human, violated={"SR2": 8.0, "SR1": 12.0}),
         *thrice("MORE-goal@0.6m", human, violated={"OP1": 60.0}),

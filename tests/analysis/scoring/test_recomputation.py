@@ -16,7 +16,7 @@ from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.analysis.situations.coverage import coverage
 from scaloft_fi.campaign.store.record import from_json
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.views.flights.export import export_rows, to_csv
+from scaloft_fi.views.flights.export import columns, export_rows, to_csv
 from scaloft_fi.views.score.score_record import score_json
 
 FLOWN = Path(__file__).parents[2] / "support" / "three_situations_ten_seeds.jsonl.gz"
@@ -41,8 +41,9 @@ def same(found: Any, expected: Any, place: str = "score") -> None:
 def compare(outcomes: list[Outcome]) -> dict[str, Any]:
     violated = [(finding.situation, finding.violated) for finding in findings(outcomes, GRID)]
     found = score_json(score(outcomes, ROSTER, GRID), coverage(outcomes, GRID), violated)
+    rows = export_rows(outcomes, ROSTER, GRID, list(KINDS))
     expected = recomputation.score(
-        to_csv(export_rows(outcomes, ROSTER, GRID, list(KINDS)), list(KINDS)),
+        to_csv(rows, columns(rows, list(KINDS))),
         kinds={name: kind.value for name, kind in KINDS.items()},
         axes={key: dict(zip(AXES, point, strict=True)) for key, point in GRID.points},
         defaults=set(ROSTER.defaults.values()),

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import pytest
-from builders import GRID, ROSTER, outcome, seeded, ten, thrice
+from builders import GRID, ROSTER, outcome, pool, seeded, thrice
 from hypothesis import given, settings
 
 from scaloft_fi.analysis.kills.interaction import interactions, orders
@@ -39,14 +39,14 @@ def all_tables(outcomes: list[Outcome]) -> list[Table]:
 
 KILLS = {(LATE, HUMAN), (NO, HUMAN), (NO, DARK), (GOAL, NOBODY)}
 CAMPAIGN = [
-    *ten(HUMAN, NOBODY, DARK),
+    *pool(HUMAN, NOBODY, DARK),
     *(
         flight
         for mutant in (LATE, NO, GOAL)
         for key in (HUMAN, NOBODY, DARK)
         for flight in thrice(mutant, key, violated={"SR2": 9.0} if (mutant, key) in KILLS else {})
     ),
-    *ten("T1O0W0D1H0", violated={"SR1": 30.0}, struck="bar"),
+    *pool("T1O0W0D1H0", red=10, violated={"SR1": 30.0}, struck="bar"),
     outcome(LATE, "T1O0W0D1H0"),
 ]
 
@@ -81,7 +81,7 @@ def test_the_first_table_names_what_is_detected_without_a_kill() -> None:
     keys = [key for key, _ in GRID.points[:8]]
     spread = [outcome(LATE, key, 1, violated={"SR2": 9.0}) for key in keys]
     calm = [outcome(LATE, key, seed) for key in keys for seed in (0, 2)]
-    matrix = matrix_of([*ten(*keys), *spread, *calm])
+    matrix = matrix_of([*pool(*keys), *spread, *calm])
     shown = tables.with_scattered([tables.interaction_table(interactions(matrix))] * 2, matrix)
     assert f"Detected without a kill, so in no table of kills: {LATE}." in shown[0].notes[-1]
     assert shown[1].notes == tables.interaction_table(()).notes

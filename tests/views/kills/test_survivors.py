@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import pytest
-from builders import GRID, ROSTER, campaigns, outcome, seeded, ten, thrice
+from builders import GRID, ROSTER, campaigns, outcome, pool, seeded, thrice
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -58,14 +58,14 @@ def told(flights: list[Outcome], background: Background = LATE_FAULT, mutant: st
     return next(survivor for survivor in found if survivor.mutant == mutant)
 
 
-POOL = ten(HUMAN, NOBODY)
+POOL = pool(HUMAN, NOBODY)
 
 
 def test_a_detected_mutant_is_no_survivor_even_without_a_kill() -> None:
     assert survivors_of([*POOL, *thrice(LATE, HUMAN, violated={"SR2": 9.0})], {LATE: LATE_FAULT}) == ()
     keys = [key for key, _ in GRID.points[:8]]
     spread = [outcome(LATE, key, seed, violated={"SR2": 9.0} if seed == 1 else {}) for key in keys for seed in range(3)]
-    assert survivors_of([*ten(*keys), *spread], {LATE: LATE_FAULT}) == ()
+    assert survivors_of([*pool(*keys), *spread], {LATE: LATE_FAULT}) == ()
 
 
 def test_a_mutant_of_which_no_flight_counts_is_to_be_flown_again() -> None:
@@ -124,23 +124,22 @@ def test_what_was_seen_and_not_decided_says_how_many_seeds_would() -> None:
     found = told([*POOL, outcome(LATE, HUMAN, violated={"SR2": 9.0}), outcome(LATE, NOBODY)])
     assert (found.verdict, found.next) == (Verdict.UNDECIDED, Next.SEEDS)
     assert f"1 of 2 flights where SR2 is steady violate it, in {HUMAN}: chance may explain that (p = 0.18" in found.why
-    assert f"At that rate a verdict takes 5 seeds: `scaloft-fi run --mutant {LATE} --seeds 5`." in found.why
+    assert f"At that rate 5 seeds would decide: `scaloft-fi run --mutant {LATE} --seeds 5`." in found.why
 
 
 def test_what_only_a_campaign_of_its_own_would_decide_names_one() -> None:
     once = [outcome(LATE, HUMAN, seed, violated={"SR2": 9.0} if seed == 1 else {}) for seed in range(3)]
     found = told([*POOL, *once])
     assert found.next is Next.SEEDS
-    assert (
-        f"20 seeds, in a campaign of its own: `scaloft-fi run --campaign NAME --mutant {LATE} --seeds 20`" in found.why
-    )
+    run = f"`scaloft-fi run --campaign ANOTHER --mutant {LATE} --seeds 20`"
+    assert f"At that rate 20 seeds in a campaign of its own would decide: {run}." in found.why
 
 
 def test_too_few_flights_to_decide_are_told_as_such() -> None:
     found = told([*POOL, outcome(LATE, HUMAN)])
     assert (found.verdict, found.next) == (Verdict.UNDECIDED, Next.SEEDS)
     assert "No steady requirement is violated in 1 flight: too few to decide, whatever they do." in found.why
-    assert "A verdict takes at least 5 seeds" in found.why
+    assert "If every flight violated, 5 seeds would decide" in found.why
 
 
 def test_what_no_number_of_seeds_would_decide_asks_for_a_situation() -> None:
@@ -148,7 +147,7 @@ def test_what_no_number_of_seeds_would_decide_asks_for_a_situation() -> None:
     clean = [outcome(BASELINE, HUMAN, seed) for seed in range(20)]
     found = told([*clean, *rare])
     assert (found.verdict, found.next) == (Verdict.UNDECIDED, Next.SITUATION)
-    assert "not even 50 seeds decide" in found.why
+    assert "At that rate no number of seeds up to 50 would decide: add a situation" in found.why
 
 
 def test_a_masked_fault_asks_for_a_larger_one_and_at_the_ladders_end_for_a_situation() -> None:
@@ -161,8 +160,8 @@ def test_a_masked_fault_asks_for_a_larger_one_and_at_the_ladders_end_for_a_situa
 
 
 def test_where_nothing_is_steady_a_fault_cannot_show_and_the_states_are_named() -> None:
-    red = ten(DARK, violated={"SR1": 30.0}, struck="bar")
-    lit = [f for key in (NOBODY, HUMAN, "T1O0W0D0H0") for f in (*ten(key), outcome(LATE, key, altered=0))]
+    red = pool(DARK, red=10, violated={"SR1": 30.0}, struck="bar")
+    lit = [f for key in (NOBODY, HUMAN, "T1O0W0D0H0") for f in (*pool(key), outcome(LATE, key, altered=0))]
     found = told([*red, *thrice(LATE, DARK), *lit])
     assert (found.verdict, found.rung, found.next) == (Verdict.NOT_TESTED, Rung.REVEAL, Next.SITUATION)
     assert "It infects in dark, and no safety requirement is steady there" in found.why
@@ -171,7 +170,7 @@ def test_where_nothing_is_steady_a_fault_cannot_show_and_the_states_are_named() 
 
 
 def test_where_everything_is_vacuous_no_drone_is_to_be_mended() -> None:
-    clean = [vacuous(vacuous(flight, "SR1"), "SR2") for flight in ten(NOBODY)]
+    clean = [vacuous(vacuous(flight, "SR1"), "SR2") for flight in pool(NOBODY)]
     found = told([*clean, *thrice(LATE, NOBODY)])
     assert "SR1 is vacuous in 1 situation" in found.why
     assert "mend" not in found.why
@@ -186,12 +185,12 @@ def test_broken_operability_asks_for_an_oracle_where_safety_is_at_risk() -> None
 
 
 def test_a_requirement_that_is_not_steady_where_the_fault_infects_asks_for_a_situation() -> None:
-    clean = [vacuous(flight, "SR2") for flight in ten(NOBODY)]
-    found = told([*clean, *ten(HUMAN), *thrice(LATE, NOBODY)])
+    clean = [vacuous(flight, "SR2") for flight in pool(NOBODY)]
+    found = told([*clean, *pool(HUMAN), *thrice(LATE, NOBODY)])
     assert (found.verdict, found.next) == (Verdict.NOT_DETECTED, Next.SITUATION)
     assert "SR2, which the cell puts at risk, is vacuous in 1 situation where it infects" in found.why
     assert "it is steady in human" in found.why
-    red = told([*ten(HUMAN, violated={"SR2": 5.0}), *thrice(LATE, HUMAN)])
+    red = told([*pool(HUMAN, red=10, violated={"SR2": 5.0}), *thrice(LATE, HUMAN)])
     assert red.next is Next.SITUATION
     assert "is red in 1 situation where it infects; it is steady nowhere" in red.why
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import shutil
+import subprocess
+from collections.abc import Sequence
 from itertools import combinations, product
 
 import pytest
@@ -15,21 +19,22 @@ from scaloft_fi.judge.outcome import Subject
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Status
 from scaloft_fi.views.report.evidence import Evidence
-from scaloft_fi.views.report.karnaugh import MOST_AXES, folding, terms
+from scaloft_fi.views.report.karnaugh import folding, terms
+from scaloft_fi.views.report.page import asset
 
 
 def grid(*sizes: int) -> Space:
-    """Axes with so many values."""
+    """Axes with these numbers of values."""
     axes = tuple("ABCDEFGH"[: len(sizes)])
     values = tuple(tuple(map(str, range(size))) for size in sizes)
     keyed = tuple(("".join(a + v for a, v in zip(axes, point, strict=True)), point) for point in product(*values))
     return Space(axes, values, values, keyed)
 
 
-@pytest.mark.parametrize("count", range(2, MOST_AXES + 1))
+@pytest.mark.parametrize("count", range(2, 7))
 def test_neighbours_differ_in_one_axis_and_opposite_edges_meet(count: int) -> None:
     space = grid(*[2] * count)
-    fold = folding(space, space.axes)
+    fold = folding(space)
     keys = fold["keys"]
     assert sorted(key for row in keys for key in row) == sorted(space.point)
     for row, column in product(range(len(keys)), range(len(keys[0]))):
@@ -43,10 +48,8 @@ def test_neighbours_differ_in_one_axis_and_opposite_edges_meet(count: int) -> No
 @pytest.mark.parametrize(
     ("sizes", "said"),
     [
-        ((2, 3, 2), "of this grid's, 'B' has 3"),
-        ((4, 2, 1), "'A' has 4 and 'C' has 1"),
-        ((2,) * 7, "shows 2 to 6 axes; this grid has 7"),
-        ((2,), "shows 2 to 6 axes; this grid has 1"),
+        ((8,) * 4, "of 4096 situations could not be read; at most 512 are drawn"),
+        ((2,), "needs 2 axes or more; this grid has 1"),
     ],
 )
 def test_a_grid_without_a_map_says_why_and_has_no_terms(sizes: tuple[int, ...], said: str) -> None:
@@ -55,18 +58,18 @@ def test_a_grid_without_a_map_says_why_and_has_no_terms(sizes: tuple[int, ...], 
     row = Row(
         Subject("X-x"), "mutant", True, Status.REVEALED, Verdict.DETECTED, Ratio(1, 1), (Entry(key, kills=("R",)),)
     )
-    assert said in folding(space, space.axes)["reason"]
-    assert folding(space, space.axes).keys() == {"reason"}
+    assert said in folding(space)["reason"]
+    assert folding(space).keys() == {"reason"}
     assert terms(space, row) == []
 
 
 def test_terms_hold_every_kill_and_no_survival_and_are_the_fewest(evidence: Evidence, text: str) -> None:
     told, counted = embedded(text, "figures"), counts_of(exported(evidence))
     levels = {entry["key"]: entry["levels"] for entry in told["situations"]}
-    boxes = ["".join(box) for box in product("-01", repeat=5)]
+    boxes = list(product(([0], [1], [0, 1]), repeat=5))
 
-    def inside(key: str, pattern: str) -> bool:
-        return all(mark in ("-", str(level)) for mark, level in zip(pattern, levels[key], strict=True))
+    def inside(key: str, box: Sequence[Sequence[int]]) -> bool:
+        return all(level in admitted for admitted, level in zip(box, levels[key], strict=True))
 
     for mutant in told["mutants"]:
         counts = counted[mutant["id"]]
@@ -87,3 +90,46 @@ def test_terms_hold_every_kill_and_no_survival_and_are_the_fewest(evidence: Evid
         if on:
             assert mutant["condition"].count(" or ") + 1 == len(patterns)
         assert all(term["words"] in mutant["condition"] or term["words"] == "everywhere" for term in mutant["terms"])
+
+
+def edges(space: Space, *boxes: Sequence[Sequence[int]]) -> tuple[int, int]:
+    """Horizontal and vertical pieces of the outlines that the page's script draws around some boxes."""
+    node = shutil.which("node")
+    if node is None:
+        pytest.skip("node is not installed")
+    script = f"""
+        const DATA = {{ karnaugh: {json.dumps(folding(space))} }};
+        const s = (name, properties, ...children) => ({{ name, properties, children: children.flat(Infinity) }});
+        {asset("karnaugh.js")}
+        const terms = {json.dumps([{"levels": box} for box in boxes])};
+        const drawn = outlines(terms).children.filter((one) => "data-term" in one.properties);
+        console.log(drawn.map((one) => one.properties.d).join(""));
+    """
+    drawn = subprocess.run([node, "-e", script], capture_output=True, text=True, check=True).stdout
+    return drawn.count("H"), drawn.count("V")
+
+
+ANY, TWO = [0, 1], grid(2, 2, 2, 2, 2)
+
+
+def test_an_outline_is_open_where_its_term_goes_on_at_the_opposite_edge() -> None:
+    # the fourth axis at 0: columns 0, 1 and 6, 7 of all four rows, one block across the edge
+    assert edges(TWO, [ANY, ANY, ANY, [0], ANY]) == (2 * 4, 2 * 4)
+    assert edges(TWO, [ANY, ANY, ANY, [1], ANY]) == (2 * 4, 2 * 4)
+    assert edges(TWO, [ANY] * 5) == (2 * 8, 2 * 4)
+    # with the fifth axis at 1: two blocks of one column each
+    assert edges(TWO, [ANY, ANY, ANY, [0], [1]]) == (2 * 2, 4 * 4)
+
+
+def test_where_opposite_edges_are_no_neighbours_every_outline_is_shut() -> None:
+    # columns 0, 1 and 4, 5 of 6: the last differs from the first on two axes
+    assert edges(grid(3, 3, 2), [[0, 1, 2], [0, 2], ANY]) == (2 * 4, 4 * 3)
+
+
+def test_terms_of_axes_with_more_values_name_all_levels_that_they_admit() -> None:
+    space = grid(3, 2)
+    killing = ("A0B0", "A0B1", "A1B0", "A1B1")
+    entries = tuple(Entry(key, kills=("R",) if key in killing else (), tested=True) for key in space.point)
+    row = Row(Subject("X-x"), "mutant", True, Status.REVEALED, Verdict.DETECTED, Ratio(4, 6), entries)
+    (term,) = terms(space, row)
+    assert term["levels"] == [[0, 1], [0, 1]]

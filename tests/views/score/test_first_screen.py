@@ -10,7 +10,7 @@ from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.analysis.situations.coverage import coverage
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
-from scaloft_fi.views.score.answers import NAMES, answers
+from scaloft_fi.views.score.answers import MOST_NAMED, NAMES, answers, command
 from scaloft_fi.views.score.first_screen import LEGEND, MANY, SHOWN, first_screen, screen_text
 from scaloft_fi.views.tables.table import WIDTH, Table
 
@@ -50,9 +50,29 @@ def test_the_answers_say_how_many_how_sure_and_what_next() -> None:
     said = told(CAMPAIGN)
     assert said["Shown"] == "1 of 3 faults (33 %) would have been shown by your safety requirements."
     assert said["Not shown"].startswith("1 put to the test, and nothing was seen; 1 undecided")
-    assert "chance explains at most 0.03 (0.01 x 3 tested)" in said["How sure"]
+    assert "chance explains at most 0.03 on average (0.01 x 3 tested)" in said["How sure"]
     assert "1 seed beside 10 baseline flights a situation" in said["How sure"]
     assert said["What next"] == "`scaloft-fi run --mutant NO-human@100% --seeds 5` would decide 1 of the 1 undecided."
+
+
+def test_where_nothing_is_detected_chance_explains_nothing_shown() -> None:
+    said = told([*pool(*HUMAN), *(outcome(GOAL, key) for key in HUMAN)])["How sure"]
+    assert said.startswith("chance alone would show at most 0.01 on average (0.01 x 1 tested)")
+
+
+def test_a_command_names_every_mutant_that_it_flies_unless_they_are_all_that_a_run_flies_anyway() -> None:
+    open_ = [*pool(*HUMAN, seeds=9), *many(MOST_NAMED + 2)[10 * len(HUMAN) :]]
+    scored = score(open_, ROSTER, GRID)
+    ids = [mutant.subject.id for mutant in scored.mutants]
+    assert len(ids) > MOST_NAMED
+    flies = command("default", scored.mutants, 3, ROSTER.defaults.values())
+    assert flies == f"scaloft-fi run {' '.join(f'--mutant {id_}' for id_ in ids)} --seeds 3"
+    assert command("default", scored.mutants, 3, ids) == "scaloft-fi run --seeds 3"
+
+
+def test_a_name_in_a_command_is_never_broken_at_its_hyphen() -> None:
+    lines = screen_text(screen([one for one in CAMPAIGN if one.mutant != BASELINE or one.seed == 0])).splitlines()
+    assert not any(line.endswith(("LATE-", "NO-", "MORE-")) for line in lines)
 
 
 def test_without_a_pool_the_answers_have_counts_and_the_command_and_no_percentage() -> None:

@@ -40,7 +40,7 @@ SEEDS = range(3)
 FLOWN = [
     *pool(HUMAN, DARK, NOBODY),
     *(outcome("LATE-human@3s", HUMAN, seed, violated={"SR2": 8.0}) for seed in SEEDS),
-    *(outcome("LATE-human@3s", DARK, seed, digest=f"clean{seed}") for seed in SEEDS),
+    *(outcome("LATE-human@3s", DARK, seed, digest="clean") for seed in SEEDS),
     *(outcome("LATE-human@3s", NOBODY, seed, altered=0, carried=0) for seed in SEEDS),
     *(outcome("LATE-human@1s", HUMAN, seed) for seed in SEEDS),
 ]

@@ -17,7 +17,7 @@ function karnaughMap(mutant) {
     mutant.terms.length > 0
       ? h("ul", { class: "keys" }, mutant.terms.map((term, number) => h("li", {}, s("svg", { width: 34, height: 10, "aria-hidden": "true" }, s("path", { class: "term", d: "M1,5H33", "data-term": number % INSETS.length })), h("b", {}, letterOf(number)), term.words)))
       : h("p", { class: "small" }, "Killed nowhere: no term to outline."),
-    h("p", { class: "small faint" }, "Neighbouring cells differ on one axis; opposite edges meet.  An outline is a term of the condition that is true wherever there is a kill and nowhere that the fault was tested without one, or could change nothing.  What is no test, or was not flown, may lie on either side.  Arrow keys move, Enter opens a flight."));
+    h("p", { class: "small faint" }, `Neighbouring cells differ on one axis${fold.cyclic.every(Boolean) ? "; opposite edges meet" : ""}.  An outline is a term of the condition that is true wherever there is a kill and nowhere that the fault was tested without one, or could change nothing.  What is no test, or was not flown, may lie on either side.  Arrow keys move, Enter opens a flight.`));
 }
 
 const letterOf = (number) => String.fromCharCode(65 + (number % 26)) + (number >= 26 ? Math.floor(number / 26) : "");
@@ -44,19 +44,19 @@ function strips(axes, side, across) {
 
 /** Each term's cells, framed; a frame stays open where the term goes on at the opposite edge. */
 function outlines(terms) {
-  const { down, across, rows, columns } = DATA.karnaugh;
-  const kept = (side, axes, levels) => new Set(side.flatMap((place, number) => (axes.every((axis, line) => levels[axis] === "-" || Number(levels[axis]) === place[line]) ? [number] : [])));
-  const shut = (at, step, taken, size) => {
-    const beyond = at + step;
-    return taken.size === size ? beyond < 0 || beyond >= size : !taken.has((beyond + size) % size);
+  const { down, across, rows, columns, cyclic } = DATA.karnaugh;
+  const kept = (side, axes, levels) => new Set(side.flatMap((place, number) => (axes.every((axis, line) => levels[axis].includes(place[line])) ? [number] : [])));
+  const shut = (at, step, taken, size, meets) => {
+    const beyond = at + step, outside = beyond < 0 || beyond >= size;
+    return outside && (!meets || taken.size === size) ? true : !taken.has((beyond + size) % size);
   };
   const drawn = terms.map(({ levels }, number) => {
     const [down_, across_] = [kept(rows, down, levels), kept(columns, across, levels)];
     const inset = INSETS[number % INSETS.length];
     const lines = [];
     for (const row of down_) for (const column of across_) {
-      const [north, south] = [-1, 1].map((step) => shut(row, step, down_, rows.length));
-      const [west, east] = [-1, 1].map((step) => shut(column, step, across_, columns.length));
+      const [north, south] = [-1, 1].map((step) => shut(row, step, down_, rows.length, cyclic[0]));
+      const [west, east] = [-1, 1].map((step) => shut(column, step, across_, columns.length, cyclic[1]));
       const [x0, x1] = [column * CELL_WIDTH + inset * west, (column + 1) * CELL_WIDTH - inset * east];
       const [y0, y1] = [row * CELL_HEIGHT + inset * north, (row + 1) * CELL_HEIGHT - inset * south];
       if (north) lines.push(`M${x0},${y0}H${x1}`);

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from html import escape
 
-from scaloft_fi.analysis.curves.curves import Curve, Curves
+from coverage_against_kills.curves import Curve, Curves
 from scaloft_fi.views.pictures.picture import text
 from scaloft_fi.views.pictures.symbols import FAINT, FONT, INK
 
@@ -14,7 +14,7 @@ WIDTH, HEIGHT, LEFT, TOP, GAP, LINE = 330.0, 260.0, 62.0, 108.0, 76.0, 19.0
 
 AREAS = (
     "Expected values at equal k; areas: 5 to 95 % of random orders (left), 95 % over redrawn campaigns (right).  "
-    "Mutants that die in the same situations have one kill set."
+    "Mutants that are killed in the same situations have one kill set."
 )
 LOOKS = {
     "random": ("#000000", "", ""),

@@ -3,11 +3,11 @@ from __future__ import annotations
 from itertools import combinations
 
 from builders import GRID, ROSTER, outcome, pool, seeded
+from coverage_against_kills.curves import curves
+from coverage_against_kills.prediction import predict
+from coverage_against_kills.trial import Trial, trial
 from hypothesis import given, settings
 
-from scaloft_fi.analysis.curves.curves import curves
-from scaloft_fi.analysis.curves.prediction import predict
-from scaloft_fi.analysis.curves.trial import Trial, trial
 from scaloft_fi.analysis.scoring.detection import Spending
 from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.judge.outcome import BASELINE, Outcome

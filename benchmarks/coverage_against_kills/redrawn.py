@@ -17,7 +17,7 @@ from math import comb
 import numpy as np
 from numpy.typing import NDArray
 
-from scaloft_fi.analysis.curves.chance import Found
+from coverage_against_kills.chance import Found
 from scaloft_fi.sim.streams import generator
 
 MOST_SUBSETS = 64

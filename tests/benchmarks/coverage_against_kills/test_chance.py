@@ -4,11 +4,7 @@ from itertools import combinations, permutations, product
 
 import numpy as np
 import pytest
-from grids import FIVE, keys_of
-from hypothesis import given
-from hypothesis import strategies as st
-
-from scaloft_fi.analysis.curves.chance import (
+from coverage_against_kills.chance import (
     apfd,
     firsts,
     in_orders,
@@ -16,7 +12,10 @@ from scaloft_fi.analysis.curves.chance import (
     with_replacement,
     without_replacement,
 )
-from scaloft_fi.analysis.curves.trial import Trial
+from coverage_against_kills.trial import Trial
+from grids import FIVE, keys_of
+from hypothesis import given
+from hypothesis import strategies as st
 
 
 def small() -> st.SearchStrategy[np.ndarray]:

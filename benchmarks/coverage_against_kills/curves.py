@@ -14,8 +14,8 @@ from importlib.util import find_spec
 import numpy as np
 from numpy.typing import NDArray
 
-from scaloft_fi.analysis.curves import orders
-from scaloft_fi.analysis.curves.chance import (
+from coverage_against_kills import orders
+from coverage_against_kills.chance import (
     Chances,
     Found,
     apfd,
@@ -25,8 +25,8 @@ from scaloft_fi.analysis.curves.chance import (
     with_replacement,
     without_replacement,
 )
-from scaloft_fi.analysis.curves.redrawn import redrawn
-from scaloft_fi.analysis.curves.trial import Trial
+from coverage_against_kills.redrawn import redrawn
+from coverage_against_kills.trial import Trial
 from scaloft_fi.analysis.situations.covering import covering_array
 
 ARRAYS = (2, 3, 4)
@@ -58,7 +58,7 @@ class Curve:
         t_way: per strength, the share of the combinations covered, expected.
         difference: mutants killed more than by random situations at equal k, with a paired 95 % interval; None for
             random order itself.
-        distinct: the same of kill sets: the headline, as mutants that die in the same situations say the same.
+        distinct: the same of kill sets: the headline, as mutants that are killed in the same situations count once.
         apfd: of the mutants killed in some situation; None for a strategy that does not order them all.
         area: mean of the share of mutants killed, over the k of this strategy.
         random_area: the same of random situations over the same k.

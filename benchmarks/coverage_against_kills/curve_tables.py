@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from scaloft_fi.analysis.curves.curves import Band, Curve, Curves
-from scaloft_fi.analysis.curves.prediction import Prediction, interval
-from scaloft_fi.analysis.curves.redrawn import RESAMPLES
+from coverage_against_kills.curves import Band, Curve, Curves
+from coverage_against_kills.prediction import Prediction, interval
+from coverage_against_kills.redrawn import RESAMPLES
 from scaloft_fi.views.tables.table import Table
 
 SHOWN = (1, 2, 4, 6, 8, 10, 16, 24, 32)

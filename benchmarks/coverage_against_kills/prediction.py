@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaloft_fi.analysis.curves import orders
-from scaloft_fi.analysis.curves.chance import firsts
-from scaloft_fi.analysis.curves.curves import ARRAYS, ORDERS, Band, Curve, Curves
-from scaloft_fi.analysis.curves.trial import Trial, sub_cube
+from coverage_against_kills import orders
+from coverage_against_kills.chance import firsts
+from coverage_against_kills.curves import ARRAYS, ORDERS, Band, Curve, Curves
+from coverage_against_kills.trial import Trial, sub_cube
 
 FEW_SEEDS = 5
 """Below, the sets of seeds that may come out of a draw are too few for more than a rough interval."""
@@ -43,7 +43,7 @@ class Prediction:
 
     Attributes:
         correlations: one per strength.
-        sub_cubes: per t, the mutants that die exactly where t axes have certain values: for these, kills at k random
+        sub_cubes: per t, the mutants killed exactly where t axes have certain values: for these, kills at k random
             situations are t-way coverage; None: mutants whose kills are no such block.
         answer: sentences.
     """
@@ -121,7 +121,7 @@ def _answer(
     assert random is not None
     arrays = [(strength, curve) for strength in ARRAYS if (curve := found.curve(f"{strength}-way"))]
     said.append(
-        "Mutants that die in the same situations say the same: each kill set counts once; in parentheses, each mutant."
+        "Mutants killed in the same situations share a kill set, which counts once; in parentheses, each mutant."
     )
     said += [_array(strength, curve, random, sets) for strength, curve in arrays]
     said += [_whole(curve) for name in ("greedy", "lexicographic") if (curve := found.curve(name))]

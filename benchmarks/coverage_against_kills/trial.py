@@ -9,8 +9,8 @@ from functools import cached_property
 
 import numpy as np
 
-from scaloft_fi.analysis.curves.chance import Found
-from scaloft_fi.analysis.curves.redrawn import SeedSet, seed_draws
+from coverage_against_kills.chance import Found
+from coverage_against_kills.redrawn import SeedSet, seed_draws
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.detection import Spending
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore, mutant_score
@@ -145,9 +145,9 @@ def _kills(mutants: Iterable[MutantScore], situations: Sequence[str]) -> Found:
 
 
 def sub_cube(space: Space, killing: Sequence[str]) -> int | None:
-    """The t for which a mutant dies exactly where t axes have certain values; None when its kills are no such block.
+    """The t for which a mutant is killed exactly where t axes have certain values; None where there is none.
 
-    0 when it dies everywhere.
+    0 when it is killed everywhere.
     """
     points = [space.point[key] for key in killing]
     seen = [{point[axis] for point in points} for axis in range(len(space.axes))]

@@ -1,8 +1,8 @@
 """The chance that something is met by k situations: a mutant by one that kills it, a combination by one that has it.
 
-Every form is exact.  With a random order a mutant that dies in d of N situations is killed within k of them with the
+Every form is exact.  With a random order a mutant killed in d of N situations is killed within k of them with the
 probability 1 - C(N-d, k)/C(N, k); the same is the expected coverage of a combination that d situations have.  So for a
-mutant that dies exactly where t axes have certain values, kills at k and t-way coverage at k are one number.
+mutant that is killed exactly where t axes have certain values, kills at k and t-way coverage at k are one number.
 """
 
 from __future__ import annotations

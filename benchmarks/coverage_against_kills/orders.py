@@ -9,7 +9,7 @@ from math import factorial, prod
 import numpy as np
 from numpy.typing import NDArray
 
-from scaloft_fi.analysis.curves.chance import Found, Positions
+from coverage_against_kills.chance import Found, Positions
 from scaloft_fi.analysis.situations.t_way import Levels, levels_of, table
 from scaloft_fi.judge.space import Space
 from scaloft_fi.sim.streams import generator

@@ -1,0 +1,106 @@
+"""The file of accepted survivors, `hazop/dispositions.yaml`: read, and drafted for people to fill in."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterable
+from datetime import date
+from pathlib import Path
+
+from scaloft_fi.analysis.disposition import Disposition
+from scaloft_fi.document import Item, load
+from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.mutants.derive import realise
+
+HEADER = """\
+# Survivors that were looked at and accepted; `scaloft-fi score --ratchet` fails on any other.
+# Each says who answers for it (owner), why it may survive (reason) and until which day that holds (expires);
+# `situations`, if given, limits it to those: a survival elsewhere is to be looked at again.
+"""
+
+
+def load_dispositions(path: Path, matrix: Matrix, situations: Collection[str]) -> tuple[Disposition, ...]:
+    """The dispositions of a study; none where it has no such file.
+
+    Args:
+        path: `hazop/dispositions.yaml`.
+        matrix: of the study.
+        situations: keys of its grid.
+
+    Raises:
+        InputError: naming the place of a mutant, a situation or a date that does not exist, of a key that is missing,
+            empty or unknown, of a mutant that stands twice.
+    """
+    if not path.exists():
+        return ()
+    dispositions: dict[str, Disposition] = {}
+    for name, item in load(path).mapping().items():
+        disposition = _disposition(name, item, matrix, situations)
+        if disposition.mutant in dispositions:
+            first = dispositions[disposition.mutant].place
+            raise InputError(
+                f"{item.place}: mutant {name!r} is {disposition.mutant!r}, which stands at {first} already"
+            )
+        dispositions[disposition.mutant] = disposition
+    return tuple(dispositions.values())
+
+
+def _disposition(name: str, item: Item, matrix: Matrix, situations: Collection[str]) -> Disposition:
+    try:
+        mutant = realise(matrix, name)
+    except InputError as error:
+        raise InputError(f"{item.place}: {error}") from None
+    item.need("status").choice(("accepted",))
+    only = item.get("situations")
+    keys = tuple(_situation(entry, situations) for entry in only.items()) if only else ()
+    if only is not None and not keys:
+        raise only.error("a list of at least one, or left out")
+    disposition = Disposition(
+        mutant=mutant.id,
+        owner=item.need("owner").text(),
+        reason=item.need("reason").text(),
+        expires=_date(item.need("expires")),
+        situations=keys,
+        place=item.place,
+    )
+    item.close()
+    return disposition
+
+
+def _situation(item: Item, situations: Collection[str]) -> str:
+    if item.value not in situations:
+        raise InputError(f"{item.place}: no situation {item.value!r}{did_you_mean(str(item.value), situations)}")
+    return str(item.value)
+
+
+def _date(item: Item) -> date:
+    day = parse_date(str(item.value))
+    if day is None:
+        raise item.error("a date such as 2027-01-31")
+    return day
+
+
+def parse_date(text: str) -> date | None:
+    """A date as ISO 8601 writes it, YYYY-MM-DD; None for anything else.
+
+    >>> parse_date("2027-01-31"), parse_date("2027-02-30"), parse_date("20270131")
+    (datetime.date(2027, 1, 31), None, None)
+    """
+    if not re.fullmatch(r"\d{4}-\d{2}-\d{2}", text):
+        return None
+    try:
+        return date.fromisoformat(text)
+    except ValueError:
+        return None
+
+
+def draft(mutants: Iterable[str]) -> str:
+    """YAML to append for survivors that nobody has accepted.
+
+    What a person has to decide is left empty, so that the file is refused until somebody has.
+
+    Args:
+        mutants: canonical ids.
+    """
+    return "".join(f'\n{mutant}:\n  status: accepted\n  owner: ""\n  reason: ""\n  expires: ""\n' for mutant in mutants)

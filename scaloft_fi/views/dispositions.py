@@ -1,0 +1,62 @@
+"""Survivors and the dispositions that accept them, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from scaloft_fi.analysis.disposition import Disposition, Judged, State
+from scaloft_fi.views.tables.table import Table
+
+
+def acceptance(disposition: Disposition) -> str:
+    """Who accepted a survivor, where, until when and why."""
+    where = f" in {', '.join(disposition.situations)}" if disposition.situations else ""
+    until = disposition.expires.isoformat()
+    return f"accepted{where} by {disposition.owner} until {until}: {disposition.reason}"
+
+
+def verdict_words(judged: Judged) -> str:
+    """The verdict on a survivor as people read it."""
+    return judged.verdict.words if judged.verdict else "not flown"
+
+
+def complaint(judged: Judged) -> str:
+    """The sentence of one that does not pass, or can go.
+
+    >>> from scaloft_fi.analysis.scoring.detection import Verdict
+    >>> complaint(Judged("LATE-human@3s", State.OPEN, ("D0H1",), verdict=Verdict.NOT_DETECTED))
+    'LATE-human@3s is not detected (tested in D0H1) and not accepted'
+    """
+    known = judged.disposition
+    if known is None:
+        some = ", ".join(judged.surviving[:3]) + " and more" * (len(judged.surviving) > 3)
+        return f"{judged.mutant} is {verdict_words(judged)}{f' (tested in {some})' if some else ''} and not accepted"
+    if judged.state is State.STALE:
+        return f"{judged.mutant} is detected now; its disposition can go ({known.place})"
+    if judged.state is State.EXPIRED:
+        return f"{judged.mutant}: its disposition expired on {known.expires.isoformat()} ({known.place})"
+    new = [key for key in judged.surviving if key not in known.situations]
+    return f"{judged.mutant} survives in {', '.join(new)}, which its disposition does not name ({known.place})"
+
+
+def disposition_table(judged: Sequence[Judged]) -> Table:
+    """Every survivor and every disposition, a row each."""
+    rows = tuple(
+        (
+            entry.mutant,
+            entry.state.value,
+            verdict_words(entry),
+            len(entry.surviving),
+            entry.disposition.owner if entry.disposition else "",
+            entry.disposition.reason if entry.disposition else "",
+            entry.disposition.expires.isoformat() if entry.disposition else "",
+            " ".join(entry.disposition.situations) if entry.disposition else "",
+        )
+        for entry in judged
+    )
+    headers = ("mutant", "state", "verdict", "survives in", "owner", "reason", "expires", "accepted in")
+    notes = (
+        "Survivors are the default mutants put to the test that are not detected, undecided ones too.",
+        "open, uncovered and expired fail `score --ratchet`; stale: detected now, the disposition can go.",
+    )
+    return Table("Survivors and dispositions", headers, rows, notes)

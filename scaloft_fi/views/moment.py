@@ -1,0 +1,91 @@
+"""A campaign at one moment: everything that a verb reads, from a store that is opened once."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from scaloft_fi.analysis.scoring.detection import Spending
+from scaloft_fi.campaign.runs.spending import spending_of
+from scaloft_fi.campaign.runs.strategy import Remembered, remembered
+from scaloft_fi.campaign.store.folder import campaign_folder, existing
+from scaloft_fi.campaign.store.held import Held, current_in, held_in, nothing_to_show, rulings_in
+from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.campaign.store.tracks import tracks_in
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.rulings import Rulings
+from scaloft_fi.study import Study
+
+
+@dataclass(frozen=True)
+class Moment:
+    """What a campaign holds while a snapshot of its store lasts; each part is read when it is first asked for.
+
+    Attributes:
+        study: what was flown.
+        folder: of the campaign.
+        store: open, within a snapshot.
+    """
+
+    study: Study
+    folder: Path
+    store: Store
+
+    @cached_property
+    def outcomes(self) -> tuple[Outcome, ...]:
+        """The outcomes that count, ordered by mutant, situation and seed, without tracks.
+
+        Raises:
+            InputError: there are none.
+        """
+        return current_in(self.study, self.store) or nothing_to_show(self.store, self.folder)
+
+    @cached_property
+    def rulings(self) -> Rulings:
+        """Of the same flights all that a score needs, sooner read than outcomes.
+
+        Raises:
+            InputError: there are none.
+        """
+        return rulings_in(self.study, self.store) or nothing_to_show(self.store, self.folder)
+
+    @cached_property
+    def held(self) -> Held:
+        """The same outcomes, of which there may be none, beside what is stale and what is planned and not flown."""
+        return held_in(self.study, self.store, self.folder)
+
+    @cached_property
+    def spending(self) -> Spending:
+        """How alpha is spent on the campaign's mutants."""
+        return spending_of(self.study, self.store)
+
+    @cached_property
+    def platform(self) -> Mapping[str, str]:
+        """On which the campaign was flown, part by part."""
+        return self.store.meta()
+
+    @cached_property
+    def choices(self) -> Sequence[Remembered]:
+        """How the campaign's situations were chosen."""
+        return remembered(self.store)
+
+    def with_tracks(
+        self, outcomes: Iterable[Outcome], mutants: Collection[str], seeds: Collection[int] | None = None
+    ) -> tuple[Outcome, ...]:
+        """The same outcomes, those of `mutants` (`baseline` among the ids) and `seeds` (None: all) with tracks."""
+        return tracks_in(self.study, self.store, outcomes, mutants, seeds)
+
+
+@contextmanager
+def moment(study: Study, campaign: str) -> Iterator[Moment]:
+    """The campaign at this moment, whatever others write to it meanwhile.
+
+    Raises:
+        InputError: there is no campaign.
+    """
+    folder = campaign_folder(study, campaign)
+    with Store(existing(folder), create=False) as store, store.snapshot():
+        yield Moment(study, folder, store)
