@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from scaloft_fi.errors import InputError
+from scaloft_fi.errors import InputError, ScaloftError
 from scaloft_fi.mutants.wire import TapError
 from scaloft_fi.sim.agreement import agrees
 from scaloft_fi.sim.airframe import Airframe
@@ -31,16 +31,26 @@ from scaloft_fi.stack.camera import DepthCamera
 from scaloft_fi.stack.config import ConfigError
 from scaloft_fi.stack.config import build as build_settings
 from scaloft_fi.stack.contract import Stack, Task
+from scaloft_fi.stack.declaration import Declaration
+from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.messages import SensorFrames
 from scaloft_fi.stack.rates import STEP_HZ, STEP_S, STEPS_PER_TICK, TICK_HZ
 from scaloft_fi.stack.seam import Wire
 
 NO_THRUST = np.zeros(4)
-HARNESS = (TapError, MemoryError)
+
+
+class StackError(ScaloftError):
+    """A stack is not as it declares; the harness cannot go on."""
+
+
+HARNESS = (TapError, StackError, MemoryError)
 """What is no fact about the drone, wherever it is raised."""
 
 
-def fly(config: SimConfig, situation: Situation, seed: int, wire: Wire) -> FlightLog:
+def fly(
+    config: SimConfig, situation: Situation, seed: int, wire: Wire, declared: Declaration | None = None
+) -> FlightLog:
     """Fly once; a pure function of its arguments, and the wire is used up.
 
     Args:
@@ -48,14 +58,16 @@ def fly(config: SimConfig, situation: Situation, seed: int, wire: Wire) -> Fligh
         situation: where.
         seed: of the noise.
         wire: carries the samples between the stages.
+        declared: the stack; by default the one that the study names.
 
     Raises:
         InputError: the study names no known stack, or its settings do not fit.
         TapError: a fault could not be injected.
+        StackError: the stack's beliefs are not as it declares.
     """
     scenario = config.scenario(situation)
     with physics_server() as client:
-        flight = Flight(client, config, scenario, seed, wire)
+        flight = Flight(client, config, scenario, seed, wire, declared)
         while flight.tick():
             flight.advance()
         return flight.log()
@@ -73,16 +85,15 @@ def physics_server() -> Iterator[int]:
         pybullet.disconnect(physicsClientId=client)
 
 
-def make_stack(config: SimConfig, scenario: Scenario, wire: Wire) -> Stack:
-    """The stack that the study names, ready for take-off.
+def make_stack(config: SimConfig, declared: Declaration, scenario: Scenario, wire: Wire) -> Stack:
+    """The stack, ready for take-off.
 
     Raises:
-        InputError: there is no such stack, or its settings do not fit.
+        InputError: its settings do not fit.
     """
     mission, camera = scenario.world.mission, config.sensors.depth.camera
-    declared = STACKS[config.stack.name]
     task = Task(
-        settings=stack_settings(config.stack),
+        settings=stack_settings(config.stack, declared),
         camera=DepthCamera(camera.rays, camera.ahead_m),
         home=scenario.start(config.vehicle.half_height_m),
         yaw_rad=mission.yaw_rad,
@@ -97,17 +108,16 @@ def make_stack(config: SimConfig, scenario: Scenario, wire: Wire) -> Stack:
         raise InputError(f"{config.stack.place_of(error.path)}: {error}") from error
 
 
-def stack_settings(choice: StackChoice) -> Any:
+def stack_settings(choice: StackChoice, declared: Declaration) -> Any:
     """The settings of `sim/stack.yaml`, built into the schema that the stack declares.
 
     Raises:
-        InputError: there is no such stack, or its settings do not fit; it names the place.
+        InputError: they do not fit; it names the place.
     """
-    schema = STACKS[choice.name].settings
-    if schema is None:
+    if declared.settings is None:
         return choice.parameters
     try:
-        return build_settings(schema(), choice.parameters)
+        return build_settings(declared.settings(), choice.parameters)
     except ConfigError as error:
         raise InputError(f"{choice.place_of(error.path)}: {error}") from error
 
@@ -123,12 +133,20 @@ class Flight:
     with its own fail-safes; when the autopilot fails, the rotors stop.
     """
 
-    def __init__(self, client: int, config: SimConfig, scenario: Scenario, seed: int, wire: Wire) -> None:
+    def __init__(
+        self,
+        client: int,
+        config: SimConfig,
+        scenario: Scenario,
+        seed: int,
+        wire: Wire,
+        declared: Declaration | None = None,
+    ) -> None:
         vehicle = config.vehicle
         start = scenario.start(vehicle.half_height_m)
         ids = build(client, scenario.world)
-        self._declared = STACKS[config.stack.name]
-        self.stack: Stack = make_stack(config, scenario, wire)
+        self._declared = declared or STACKS[config.stack.name]
+        self.stack: Stack = make_stack(config, self._declared, scenario, wire)
         self.sensors = Sensors(
             config.sensors, scenario.world.scene, scenario.persons, scenario.world.light, scenario.key, seed
         )
@@ -150,7 +168,7 @@ class Flight:
         now_s = self.ticks / TICK_HZ
         self._truth.add(self._observer.sample(now_s, self.airframe.state, self.sensors.view))
         self._feeler.look(self.airframe.truth, self._observer.room_m)
-        self._beliefs.add(self.stack.beliefs(now_s))
+        self._beliefs.add(self._believed(now_s))
         if self._ending(now_s) is not None:
             return False
         frames = self._sense(now_s)
@@ -158,6 +176,21 @@ class Flight:
             self._think(now_s, frames)
         self.ticks += 1
         return True
+
+    def _believed(self, now_s: float) -> Array:
+        """The stack's beliefs.
+
+        Raises:
+            StackError: they cannot be had, or are not as many as declared.
+        """
+        name, due = self._declared.name, len(self._declared.beliefs)
+        try:
+            values = np.asarray(self.stack.beliefs(now_s), dtype=np.float64)
+        except Exception as error:
+            raise StackError(f"stack {name!r}: beliefs: {type(error).__name__}: {error}") from error
+        if values.shape != (due,):
+            raise StackError(f"stack {name!r} declares {due} beliefs, but `beliefs` returns shape {values.shape}")
+        return values
 
     def advance(self) -> None:
         """Step up to the next sample."""

@@ -7,3 +7,12 @@ from scaloft_fi.stack.declaration import Declaration
 
 STACKS = Registry[Declaration]("stack")
 STACKS.promise("reference", "scaloft_fi.stack.reference.declaration:REFERENCE")
+
+
+def declare_stack(declared: Declaration) -> None:
+    """Declare a stack: `sim/stack.yaml` can name it.
+
+    Raises:
+        ValueError: the name is taken.
+    """
+    STACKS.declare(declared.name, declared)

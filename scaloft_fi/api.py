@@ -1,0 +1,86 @@
+"""What users import, and all that a plugin needs: `from scaloft_fi.api import ...`.
+
+A plugin is a module that declares stacks, operators, sensors, export formats and ways to choose situations when it is
+imported, named by an entry point of the group `scaloft_fi.plugins`.
+"""
+
+from __future__ import annotations
+
+from scaloft_fi.campaign.flights.check_stack import StackCheck, check_stack
+from scaloft_fi.mutants.argument import (
+    Axis,
+    Component,
+    Degrees,
+    Factor,
+    Hold,
+    Metres,
+    Number,
+    NumericField,
+    Period,
+    Range,
+    Seconds,
+    Share,
+)
+from scaloft_fi.mutants.facts import Facts
+from scaloft_fi.mutants.need import ANYTHING, IMAGE, NUMBERS, STAMP, Need, the
+from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
+from scaloft_fi.mutants.window import Windows
+from scaloft_fi.sim.stacks import declare_stack
+from scaloft_fi.stack import messages
+from scaloft_fi.stack.belief import Belief, Mark
+from scaloft_fi.stack.contract import PlainStack, Stack, Task
+from scaloft_fi.stack.declaration import Declaration
+from scaloft_fi.stack.fields import Array, Image, Point, Stamp, Vector
+from scaloft_fi.stack.rates import STEP_HZ, STEP_S, TICK_HZ, TICK_S
+from scaloft_fi.stack.seam import PlainWire, Seam, Wire
+from scaloft_fi.study import Study
+
+__all__ = [
+    "ANYTHING",
+    "IMAGE",
+    "NUMBERS",
+    "STAMP",
+    "STEP_HZ",
+    "STEP_S",
+    "TICK_HZ",
+    "TICK_S",
+    "Array",
+    "Axis",
+    "Belief",
+    "Component",
+    "Declaration",
+    "Degrees",
+    "Example",
+    "Factor",
+    "Facts",
+    "Hold",
+    "Image",
+    "Mark",
+    "Metres",
+    "Need",
+    "Number",
+    "NumericField",
+    "Period",
+    "PlainStack",
+    "PlainWire",
+    "Point",
+    "Range",
+    "Seam",
+    "Seconds",
+    "Share",
+    "Stack",
+    "StackCheck",
+    "Stamp",
+    "Study",
+    "Tap",
+    "TapContext",
+    "Task",
+    "Vector",
+    "Windows",
+    "Wire",
+    "check_stack",
+    "declare_stack",
+    "messages",
+    "operator",
+    "the",
+]
