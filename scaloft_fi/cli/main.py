@@ -1,4 +1,4 @@
-"""The command `scaloft-fi`: finds the verb, loads only its file, turns every error into a sentence and an exit code."""
+"""The command `scaloft-fi`: imports the module of the verb, and turns each error into a sentence and an exit code."""
 
 from __future__ import annotations
 
@@ -16,29 +16,26 @@ from scaloft_fi.errors import ScaloftError, did_you_mean
 
 # In the order of the pipeline: (where the verb is declared, what it does).
 VERBS: dict[str, tuple[str, str]] = {
-    "matrix": ("scaloft_fi.cli.matrix:matrix_command", "the deviation matrix, every cell with its reason"),
-    "mutants": ("scaloft_fi.cli.mutants:mutants_command", "the catalogue: list, derive, prove current"),
-    "run": ("scaloft_fi.cli.run:run_command", "fly baseline and mutants over the grid, then score and coverage"),
-    "margin": ("scaloft_fi.cli.margin:margin_command", "the smallest magnitude of a fault that kills, by bisection"),
+    "matrix": ("scaloft_fi.cli.matrix:matrix_command", "show the deviation matrix, every cell with its reason"),
+    "mutants": ("scaloft_fi.cli.mutants:mutants_command", "list the catalogue of mutants, derive it, check it"),
+    "run": ("scaloft_fi.cli.run:run_command", "fly baseline and mutants over the grid, then score"),
+    "margin": ("scaloft_fi.cli.margin:margin_command", "find the smallest magnitude that is killed, by bisection"),
     "merge": ("scaloft_fi.cli.merge:merge_command", "join campaigns that were flown in parts"),
-    "status": ("scaloft_fi.cli.status:status_command", "what a campaign holds"),
-    "score": ("scaloft_fi.cli.score:score_command", "the tables of a campaign again, without flying"),
-    "worksheet": ("scaloft_fi.cli.worksheet:worksheet_command", "the HAZOP worksheet filled back with the findings"),
+    "status": ("scaloft_fi.cli.status:status_command", "show which flights a campaign holds"),
+    "score": ("scaloft_fi.cli.score:score_command", "print the score of a campaign, without flying"),
+    "worksheet": ("scaloft_fi.cli.worksheet:worksheet_command", "print the HAZOP worksheet with the findings"),
     "dispositions": (
         "scaloft_fi.cli.dispositions:dispositions_command",
-        "the survivors beside those that were accepted",
+        "list the survivors beside the accepted ones",
     ),
-    "kills": (
-        "scaloft_fi.cli.kills:kills_command",
-        "where mutants are killed, by which situations, and what to do next",
-    ),
+    "kills": ("scaloft_fi.cli.kills:kills_command", "show where mutants are killed, and what to do next"),
     "coverage": (
         "scaloft_fi.cli.coverage:coverage_command",
-        "what the situations of a campaign cover",
+        "show what the situations cover",
     ),
-    "diff": ("scaloft_fi.cli.diff:diff_command", "the flights of which two campaigns do not say the same"),
-    "export": ("scaloft_fi.cli.export:export_command", "one row per flight, or the campaign in another tool's format"),
-    "report": ("scaloft_fi.cli.report:report_command", "one HTML file that tells a whole campaign, offline"),
+    "diff": ("scaloft_fi.cli.diff:diff_command", "list the flights that differ between two campaigns"),
+    "export": ("scaloft_fi.cli.export:export_command", "write one row per flight, or a file for another tool"),
+    "report": ("scaloft_fi.cli.report:report_command", "write one HTML file with the whole campaign"),
     "replay": ("scaloft_fi.cli.replay:replay_command", "fly one flight again, bit for bit, and draw it"),
 }
 
@@ -64,7 +61,7 @@ class Pipeline(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the verb, or say which is the nearest."""
+        """Find the verb; name the most similar verb when there is none."""
         if args and not args[0].startswith("-") and args[0] not in VERBS:
             raise click.UsageError(f"no verb {args[0]!r}{did_you_mean(args[0], VERBS)}", ctx)
         return super().resolve_command(ctx, args)

@@ -23,7 +23,7 @@ def study_option(function: F) -> F:
         "study_folder",
         type=click.Path(path_type=Path),
         metavar="DIR",
-        help="A folder with hazop/, mutants/ and sim/.  [default: the nearest one upwards, else the packaged one]",
+        help="A folder with hazop/, mutants/ and sim/.  [default: the nearest one upwards, else the packaged study]",
     )(function)
 
 
@@ -34,17 +34,17 @@ def campaign_option(function: F) -> F:
         default="default",
         show_default=True,
         metavar="NAME",
-        help="A folder in the study's results/campaigns/; anything with a / is the folder itself.",
+        help="A folder in the study's results/campaigns/; a NAME with a / is the path of a folder.",
     )(function)
 
 
 def baseline_from_option(function: F) -> F:
-    """`--baseline-from CAMPAIGN`: more baselines to decide by."""
+    """`--baseline-from NAME`: a campaign whose baselines join the pool."""
     return click.option(
         "--baseline-from",
         "baseline_from",
         metavar="NAME",
-        help="Decide by the baselines of this campaign too, which must be of the same platform, data and code.",
+        help="Add the baselines of this campaign to the pool; its platform, data and code must be the same.",
     )(function)
 
 
@@ -61,9 +61,9 @@ def format_option(function: F) -> F:
 
 
 def all_option(function: F) -> F:
-    """`--all`: every table behind the first screen."""
+    """`--all`: every mutant and every table."""
     return click.option(
-        "--all", "everything", is_flag=True, help="Every mutant, and every table behind the first screen."
+        "--all", "everything", is_flag=True, help="Print every mutant and every table, not only the first screen."
     )(function)
 
 
@@ -73,7 +73,7 @@ def fail_under_option(function: F) -> F:
         "--fail-under",
         type=click.FloatRange(0.0, 1.0),
         metavar="RATIO",
-        help="Exit with 3 when the mutation score (0..1) is below this; refused where there is no baseline pool.",
+        help="Exit with 3 when the mutation score (0..1) is below RATIO; refused without a baseline pool.",
     )(function)
 
 
@@ -88,12 +88,12 @@ def today_option(function: F) -> F:
 
 
 def as_of_option(function: F) -> F:
-    """`--today DATE`, without which no day is assumed."""
+    """`--today DATE`: the day by which dispositions expire; by default none is judged."""
     return click.option(
         "--today",
         callback=_day,
         metavar="YYYY-MM-DD",
-        help="Mark the dispositions that have expired by this day.  [default: last days are shown, none is judged]",
+        help="Mark the dispositions that have expired by this day.  [default: the last days are shown, not judged]",
     )(function)
 
 
@@ -104,12 +104,12 @@ def _day(_context: click.Context, _option: click.Parameter, text: str | None) ->
 
     found = parse_date(text)
     if found is None:
-        raise click.BadParameter(f"{text!r} is no date such as 2027-01-31")
+        raise click.BadParameter(f"{text!r} is not a date such as 2027-01-31")
     return found
 
 
 def operability_option(function: F) -> F:
-    """`--operability`: whose violation kills."""
+    """`--operability`: the requirements whose violation kills."""
     return click.option(
         "--operability",
         is_flag=True,
@@ -118,7 +118,7 @@ def operability_option(function: F) -> F:
 
 
 def warnings_option(function: F) -> F:
-    """`--warnings`: each violation as it happens."""
+    """`--warnings`: print each violation when it happens."""
     return click.option(
         "--warnings",
         is_flag=True,
@@ -128,15 +128,15 @@ def warnings_option(function: F) -> F:
 
 
 def quiet_option(function: F) -> F:
-    """`--quiet`: nothing but the result."""
+    """`--quiet`: print only the result."""
     return click.option(
         "--quiet",
         is_flag=True,
-        help="Print only the result: while drones fly no progress, no count of violations and no warning.",
+        help="Print only the result, and no progress, count of violations or warning while drones fly.",
     )(function)
 
 
 def typed() -> str:
-    """What the user typed, as a shell takes it."""
+    """The command that the user typed, quoted for a shell."""
     program = Path(sys.argv[0]).name
     return shlex.join([*(["python", "-m", "scaloft_fi"] if program == "__main__.py" else [program]), *sys.argv[1:]])

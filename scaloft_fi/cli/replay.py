@@ -1,4 +1,4 @@
-"""`scaloft-fi replay`: fly one flight again, bit for bit, and show it."""
+"""`scaloft-fi replay`: fly one flight again, bit for bit, and draw it."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ RECORDING = ".mcap"
     "--output",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Draw the map there (.svg, .png), or record the flight for Foxglove (.mcap).",
+    help="Write a map of the flight (.svg, .png), or a recording for Foxglove (.mcap).",
 )
-@click.option("--gui", is_flag=True, help="Watch it in PyBullet's window, in real time.")
+@click.option("--gui", is_flag=True, help="Watch the flight in PyBullet's window, in real time.")
 def replay_command(name: str, study_folder: Path | None, campaign: str, output: Path | None, gui: bool) -> None:
-    """Fly one flight again and hold its digest against the campaign's.
+    """Fly one flight again and compare its digest with the campaign's.
 
-    MUTANT is `baseline`, `PLACEBO` or a mutant's id.  The map has the baseline beside the mutant.
+    MUTANT is `baseline`, `PLACEBO` or a mutant's id.  The map shows the baseline beside the mutant.
     """
     if output is not None and output.suffix.lower() not in (*PICTURES, RECORDING):
         raise InputError(f"--output={str(output)!r} must end in .svg, .png or .mcap")
@@ -121,10 +121,10 @@ def _draw(study: Study, flight: Flight, outcome: Outcome, log: FlightLog, output
 
 
 def _compared(study: Study, campaign: str, flight: Flight, outcome: Outcome) -> str:
-    """What the campaign has of the flight.
+    """How the flight compares with the campaign's.
 
     Raises:
-        GateError: on the same platform the same flight came out otherwise.
+        GateError: on the same platform the digests differ.
     """
     from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
     from scaloft_fi.campaign.store.folder import STORE_NAME, campaign_folder
@@ -145,4 +145,7 @@ def _compared(study: Study, campaign: str, flight: Flight, outcome: Outcome) -> 
         raise GateError(f"{outcome.name} differs from the flight in {path.parent}: digest {known.digest} there")
     mine, other = (sorted(v.requirement for v in o.violations) for o in (outcome, known))
     same = "the same requirements are violated" if mine == other else f"violated here {mine}, there {other}"
-    return f"other bits than the flight in {path.parent}, which is from another platform ({', '.join(changed)}); {same}"
+    return (
+        f"the digest differs from that of the flight in {path.parent}, which was flown on another platform "
+        f"({', '.join(changed)}); {same}"
+    )

@@ -1,4 +1,4 @@
-"""`scaloft-fi run`: fly baseline and mutants over the grid, then print score and coverage."""
+"""`scaloft-fi run`: fly baseline and mutants over the grid, then print the score."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ if TYPE_CHECKING:
     default=0,
     show_default=True,
     metavar="S",
-    help="Another choice of the same kind.",
+    help="Seed of the choice: another seed makes another choice of the same kind.",
 )
 @click.option("--seeds", metavar="N|A-B", help="Seeds 0..N-1, or A to B inclusive.  [default: 1]")
 @click.option(
@@ -82,7 +82,7 @@ if TYPE_CHECKING:
     default="local",
     show_default=True,
     metavar="local|dask://HOST:PORT",
-    help="Who flies: processes of this machine, or the workers of a Dask scheduler.",
+    help="What runs the flights: processes of this machine, or the workers of a Dask scheduler.",
 )
 @click.option("--shard", metavar="K/N", help="Fly the K-th of N parts of the run; `merge` joins them.")
 @click.option("--no-share", is_flag=True, help="Fly every flight whole from take-off; the outcomes are the same.")
@@ -127,9 +127,9 @@ def run_command(
     warnings: bool,
     quiet: bool,
 ) -> int:
-    """Fly the baseline, PLACEBO and the mutants in every situation, then say which faults the tests would have shown.
+    """Fly the baseline, PLACEBO and the mutants in every situation, then print which faults the tests would have shown.
 
-    What the campaign already holds is not flown again: the same command resumes.
+    A flight that the campaign holds is not flown again, so the same command resumes an interrupted run.
     """
     from scaloft_fi.campaign.processes.hire import one_thread_each
 
@@ -212,7 +212,7 @@ def run_command(
 
 
 def _alone(option: str, **others: str | None) -> None:
-    """Refuse options that make no sense beside another."""
+    """Refuse options that contradict `option`."""
     for name, value in others.items():
         if value is not None:
             raise InputError(f"{option} and --{name}={value} do not go together; leave one out")

@@ -1,4 +1,4 @@
-"""One entry of the deviation matrix, and the faults that make it real."""
+"""A cell of the deviation matrix, and the faults that produce its deviation."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ Value = float | str | bool
 Rung = float | str
 
 PHASE_SHARES = (0.0, 0.25, 0.5, 0.75)
-"""By which shares of its period the catalogue shifts a periodic fault."""
+"""Phases of a periodic fault in the catalogue, as shares of its period."""
 
 PERIODS = ("period_s", "at_s")
-"""Arguments a phase is a share of: the time after which a fault recurs, or at which it strikes once [s]."""
+"""Arguments that a phase is a share of: the period of a fault, or the moment of a fault that happens once [s]."""
 
 
 class CellStatus(StrEnum):
-    """What the study says of a cell."""
+    """How the study classifies a cell."""
 
     CREDIBLE = "credible"
     CONTROL = "control"
@@ -26,16 +26,16 @@ class CellStatus(StrEnum):
 
 @dataclass(frozen=True)
 class Magnitude:
-    """The ladder of a fault: how much, in the unit an engineer says it in.
+    """The magnitudes of a fault, in the unit that an engineer would use.
 
     Attributes:
-        argument: the operator's argument it sets.
-        unit: what a number of the ladder is measured in, as in a mutant's id; empty for a name or a bare number.
-        ladder: the catalogue's magnitudes, in the order of the study.
-        default: the one a bare cell name stands for.
+        argument: the operator's argument that the magnitude sets.
+        unit: of the ladder's numbers, as in a mutant's id; empty when the ladder has names or numbers without a unit.
+        ladder: the magnitudes in the catalogue, in the order of the study.
+        default: the magnitude that the name of the cell alone stands for.
         scale: the operator's argument is scale x magnitude (5 ms: 0.001; 2 EV under-exposed: -1).
-        worse: `larger`, `smaller` or `unordered`, where the order of the ladder does not tell it; else empty.
-        neutral: the magnitude at which nothing is wrong, where the unit does not tell it; else None.
+        worse: which magnitudes are worse: `larger`, `smaller` or `unordered`; empty when the ladder's order shows it.
+        neutral: the magnitude that changes nothing; None when it follows from the unit.
         place: file:line.
     """
 
@@ -67,12 +67,12 @@ class Magnitude:
 
 @dataclass(frozen=True)
 class Expected:
-    """What is known beforehand: this fault alters nothing in the reference grid.
+    """The expectation that a fault alters nothing in the reference grid.
 
     Attributes:
-        reason: why.
-        magnitudes: the rungs it is known of; empty means all.
-        status: the rung of the outcome, always `not_infected` (a seam that carries nothing is not infected either).
+        reason: why the fault alters nothing.
+        magnitudes: for which the expectation holds; empty means all.
+        status: the expected status, always `not_infected` (which includes a seam that carries nothing).
         place: file:line.
     """
 
@@ -82,22 +82,22 @@ class Expected:
     place: str = field(default="", compare=False)
 
     def holds_for(self, rung: Rung | None) -> bool:
-        """Whether it speaks of this magnitude (None where the fault has no ladder)."""
+        """Whether the expectation holds for this magnitude (None when the fault has no ladder)."""
         return not self.magnitudes or rung in self.magnitudes
 
 
 @dataclass(frozen=True)
 class Fault:
-    """How a deviation is made: an operator at a seam.
+    """A fault that produces a deviation: an operator at a seam.
 
     Attributes:
-        seam: where it is patched in.
+        seam: where the operator is patched in.
         operator: the declared function that alters the samples.
         message: type of the samples; None where the stack's seams were not at hand.
         arguments: the operator's fixed arguments.
         magnitude: the argument that varies, or None.
-        phases: True for a periodic fault, which the catalogue also flies shifted in time.
-        expected: what is known beforehand, or None.
+        phases: True for a fault that the catalogue also has at later phases of its period.
+        expected: the expectation about its status, or None.
         place: file:line of the fault.
         places: file:line of `seam`, `operator`, `phases` and each argument.
     """
@@ -113,18 +113,18 @@ class Fault:
     places: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)
 
     def place_of(self, name: str) -> str:
-        """Tell where `seam`, `operator`, `phases` or an argument stands, or else the fault itself."""
+        """Return file:line of `seam`, `operator`, `phases` or an argument; of the fault when there is no such line."""
         if self.magnitude is not None and name == self.magnitude.argument:
             return self.magnitude.place
         return self.places.get(name, self.place)
 
     @property
     def rungs(self) -> tuple[Rung | None, ...]:
-        """The ladder, or a single None where there is none."""
+        """The ladder; a single None when the fault has no ladder."""
         return self.magnitude.ladder if self.magnitude else (None,)
 
     def period_s(self, rung: Rung | None) -> float | None:
-        """Return the time after which the fault recurs, or at which it strikes once [s]; None without phases."""
+        """Return the period of the fault, or the moment of a fault that happens once [s]; None without phases."""
         if not self.phases:
             return None
         values = dict(self.arguments)
@@ -133,24 +133,25 @@ class Fault:
         return next((float(values[name]) for name in PERIODS if name in values), None)
 
     def expects(self, rung: Rung | None) -> Expected | None:
-        """Return what is known beforehand at this magnitude."""
+        """Return the expectation that holds for this magnitude, or None."""
         return self.expected if self.expected is not None and self.expected.holds_for(rung) else None
 
 
 @dataclass(frozen=True)
 class Cell:
-    """One guideword asked of one parameter.
+    """One guideword applied to one parameter.
 
     Attributes:
-        guideword, parameter: the ids it stands under.
+        guideword, parameter: their ids.
         status: credible, a control, or not meaningful.
-        deviation: what differs from the design intent (empty when not meaningful, as all below).
-        causes: what could bring it about in this stack.
-        effect: what it does locally, then to the flight.
+        deviation: how the parameter differs from the design intent.  A cell that is not meaningful has no deviation,
+            and its attributes below are empty too.
+        causes: what could cause the deviation in this stack.
+        effect: the local effect, then the effect on the flight.
         requirements: names of the requirements at risk.
-        faults: how it is made; the first is the default.
-        reason: why it is not meaningful (empty otherwise).
-        predicted: what the study expects of it, free text.
+        faults: the faults that produce the deviation; the first is the default.
+        reason: why the cell is not meaningful (empty otherwise).
+        predicted: the effect that the study predicts, free text.
         place: file:line of the cell.
         requirements_place: file:line of the requirements.
     """
@@ -175,12 +176,12 @@ class Cell:
 
     @property
     def told(self) -> str:
-        """The deviation, or why there is none."""
+        """The deviation, or the reason why there is none."""
         return self.deviation or self.reason
 
     @property
     def default_magnitude(self) -> str:
-        """The default's magnitude as it stands in the mutant's id; empty where there is no ladder."""
+        """The magnitude of the default mutant, as in its id; empty when the default fault has no ladder."""
         magnitude = self.faults[0].magnitude if self.faults else None
         return magnitude.text(magnitude.default) if magnitude else ""
 

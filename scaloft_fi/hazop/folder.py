@@ -1,4 +1,4 @@
-"""Where the study is."""
+"""Finds the folder of the study."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ _PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def find_study(path: Path | str | None = None) -> Path:
-    """Find the study's folder: `path`, else the nearest one upwards, else the packaged one, else the checkout's.
+    """Find the study's folder: `path`, else the nearest study upwards, the packaged study, or the checkout's.
 
     Raises:
-        InputError: `path` is no study, or there is none anywhere.
+        InputError: `path` is not a study, or no study exists in any of these places.
     """
     if path is not None:
         lacking = [f"{name}/" for name in FOLDERS if not (Path(path) / name).is_dir()]

@@ -1,4 +1,4 @@
-"""The words that are asked of every parameter."""
+"""The guidewords, which are applied to every parameter."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ class Guideword:
 
     Attributes:
         id: the word as it stands in a mutant's id, capital letters.
-        title: the word as it is spoken.
-        meaning: what it asks.
+        title: the word as people write it.
+        meaning: which deviation it stands for.
         extension: True when it is not one of IEC 61882.
         reason: why an extension is needed, else empty.
     """

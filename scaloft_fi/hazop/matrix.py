@@ -1,4 +1,4 @@
-"""The deviation matrix: every guideword asked of every parameter."""
+"""The deviation matrix: every guideword applied to every parameter."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Matrix:
         return {status: sum(cell.status is status for cell in self) for status in CellStatus}
 
     def only(self, guidewords: Collection[str] = (), parameters: Collection[str] = ()) -> Matrix:
-        """Keep the part of the matrix under these guidewords and parameters; nothing given means all.
+        """Keep the part of the matrix under these guidewords and parameters; an argument that is not given means all.
 
         Raises:
             InputError: a name is not in the matrix.

@@ -1,4 +1,4 @@
-"""What the guidewords are asked of."""
+"""The parameters, to which the guidewords are applied."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Parameter:
-    """One quantity that flows through the stack, with what it is designed to do.
+    """One quantity that flows through the stack, with its design intent.
 
     Attributes:
         id: the name as it stands in a mutant's id, small letters.

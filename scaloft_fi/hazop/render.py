@@ -1,4 +1,4 @@
-"""The matrix as text that fits a terminal: the grid, every cell with its reason, one cell whole."""
+"""The matrix as text for a terminal: the grid, every cell in a line, one cell with everything that is known of it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from scaloft_fi.hazop.cell import Cell, CellStatus, Fault, Rung
 from scaloft_fi.hazop.matrix import Matrix
 
 COLUMNS = 120
-"""Width every text of this file keeps [characters]."""
+"""The width that every text of this file keeps [characters]."""
 
 LEGEND = (
     "3s       credible: can happen, and is flown at this default magnitude",
@@ -23,12 +23,12 @@ SHORT_MARKS = {CellStatus.CREDIBLE: "o", CellStatus.CONTROL: "C", CellStatus.NOT
 
 
 def mark(cell: Cell) -> str:
-    """Return the default's magnitude, or else a word that tells the status without colour."""
+    """Return the magnitude of the default mutant; without one, a word for the status of the cell."""
     return (cell.status is CellStatus.CREDIBLE and cell.default_magnitude) or MARKS[cell.status]
 
 
 def tally(matrix: Matrix) -> str:
-    """Tell the size of the matrix and how many cells there are of each status.
+    """Write the size of the matrix and the number of cells of each status.
 
     >>> tally(Matrix((), (), {}))
     '0 parameters x 0 guidewords = 0 cells: 0 credible, 0 control, 0 not meaningful'
@@ -44,7 +44,7 @@ def grid_table(matrix: Matrix) -> tuple[list[str], list[list[str]]]:
 
 
 def grid(matrix: Matrix, columns: int = COLUMNS) -> str:
-    """Draw the grid; where it is too wide, with short marks, and then with the columns in several blocks."""
+    """Draw the grid; a grid that is too wide has short marks, and its columns in several blocks."""
     header, rows = grid_table(matrix)
     for gap in (2, 1):
         lines = aligned([header, *rows], gap)
@@ -59,7 +59,7 @@ def grid(matrix: Matrix, columns: int = COLUMNS) -> str:
 
 
 def blocks(header: Sequence[str], rows: Sequence[Sequence[str]], columns: int = COLUMNS) -> str:
-    """Align a table, in blocks one below the other where it is too wide; the first column names the rows of each."""
+    """Align a table; one that is too wide becomes blocks one below the other, each with the first column."""
     table = [list(header), *map(list, rows)]
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
     parts: list[list[int]] = [[]]
@@ -71,7 +71,7 @@ def blocks(header: Sequence[str], rows: Sequence[Sequence[str]], columns: int = 
 
 
 def cells(matrix: Matrix, columns: int = COLUMNS) -> str:
-    """Tell every cell, parameter by parameter: guideword, mark, requirements at risk, deviation or reason."""
+    """List every cell by parameter: guideword, mark, requirements at risk, deviation or reason."""
     tags = [(cell.guideword, mark(cell), " ".join(cell.requirements)) for cell in matrix]
     widths = [max((len(tag[i]) for tag in tags), default=0) for i in range(3)]
     blocks = []
@@ -93,12 +93,12 @@ def overview(matrix: Matrix, columns: int = COLUMNS) -> str:
 
 
 def sheet(matrix: Matrix, cell: Cell, edges: Mapping[str, str], columns: int = COLUMNS) -> str:
-    """Tell one cell whole.
+    """Write everything that the study has of one cell.
 
     Args:
         matrix: where the cell stands.
         cell: the cell.
-        edges: from which stage to which each seam leads, by name.
+        edges: the stages that each seam connects, by the name of the seam.
         columns: width of the text [characters].
     """
     word = next(word for word in matrix.guidewords if word.id == cell.guideword)
@@ -136,7 +136,7 @@ def sheet(matrix: Matrix, cell: Cell, edges: Mapping[str, str], columns: int = C
 
 
 def ladder(fault: Fault) -> str:
-    """Tell the magnitudes of a fault, the default starred.
+    """List the magnitudes of a fault; the default has a star.
 
     >>> from scaloft_fi.hazop.cell import Magnitude
     >>> ladder(Fault("imu", "delay", {}, Magnitude("delay_s", "ms", (5.0, 20.0), 20.0, 0.001)))
@@ -152,7 +152,7 @@ def ladder(fault: Fault) -> str:
 
 
 def expectation(fault: Fault) -> str:
-    """Tell what is known of a fault beforehand; empty when nothing is."""
+    """Write the expectation about a fault; empty when there is none."""
     if fault.expected is None:
         return ""
     rungs = ", ".join(map(said, fault.expected.magnitudes))
@@ -160,7 +160,7 @@ def expectation(fault: Fault) -> str:
 
 
 def mutant_lines(cell: Cell, fault: Fault) -> list[str]:
-    """Tell the ids of a fault, the cell's default starred: a ladder on one line, phases a line for each magnitude."""
+    """List the mutants of a fault; the default of the cell has a star.  With phases each magnitude has its own line."""
     lines = [_starred(cell, fault, rung) for rung in fault.rungs]
     return lines if fault.phases else [", ".join(lines)]
 

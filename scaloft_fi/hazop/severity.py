@@ -1,4 +1,4 @@
-"""Which way a ladder gets worse, and where on it there is no fault: what a search for the least magnitude needs."""
+"""The direction in which a ladder gets worse, and its neutral magnitude: the search for a margin needs both."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from scaloft_fi.hazop.cell import Magnitude
 
 
 class Worse(StrEnum):
-    """In which direction a fault gets worse."""
+    """The direction in which a fault gets worse."""
 
     LARGER = "larger"
     SMALLER = "smaller"
     UNORDERED = "unordered"
-    """Names, places in a list: no magnitude is more than another."""
+    """No magnitude is more than another: they are names, or places in a list."""
 
 
 def worse(magnitude: Magnitude) -> Worse:
-    """What the study says, else what the ladder shows: ladders run from mild to severe.
+    """The direction that the study declares; without one, the direction of the ladder, which runs from mild to severe.
 
     >>> worse(Magnitude("delay_s", "s", (0.5, 1.0), 1.0)), worse(Magnitude("axis", "", ("x", "y"), "x"))
     (<Worse.LARGER: 'larger'>, <Worse.UNORDERED: 'unordered'>)
@@ -34,9 +34,10 @@ def worse(magnitude: Magnitude) -> Worse:
 
 
 def neutral(magnitude: Magnitude) -> float | None:
-    """The magnitude at which nothing is wrong, and which therefore need not be flown; None where none is known.
+    """The magnitude that changes nothing and need not be flown; None when there is no such magnitude.
 
-    What the study says, else 1 of a factor (unit x), 0 of what gets worse as it grows, all of a share that shrinks.
+    It is the one that the study declares; without one, 1 for a factor (unit x), 0 for a magnitude that gets worse as it
+    grows, and 100 % for a share that gets worse as it shrinks.
 
     >>> neutral(Magnitude("delay_s", "s", (0.5, 1.0), 1.0)), neutral(Magnitude("factor", "x", (0.9, 0.5), 0.5))
     (0.0, 1.0)
@@ -56,7 +57,7 @@ def neutral(magnitude: Magnitude) -> float | None:
 
 
 def mild_to_severe(magnitude: Magnitude) -> tuple[float, ...]:
-    """The ladder from mild to severe; empty where it has no order."""
+    """The ladder from mild to severe; empty when the ladder has no order."""
     direction = worse(magnitude)
     numbers = (rung for rung in magnitude.ladder if not isinstance(rung, str))
     return () if direction is Worse.UNORDERED else tuple(sorted(numbers, reverse=direction is Worse.SMALLER))

@@ -31,7 +31,7 @@ SHORT_HEADER = ("parameter", "guideword", "default", "requirements", "deviation,
 
 
 def record(cell: Cell) -> dict[str, Any]:
-    """Return one cell as JSON has it."""
+    """Return one cell as a JSON object."""
     return {
         "cell": cell.name,
         "guideword": cell.guideword,

@@ -79,7 +79,7 @@ def test_writing_keeps_what_stands_there_with_its_comments(call: Call, flown: Pa
 def test_a_date_that_is_none_is_refused(call: Call, flown: Path) -> None:
     done = call("dispositions", "--today", "2099-02-30", study=flown)
     assert done.exit_code == 2
-    assert "'2099-02-30' is no date" in done.stderr
+    assert "'2099-02-30' is not a date" in done.stderr
 
 
 def test_the_rest_of_the_study_works_beside_a_file_that_is_not_filled_in(call: Call, flown: Path) -> None:

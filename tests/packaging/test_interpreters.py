@@ -43,7 +43,7 @@ def test_the_matrix_and_the_operators_load_on_the_other_python_with_the_newest_l
     needed = [name for name in project["dependencies"] if not name.startswith(BUILT)]
     _call(python, "-m", "venv", tmp_path / "venv")
     own = tmp_path / "venv" / "bin" / "python"
-    _call(own, "-m", "pip", "install", "--quiet", *needed, "hypothesis", "pytest")
+    _call(own, "-m", "pip", "install", "--quiet", "--no-compile", *needed, "hypothesis", "pytest")
     tests = ("tests/hazop/test_reference_matrix.py", "tests/mutants/test_derive.py", "tests/mutants/test_catalogue.py")
     options = ("-q", "-m", "not flight", "-p", "no:cacheprovider", "-W", "ignore::DeprecationWarning")
     assert " passed" in _call(own, "-m", "pytest", *options, *tests)
