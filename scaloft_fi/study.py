@@ -34,7 +34,7 @@ PACKAGE = Path(__file__).resolve().parent
 FLYING_CODE = (
     *("stack", "sim", "mutants", "campaign/flights/fly.py", "campaign/flights/fork.py", "campaign/flights/share.py"),
     *("judge/outcome.py", "judge/requirement.py", "judge/space.py", "judge/stl.py", "judge/monitor.py"),
-    "judge/track.py",
+    *("judge/track.py", "streams.py"),
 )
 """The sources that can change an outcome."""
 FLYING_DATA = ("world", "vehicle", "sensors", "stack")

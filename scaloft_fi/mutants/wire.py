@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeVar
-
-import numpy as np
 
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.mutants.mutant import EVERY_SEAM, Mutant
 from scaloft_fi.mutants.operator import Tap, TapContext
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.stack.seam import SEAMS, PlainWire, Seam, Wire
+from scaloft_fi.streams import generator
 
 S = TypeVar("S")
 
@@ -101,9 +99,8 @@ def contexts(
     """Contexts by seam for one flight; randomness depends on (mutant, situation, seed) and on nothing else."""
 
     def context(seam: str) -> TapContext:
-        digest = hashlib.sha256("\n".join((mutant_id, situation, str(seed), seam)).encode()).digest()
-        key = np.frombuffer(digest[:16], dtype="<u8").astype(np.uint64)
-        return TapContext(1.0 / SEAMS[seam].rate_hz, np.random.Generator(np.random.Philox(key=key)), duration_s, facts)
+        noise = generator(mutant_id, situation, seed, seam)
+        return TapContext(1.0 / SEAMS[seam].rate_hz, noise, duration_s, facts)
 
     return context
 

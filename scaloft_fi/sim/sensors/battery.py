@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 from scaloft_fi.document import Item
-from scaloft_fi.sim.streams import Array
 from scaloft_fi.stack.messages import Battery
+from scaloft_fi.streams import Array
 
 PERIOD_TICKS = 20
 """Ticks from one telemetry message to the next: 1 Hz."""

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 from scaloft_fi.document import Item
 from scaloft_fi.sim.raster import Camera, View
-from scaloft_fi.sim.streams import Array, key_words
 from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.messages import DepthFrame
+from scaloft_fi.streams import Array, key_words
 
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 MIX_1 = np.uint64(0xBF58476D1CE4E5B9)

@@ -15,8 +15,8 @@ import numpy as np
 from scaloft_fi.document import Item
 from scaloft_fi.sim.raster import Camera, View
 from scaloft_fi.sim.sensors.metering import MeteringConfig
-from scaloft_fi.sim.streams import Table
 from scaloft_fi.stack.messages import Detections, Exposure, Person
+from scaloft_fi.streams import Table
 
 PERIOD_TICKS = 4
 """Ticks from one picture to the next: 5 Hz."""

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 from scaloft_fi.document import Item
-from scaloft_fi.sim.streams import Table
 from scaloft_fi.stack.messages import Exposure, Metering
+from scaloft_fi.streams import Table
 
 LIMIT_EV = 16.0
 """The meter's scale ends here."""

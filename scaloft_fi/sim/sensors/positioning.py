@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 from scaloft_fi.document import Item
-from scaloft_fi.sim.streams import Array, Table
 from scaloft_fi.stack.messages import Fix
+from scaloft_fi.streams import Array, Table
 
 
 @dataclass(frozen=True)

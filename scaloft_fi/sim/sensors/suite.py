@@ -17,9 +17,9 @@ from scaloft_fi.sim.sensors.camera import DepthConfig, DepthSensor
 from scaloft_fi.sim.sensors.imu import ImuConfig, ImuSensor
 from scaloft_fi.sim.sensors.metering import LightMeter, MeteringConfig
 from scaloft_fi.sim.sensors.positioning import Positioning, PositioningConfig
-from scaloft_fi.sim.streams import Array
 from scaloft_fi.stack.messages import DepthFrame, Detections, Exposure, Fix, Imu, SensorFrames, Stamps
 from scaloft_fi.stack.rates import TICK_S
+from scaloft_fi.streams import Array
 
 M = TypeVar("M")
 

@@ -8,7 +8,7 @@ import pytest
 
 from scaloft_fi.sim.raster import View
 from scaloft_fi.sim.sensors.camera import CERTAIN, DepthSensor
-from scaloft_fi.sim.streams import key_words
+from scaloft_fi.streams import key_words
 
 SHAPE = (48, 64)
 MASK = (1 << 64) - 1
