@@ -111,7 +111,7 @@ class Flight:
         ids = build(client, scenario.world)
         self.stack: Stack = make_stack(config, scenario, wire)
         self.sensors = Sensors(
-            config.sensors, scenario.world.scene, scenario.persons, scenario.world.light, scenario.key, seed
+            config.sensors, scenario.world.scene, scenario.labels, scenario.world.light, scenario.key, seed
         )
         self._client, self._scenario, self._wire = client, scenario, wire
         self.airframe = Airframe(client, vehicle, start, scenario.world.mission.yaw_rad)
