@@ -83,6 +83,6 @@ def test_an_entry_that_nobody_declared_is_refused_with_the_nearest_name(declared
 
 def test_a_required_sensor_that_is_missing_is_named(study):
     path = study / "sensors.yaml"
-    path.write_text(path.read_text().replace("battery:", "betteries:"))
+    path.write_text(path.read_text().replace("battery:", "batery:"))
     with pytest.raises(InputError, match="did you mean 'battery'"):
         load(study)
