@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from coverage_against_kills.chance import Found, Positions
 from scaloft_fi.analysis.situations.t_way import Levels, levels_of, table
 from scaloft_fi.judge.space import Space
-from scaloft_fi.sim.streams import generator
+from scaloft_fi.streams import generator
 
 MOST_RELABELLINGS = 5_000
 """Up to so many relabellings all are taken; of more, a sample."""

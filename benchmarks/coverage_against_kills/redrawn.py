@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coverage_against_kills.chance import Found
-from scaloft_fi.sim.streams import generator
+from scaloft_fi.streams import generator
 
 MOST_SUBSETS = 64
 """Sets of seeds that are judged; where there are more, a sample of so many."""

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeVar
-
-import numpy as np
 
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.mutants.facts import Facts
@@ -16,6 +13,7 @@ from scaloft_fi.mutants.operator import Tap, TapContext
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.stack.declaration import Declaration
 from scaloft_fi.stack.seam import PlainWire, Seam, Wire
+from scaloft_fi.streams import generator
 
 S = TypeVar("S")
 
@@ -104,9 +102,8 @@ def contexts(mutant_id: str, situation: str, seed: int, facts: Facts) -> Callabl
     """Contexts by seam for one flight; randomness depends on (mutant, situation, seed) and on nothing else."""
 
     def context(seam: Seam) -> TapContext:
-        digest = hashlib.sha256("\n".join((mutant_id, situation, str(seed), seam.name)).encode()).digest()
-        key = np.frombuffer(digest[:16], dtype="<u8").astype(np.uint64)
-        return TapContext(1.0 / seam.rate_hz, np.random.Generator(np.random.Philox(key=key)), seam.message, facts)
+        noise = generator(mutant_id, situation, seed, seam.name)
+        return TapContext(1.0 / seam.rate_hz, noise, seam.message, facts)
 
     return context
 

@@ -30,12 +30,16 @@ class CompiledStepper:
     def __init__(self, fast_path: FastPath, sensor: ImuSensor, airframe: Airframe) -> None:
         self._fast_path, self._sensor, self._airframe = fast_path, sensor, airframe
         self._loop = loop_with(fast_path.kernel)
+        self._numbers: Numbers = ()
+
+    def begin(self) -> None:
+        """Get the stack ready for `advance`; whatever this raises is the stack's failure, before any step."""
+        self._numbers = self._fast_path.begin()
 
     def advance(self, first: int, count: int) -> float:
         """Make the steps; valid only where the vehicle can touch nothing and nobody listens on the skipped seams."""
-        fast_path, sensor, airframe, top_square = self._fast_path, self._sensor, self._airframe, 0.0
+        sensor, airframe, numbers, top_square = self._sensor, self._airframe, self._numbers, 0.0
         sensor.begin(airframe.state)
-        numbers = fast_path.begin()
         inverse, last = airframe.inverse_attitude(), first + count
         while first < last:
             noise, row = sensor.noise.place(first)
@@ -46,7 +50,7 @@ class CompiledStepper:
             top_square = max(top_square, square)
             first += steps
         airframe.update_server()
-        fast_path.end()
+        self._fast_path.end()
         return top_square
 
 

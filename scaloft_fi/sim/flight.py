@@ -148,7 +148,7 @@ class Flight:
         self._declared = declared or STACKS[config.stack.name]
         self.stack: Stack = make_stack(config, self._declared, scenario, wire)
         self.sensors = Sensors(
-            config.sensors, scenario.world.scene, scenario.persons, scenario.world.light, scenario.key, seed
+            config.sensors, scenario.world.scene, scenario.labels, scenario.world.light, scenario.key, seed
         )
         self._client, self._scenario, self._wire = client, scenario, wire
         self.airframe = Airframe(client, vehicle, start, scenario.world.mission.yaw_rad)
@@ -156,7 +156,7 @@ class Flight:
         self._feeler = Feeler(client, self.airframe.number, vehicle, ids.name_of)
         self._truth, self._beliefs = Recorder(self._observer.names), Recorder(self._declared.belief_names)
         self._server: Stepper = ServerStepper(self.airframe, self._drive)
-        self._compiled: Stepper | None = None
+        self._compiled: CompiledStepper | None = None
         if self.stack.fast_path is not None:
             self._compiled = CompiledStepper(self.stack.fast_path, self.sensors.inertial, self.airframe)
         self.ticks = self._steps = 0
@@ -216,7 +216,16 @@ class Flight:
         fast_path = self.stack.fast_path
         if self._compiled is None or fast_path is None or not self._autopilot_alive or not agrees():
             return self._server
-        return self._server if any(map(self._wire.listens, fast_path.seams)) else self._compiled
+        if any(map(self._wire.listens, fast_path.seams)):
+            return self._server
+        try:
+            self._compiled.begin()
+        except HARNESS:
+            raise
+        except Exception as error:  # noqa: BLE001 - whatever the stack under test raises
+            self._autopilot_fails(self._steps / STEP_HZ, error)
+            return self._server
+        return self._compiled
 
     def _drive(self, step: int) -> None:
         """Let flight control order the thrust of physics step number `step`."""

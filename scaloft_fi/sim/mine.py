@@ -14,7 +14,7 @@ import numpy as np
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.mesh import Array, Faces, Mesh, heights_at, join, read_obj, section, split_floor, winding
-from scaloft_fi.sim.streams import generator
+from scaloft_fi.streams import generator
 
 SLAB_M = 0.5
 """How far floor and ceiling reach beyond the footprint, behind the walls [m]."""

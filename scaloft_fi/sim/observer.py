@@ -19,7 +19,7 @@ from scaloft_fi.sim.raster import View, pixels_of
 from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.signals import CLEARANCE_CAP_M, FAR_M, TOUCH_M, truth_signals
 from scaloft_fi.sim.vehicle import STATE_SIZE, Array, Vehicle
-from scaloft_fi.sim.world import GROUND, OBSTACLE, WALL
+from scaloft_fi.sim.world import GROUND, WALL
 
 PASS_M = 0.5
 """A waypoint counts as passed, and home as near, within this level distance [m]."""
@@ -58,7 +58,7 @@ class Observer:
         self._range_m = range_m
         owners = {name: number for number, name in enumerate(self._scene.names)}
         self._persons = [(owners[name], _axis_points(world.bodies[name].mesh.vertices)) for name in scenario.persons]
-        obstacles = world.role_names(OBSTACLE)
+        obstacles = world.bodies_with(lambda role: role.is_obstacle)
         self._obstacles = np.array([name in obstacles for name in self._scene.names])
         self._any_obstacle = bool(self._obstacles.any())
         self._waypoints = tuple((x, y) for x, y, _ in scenario.route[:-1])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -12,8 +12,9 @@ import numpy as np
 
 from scaloft_fi.sim.mine import WallPoint
 from scaloft_fi.sim.optics import Camera
+from scaloft_fi.sim.roles import ROLES
 from scaloft_fi.sim.situation import Situation
-from scaloft_fi.sim.world import PERSON, Point, World
+from scaloft_fi.sim.world import Point, World
 
 TIME_LIMIT_S, TIME_LIMIT_FACTOR = 20.0, 1.5
 """A flight may last 20 s + 1.5 x the nominal mission time (definition of OP1)."""
@@ -65,7 +66,13 @@ class Scenario:
     @property
     def persons(self) -> tuple[str, ...]:
         """Names of the persons that are there."""
-        return self.world.role_names(PERSON)
+        return self.world.bodies_with(lambda role: role.is_person)
+
+    @cached_property
+    def labels(self) -> Mapping[str, str]:
+        """Names of the bodies that the person detector finds, and the class labels of their boxes."""
+        bodies = self.world.bodies
+        return {name: ROLES[bodies[name].role].label for name in self.world.bodies_with(lambda role: role.label)}
 
     def start(self, half_height_m: float) -> Point:
         """The vehicle's centre when it stands at home [m, world]."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,11 +15,9 @@ from scaloft_fi.sim import mesh
 from scaloft_fi.sim.mesh import Mesh
 from scaloft_fi.sim.mine import Mine, read_mine
 from scaloft_fi.sim.optics import Scene
+from scaloft_fi.sim.roles import ROLES, Role
 
 WALL, GROUND = "wall", "ground"
-PERSON, OBSTACLE, STRUCTURE = "person", "obstacle", "structure"
-ROLES = (PERSON, OBSTACLE, STRUCTURE)
-"""`person`: SR2 protects it; `obstacle`: counts as one on the path; `structure`: part of the mine's fittings."""
 
 MARGIN_M = 0.001
 """Bullet surrounds a convex mesh by this."""
@@ -41,7 +39,7 @@ class Body:
 
     Attributes:
         name: unique name; what is struck is called so.
-        role: one of `ROLES`.
+        role: its name in `ROLES`.
         mesh: its triangles [m, world].
         core: the same shape, smaller by `MARGIN_M` all round: what the physics keeps, which adds that margin.
         reflectivity: share of infrared light returned, 0..1.
@@ -122,9 +120,9 @@ class World:
         """Names of all that can be struck, absent bodies too: wall, ground, then the bodies."""
         return (WALL, GROUND, *self.bodies)
 
-    def role_names(self, role: str) -> tuple[str, ...]:
-        """Names of the bodies that are there in that role."""
-        return tuple(body.name for body in self.present if body.role == role)
+    def bodies_with(self, trait: Callable[[Role], object]) -> tuple[str, ...]:
+        """Names of the bodies that are there and whose role has that trait."""
+        return tuple(body.name for body in self.present if trait(ROLES[body.role]))
 
     @cached_property
     def route(self) -> tuple[Point, ...]:
@@ -192,7 +190,7 @@ def _body(name: str, item: Item) -> Body:
         raise InputError(
             f"{item.place}: body {name!r} must have a name of letters, digits and _ other than 'wall' and 'ground'"
         )
-    role = item.need("role").choice(ROLES)
+    role = item.need("role").choice(tuple(ROLES))
     shape = item.need("shape").choice(SHAPES)
     if shape == "box":
         size_item = item.need("size_m")

@@ -26,7 +26,10 @@ which returns the thrust of each rotor (4,) [N].  It must have the bits of the s
 
 
 class FastPath(Protocol):
-    """A stack's `step`, compiled.  The flight loop calls `begin`, the kernel for each step up to a tick, and `end`."""
+    """A stack's `step`, compiled.  The flight loop calls `begin`, the kernel for each step up to a tick, and `end`.
+
+    What `begin` raises stops the rotors, like what `step` raises; the kernel and `end` must not raise.
+    """
 
     @property
     def seams(self) -> tuple[str, ...]:

@@ -6,7 +6,9 @@ Frames: world = x east, y north, z up [m]; body = x forward, y left, z up.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 from scaloft_fi.stack.fields import Array, Image, Stamp, Vector
 
@@ -96,12 +98,51 @@ class Thrust(NamedTuple):
     rotors: Array
 
 
-class SensorFrames(NamedTuple):
-    """All that the sensors deliver at one 20 Hz tick; None where nothing is due."""
+@dataclass(frozen=True)
+class SensorFrames:
+    """All that the sensors deliver at one 20 Hz tick.
 
-    fix: Fix | None
-    depth: DepthFrame | None
-    detections: Detections | None
-    metering: Metering | None
-    battery: Battery | None
-    bumper: Bumper
+    Attributes:
+        by_sensor: message by the sensor's name in `sensors.yaml`, None where nothing is due.
+    """
+
+    by_sensor: Mapping[str, Any]
+
+    def __getitem__(self, sensor: str) -> Any:
+        return self.by_sensor[sensor]
+
+    @property
+    def fix(self) -> Fix | None:
+        """Of the positioning system."""
+        fix: Fix | None = self.by_sensor["positioning"]
+        return fix
+
+    @property
+    def depth(self) -> DepthFrame | None:
+        """Of the depth camera."""
+        frame: DepthFrame | None = self.by_sensor["depth"]
+        return frame
+
+    @property
+    def detections(self) -> Detections | None:
+        """Of the person detector."""
+        detections: Detections | None = self.by_sensor["detector"]
+        return detections
+
+    @property
+    def metering(self) -> Metering | None:
+        """Of the colour camera's light meter."""
+        metering: Metering | None = self.by_sensor["metering"]
+        return metering
+
+    @property
+    def battery(self) -> Battery | None:
+        """Of the battery."""
+        battery: Battery | None = self.by_sensor["battery"]
+        return battery
+
+    @property
+    def bumper(self) -> Bumper:
+        """Of the touch sensor, at every tick."""
+        bumper: Bumper = self.by_sensor["bumper"]
+        return bumper

@@ -14,8 +14,9 @@ from hypothesis import strategies as st
 from scaloft_fi.sim import flight as flight_module
 from scaloft_fi.sim.airframe import Airframe
 from scaloft_fi.sim.compiled_stepper import CompiledStepper
-from scaloft_fi.sim.flight import Flight, physics_server
+from scaloft_fi.sim.flight import Flight, fly, physics_server
 from scaloft_fi.sim.load import load
+from scaloft_fi.sim.log import Ending
 from scaloft_fi.stack.messages import Imu
 from scaloft_fi.stack.rates import STEPS_PER_TICK
 from scaloft_fi.stack.reference.inner_loop import InnerLoop
@@ -94,6 +95,18 @@ def test_many_steps_at_once_are_as_many_single_ones(monkeypatch):
     singly = lambda self, first, count: max(advance(self, step, 1) for step in range(first, first + count))  # noqa: E731
     monkeypatch.setattr(CompiledStepper, "advance", singly)
     assert flown("T0O0W0D0H0", 0, PlainWire(), 100) == whole
+
+
+def test_a_fast_path_that_fails_to_begin_stops_the_rotors_as_a_step_that_raises_does(monkeypatch):
+    def broken(_self):
+        raise ValueError("no orders")
+
+    monkeypatch.setattr(InnerLoop, "begin", broken)
+    config = reference()
+    log = fly(config, config.grid.situation("T0O0W0D0H0"), 0, PlainWire())
+    assert "autopilot at" in log.stack_error
+    assert log.stack_error.endswith("ValueError: no orders")
+    assert log.ending is not Ending.TIMED_OUT
 
 
 def test_a_stack_without_a_fast_path_flies_the_same(monkeypatch):

@@ -7,7 +7,7 @@ import pytest
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.load import load
-from scaloft_fi.sim.world import MARGIN_M, PERSON
+from scaloft_fi.sim.world import MARGIN_M
 
 
 def test_the_benign_world_has_no_obstacle_and_no_person(config):
@@ -31,7 +31,7 @@ def test_published_places_are_kept(config):
     assert world.route == ((0, 7, 1.65), (-3, 8, 1.65), (0, 7, 1.65), (0, 0, 1.65))
     person = world.bodies["person"].mesh.vertices
     assert np.allclose(0.5 * (person.min(axis=0) + person.max(axis=0)), (-0.5, 3.25, 0.85))
-    assert world.role_names(PERSON) == ("person",)
+    assert world.bodies_with(lambda role: role.is_person) == ("person",)
 
 
 def test_the_core_of_a_body_is_smaller_by_bullets_margin(config):

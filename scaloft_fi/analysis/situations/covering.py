@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scaloft_fi.analysis.situations.t_way import Ids, Levels, levels_of, table
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.space import Space
-from scaloft_fi.sim.streams import generator
+from scaloft_fi.streams import generator
 
 SALTS = 64
 """Arrays that are tried; the smallest is kept."""

@@ -14,7 +14,7 @@ from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.plan.plan import Plan
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
-from scaloft_fi.sim.streams import key_words
+from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study
 
 Item = TypeVar("Item")

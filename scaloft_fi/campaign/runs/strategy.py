@@ -16,7 +16,7 @@ from scaloft_fi.analysis.situations.covering import covering_array
 from scaloft_fi.campaign.store.folder import STORE_NAME, promising, writable
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.streams import key_words
+from scaloft_fi.streams import key_words
 
 if TYPE_CHECKING:
     from scaloft_fi.judge.space import Space

@@ -6,8 +6,10 @@ import math
 from dataclasses import dataclass
 
 from scaloft_fi.document import Item
-from scaloft_fi.sim.streams import Array
+from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
 from scaloft_fi.stack.messages import Battery
+from scaloft_fi.stack.rates import TICK_S
+from scaloft_fi.streams import Array
 
 PERIOD_TICKS = 20
 """Ticks from one telemetry message to the next: 1 Hz."""
@@ -57,7 +59,7 @@ class BatteryConfig:
 class BatteryGauge:
     """Keeps the charge and reports it."""
 
-    def __init__(self, config: BatteryConfig) -> None:
+    def __init__(self, config: BatteryConfig, flight: FlightSetting) -> None:
         self._config = config
         self._charge = config.charge
 
@@ -71,6 +73,12 @@ class BatteryGauge:
         self._charge = max(0.0, self._charge - current_a * seconds / (3600.0 * config.capacity_ah))
         return rest_v - current_a * config.resistance_ohm
 
-    def measure(self, voltage_v: float, stamp_s: float) -> Battery:
-        """The telemetry message."""
-        return Battery(stamp_s, self._charge, voltage_v, self._config.cells)
+    def measure(self, moment: Moment) -> Battery | None:
+        """The telemetry message, None between two of them; the pack is drained at every tick."""
+        voltage_v = self.drain(moment.thrusts, TICK_S)
+        if moment.tick % PERIOD_TICKS:
+            return None
+        return Battery(moment.now_s, self._charge, voltage_v, self._config.cells)
+
+
+SENSORS.declare("battery", SensorKind(BatteryGauge, Battery, read=BatteryConfig.read, required=True))

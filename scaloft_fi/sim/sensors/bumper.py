@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
-from scaloft_fi.sim.contact import Contact
+from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
 from scaloft_fi.stack.messages import Bumper
 
 
 class BumperSensor:
-    """Remembers touches between two readings."""
+    """Tells hull from landing gear."""
 
-    def __init__(self) -> None:
-        self._hull = self._gear = False
+    def __init__(self, config: None, flight: FlightSetting) -> None:
+        pass
 
-    def feel(self, contacts: Iterable[Contact]) -> None:
-        """Take in the touches of one physics step."""
-        for contact in contacts:
-            self._gear |= contact.gear
-            self._hull |= not contact.gear
+    def measure(self, moment: Moment) -> Bumper:
+        """What was touched since the last reading."""
+        return Bumper(
+            moment.now_s,
+            hull=any(not contact.gear for contact in moment.contacts),
+            gear=any(contact.gear for contact in moment.contacts),
+        )
 
-    def measure(self, stamp_s: float) -> Bumper:
-        """The reading; it starts anew afterwards."""
-        reading = Bumper(stamp_s, self._hull, self._gear)
-        self._hull = self._gear = False
-        return reading
+
+SENSORS.declare("bumper", SensorKind(BumperSensor, Bumper, required=True))

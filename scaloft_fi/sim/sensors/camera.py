@@ -19,9 +19,10 @@ from numpy.typing import NDArray
 
 from scaloft_fi.document import Item
 from scaloft_fi.sim.raster import Camera, View
-from scaloft_fi.sim.streams import Array, key_words
+from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
 from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.messages import DepthFrame
+from scaloft_fi.streams import Array, key_words
 
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 MIX_1 = np.uint64(0xBF58476D1CE4E5B9)
@@ -109,13 +110,17 @@ class DepthConfig:
 class DepthSensor:
     """Turns the picture into a depth frame."""
 
-    def __init__(self, config: DepthConfig, reflectivity: Array, light: float, *stream: object) -> None:
+    def __init__(self, config: DepthConfig, flight: FlightSetting) -> None:
         self._numbers = config.numbers()
-        self._reflectivity = reflectivity
-        self._light = light
-        self._key = np.uint64(key_words(*stream, "depth")[0])
+        self._reflectivity = flight.scene.reflectivity
+        self._light = flight.light
+        self._key = np.uint64(key_words(*flight.stream, "depth")[0])
 
-    def measure(self, tick: int, view: View, stamp_s: float) -> DepthFrame:
+    def measure(self, moment: Moment) -> DepthFrame:
+        """The frame of this tick."""
+        return self.frame(moment.tick, moment.view, moment.stamps.depth_s)
+
+    def frame(self, tick: int, view: View, stamp_s: float) -> DepthFrame:
         """The frame of tick `tick`."""
         depth = np.empty_like(view.depth)
         sense(
@@ -198,3 +203,15 @@ def sense(
             if is_open[i]:
                 chance = best if x[i] > CERTAIN else best / (1.0 + math.exp(-x[i]))
                 row[i] = 0.0 if uniform[i] >= chance else value[i]
+
+
+SENSORS.declare(
+    "depth",
+    SensorKind(
+        DepthSensor,
+        DepthFrame,
+        read=DepthConfig.read,
+        latency_s=lambda config: config.latency_s,
+        required=True,
+    ),
+)

@@ -13,15 +13,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaloft_fi.document import Item
-from scaloft_fi.sim.raster import Camera, View
-from scaloft_fi.sim.sensors.metering import MeteringConfig
-from scaloft_fi.sim.streams import Table
+from scaloft_fi.sim.raster import View
+from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
 from scaloft_fi.stack.messages import Detections, Exposure, Person
+from scaloft_fi.streams import Table
 
 PERIOD_TICKS = 4
 """Ticks from one picture to the next: 5 Hz."""
 
-LABEL = "person"
+GHOST = "person"
+"""Class label of a box where nobody is."""
 
 
 @dataclass(frozen=True)
@@ -96,32 +97,34 @@ class DetectorConfig:
 class Detector:
     """Finds persons in the picture."""
 
-    def __init__(
-        self,
-        config: DetectorConfig,
-        metering: MeteringConfig,
-        camera: Camera,
-        persons: dict[int, str],
-        light: float,
-        *stream: object,
-    ) -> None:
+    def __init__(self, config: DetectorConfig, flight: FlightSetting) -> None:
+        stream, names = flight.stream, flight.scene.names
         self._config = config
-        self._metering = metering
-        self._camera = camera
-        self._light = light
-        self._rays = camera.rays
-        self._persons = {
-            number: (Table(3, *stream, "detector", name), Table(1, *stream, "detector chance", name, uniform=True))
-            for number, name in persons.items()
-        }
+        self._metering = flight.settings["metering"]
+        self._camera = flight.settings["depth"].camera
+        self._light = flight.light
+        self._rays = self._camera.rays
+        self._bodies = [
+            (
+                names.index(name),
+                label,
+                Table(3, *stream, "detector", name),
+                Table(1, *stream, "detector chance", name, uniform=True),
+            )
+            for name, label in flight.labels.items()
+        ]
         self._ghosts = Table(4, *stream, "detector ghosts", uniform=True)
 
-    def measure(self, picture: int, view: View, exposure: Exposure, stamp_s: float) -> Detections | None:
+    def measure(self, moment: Moment) -> Detections | None:
+        """What is found in the picture of this tick, None when nothing is."""
+        return self.find(moment.tick // PERIOD_TICKS, moment.view, moment.exposure, moment.stamps.person_s)
+
+    def find(self, picture: int, view: View, exposure: Exposure, stamp_s: float) -> Detections | None:
         """What is found in picture number `picture`, None when nothing is."""
         config = self._config
         error_ev = self._metering.error_ev(self._light, exposure)
         found = []
-        for number, (noise, chance) in self._persons.items():
+        for number, label, noise, chance in self._bodies:
             shown = np.flatnonzero(view.segments == number)
             if not len(shown):
                 continue
@@ -135,7 +138,7 @@ class Detector:
             draw = noise.row(picture)
             found.append(
                 Person(
-                    LABEL,
+                    label,
                     config.score(probability, float(draw[0])),
                     math.atan(float(np.mean(left))) + config.bearing_sigma_rad * float(draw[1]),
                     max(0.1, range_m * (1.0 + config.range_sigma * float(draw[2]))),
@@ -145,7 +148,20 @@ class Detector:
         if chance_of_ghost < config.false_positives:
             found.append(
                 Person(
-                    LABEL, 0.5 + 0.4 * float(sure), (0.5 - float(where)) * self._camera.fov_rad, 1.0 + 5.0 * float(far)
+                    GHOST, 0.5 + 0.4 * float(sure), (0.5 - float(where)) * self._camera.fov_rad, 1.0 + 5.0 * float(far)
                 )
             )
         return Detections(stamp_s, tuple(found)) if found else None
+
+
+SENSORS.declare(
+    "detector",
+    SensorKind(
+        Detector,
+        Detections,
+        read=DetectorConfig.read,
+        period_ticks=PERIOD_TICKS,
+        latency_s=lambda config: config.latency_s,
+        required=True,
+    ),
+)

@@ -6,8 +6,9 @@ import math
 from dataclasses import dataclass
 
 from scaloft_fi.document import Item
-from scaloft_fi.sim.streams import Table
+from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
 from scaloft_fi.stack.messages import Exposure, Metering
+from scaloft_fi.streams import Table
 
 LIMIT_EV = 16.0
 """The meter's scale ends here."""
@@ -45,12 +46,15 @@ class MeteringConfig:
 class LightMeter:
     """Measures the exposure error."""
 
-    def __init__(self, config: MeteringConfig, light: float, *stream: object) -> None:
+    def __init__(self, config: MeteringConfig, flight: FlightSetting) -> None:
         self._config = config
-        self._light = light
-        self._noise = Table(1, *stream, "metering")
+        self._light = flight.light
+        self._noise = Table(1, *flight.stream, "metering")
 
-    def measure(self, tick: int, exposure: Exposure, stamp_s: float) -> Metering:
-        """The reading of tick `tick` under the exposure in force."""
-        noise_ev = self._config.sigma_ev * float(self._noise.row(tick)[0])
-        return Metering(stamp_s, self._config.error_ev(self._light, exposure) + noise_ev)
+    def measure(self, moment: Moment) -> Metering:
+        """The reading under the exposure in force."""
+        noise_ev = self._config.sigma_ev * float(self._noise.row(moment.tick)[0])
+        return Metering(moment.now_s, self._config.error_ev(self._light, moment.exposure) + noise_ev)
+
+
+SENSORS.declare("metering", SensorKind(LightMeter, Metering, read=MeteringConfig.read, required=True))

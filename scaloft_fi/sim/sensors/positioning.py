@@ -6,8 +6,9 @@ import math
 from dataclasses import dataclass
 
 from scaloft_fi.document import Item
-from scaloft_fi.sim.streams import Array, Table
+from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
 from scaloft_fi.stack.messages import Fix
+from scaloft_fi.streams import Table
 
 
 @dataclass(frozen=True)
@@ -39,17 +40,29 @@ class PositioningConfig:
 class Positioning:
     """Measures position and heading."""
 
-    def __init__(self, config: PositioningConfig, *stream: object) -> None:
+    def __init__(self, config: PositioningConfig, flight: FlightSetting) -> None:
         self._config = config
-        self._noise = Table(4, *stream, "fix")
+        self._noise = Table(4, *flight.stream, "fix")
 
-    def measure(self, tick: int, state: Array, stamp_s: float) -> Fix:
-        """The fix of tick `tick` from the vehicle's true `state` (13,)."""
-        noise = self._noise.row(tick)
+    def measure(self, moment: Moment) -> Fix:
+        """The fix of this tick."""
+        noise, state = self._noise.row(moment.tick), moment.state
         x, y, z, w = state[3:7].tolist()
         yaw_rad = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
         return Fix(
-            stamp_s,
+            moment.stamps.fix_s,
             state[:3] + self._config.sigma_m * noise[:3],
             yaw_rad + self._config.yaw_sigma_rad * float(noise[3]),
         )
+
+
+SENSORS.declare(
+    "positioning",
+    SensorKind(
+        Positioning,
+        Fix,
+        read=PositioningConfig.read,
+        latency_s=lambda config: config.latency_s,
+        required=True,
+    ),
+)

@@ -4,54 +4,90 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from scaloft_fi.document import Item
 from scaloft_fi.sim.contact import Contact
 from scaloft_fi.sim.raster import Scene, View, look
-from scaloft_fi.sim.sensors import battery, detector
-from scaloft_fi.sim.sensors.bumper import BumperSensor
-from scaloft_fi.sim.sensors.camera import DepthConfig, DepthSensor
+from scaloft_fi.sim.sensors import bumper, positioning  # noqa: F401 - they declare their sensors
+from scaloft_fi.sim.sensors.battery import BatteryConfig
+from scaloft_fi.sim.sensors.camera import DepthConfig
+from scaloft_fi.sim.sensors.detector import DetectorConfig
 from scaloft_fi.sim.sensors.imu import ImuConfig, ImuSensor
-from scaloft_fi.sim.sensors.metering import LightMeter, MeteringConfig
-from scaloft_fi.sim.sensors.positioning import Positioning, PositioningConfig
-from scaloft_fi.sim.streams import Array
-from scaloft_fi.stack.messages import DepthFrame, Detections, Exposure, Fix, Imu, SensorFrames, Stamps
+from scaloft_fi.sim.sensors.metering import MeteringConfig
+from scaloft_fi.sim.sensors.positioning import PositioningConfig
+from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, Sensor
+from scaloft_fi.stack.messages import Exposure, Imu, SensorFrames, Stamps
 from scaloft_fi.stack.rates import TICK_S
+from scaloft_fi.streams import Array
 
 M = TypeVar("M")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SensorsConfig:
-    """What `sensors.yaml` says."""
+    """The settings in `sensors.yaml`.
+
+    Attributes:
+        imu: of the inertial sensor, which measures at every physics step and is no declared sensor.
+        by_name: of the declared sensors that fly, None for a sensor without settings.
+    """
 
     imu: ImuConfig
-    positioning: PositioningConfig
-    depth: DepthConfig
-    metering: MeteringConfig
-    detector: detector.DetectorConfig
-    battery: battery.BatteryConfig
+    by_name: Mapping[str, Any]
+
+    @property
+    def depth(self) -> DepthConfig:
+        """Of the depth camera."""
+        config: DepthConfig = self.by_name["depth"]
+        return config
+
+    @property
+    def positioning(self) -> PositioningConfig:
+        """Of the positioning system."""
+        config: PositioningConfig = self.by_name["positioning"]
+        return config
+
+    @property
+    def metering(self) -> MeteringConfig:
+        """Of the light meter."""
+        config: MeteringConfig = self.by_name["metering"]
+        return config
+
+    @property
+    def detector(self) -> DetectorConfig:
+        """Of the person detector."""
+        config: DetectorConfig = self.by_name["detector"]
+        return config
+
+    @property
+    def battery(self) -> BatteryConfig:
+        """Of the battery."""
+        config: BatteryConfig = self.by_name["battery"]
+        return config
 
 
 def read_sensors(item: Item) -> SensorsConfig:
     """Read the sensors.
 
     Raises:
-        InputError: a value is not allowed, or a key unknown.
+        InputError: a value is not allowed, or nobody declared a sensor or key of that name.
     """
-    config = SensorsConfig(
-        imu=ImuConfig.read(item.need("imu")),
-        positioning=PositioningConfig.read(item.need("positioning")),
-        depth=DepthConfig.read(item.need("depth")),
-        metering=MeteringConfig.read(item.need("metering")),
-        detector=detector.DetectorConfig.read(item.need("detector")),
-        battery=battery.BatteryConfig.read(item.need("battery")),
-    )
+    imu, by_name = ImuConfig.read(item.need("imu")), dict[str, Any]()
+    for name, kind in SENSORS.items():
+        if kind.read is None and kind.required:
+            by_name[name] = None
+            continue
+        entry = item.need(name) if kind.required else item.get(name)
+        if entry is None:
+            continue
+        if kind.read is None:
+            entry.close()
+        by_name[name] = kind.read(entry) if kind.read else None
     item.close()
-    return config
+    return SensorsConfig(imu, by_name)
 
 
 class Pipe(Generic[M]):
@@ -78,7 +114,7 @@ class Sensors:
     Args:
         config: what they are.
         scene: what the cameras see.
-        persons: names of the persons in the scene.
+        labels: names of the bodies that a person detector finds, and the class labels of their boxes.
         light: visible light, 0..1.
         situation: key of the situation, and
         seed: number of the flight; both name the noise.
@@ -89,31 +125,27 @@ class Sensors:
     """
 
     def __init__(
-        self, config: SensorsConfig, scene: Scene, persons: Iterable[str], light: float, situation: str, seed: int
+        self, config: SensorsConfig, scene: Scene, labels: Mapping[str, str], light: float, situation: str, seed: int
     ) -> None:
-        stream = (situation, seed)
+        setting = FlightSetting(config.by_name, scene, labels, light, (situation, seed))
         self.view: View | None = None
-        self._scene = scene
-        self._camera = config.depth.camera
-        self.inertial = ImuSensor(config.imu, *stream)
-        self._positioning = Positioning(config.positioning, *stream)
-        self._depth = DepthSensor(config.depth, scene.reflectivity, light, *stream)
-        self._meter = LightMeter(config.metering, light, *stream)
-        numbers = {scene.names.index(name): name for name in persons}
-        self._detector = detector.Detector(config.detector, config.metering, self._camera, numbers, light, *stream)
-        self._battery = battery.BatteryGauge(config.battery)
-        self._bumper = BumperSensor()
-        self._fixes: Pipe[Fix] = Pipe(config.positioning.latency_s)
-        self._frames: Pipe[DepthFrame] = Pipe(config.depth.latency_s)
-        self._detections: Pipe[Detections | None] = Pipe(config.detector.latency_s)
+        self.inertial = ImuSensor(config.imu, situation, seed)
+        self._scene, self._camera = scene, config.depth.camera
+        self._contacts: list[Contact] = []
+        self._fitted: list[tuple[str, Sensor, int, Pipe[Any]]] = []
+        for name, settings in config.by_name.items():
+            kind = SENSORS[name]
+            self._fitted.append(
+                (name, kind.make(settings, setting), kind.period_ticks, Pipe(kind.latency_of(settings)))
+            )
 
     def imu(self, step: int, state: Array) -> Imu:
         """The inertial sample of physics step `step` (240 Hz)."""
         return self.inertial.measure(step, state)
 
     def feel(self, contacts: Iterable[Contact]) -> None:
-        """Let the bumper feel the touches of one physics step."""
-        self._bumper.feel(contacts)
+        """Take in the touches of one physics step."""
+        self._contacts.extend(contacts)
 
     def frames(
         self, tick: int, state: Array, thrusts: Array, exposure: Exposure, stamps: Stamps | None = None
@@ -128,19 +160,13 @@ class Sensors:
             stamps: what the sensors' clocks read now; the true time when not given.
         """
         now_s = tick * TICK_S
-        stamps = stamps or Stamps(now_s, now_s, now_s)
         self.view = look(self._scene, self._camera, state[:3], state[3:7])
-        self._fixes.send(tick, self._positioning.measure(tick, state, stamps.fix_s))
-        self._frames.send(tick, self._depth.measure(tick, self.view, stamps.depth_s))
-        if tick % detector.PERIOD_TICKS == 0:
-            picture = tick // detector.PERIOD_TICKS
-            self._detections.send(tick, self._detector.measure(picture, self.view, exposure, stamps.person_s))
-        voltage_v = self._battery.drain(thrusts, TICK_S)
-        return SensorFrames(
-            fix=self._fixes.arrive(tick),
-            depth=self._frames.arrive(tick),
-            detections=self._detections.arrive(tick),
-            metering=self._meter.measure(tick, exposure, now_s),
-            battery=self._battery.measure(voltage_v, now_s) if tick % battery.PERIOD_TICKS == 0 else None,
-            bumper=self._bumper.measure(now_s),
-        )
+        stamps = stamps or Stamps(now_s, now_s, now_s)
+        moment = Moment(tick, now_s, state, thrusts, self.view, tuple(self._contacts), exposure, stamps)
+        self._contacts.clear()
+        arrived = {}
+        for name, sensor, period_ticks, pipe in self._fitted:
+            if tick % period_ticks == 0:
+                pipe.send(tick, sensor.measure(moment))
+            arrived[name] = pipe.arrive(tick)
+        return SensorFrames(arrived)

@@ -9,7 +9,6 @@ from math import ceil, floor, hypot
 
 from scaloft_fi.views.pictures.picture import Frame, Point, text
 from scaloft_fi.views.pictures.symbols import (
-    BODY_STYLES,
     FAINT,
     FLOOR,
     FONT,
@@ -20,6 +19,7 @@ from scaloft_fi.views.pictures.symbols import (
     RAMP,
     ROCK,
     THIN,
+    body_style,
     legend,
     shade,
     waypoint,
@@ -34,7 +34,7 @@ SIDES = ((1.0, -0.3), (-1.0, 0.3), (0.3, 1.0), (-0.3, -1.0))
 
 @dataclass(frozen=True)
 class Body:
-    """A body seen from above.  outline: its corners in order [m, world]; kind: `obstacle`, `person` or `structure`."""
+    """A body seen from above.  outline: its corners in order [m, world]; kind: its role."""
 
     kind: str
     outline: tuple[Point, ...]
@@ -187,7 +187,7 @@ def _places(frame: Frame, scene: Scene) -> list[str]:
 
 
 def _body(frame: Frame, body: Body) -> str:
-    style = BODY_STYLES.get(body.kind, BODY_STYLES["obstacle"])
+    style = body_style(body.kind)
     return f'<polygon points="{frame.all(body.outline)}" {style}><title>{escape(body.kind)}</title></polygon>'
 
 

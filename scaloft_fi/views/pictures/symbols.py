@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from scaloft_fi.sim.roles import ROLES
 from scaloft_fi.views.pictures.picture import FAMILY, text
 
 FONT = f"{FAMILY}, Helvetica, Arial, sans-serif"
@@ -21,11 +22,11 @@ MARK_COLOURS = {
     "error": "#57534e",
 }
 
-BODY_STYLES = {
-    "obstacle": 'fill="#a8a29e" stroke="#44403c" stroke-width="1.4"',
-    "person": 'fill="#fdba74" stroke="#9a3412" stroke-width="1.4"',
-    "structure": 'fill="#111827" stroke="#111827" stroke-width="3"',
-}
+
+def body_style(role: str) -> str:
+    """How a body of that role is drawn."""
+    look = ROLES[role]
+    return f'fill="{look.fill}" stroke="{look.stroke}" stroke-width="{look.stroke_px:g}"'
 
 
 def waypoint(x: float, y: float, radius: float = 9.0) -> str:
@@ -49,9 +50,9 @@ def legend(left: float, top: float) -> list[str]:
         label = f"{SHADE_MPS * i:.1f}" + ("+" if i == len(RAMP) - 1 else "")
         parts += [text(x + step / 2, top + 34, label, anchor="middle", colour=FAINT, size=12)]
     x, y = left + 290, top + 15
-    for kind, name in (("obstacle", "obstacle"), ("person", "person"), ("structure", "structure")):
-        size = 5 if kind == "structure" else 12
-        parts += [f'<rect x="{x:.1f}" y="{y - size / 2:.1f}" width="{size}" height="{size}" {BODY_STYLES[kind]}/>']
+    for name in ("obstacle", "person", "structure"):
+        size = 5 if name == "structure" else 12
+        parts += [f'<rect x="{x:.1f}" y="{y - size / 2:.1f}" width="{size}" height="{size}" {body_style(name)}/>']
         parts += [text(x + 20, y + 4.5, name, size=12)]
         x += 48 + 7 * len(name)
     parts += [

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.sim.streams import CHUNK, Table, generator, key_words
+from scaloft_fi.streams import CHUNK, Table, generator, key_words
 
 indices = st.integers(0, 20 * CHUNK)
 

@@ -1,4 +1,7 @@
-"""Noise that depends on nothing but (situation, seed, channel) and the number of the sample, not on who drew before."""
+"""Noise that depends on nothing but the names of its stream and the number of the sample, not on earlier draws.
+
+A sensor's stream is named by (situation, seed, channel), a tap's by (mutant, situation, seed, seam).
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,7 @@ def generator(*parts: object, block: int = 0) -> np.random.Generator:
 
 
 class Table:
-    """Rows of random numbers by index, drawn in chunks; row i is the same whoever asks, and when.
+    """Rows of random numbers by index, drawn in chunks; row i is always the same, in whatever order rows are read.
 
     Args:
         width: numbers in a row.
