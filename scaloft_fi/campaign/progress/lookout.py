@@ -38,11 +38,6 @@ class Lookout:
             if self._forecast.expect(flight, self._nominal_s(flight)):
                 self.progress.flights += 1
 
-    def known(self, baselines: Iterable[tuple[Flight, Outcome]]) -> None:
-        """Baselines that the store has: what is flown is seen beside them."""
-        for flight, outcome in baselines:
-            self._forecast.known(flight, outcome, self._nominal_s(flight))
-
     def home(self, flight: Flight, outcome: Outcome, *, news: bool) -> None:
         """An outcome came home.
 
@@ -53,7 +48,7 @@ class Lookout:
         """
         if news:
             self._tell(outcome)
-        expected = self._forecast.home(flight, outcome, self._nominal_s(flight))
+        expected = self._forecast.arrived(flight, self._nominal_s(flight))
         self.progress.done_s = self._forecast.done_s
         if expected:
             self.progress.advance()

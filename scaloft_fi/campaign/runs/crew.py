@@ -100,7 +100,6 @@ class Crew:
         draws = {Flight(None, flight.situation, flight.seed): None for flight in missing.values()}
         keys = {flight.name: key for key, flight in missing.items()}
         asked = {flight.name: flight for flight in (*draws, *missing.values())}
-        self.lookout.known((asked[outcome.name], outcome) for outcome in self.outcomes(draws) if not outcome.invalid)
         due = set(keys)
         for outcome in self._outcomes((arrange or self.arrange)(tuple(missing.values()))):
             news = outcome.name in keys and self.store.put(keys[outcome.name], outcome)
