@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scaloft_fi.analysis.scoring.detection import LOOKS, Verdict
-from scaloft_fi.analysis.scoring.pool import LEAST
 from scaloft_fi.analysis.scoring.score import Score, score
 from scaloft_fi.campaign.flights.worker import Flyer
 from scaloft_fi.campaign.plan.flight import Flight
@@ -18,7 +17,7 @@ from scaloft_fi.campaign.plan.plan import Plan, canary_flight, plan
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.crew import Crew, hired
 from scaloft_fi.campaign.runs.options import RunOptions
-from scaloft_fi.campaign.runs.run import Report, write_log
+from scaloft_fi.campaign.runs.run import Report, fly_pool, write_log
 from scaloft_fi.campaign.runs.spending import remember_seeds, spending_of
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.judge.outcome import Outcome
@@ -87,6 +86,7 @@ def run_looks(
     with hired(study, folder, options, progress=progress, flyer=flyer, first=first.known) as crew:
         for seeds in LOOKS:
             remember_seeds(crew.store, (mutant.id for mutant in mutants), range(seeds))
+        crew.announce_pool(first)
         rounds = _Rounds(crew, first, others)
         looks = tuple(rounds.looks(mutants, situations))
         canary = canary_flight(first, crew.outcomes(first.baselines))
@@ -132,14 +132,10 @@ class _Rounds:
         return found
 
     def _fly(self, due: Plan) -> None:
-        """Fly a look and what its pool lacks; the pool has the seeds of the first look and its own in every look."""
+        """Fly a look, and the pool of the situations where a mutant infects."""
         self._crew.plan(due.known)
-        self._crew.announce_pool(due)
         self._crew.fly(due.known)
-        situations = due.infected(self._crew.outcomes(due.mutants))
-        pool = [flight for situation in situations for flight in self._first.pool(situation, LEAST)]
-        self._crew.plan(pool)
-        self._crew.fly(pool)
+        pool = fly_pool(due, self._crew)
         self.flights = list(dict.fromkeys((*self.flights, *due.known, *pool)))
 
     def _scored(self) -> Score:

@@ -13,7 +13,7 @@ from scaloft_fi.bulk import bulk
 from scaloft_fi.judge.outcome import Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 
-Row = tuple[Any, ...]
+Record = tuple[Any, ...]
 """Values of `COLUMNS`."""
 
 SUBJECT: Mapping[str, str] = {"mutant": "TEXT", "guideword": "TEXT", "parameter": "TEXT", "magnitude": "TEXT"}
@@ -41,7 +41,7 @@ flights, and a line is read once.
 """
 
 
-def to_row(outcome: Outcome) -> Row:
+def to_row(outcome: Outcome) -> Record:
     """The values of `COLUMNS`.
 
     Raises:
@@ -74,7 +74,7 @@ class Reader:
         self._violations = violation_lines()
         self._realised = Lines(_came_true)
 
-    def __call__(self, rows: Sequence[Row], tracks: Iterable[bytes] = repeat(b"")) -> list[Outcome]:
+    def __call__(self, rows: Sequence[Record], tracks: Iterable[bytes] = repeat(b"")) -> list[Outcome]:
         """The outcomes of rows that begin as `to_row` makes them, with their tracks."""
         if not rows:
             return []
@@ -106,10 +106,10 @@ class Reader:
         )
 
 
-class _Subjects(dict[Row, Subject]):
+class _Subjects(dict[Record, Subject]):
     """Subjects by their columns, each made when it is first asked for."""
 
-    def __missing__(self, row: Row) -> Subject:
+    def __missing__(self, row: Record) -> Subject:
         subject = self[row] = Subject(*map(intern, row))
         return subject
 

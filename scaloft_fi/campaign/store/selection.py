@@ -9,7 +9,7 @@ from itertools import chain
 from operator import itemgetter
 from typing import NamedTuple
 
-from scaloft_fi.campaign.store.record import COLUMNS, SUBJECT, Reader, Row, violation_lines
+from scaloft_fi.campaign.store.record import COLUMNS, SUBJECT, Reader, Record, violation_lines
 from scaloft_fi.collector import uncollected
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject
 from scaloft_fi.judge.rulings import Court, Rulings
@@ -39,7 +39,7 @@ Stand = Callable[[Flown], bool]
 
 It is asked once for each origin, which belongs to one mutant in one situation, and of each flight without one.
 """
-Keep = Callable[[Row], bool]
+Keep = Callable[[Record], bool]
 _COLUMNS = (*COLUMNS, "key", "origin")
 _KEY = _COLUMNS.index("key")
 _TRIED = ("mutant", "situation", "seed", "invalid", "carried", "altered", "digest", "violations", "origin")
@@ -52,7 +52,7 @@ def under(keys: set[str]) -> Keep:
     return lambda row: row[_KEY] in keys
 
 
-def standing(stand: Stand, flown: Callable[[Row], Flown], origin: int) -> Keep:
+def standing(stand: Stand, flown: Callable[[Record], Flown], origin: int) -> Keep:
     """Keeps rows whose flights `stand`.
 
     Args:
@@ -62,7 +62,7 @@ def standing(stand: Stand, flown: Callable[[Row], Flown], origin: int) -> Keep:
     """
     said: dict[int, bool] = {}
 
-    def keep(row: Row) -> bool:
+    def keep(row: Record) -> bool:
         number = row[origin]
         known = said.get(number)
         if known is None:
@@ -74,14 +74,14 @@ def standing(stand: Stand, flown: Callable[[Row], Flown], origin: int) -> Keep:
     return keep
 
 
-def _flown(row: Row) -> Flown:
+def _flown(row: Record) -> Flown:
     return Flown(*_pick(row))
 
 
 _pick = itemgetter(*map(_COLUMNS.index, Flown._fields))
 
 
-def _tried(row: Row) -> Flown:
+def _tried(row: Record) -> Flown:
     mutant, situation, seed, *_, origin, key = row
     return Flown(key, mutant, situation, seed, origin)
 
