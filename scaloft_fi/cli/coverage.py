@@ -74,10 +74,11 @@ def _held(study: Study, campaign: str) -> tuple[Rulings, Sequence[Remembered], S
     from scaloft_fi.campaign.runs.spending import spending_of
     from scaloft_fi.campaign.runs.strategy import remembered
     from scaloft_fi.campaign.store.folder import campaign_folder, existing
-    from scaloft_fi.campaign.store.held import current_rulings
+    from scaloft_fi.campaign.store.held import current
     from scaloft_fi.campaign.store.store import Store
+    from scaloft_fi.judge.rulings import rulings_of
 
-    rulings = current_rulings(study, campaign)
+    rulings = rulings_of(current(study, campaign))
     with Store(existing(campaign_folder(study, campaign)), create=False) as store:
         return rulings, remembered(store), spending_of(study, store)
 

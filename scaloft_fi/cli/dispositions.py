@@ -44,12 +44,13 @@ def dispositions_command(
     """
     from scaloft_fi.analysis.scoring.score import score_of
     from scaloft_fi.campaign.runs.spending import spending
-    from scaloft_fi.campaign.store.held import current_rulings
+    from scaloft_fi.campaign.store.held import current
+    from scaloft_fi.judge.rulings import rulings_of
     from scaloft_fi.study import Study
     from scaloft_fi.views.tables.table import Format, render
 
     study = Study.open(study_folder)
-    scored = score_of(current_rulings(study, campaign), study.roster, study.space, spending(study, campaign))
+    scored = score_of(rulings_of(current(study, campaign)), study.roster, study.space, spending(study, campaign))
     judged = _judged(study, scored, today)
     click.echo(render((_table(judged),), Format(style)), nl=False)
     if writing:

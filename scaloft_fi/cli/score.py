@@ -69,12 +69,13 @@ def score_command(
     from scaloft_fi.campaign.runs.baseline_pool import borrowed
     from scaloft_fi.campaign.runs.spending import spending
     from scaloft_fi.campaign.store.folder import campaign_folder, existing
-    from scaloft_fi.campaign.store.held import current_rulings
+    from scaloft_fi.campaign.store.held import current
     from scaloft_fi.campaign.store.platforms import warning_for
+    from scaloft_fi.judge.rulings import rulings_of
     from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
-    rulings = current_rulings(study, campaign)
+    rulings = rulings_of(current(study, campaign))
     others: Iterable[Outcome] = ()
     if baseline_from:
         flown = rulings.situations

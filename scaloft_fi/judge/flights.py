@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from scaloft_fi.bulk import bulk
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.status import INVALID, Ruling, Status, counting, rule
 
@@ -56,7 +55,7 @@ def flights_of(outcomes: Iterable[Outcome]) -> list[JudgedFlight]:
         None if baseline is None or ruling is INVALID else baseline.outcome
         for baseline, ruling in zip(beside, rulings, strict=True)
     ]
-    return bulk(JudgedFlight, (flown, counted, rulings))
+    return list(map(JudgedFlight, flown, counted, rulings))
 
 
 def baselines_of(outcomes: Iterable[Outcome]) -> dict[tuple[str, int], Outcome]:

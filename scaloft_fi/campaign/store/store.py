@@ -15,10 +15,9 @@ from typing import NamedTuple
 from scaloft_fi.campaign.store.origin import Origin
 from scaloft_fi.campaign.store.record import COLUMNS, Reader
 from scaloft_fi.campaign.store.schema import SCHEMA, create, insert
-from scaloft_fi.campaign.store.selection import Flown, Stand, outcomes, rulings, those_that, under
+from scaloft_fi.campaign.store.selection import Flown, Stands, outcomes, standing, under
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.rulings import Rulings
 
 NOTE = "note: "
 """What the names of notes begin with in the table of facts."""
@@ -217,15 +216,10 @@ class Store:
         with _sentences(self.path):
             return list(outcomes(self._connection, None if keys is None else under(set(keys))))
 
-    def that(self, stand: Stand) -> tuple[Outcome, ...]:
-        """The same of the flights that `stand`."""
+    def standing(self, stands: Stands) -> tuple[Outcome, ...]:
+        """The outcomes of the flights that stand, without their tracks, ordered by mutant, situation, seed."""
         with _sentences(self.path):
-            return tuple([outcome for _, outcome in outcomes(self._connection, those_that(stand))])
-
-    def rulings(self, stand: Stand) -> Rulings:
-        """What the flights that `stand` came to."""
-        with _sentences(self.path):
-            return rulings(self._connection, stand)
+            return tuple([outcome for _, outcome in outcomes(self._connection, standing(stands))])
 
     def plan(self, flights: Iterable[Planned]) -> None:
         """Keep what is to be flown, in one transaction; what was planned before stays planned.
