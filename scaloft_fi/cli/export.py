@@ -10,7 +10,6 @@ import click
 
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.options import campaign_option, study_option
-from scaloft_fi.collector import uncollected
 from scaloft_fi.errors import InputError
 
 if TYPE_CHECKING:
@@ -106,7 +105,6 @@ FORMATS: dict[str, tuple[Callable[[Study, str], bytes], str]] = {
 @campaign_option
 @click.option("--format", "style", type=click.Choice(list(FORMATS)), default="json", show_default=True)
 @click.option("--output", type=click.Path(path_type=Path), metavar="FILE", help="Write there instead of printing.")
-@uncollected()
 def export_command(study_folder: Path | None, campaign: str, style: str, output: Path | None) -> None:
     """Print one row per flight, ordered by mutant, situation and seed, or the campaign in another tool's format.
 

@@ -21,7 +21,6 @@ from scaloft_fi.cli.options import (
     study_option,
     today_option,
 )
-from scaloft_fi.collector import uncollected
 from scaloft_fi.errors import InputError
 
 if TYPE_CHECKING:
@@ -52,7 +51,6 @@ BELOW = 3
     "or a disposition has expired.",
 )
 @today_option
-@uncollected()
 def score_command(
     study_folder: Path | None,
     campaign: str,

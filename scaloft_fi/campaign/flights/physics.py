@@ -15,7 +15,6 @@ from scaloft_fi.campaign.plan.batch import Batch
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.processes.patience import PATIENCE_S
 from scaloft_fi.campaign.processes.pool import Pool
-from scaloft_fi.collector import uncollected
 from scaloft_fi.judge.outcome import Outcome
 
 if TYPE_CHECKING:
@@ -30,7 +29,6 @@ NOTICE_S = 1.0
 class Physics:
     """Flies in PyBullet."""
 
-    @uncollected()
     def prepare(self, study: Study, say: Callable[[str], None]) -> None:
         """Build the stack, compile its kernels and parse the formulas by flying and judging a few seconds.
 

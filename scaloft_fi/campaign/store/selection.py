@@ -10,7 +10,6 @@ from operator import itemgetter
 from typing import NamedTuple
 
 from scaloft_fi.campaign.store.record import COLUMNS, Reader, Record
-from scaloft_fi.collector import uncollected
 from scaloft_fi.judge.outcome import Outcome
 
 CHUNK = 2000
@@ -74,12 +73,11 @@ def outcomes(connection: sqlite3.Connection, keep: Keep | None = None) -> Iterat
     """
     read = Reader()
     places = defaultdict[tuple[str, str], list[tuple[int, str, Outcome]]](list)
-    with uncollected():
-        # to sort here is faster than to have the rows looked up in the order of an index
-        cursor = connection.execute(f"SELECT {', '.join(_COLUMNS)} FROM outcomes")
-        while rows := cursor.fetchmany(CHUNK):
-            kept = list(filter(keep, rows)) if keep else rows
-            for outcome, row in zip(read(kept), kept, strict=True):
-                places[outcome.subject.id, outcome.situation].append((outcome.seed, row[_KEY], outcome))
+    # to sort here is faster than to have the rows looked up in the order of an index
+    cursor = connection.execute(f"SELECT {', '.join(_COLUMNS)} FROM outcomes")
+    while rows := cursor.fetchmany(CHUNK):
+        kept = list(filter(keep, rows)) if keep else rows
+        for outcome, row in zip(read(kept), kept, strict=True):
+            places[outcome.subject.id, outcome.situation].append((outcome.seed, row[_KEY], outcome))
     # keys are distinct
     return ((key, one) for _, key, one in chain.from_iterable(sorted(places[place]) for place in sorted(places)))
