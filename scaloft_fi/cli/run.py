@@ -131,7 +131,7 @@ def run_command(
 
     What the campaign already holds is not flown again: the same command resumes.
     """
-    from scaloft_fi.campaign.processes.hire import one_thread_each
+    from scaloft_fi.campaign.processes.start import one_thread_each
 
     one_thread_each()
     from scaloft_fi.analysis.scoring.pool import LEAST

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 KERNELS_S = 5.0
 """After this time in the air every compiled kernel was called: the drone has climbed, and plans [s]."""
 NOTICE_S = 1.0
-"""After this a person is told what the wait is for [s, wall]."""
+"""After this a line says what the wait is for [s, wall]."""
 
 
 class Physics:
@@ -37,7 +37,7 @@ class Physics:
         Raises:
             InputError: the settings of the stack do not fit.
         """
-        with _unheard():
+        with _stderr_silenced():
             import pybullet  # noqa: F401 - it greets on standard error when first imported
         from scaloft_fi.sim import flight
         from scaloft_fi.stack.seam import TICK_HZ, PlainWire
@@ -69,8 +69,8 @@ class Physics:
 
 
 @contextmanager
-def _unheard() -> Iterator[None]:
-    """Send what C code writes to standard error nowhere."""
+def _stderr_silenced() -> Iterator[None]:
+    """Drop what C code writes to standard error."""
     saved, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 2)
     try:

@@ -18,13 +18,13 @@ WHOLE = frozenset({BASELINE, PLACEBO.id})
 class Forecast:
     """Flown and left [s, simulated], from the nominal mission times of situations alone.
 
-    Over the flights of the reference campaign the time left was told wrong by 12 % on average.
+    Over the flights of the reference campaign the time left was wrong by 12 % on average.
 
     Args:
         share: whether mutants are flown only from where they leave their baseline; else they are whole.
 
     Attributes:
-        done_s: expected cost of the flights that came home.
+        done_s: expected cost of the flights that were flown.
         left_s: expected cost of those that did not.
     """
 
@@ -46,7 +46,7 @@ class Forecast:
         return True
 
     def arrived(self, flight: Flight, nominal_s: float) -> bool:
-        """A flight came home; returns whether it was expected."""
+        """A flight was flown; returns whether it was expected."""
         cost_s = self.cost_s(flight, nominal_s)
         self.done_s += cost_s
         if flight.name not in self._due:

@@ -65,7 +65,7 @@ class Store:
         with _sentences(path):
             if create:
                 path.parent.mkdir(parents=True, exist_ok=True)
-            # SQLite keeps its log beside the file, which where nothing can be written it must be told not to ask for
+            # SQLite keeps its log beside the file, which where nothing can be written it must not ask for
             fixed = not create and not os.access(path.parent, os.W_OK) and not _log(path).exists()
             name = f"{path.absolute().as_uri()}?immutable=1" if fixed else str(path)
             # rows are written one by one in explicit transactions
@@ -196,9 +196,9 @@ class Store:
     def known(self, keys: Iterable[str]) -> set[str]:
         """Those of `keys` that have an outcome that counts."""
         with _sentences(self.path):
-            found = {key for (key,) in self._connection.execute("SELECT key FROM outcomes")}
+            stored = {key for (key,) in self._connection.execute("SELECT key FROM outcomes")}
             invalid = self._connection.execute("SELECT key FROM outcomes WHERE invalid != ''")
-            return found.intersection(keys).difference(key for (key,) in invalid)
+            return stored.intersection(keys).difference(key for (key,) in invalid)
 
     def flights(self) -> list[Flown]:
         """What there are outcomes of, ordered by mutant, situation, seed; read from an index, so soon done."""
@@ -280,7 +280,7 @@ class Store:
         return {name: value for name, value in self._facts() if not name.startswith(NOTE)}
 
     def set_notes(self, notes: Mapping[str, str]) -> None:
-        """Keep what was said of the campaign; of one name the first note stays.
+        """Keep notes about the campaign; of one name the first note stays.
 
         Raises:
             InputError: the store cannot be written.

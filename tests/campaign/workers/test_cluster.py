@@ -237,7 +237,7 @@ def test_a_scheduler_that_ends_interrupts_the_run(
             time.sleep(until_the_client_gives_up_s)
         return False
 
-    with pytest.raises(Interrupted, match="the Dask scheduler is gone; what came home is saved"):
+    with pytest.raises(Interrupted, match="the Dask scheduler is gone; what was flown is saved"):
         _flown(address, reference, flyer(slow_s=0.2), _flights(reference, LATE, MORE), kill)
 
 
