@@ -8,7 +8,6 @@ import click
 
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.options import campaign_option, study_option
-from scaloft_fi.collector import uncollected
 from scaloft_fi.errors import InputError
 from scaloft_fi.registry import load_plugins
 
@@ -32,7 +31,6 @@ class ExportCommand(click.Command):
     "--format", "style", default="json", show_default=True, metavar="NAME", help="One of the formats listed below."
 )
 @click.option("--output", type=click.Path(path_type=Path), metavar="FILE", help="Write there instead of printing.")
-@uncollected()
 def export_command(study_folder: Path | None, campaign: str, style: str, output: Path | None) -> None:
     """Print one row per flight, ordered by mutant, situation and seed, or the campaign in another tool's format.
 

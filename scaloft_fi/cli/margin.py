@@ -68,7 +68,7 @@ def margin_command(
     first fault; an id with a magnitude picks a fault by the unit, and a phase by #.  The flights are ordinary flights
     of the campaign: nothing is flown twice, and `scaloft-fi matrix --margins` shows what was found.
     """
-    from scaloft_fi.campaign.processes.hire import cores, one_thread_each
+    from scaloft_fi.campaign.processes.start import cores, one_thread_each
     from scaloft_fi.campaign.runs.options import RunOptions
 
     one_thread_each()

@@ -40,7 +40,7 @@ def replay_command(name: str, study_folder: Path | None, campaign: str, output: 
     if output is not None and output.suffix.lower() not in (*PICTURES, RECORDING):
         raise InputError(f"--output={str(output)!r} must end in .svg, .png or .mcap")
     check_writable(output)
-    from scaloft_fi.campaign.processes.hire import one_thread_each
+    from scaloft_fi.campaign.processes.start import one_thread_each
 
     one_thread_each()
     from scaloft_fi.campaign.flights.fly import fly_log, judged

@@ -131,7 +131,7 @@ def run_command(
 
     A flight that the campaign holds is not flown again, so the same command resumes an interrupted run.
     """
-    from scaloft_fi.campaign.processes.hire import one_thread_each
+    from scaloft_fi.campaign.processes.start import one_thread_each
 
     one_thread_each()
     from scaloft_fi.analysis.scoring.pool import LEAST

@@ -21,7 +21,6 @@ from scaloft_fi.cli.options import (
     study_option,
     today_option,
 )
-from scaloft_fi.collector import uncollected
 from scaloft_fi.errors import InputError
 
 if TYPE_CHECKING:
@@ -52,7 +51,6 @@ BELOW = 3
     "or a disposition has expired.",
 )
 @today_option
-@uncollected()
 def score_command(
     study_folder: Path | None,
     campaign: str,
@@ -69,6 +67,7 @@ def score_command(
     from scaloft_fi.campaign.runs.baseline_pool import borrowed
     from scaloft_fi.campaign.store.folder import campaign_folder, existing
     from scaloft_fi.campaign.store.platforms import warning_for
+    from scaloft_fi.judge.rulings import rulings_of
     from scaloft_fi.study import Study
     from scaloft_fi.views.moment import moment
 

@@ -8,7 +8,6 @@ from pathlib import Path
 import click
 
 from scaloft_fi.cli.options import campaign_option, format_option, study_option
-from scaloft_fi.collector import uncollected
 
 AGAIN = "The same `run` flies them again; no flight log is kept from which they could be judged anew."
 WAITING = "waiting for their baseline"
@@ -19,7 +18,6 @@ WAITING = "waiting for their baseline"
 @study_option
 @campaign_option
 @format_option
-@uncollected()
 def status_command(study_folder: Path | None, campaign: str, style: str) -> None:
     """Print how many flights a campaign holds, by status, and why those are stale that do not count any more."""
     from scaloft_fi.campaign.store.held import held

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from scaloft_fi.bulk import bulk
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.status import INVALID, Ruling, Status, counting, rule
 
 
 @dataclass(frozen=True, slots=True)
-class Flight:
+class JudgedFlight:
     """A flight beside its baseline.
 
     Attributes:
@@ -40,13 +39,13 @@ class Flight:
         return self.ruling.operability_revealed
 
 
-def flight_of(outcome: Outcome, baseline: Outcome | None) -> Flight:
+def flight_of(outcome: Outcome, baseline: Outcome | None) -> JudgedFlight:
     """Judge a mutant's flight by the baseline of the same situation and seed; without one that counts it is invalid."""
     ruling = rule(outcome, counting(baseline))
-    return Flight(outcome, None if ruling is INVALID else baseline, ruling)
+    return JudgedFlight(outcome, None if ruling is INVALID else baseline, ruling)
 
 
-def flights_of(outcomes: Iterable[Outcome]) -> list[Flight]:
+def flights_of(outcomes: Iterable[Outcome]) -> list[JudgedFlight]:
     """Every flight of a mutant (PLACEBO among them) beside its baseline, in the order given."""
     baselines, flown = apart(outcomes)
     known = {(baseline.situation, baseline.seed): counting(baseline) for baseline in baselines}
@@ -56,7 +55,7 @@ def flights_of(outcomes: Iterable[Outcome]) -> list[Flight]:
         None if baseline is None or ruling is INVALID else baseline.outcome
         for baseline, ruling in zip(beside, rulings, strict=True)
     ]
-    return bulk(Flight, (flown, counted, rulings))
+    return list(map(JudgedFlight, flown, counted, rulings))
 
 
 def baselines_of(outcomes: Iterable[Outcome]) -> dict[tuple[str, int], Outcome]:

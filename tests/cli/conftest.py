@@ -64,7 +64,7 @@ class Paper:
 @pytest.fixture
 def paper(monkeypatch: pytest.MonkeyPatch) -> Paper:
     flyer = Paper()
-    monkeypatch.setattr("scaloft_fi.campaign.runs.crew.Physics", lambda: flyer)
+    monkeypatch.setattr("scaloft_fi.campaign.runs.campaign.Physics", lambda: flyer)
     return flyer
 
 

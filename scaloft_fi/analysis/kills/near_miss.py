@@ -6,7 +6,7 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
-from scaloft_fi.judge.flights import Flight
+from scaloft_fi.judge.flights import JudgedFlight
 from scaloft_fi.judge.requirement import Reading, Verdict
 from scaloft_fi.judge.track import TRACK_COLUMNS, unpack_track
 
@@ -49,7 +49,7 @@ class Loss:
         }
 
 
-def losses(flight: Flight, steady: Collection[str]) -> tuple[Loss, ...]:
+def losses(flight: JudgedFlight, steady: Collection[str]) -> tuple[Loss, ...]:
     """What a flight lost of each requirement, steady there, that it and its baseline held to their ends, triggered."""
     if flight.baseline is None:
         return ()
@@ -66,7 +66,7 @@ def _held(reading: Reading) -> bool:
     return reading.verdict is Verdict.HELD
 
 
-def off_path_m(flight: Flight) -> float:
+def off_path_m(flight: JudgedFlight) -> float:
     """How far the flight was off its baseline's path at the most [m]: second by second, to the nearest point of it.
 
     Time does not enter: a flight that goes the same way later is not off it.  0 without trajectories.

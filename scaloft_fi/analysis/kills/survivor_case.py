@@ -14,7 +14,7 @@ from scaloft_fi.analysis.kills.near_miss import Loss, losses, off_path_m
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.analysis.scoring.score import Score
-from scaloft_fi.judge.flights import Flight, flights_of
+from scaloft_fi.judge.flights import JudgedFlight, flights_of
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
@@ -28,7 +28,7 @@ class Campaign:
     space: Space
     pool: Pool
     scores: Mapping[str, MutantScore]
-    flights: Mapping[str, Sequence[Flight]]
+    flights: Mapping[str, Sequence[JudgedFlight]]
     carrying: Mapping[str, frozenset[str]]
     """Per seam the situations where it carried a sample in some flight."""
     units: Mapping[str, str]
@@ -43,7 +43,7 @@ class Campaign:
         units: Mapping[str, str],
     ) -> Campaign:
         """From outcomes, with or without trajectories, and their score; invalid flights say nothing."""
-        flights: dict[str, list[Flight]] = {row.id: [] for row in matrix.rows}
+        flights: dict[str, list[JudgedFlight]] = {row.id: [] for row in matrix.rows}
         for flight in flights_of(outcomes):
             if flight.status is not Status.INVALID:
                 flights.setdefault(flight.outcome.mutant, []).append(flight)
@@ -90,7 +90,7 @@ class Case:
         return self.campaign.scores[self.row.id]
 
     @property
-    def flights(self) -> Sequence[Flight]:
+    def flights(self) -> Sequence[JudgedFlight]:
         """Those that count."""
         return self.campaign.flights.get(self.row.id, ())
 
@@ -115,7 +115,7 @@ class Case:
         return self.infected - self.campaign.pool.flown
 
     @cached_property
-    def tested(self) -> tuple[Flight, ...]:
+    def tested(self) -> tuple[JudgedFlight, ...]:
         """Flights in situations that put it to the test."""
         return tuple(flight for flight in self.flights if flight.outcome.situation in self.steady)
 

@@ -15,7 +15,6 @@ from scaloft_fi.campaign.plan.batch import Batch
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.processes.patience import PATIENCE_S
 from scaloft_fi.campaign.processes.pool import Pool
-from scaloft_fi.collector import uncollected
 from scaloft_fi.judge.outcome import Outcome
 
 if TYPE_CHECKING:
@@ -24,13 +23,12 @@ if TYPE_CHECKING:
 KERNELS_S = 5.0
 """After this time in the air every compiled kernel was called: the drone has climbed, and plans [s]."""
 NOTICE_S = 1.0
-"""After this a person is told what the wait is for [s, wall]."""
+"""After this a line says what the wait is for [s, wall]."""
 
 
 class Physics:
     """Flies in PyBullet."""
 
-    @uncollected()
     def prepare(self, study: Study, say: Callable[[str], None]) -> None:
         """Build the stack, compile its kernels and parse the formulas by flying and judging a few seconds.
 
@@ -39,7 +37,7 @@ class Physics:
         Raises:
             InputError: the settings of the stack do not fit.
         """
-        with _unheard():
+        with _stderr_silenced():
             import pybullet  # noqa: F401 - it greets on standard error when first imported
         from scaloft_fi.sim import flight
         from scaloft_fi.stack.rates import TICK_HZ
@@ -72,8 +70,8 @@ class Physics:
 
 
 @contextmanager
-def _unheard() -> Iterator[None]:
-    """Send what C code writes to standard error nowhere."""
+def _stderr_silenced() -> Iterator[None]:
+    """Drop what C code writes to standard error."""
     saved, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 2)
     try:

@@ -66,20 +66,20 @@ class Worker:
                 return self.flyer(self.study, flight)
             except InputError:
                 raise
-            except Exception as error:  # noqa: BLE001 - any failure of the harness is a fact to be told, never a verdict
+            except Exception as error:  # noqa: BLE001 - any failure of the harness is reported as invalid, never as a verdict
                 reason = reason_of(error)
         return invalid(flight, reason)
 
     def _share(self, batch: Batch, report: Callable[[Outcome], None]) -> None:
-        told: set[str] = set()
+        known: set[str] = set()
 
         def note(outcome: Outcome) -> None:
-            told.add(outcome.name)
+            known.add(outcome.name)
             report(outcome)
 
         reason = ""
         for _ in range(ATTEMPTS):
-            left = batch.without(told)
+            left = batch.without(known)
             if left is None:
                 return
             try:
@@ -88,7 +88,7 @@ class Worker:
                 raise
             except Exception as error:  # noqa: BLE001 - as above
                 reason = reason_of(error)
-        left = batch.without(told)
+        left = batch.without(known)
         for flight in left.flights if left else ():
             report(invalid(flight, f"its baseline: {reason}"))
 

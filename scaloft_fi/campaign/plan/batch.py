@@ -31,6 +31,6 @@ class Batch:
         return Flight(None, self.flights[0].situation, self.flights[0].seed)
 
     def without(self, names: Collection[str]) -> Batch | None:
-        """What is left when the flights called `names` are home; None = nothing."""
+        """What is left when the flights called `names` have arrived; None = nothing."""
         left = tuple(flight for flight in self.flights if flight.name not in names)
         return replace(self, flights=left) if left else None

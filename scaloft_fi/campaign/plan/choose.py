@@ -24,9 +24,9 @@ def seeds(text: str, option: str = "--seeds") -> tuple[int, ...]:
     Raises:
         InputError: it is neither, or names no seed.
     """
-    found = re.fullmatch(r"(\d{1,9})(?:-(\d{1,9}))?", text.strip())
-    if found:
-        first, last = (0, int(found[1]) - 1) if found[2] is None else (int(found[1]), int(found[2]))
+    match = re.fullmatch(r"(\d{1,9})(?:-(\d{1,9}))?", text.strip())
+    if match:
+        first, last = (0, int(match[1]) - 1) if match[2] is None else (int(match[1]), int(match[2]))
         if 0 <= last - first < MOST_SEEDS:
             return tuple(range(first, last + 1))
     raise InputError(f"{option}={text!r} must be N for seeds 0..N-1 (N >= 1), or A-B with A <= B")
@@ -56,9 +56,9 @@ def shard(text: str) -> tuple[int, int]:
     Raises:
         InputError: it is no such pair.
     """
-    found = re.fullmatch(r"(\d{1,6})/(\d{1,6})", text.strip())
-    if found and 1 <= int(found[1]) <= int(found[2]):
-        return int(found[1]), int(found[2])
+    match = re.fullmatch(r"(\d{1,6})/(\d{1,6})", text.strip())
+    if match and 1 <= int(match[1]) <= int(match[2]):
+        return int(match[1]), int(match[2])
     raise InputError(f"--shard={text!r} must be K/N with 1 <= K <= N, as in 1/4")
 
 

@@ -24,7 +24,7 @@ class Progress:
     Attributes:
         flights: how many are to be flown.
         done: how many are.
-        done_s: what that took, told in simulated time [s].
+        done_s: what that was expected to take, as simulated time [s].
         left_s: what the rest is expected to take [s]; only asked when it is shown.
         most_s: wall time after which no more is begun [s], seen from now; infinite without a budget.
         stage: what the flights are part of, such as `look 2 of 3`.

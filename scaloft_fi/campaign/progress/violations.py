@@ -1,4 +1,4 @@
-"""Counts violations as they come home.  The mission log lists them."""
+"""Counts violations as they arrive.  The mission log lists them."""
 
 from __future__ import annotations
 

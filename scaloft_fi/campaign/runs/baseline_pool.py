@@ -32,13 +32,13 @@ def borrowed(study: Study, campaign: str, situations: Iterable[str]) -> tuple[Ou
             (f.situation, f.seed): Flight(None, study.grid.situation(f.situation), f.seed) for f in flown.values()
         }
         now = {keys.key(flight): flight for flight in flights.values()}
-        found = tuple(outcome for outcome in store.outcomes(now) if not outcome.invalid)
+        lent = tuple(outcome for outcome in store.outcomes(now) if not outcome.invalid)
     if changed:
         raise InputError(f"{place} was flown on another platform, its digests may differ: {', '.join(changed)}")
     stale = [flight for key, flight in now.items() if key not in flown]
     if stale:
         raise InputError(f"{place}: {stale[0].name} was flown with other data or code; fly it again there")
-    missing = [situation for situation in wanted if situation not in {outcome.situation for outcome in found}]
+    missing = [situation for situation in wanted if situation not in {outcome.situation for outcome in lent}]
     if missing:
         raise InputError(f"{place} has no baseline of {missing[0]}; fly it there with `run --baseline-seeds`")
-    return found
+    return lent

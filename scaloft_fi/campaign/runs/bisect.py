@@ -46,15 +46,15 @@ class Search:
             return missing
         if all(entry.answer is Answer.UNTESTED for entry in tried.values()):
             return ()
-        found = margin_of(self.scale, tried.values())
-        if found.end is None:
-            candidates = self._severer(tried) if found.survives is not None else iter(())
-        elif found.survives is None:
-            candidates = self._milder(tried, found.end)
-        elif self._narrow(found.survives, found.end):
+        margin = margin_of(self.scale, tried.values())
+        if margin.end is None:
+            candidates = self._severer(tried) if margin.survives is not None else iter(())
+        elif margin.survives is None:
+            candidates = self._milder(tried, margin.end)
+        elif self._narrow(margin.survives, margin.end):
             return ()
         else:
-            candidates = self._between(found.survives, found.end)
+            candidates = self._between(margin.survives, margin.end)
         return next(((m,) for m in candidates if m not in tried and self._fits(m)), ())
 
     def _narrow(self, survives: float, end: float) -> bool:

@@ -33,8 +33,8 @@ def budget_s(text: str) -> float:
     Raises:
         InputError: it is none.
     """
-    found = re.fullmatch(r"(?:(\d{1,6})h)?(?:(\d{1,6})m)?(?:(\d{1,6})s)?", text.strip())
-    parts = found.groups(default="0") if found else ("0", "0", "0")
+    match = re.fullmatch(r"(?:(\d{1,6})h)?(?:(\d{1,6})m)?(?:(\d{1,6})s)?", text.strip())
+    parts = match.groups(default="0") if match else ("0", "0", "0")
     total_s = sum(int(part) * unit for part, unit in zip(parts, UNITS_S, strict=True))
     if not total_s:
         raise InputError(f"--budget={text!r} must be a time above 0 with its unit, such as 90s, 10m or 1h30m")
@@ -63,7 +63,7 @@ class Budget:
     ) -> Iterator[Batch]:
         """`batches`, until the time is up; a batch that was handed out before is flown to its end.
 
-        To leave it in the middle would keep of it what comes home first: the mutants that show early.  The first batch
+        To leave it in the middle would keep of it what is flown first: the mutants that show early.  The first batch
         that is not expected to end in time is the end: to skip it for a shorter one would favour short flights.
 
         Args:

@@ -8,7 +8,7 @@ from scaloft_fi.analysis.roster import Roster, cell_of
 from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.campaign.runs.options import MOST_INVALID
 from scaloft_fi.errors import GateError
-from scaloft_fi.judge.flights import Flight, baselines_of, flights_of
+from scaloft_fi.judge.flights import JudgedFlight, baselines_of, flights_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.judge.requirement import Kind, Verdict
 from scaloft_fi.judge.status import Status
@@ -141,8 +141,10 @@ def _rise_m(track: bytes) -> float:
     return max(heights) - heights[0]
 
 
-def _silent_controls(flights: Iterable[Flight], roster: Roster, canary: str | None, whole_grid: bool) -> Iterator[str]:
-    by_control: dict[str, list[Flight]] = {}
+def _silent_controls(
+    flights: Iterable[JudgedFlight], roster: Roster, canary: str | None, whole_grid: bool
+) -> Iterator[str]:
+    by_control: dict[str, list[JudgedFlight]] = {}
     for flight in flights:
         if cell_of(flight.outcome.mutant) in roster.controls and flight.status is not Status.INVALID:
             by_control.setdefault(flight.outcome.mutant, []).append(flight)
@@ -152,7 +154,7 @@ def _silent_controls(flights: Iterable[Flight], roster: Roster, canary: str | No
         yield f"a control shows nothing, so faults may not reach the drone: {_some(names)}"
 
 
-def _shows(flight: Flight) -> bool:
+def _shows(flight: JudgedFlight) -> bool:
     return bool(flight.revealed or flight.operability_revealed)
 
 

@@ -10,15 +10,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scaloft_fi.analysis.scoring.detection import LOOKS, Verdict
-from scaloft_fi.analysis.scoring.pool import LEAST
 from scaloft_fi.analysis.scoring.score import Score, score
 from scaloft_fi.campaign.flights.worker import Flyer
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.plan.plan import Plan, canary_flight, plan
 from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.runs.crew import Crew, hired
+from scaloft_fi.campaign.runs.campaign import Campaign, opened
 from scaloft_fi.campaign.runs.options import RunOptions
-from scaloft_fi.campaign.runs.run import Report, write_log
+from scaloft_fi.campaign.runs.run import Report, fly_pool, write_log
 from scaloft_fi.campaign.runs.spending import remember_seeds, spending_of
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.judge.outcome import Outcome
@@ -57,10 +56,10 @@ def run_looks(
     progress: Progress,
     flyer: Flyer | None = None,
 ) -> tuple[Report, tuple[Look, ...]]:
-    """Fly whole rounds: all flights of a look are home and judged before the next one is planned.
+    """Fly whole rounds: all flights of a look are flown and judged before the next one is planned.
 
     What is undecided flies on, in the situations whose pool has a steady pair; what is detected, not detected or not
-    tested does not.  What is flown follows from the outcomes alone: neither the order in which they come home nor an
+    tested does not.  What is flown follows from the outcomes alone: neither the order in which they arrive nor an
     interruption changes it.  That there are looks is kept before the first, so each spends its share of alpha.
 
     Args:
@@ -84,22 +83,23 @@ def run_looks(
     situations = list(dict.fromkeys(flight.situation for flight in question.baselines))
     mutants = list(dict.fromkeys(f.mutant for f in question.mutants if f.mutant is not None and f.mutant != PLACEBO))
     first = replace(plan(situations, range(LOOKS[0]), mutants, question.canary), pool_seeds=question.pool_seeds)
-    with hired(study, folder, options, progress=progress, flyer=flyer, first=first.known) as crew:
+    with opened(study, folder, options, progress=progress, flyer=flyer, first=first.known) as campaign:
         for seeds in LOOKS:
-            remember_seeds(crew.store, (mutant.id for mutant in mutants), range(seeds))
-        rounds = _Rounds(crew, first, others)
+            remember_seeds(campaign.store, (mutant.id for mutant in mutants), range(seeds))
+        campaign.announce_pool(first)
+        rounds = _Rounds(campaign, first, others)
         looks = tuple(rounds.looks(mutants, situations))
-        canary = canary_flight(first, crew.outcomes(first.baselines))
+        canary = canary_flight(first, campaign.outcomes(first.baselines))
         if canary is not None:
-            crew.plan([canary], canary=True)
-            crew.fly([canary])
-        crew.repeat(first.baselines)
-        crew.lookout.close()
-        write_log(study, folder, current_in(study, crew.store))
-        outcomes = crew.outcomes([*rounds.flights, *([canary] if canary else [])])
-        crew.go_on(f"{len(outcomes)} flights are")
-        crew.hold_gates(question, outcomes)
-        return Report(outcomes, crew.flown, (), spending_of(study, crew.store)), looks
+            campaign.plan([canary], canary=True)
+            campaign.fly([canary])
+        campaign.repeat(first.baselines)
+        campaign.reporter.close()
+        write_log(study, folder, current_in(study, campaign.store))
+        outcomes = campaign.outcomes([*rounds.flights, *([canary] if canary else [])])
+        campaign.raise_if_stopped(f"{len(outcomes)} flights are")
+        campaign.hold_gates(question, outcomes)
+        return Report(outcomes, campaign.flown, (), spending_of(study, campaign.store)), looks
 
 
 class _Rounds:
@@ -109,39 +109,35 @@ class _Rounds:
         flights: of all looks, with their baselines and the pool.
     """
 
-    def __init__(self, crew: Crew, first: Plan, others: Sequence[Outcome]) -> None:
-        self._crew, self._first, self._others = crew, first, others
+    def __init__(self, campaign: Campaign, first: Plan, others: Sequence[Outcome]) -> None:
+        self._campaign, self._first, self._others = campaign, first, others
         self.flights: list[Flight] = []
 
     def looks(self, mutants: Sequence[Mutant], situations: Sequence[Situation]) -> list[Look]:
         """Look by look, until all is decided or the user stops it."""
-        found: list[Look] = []
+        looks: list[Look] = []
         for number, (before, seeds) in enumerate(pairwise((0, *LOOKS)), start=1):
-            if not mutants or not situations or self._crew.stopped():
+            if not mutants or not situations or self._campaign.stopped():
                 break
-            self._crew.lookout.progress.stage = f"look {number} of {len(LOOKS)}"
+            self._campaign.reporter.progress.stage = f"look {number} of {len(LOOKS)}"
             due = plan(situations, range(before, seeds), mutants, None)
             self._fly(replace(due, pool_seeds=self._first.pool_seeds))
             scored = self._scored()
             judged = {one.subject.id: one for one in (*scored.mutants, *scored.controls)}
             verdicts = {m: judged[m.id].verdict if m.id in judged else Verdict.NOT_TESTED for m in mutants}
             flights = sum(flight.mutant != PLACEBO for flight in due.mutants)
-            found.append(Look(seeds, len(mutants), flights, Counter(verdicts.values())))
+            looks.append(Look(seeds, len(mutants), flights, Counter(verdicts.values())))
             mutants = [mutant for mutant, verdict in verdicts.items() if verdict is Verdict.UNDECIDED]
             situations = [s for s in situations if scored.pool.steady(s.key, Kind.SAFETY)]
-        return found
+        return looks
 
     def _fly(self, due: Plan) -> None:
-        """Fly a look and what its pool lacks; the pool has the seeds of the first look and its own in every look."""
-        self._crew.plan(due.known)
-        self._crew.announce_pool(due)
-        self._crew.fly(due.known)
-        situations = due.infected(self._crew.outcomes(due.mutants))
-        pool = [flight for situation in situations for flight in self._first.pool(situation, LEAST)]
-        self._crew.plan(pool)
-        self._crew.fly(pool)
+        """Fly a look, and the pool of the situations where a mutant infects."""
+        self._campaign.plan(due.known)
+        self._campaign.fly(due.known)
+        pool = fly_pool(due, self._campaign)
         self.flights = list(dict.fromkeys((*self.flights, *due.known, *pool)))
 
     def _scored(self) -> Score:
-        study, spending = self._crew.study, spending_of(self._crew.study, self._crew.store)
-        return score(self._crew.outcomes(self.flights), study.roster, study.space, spending, self._others)
+        study, spending = self._campaign.study, spending_of(self._campaign.study, self._campaign.store)
+        return score(self._campaign.outcomes(self.flights), study.roster, study.space, spending, self._others)

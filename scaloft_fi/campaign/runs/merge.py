@@ -17,8 +17,6 @@ from scaloft_fi.judge.flights import baselines_of
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 
-Row = tuple[str, Outcome]
-
 
 @dataclass(frozen=True)
 class Merged:

@@ -22,7 +22,7 @@ class RunOptions:
         part: whether others fly the rest; the gates that need all of it are theirs who merge it.
         budget_s: wall time after which no more flights are begun [s]; None = until all is flown.
         max_invalid: largest share 0..1 of invalid flights with which a run may be believed.
-        warnings: whether each violation is told as it happens, and not only counted.
+        warnings: whether each violation is shown as it happens, and not only counted.
         command: what the user typed, to resume by; empty when nobody typed anything.
     """
 

@@ -12,7 +12,7 @@ from scaloft_fi.campaign.store.held import counting_flights, flight_named
 from scaloft_fi.campaign.store.platforms import agree, outgrow, unproved
 from scaloft_fi.campaign.store.selection import Flown
 from scaloft_fi.campaign.store.store import Store
-from scaloft_fi.campaign.workers.executor import Hands
+from scaloft_fi.campaign.workers.executor import Workers
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.study import Study
@@ -22,7 +22,7 @@ BASELINES, MUTANTS = 2, 3
 
 
 def prove_platform(
-    study: Study, store: Store, hands: Hands, *, say: Callable[[str], None], stopped: Callable[[], bool]
+    study: Study, store: Store, workers: Workers, *, say: Callable[[str], None], stopped: Callable[[], bool]
 ) -> None:
     """Keep the platform of a new store; on another platform fly a sample of the store's flights again.
 
@@ -32,7 +32,7 @@ def prove_platform(
     Args:
         study: as it is now; the sample is drawn from the flights that count.
         store: of the campaign.
-        hands: fly the sample.
+        workers: fly the sample.
         say: takes a line for a person.
         stopped: whether the user asked to stop; then nothing is decided.
 
@@ -52,7 +52,7 @@ def prove_platform(
     say(f"the platform has changed ({changed}); {len(sample)} stored flights are flown again")
     first = {outcome.name: outcome for outcome in store.outcomes(flight.key for flight in sample)}
     flights = [flight_named(study, flight.mutant, flight.situation, flight.seed) for flight in sample]
-    again = [outcome for outcome in hands.map(alone(flights)) if outcome.name in first]
+    again = [outcome for outcome in workers.map(alone(flights)) if outcome.name in first]
     if stopped():
         return
     valid = [outcome for outcome in again if not outcome.invalid]

@@ -14,7 +14,7 @@ from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.plan.plan import Plan, canary_flight
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.budget import Budget, fair_order
-from scaloft_fi.campaign.runs.crew import Crew, hired
+from scaloft_fi.campaign.runs.campaign import Campaign, opened
 from scaloft_fi.campaign.runs.mission_log import mission_log, to_json
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.spending import remember_seeds, spending_of
@@ -68,50 +68,52 @@ def run(
     """
     options = options or RunOptions()
     budget = Budget(options.budget_s)
-    with hired(study, folder, options, progress=progress, flyer=flyer, first=planned.known) as crew:
-        report = _fly(planned, crew, budget)
-        crew.go_on(f"{len(report.outcomes)} flights are")
-        crew.hold_gates(planned, report.outcomes, part=bool(report.left))
+    with opened(study, folder, options, progress=progress, flyer=flyer, first=planned.known) as campaign:
+        report = _fly(planned, campaign, budget)
+        campaign.raise_if_stopped(f"{len(report.outcomes)} flights are")
+        campaign.hold_gates(planned, report.outcomes, part=bool(report.left))
     return report
 
 
-def _fly(planned: Plan, crew: Crew, budget: Budget) -> Report:
+def _fly(planned: Plan, campaign: Campaign, budget: Budget) -> Report:
     """Fly until all is flown, time is up or the user stops it; returns what the plan has now."""
     flights = planned.known
-    remember_seeds(crew.store, (flight.subject.id for flight in planned.mutants), planned.seeds)
-    crew.plan(flights)
-    crew.lookout.progress.most_s = lambda: budget.left_s
-    crew.announce_pool(planned)
-    if crew.options.budget_s is None:
-        crew.fly(flights)
+    remember_seeds(campaign.store, (flight.subject.id for flight in planned.mutants), planned.seeds)
+    campaign.plan(flights)
+    campaign.reporter.progress.most_s = lambda: budget.left_s
+    campaign.announce_pool(planned)
+    if campaign.options.budget_s is None:
+        campaign.fly(flights)
     else:
-        crew.fly(
+        campaign.fly(
             flights,
-            lambda missing: budget.while_it_lasts(fair_order(crew.study, planned, crew.unit, missing), crew.wall_s),
+            lambda missing: budget.while_it_lasts(
+                fair_order(campaign.study, planned, campaign.unit, missing), campaign.wall_s
+            ),
         )
-    pool = fly_pool(planned, crew, budget)
-    home = {outcome.name for outcome in crew.outcomes((*flights, *pool))}
-    left = tuple(flight for flight in (*flights, *pool) if flight.name not in home)
-    canary = canary_flight(planned, crew.outcomes(planned.baselines)) if not left else None
+    pool = fly_pool(planned, campaign, budget)
+    done = {outcome.name for outcome in campaign.outcomes((*flights, *pool))}
+    left = tuple(flight for flight in (*flights, *pool) if flight.name not in done)
+    canary = canary_flight(planned, campaign.outcomes(planned.baselines)) if not left else None
     if canary is not None:
-        crew.plan([canary], canary=True)
-        crew.fly([canary])
-    crew.repeat(planned.baselines)
-    crew.lookout.close()
-    outcomes = crew.outcomes((*flights, *pool, *([canary] if canary else [])))
-    write_log(crew.study, crew.folder, current_in(crew.study, crew.store))
-    return Report(outcomes, crew.flown, left, spending_of(crew.study, crew.store))
+        campaign.plan([canary], canary=True)
+        campaign.fly([canary])
+    campaign.repeat(planned.baselines)
+    campaign.reporter.close()
+    outcomes = campaign.outcomes((*flights, *pool, *([canary] if canary else [])))
+    write_log(campaign.study, campaign.folder, current_in(campaign.study, campaign.store))
+    return Report(outcomes, campaign.flown, left, spending_of(campaign.study, campaign.store))
 
 
-def fly_pool(planned: Plan, crew: Crew, budget: Budget | None = None) -> tuple[Flight, ...]:
+def fly_pool(planned: Plan, campaign: Campaign, budget: Budget | None = None) -> tuple[Flight, ...]:
     """Fly the baseline pool where a mutant of the plan has infected; returns its flights."""
-    situations = planned.infected(crew.outcomes(planned.mutants))
+    situations = planned.infected(campaign.outcomes(planned.mutants))
     pool = tuple(flight for situation in situations for flight in planned.pool(situation, LEAST))
-    crew.plan(pool)
-    if budget is None or crew.options.budget_s is None:
-        crew.fly(pool)
+    campaign.plan(pool)
+    if budget is None or campaign.options.budget_s is None:
+        campaign.fly(pool)
     else:
-        crew.fly(pool, lambda missing: budget.while_it_lasts(alone(missing), crew.wall_s))
+        campaign.fly(pool, lambda missing: budget.while_it_lasts(alone(missing), campaign.wall_s))
     return pool
 
 

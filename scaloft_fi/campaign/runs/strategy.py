@@ -65,24 +65,24 @@ def choose(text: str, pool: Sequence[Situation], seeds: Sequence[int], seed: int
     """
     if text == ALL:
         return _each(text, seed, pool, pool, seeds)
-    if found := re.fullmatch(r"(random|first):([1-9]\d{0,8})", text):
-        if int(found[2]) > len(pool):
+    if match := re.fullmatch(r"(random|first):([1-9]\d{0,8})", text):
+        if int(match[2]) > len(pool):
             raise InputError(f"--choose={text!r} must ask for at most {len(pool)}, the situations to choose from")
         ordered = (
-            pool if found[1] == "first" else sorted(pool, key=lambda one: key_words(NOTE, text[:6], seed, one.key))
+            pool if match[1] == "first" else sorted(pool, key=lambda one: key_words(NOTE, text[:6], seed, one.key))
         )
-        return _each(text, seed, pool, ordered[: int(found[2])], seeds)
-    if found := re.fullmatch(r"([1-9]\d?)-way", text):
-        if int(found[1]) > len(space.axes):
+        return _each(text, seed, pool, ordered[: int(match[2])], seeds)
+    if match := re.fullmatch(r"([1-9]\d?)-way", text):
+        if int(match[1]) > len(space.axes):
             raise InputError(f"--choose={text!r} must be 1-way to {len(space.axes)}-way, the number of axes")
         by_key = {situation.key: situation for situation in pool}
-        suite = covering_array(space, tuple(by_key), int(found[1]), seed)
+        suite = covering_array(space, tuple(by_key), int(match[1]), seed)
         return _each(text, seed, pool, [by_key[key] for key in suite], seeds)
-    if found := re.fullmatch(r"draws:([1-9]\d{0,8}|([1-9]\d?(?:\.\d+)?|100)%)", text):
+    if match := re.fullmatch(r"draws:([1-9]\d{0,8}|([1-9]\d?(?:\.\d+)?|100)%)", text):
         if len(seeds) > 1:
             raise InputError(f"--choose={text!r} gives each draw a seed of its own: --seeds must name one, the first")
-        target = math.ceil(Fraction(found[2]) / 100 * len(pool)) if found[2] else None
-        drawn = _until(pool, seed, target) if target else _numbered(pool, seed, int(found[1]))
+        target = math.ceil(Fraction(match[2]) / 100 * len(pool)) if match[2] else None
+        drawn = _until(pool, seed, target) if target else _numbered(pool, seed, int(match[1]))
         return Choice(text, seed, len(pool), tuple(_with_seeds(drawn, seeds[0])))
     raise InputError(f"--choose={text!r} must be {HINT}")
 
@@ -144,8 +144,8 @@ class Remembered:
 
 def remembered(store: Store) -> tuple[Remembered, ...]:
     """The choices of a campaign."""
-    found = [json.loads(text) for name, text in store.notes().items() if name.startswith(f"{NOTE} ")]
+    notes = [json.loads(text) for name, text in store.notes().items() if name.startswith(f"{NOTE} ")]
     return tuple(
         Remembered(one["choose"], one["seed"], one["pool"], tuple((key, number) for key, number in one["draws"]))
-        for one in sorted(found, key=lambda one: (one["choose"], one["seed"]))
+        for one in sorted(notes, key=lambda one: (one["choose"], one["seed"]))
     )

@@ -16,7 +16,6 @@ from scaloft_fi.campaign.store.selection import Flown
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, Outcome
-from scaloft_fi.judge.rulings import Rulings
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.study import Study
@@ -67,7 +66,7 @@ def held_in(study: Study, store: Store, folder: Path) -> Held:
         due = {flight.key for flight in planned if now.origin(flight.mutant, flight.situation) == flight.origin}
         return Held(
             folder=folder,
-            current=store.that(now.stands),
+            current=store.standing(now.stands),
             why=dict(Counter(now.why(flight) for flight in flights if not now.stands(flight)).most_common()),
             owed=len(due - store.known(due)),
         )
@@ -76,7 +75,7 @@ def held_in(study: Study, store: Store, folder: Path) -> Held:
 def current_in(study: Study, store: Store) -> tuple[Outcome, ...]:
     """The outcomes of an open store that count; there may be none."""
     with store.snapshot():
-        return store.that(_Now(study, store).stands)
+        return store.standing(_Now(study, store).stands)
 
 
 def counting_flights(study: Study, store: Store) -> list[Flown]:
@@ -95,24 +94,7 @@ def current(study: Study, campaign: str) -> tuple[Outcome, ...]:
     """
     folder = campaign_folder(study, campaign)
     with Store(existing(folder), create=False) as store, store.snapshot():
-        return store.that(_Now(study, store).stands) or nothing_to_show(store, folder)
-
-
-def rulings_in(study: Study, store: Store) -> Rulings:
-    """The rulings of an open store that count: all that a score needs, sooner read than outcomes; may be empty."""
-    with store.snapshot():
-        return store.rulings(_Now(study, store).stands)
-
-
-def current_rulings(study: Study, campaign: str) -> Rulings:
-    """The rulings of a campaign that count: all that a score needs, sooner read than outcomes.
-
-    Raises:
-        InputError: there are none.
-    """
-    folder = campaign_folder(study, campaign)
-    with Store(existing(folder), create=False) as store, store.snapshot():
-        return rulings_in(study, store) or nothing_to_show(store, folder)
+        return store.standing(_Now(study, store).stands) or nothing_to_show(store, folder)
 
 
 def nothing_to_show(store: Store, folder: Path) -> NoReturn:

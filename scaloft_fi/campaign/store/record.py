@@ -9,11 +9,10 @@ from itertools import groupby, repeat
 from sys import intern
 from typing import Any, Generic, TypeVar
 
-from scaloft_fi.bulk import bulk
 from scaloft_fi.judge.outcome import Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 
-Row = tuple[Any, ...]
+Record = tuple[Any, ...]
 """Values of `COLUMNS`."""
 
 SUBJECT: Mapping[str, str] = {"mutant": "TEXT", "guideword": "TEXT", "parameter": "TEXT", "magnitude": "TEXT"}
@@ -41,7 +40,7 @@ flights, and a line is read once.
 """
 
 
-def to_row(outcome: Outcome) -> Row:
+def to_row(outcome: Outcome) -> Record:
     """The values of `COLUMNS`.
 
     Raises:
@@ -71,10 +70,10 @@ class Reader:
     def __init__(self) -> None:
         self._subjects = _Subjects()
         self._readings = Lines(_readings)
-        self._violations = violation_lines()
+        self._violations = Lines(_violations)
         self._realised = Lines(_came_true)
 
-    def __call__(self, rows: Sequence[Row], tracks: Iterable[bytes] = repeat(b"")) -> list[Outcome]:
+    def __call__(self, rows: Sequence[Record], tracks: Iterable[bytes] = repeat(b"")) -> list[Outcome]:
         """The outcomes of rows that begin as `to_row` makes them, with their tracks."""
         if not rows:
             return []
@@ -82,9 +81,9 @@ class Reader:
         subjects, rest = columns[: len(SUBJECT)], columns[len(SUBJECT) : len(COLUMNS)]
         situation, seed, ending, invalid, carried, altered, infected_at_s, struck, duration_s = rest[:9]
         digest, perceived_digest, stack_error, readings, violations, realised = rest[9:]
-        return bulk(
-            Outcome,
-            (
+        return list(
+            map(
+                Outcome,
                 map(self._subjects.__getitem__, zip(*subjects, strict=True)),
                 map(intern, situation),
                 seed,
@@ -106,10 +105,10 @@ class Reader:
         )
 
 
-class _Subjects(dict[Row, Subject]):
+class _Subjects(dict[Record, Subject]):
     """Subjects by their columns, each made when it is first asked for."""
 
-    def __missing__(self, row: Row) -> Subject:
+    def __missing__(self, row: Record) -> Subject:
         subject = self[row] = Subject(*map(intern, row))
         return subject
 
@@ -151,17 +150,12 @@ def _breaks(text: str) -> int:
 
 
 def _readings(names: Iterable[str], kinds: Iterable[str], *rest: Iterable[Any]) -> list[Reading]:
-    return bulk(Reading, (map(intern, names), map(_KINDS.__getitem__, kinds), *rest))
-
-
-def violation_lines() -> Lines[Violation]:
-    """Reads the column of violations."""
-    return Lines(_violations)
+    return list(map(Reading, map(intern, names), map(_KINDS.__getitem__, kinds), *rest))
 
 
 def _violations(names: Iterable[str], kinds: Iterable[str], *rest: Iterable[Any]) -> list[Violation]:
     *place, struck = rest
-    return bulk(Violation, (map(intern, names), map(_KINDS.__getitem__, kinds), *place, map(intern, struck)))
+    return list(map(Violation, map(intern, names), map(_KINDS.__getitem__, kinds), *place, map(intern, struck)))
 
 
 def _came_true(axes: Iterable[str], came_true: Iterable[bool]) -> Iterable[tuple[str, bool]]:

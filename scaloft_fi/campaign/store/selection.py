@@ -1,4 +1,4 @@
-"""What is read of a store's outcomes: those that stand, with all that is kept of them or as rulings."""
+"""The outcomes that are read of a store: all, those under some keys, or those of flights that stand."""
 
 from __future__ import annotations
 
@@ -9,10 +9,8 @@ from itertools import chain
 from operator import itemgetter
 from typing import NamedTuple
 
-from scaloft_fi.campaign.store.record import COLUMNS, SUBJECT, Reader, Row, violation_lines
-from scaloft_fi.collector import uncollected
-from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject
-from scaloft_fi.judge.rulings import Court, Rulings
+from scaloft_fi.campaign.store.record import COLUMNS, Reader, Record
+from scaloft_fi.judge.outcome import Outcome
 
 CHUNK = 2000
 """Rows that are read at once: columns of them are faster than rows, while they fit the processor's cache."""
@@ -34,104 +32,52 @@ class Flown(NamedTuple):
     origin: int | None
 
 
-Stand = Callable[[Flown], bool]
+Stands = Callable[[Flown], bool]
 """Whether a flight is wanted.
 
 It is asked once for each origin, which belongs to one mutant in one situation, and of each flight without one.
 """
-Keep = Callable[[Row], bool]
+Keep = Callable[[Record], bool]
 _COLUMNS = (*COLUMNS, "key", "origin")
-_KEY = _COLUMNS.index("key")
-_TRIED = ("mutant", "situation", "seed", "invalid", "carried", "altered", "digest", "violations", "origin")
-"""What a flight is ruled by; the key follows where there is no origin that would stand for it."""
-_VIOLATIONS = _TRIED.index("violations")
+_KEY, _ORIGIN = _COLUMNS.index("key"), _COLUMNS.index("origin")
+_flown = itemgetter(*map(_COLUMNS.index, Flown._fields))
 
 
 def under(keys: set[str]) -> Keep:
-    """Keeps rows of `outcomes` under these keys."""
+    """Keeps the rows under these keys."""
     return lambda row: row[_KEY] in keys
 
 
-def standing(stand: Stand, flown: Callable[[Row], Flown], origin: int) -> Keep:
-    """Keeps rows whose flights `stand`.
+def standing(stands: Stands) -> Keep:
+    """Keeps the rows of flights that stand."""
+    answers: dict[int, bool] = {}
 
-    Args:
-        stand: says so of a flight.
-        flown: the flight of a row.
-        origin: where a row has the flight's.
-    """
-    said: dict[int, bool] = {}
-
-    def keep(row: Row) -> bool:
-        number = row[origin]
-        known = said.get(number)
-        if known is None:
-            known = stand(flown(row))
+    def keep(row: Record) -> bool:
+        number = row[_ORIGIN]
+        answer = answers.get(number)
+        if answer is None:
+            answer = stands(Flown(*_flown(row)))
             if number is not None:
-                said[number] = known
-        return known
+                answers[number] = answer
+        return answer
 
     return keep
 
 
-def _flown(row: Row) -> Flown:
-    return Flown(*_pick(row))
-
-
-_pick = itemgetter(*map(_COLUMNS.index, Flown._fields))
-
-
-def _tried(row: Row) -> Flown:
-    mutant, situation, seed, *_, origin, key = row
-    return Flown(key, mutant, situation, seed, origin)
-
-
-def those_that(stand: Stand) -> Keep:
-    """Keeps rows of `outcomes` whose flights `stand`."""
-    return standing(stand, _flown, _COLUMNS.index("origin"))
-
-
-def outcomes(
-    connection: sqlite3.Connection, keep: Keep | None = None, where: str = ""
-) -> Iterator[tuple[str, Outcome]]:
-    """The outcomes that are kept, each with its key, without their tracks, ordered by mutant, situation, seed, key.
+def outcomes(connection: sqlite3.Connection, keep: Keep | None = None) -> Iterator[tuple[str, Outcome]]:
+    """The outcomes of the rows that are kept, each with its key, ordered by mutant, situation, seed, key.
 
     Args:
         connection: to the store.
-        keep: says so of a row.
-        where: says so to SQLite.
+        keep: whether a row is kept; all are when None.
     """
     read = Reader()
-    found = defaultdict[tuple[str, str], list[tuple[int, str, Outcome]]](list)
-    with uncollected():
-        # to sort here is faster than to have the rows looked up in the order of an index
-        cursor = connection.execute(f"SELECT {', '.join(_COLUMNS)} FROM outcomes {where}")
-        while rows := cursor.fetchmany(CHUNK):
-            kept = list(filter(keep, rows)) if keep else rows
-            for outcome, row in zip(read(kept), kept, strict=True):
-                found[outcome.subject.id, outcome.situation].append((outcome.seed, row[_KEY], outcome))
+    places = defaultdict[tuple[str, str], list[tuple[int, str, Outcome]]](list)
+    # to sort here is faster than to have the rows looked up in the order of an index
+    cursor = connection.execute(f"SELECT {', '.join(_COLUMNS)} FROM outcomes")
+    while rows := cursor.fetchmany(CHUNK):
+        kept = list(filter(keep, rows)) if keep else rows
+        for outcome, row in zip(read(kept), kept, strict=True):
+            places[outcome.subject.id, outcome.situation].append((outcome.seed, row[_KEY], outcome))
     # keys are distinct
-    return ((key, one) for _, key, one in chain.from_iterable(sorted(found[place]) for place in sorted(found)))
-
-
-def rulings(connection: sqlite3.Connection, stand: Stand) -> Rulings:
-    """What the flights that `stand` came to, without an outcome for each of them."""
-    baselines = outcomes(connection, those_that(stand), f"WHERE mutant = '{BASELINE}'")
-    court = Court(outcome for _, outcome in baselines)
-    keep, lines = standing(stand, _tried, _TRIED.index("origin")), violation_lines()
-    with uncollected():
-        columns = f"{', '.join(_TRIED)}, CASE WHEN origin IS NULL THEN key END"
-        cursor = connection.execute(f"SELECT {columns} FROM outcomes WHERE mutant != '{BASELINE}'")
-        while rows := cursor.fetchmany(CHUNK):
-            kept = list(filter(keep, rows))
-            for row, violations in zip(kept, lines.of([row[_VIOLATIONS] for row in kept]), strict=True):
-                mutant, situation, seed, invalid, carried, altered, digest, *_ = row
-                court.hear(mutant, situation, seed, (invalid, carried, altered, digest, violations))
-    return court.rulings(_subjects(connection))
-
-
-def _subjects(connection: sqlite3.Connection) -> dict[str, Subject]:
-    """The mutants by their ids."""
-    first = "SELECT min(id) FROM outcomes GROUP BY mutant"
-    rows = connection.execute(f"SELECT {', '.join(SUBJECT)} FROM outcomes WHERE id IN ({first})")
-    return {row[0]: Subject(*row) for row in rows}
+    return ((key, one) for _, key, one in chain.from_iterable(sorted(places[place]) for place in sorted(places)))

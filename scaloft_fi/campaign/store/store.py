@@ -15,10 +15,9 @@ from typing import NamedTuple
 from scaloft_fi.campaign.store.origin import Origin
 from scaloft_fi.campaign.store.record import COLUMNS, Reader
 from scaloft_fi.campaign.store.schema import SCHEMA, create, insert
-from scaloft_fi.campaign.store.selection import Flown, Stand, outcomes, rulings, those_that, under
+from scaloft_fi.campaign.store.selection import Flown, Stands, outcomes, standing, under
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.rulings import Rulings
 
 NOTE = "note: "
 """What the names of notes begin with in the table of facts."""
@@ -66,7 +65,7 @@ class Store:
         with _sentences(path):
             if create:
                 path.parent.mkdir(parents=True, exist_ok=True)
-            # SQLite keeps its log beside the file, which where nothing can be written it must be told not to ask for
+            # SQLite keeps its log beside the file, which where nothing can be written it must not ask for
             fixed = not create and not os.access(path.parent, os.W_OK) and not _log(path).exists()
             name = f"{path.absolute().as_uri()}?immutable=1" if fixed else str(path)
             # rows are written one by one in explicit transactions
@@ -197,9 +196,9 @@ class Store:
     def known(self, keys: Iterable[str]) -> set[str]:
         """Those of `keys` that have an outcome that counts."""
         with _sentences(self.path):
-            found = {key for (key,) in self._connection.execute("SELECT key FROM outcomes")}
+            stored = {key for (key,) in self._connection.execute("SELECT key FROM outcomes")}
             invalid = self._connection.execute("SELECT key FROM outcomes WHERE invalid != ''")
-            return found.intersection(keys).difference(key for (key,) in invalid)
+            return stored.intersection(keys).difference(key for (key,) in invalid)
 
     def flights(self) -> list[Flown]:
         """What there are outcomes of, ordered by mutant, situation, seed; read from an index, so soon done."""
@@ -217,15 +216,10 @@ class Store:
         with _sentences(self.path):
             return list(outcomes(self._connection, None if keys is None else under(set(keys))))
 
-    def that(self, stand: Stand) -> tuple[Outcome, ...]:
-        """The same of the flights that `stand`."""
+    def standing(self, stands: Stands) -> tuple[Outcome, ...]:
+        """The outcomes of the flights that stand, without their tracks, ordered by mutant, situation, seed."""
         with _sentences(self.path):
-            return tuple([outcome for _, outcome in outcomes(self._connection, those_that(stand))])
-
-    def rulings(self, stand: Stand) -> Rulings:
-        """What the flights that `stand` came to."""
-        with _sentences(self.path):
-            return rulings(self._connection, stand)
+            return tuple([outcome for _, outcome in outcomes(self._connection, standing(stands))])
 
     def plan(self, flights: Iterable[Planned]) -> None:
         """Keep what is to be flown, in one transaction; what was planned before stays planned.
@@ -286,7 +280,7 @@ class Store:
         return {name: value for name, value in self._facts() if not name.startswith(NOTE)}
 
     def set_notes(self, notes: Mapping[str, str]) -> None:
-        """Keep what was said of the campaign; of one name the first note stays.
+        """Keep notes about the campaign; of one name the first note stays.
 
         Raises:
             InputError: the store cannot be written.

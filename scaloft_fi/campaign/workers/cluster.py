@@ -1,4 +1,4 @@
-"""A campaign on a Dask cluster: batches go out, outcomes stream home as the scheduler's events."""
+"""A campaign on a Dask cluster: batches go out, outcomes arrive as the scheduler's events."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from scaloft_fi.campaign.plan.batch import Batch
 from scaloft_fi.campaign.processes.patience import ATTEMPTS
 from scaloft_fi.campaign.store.fingerprint import fingerprint
 from scaloft_fi.campaign.workers.bundle import digest_of, packed
-from scaloft_fi.campaign.workers.executor import Hands
+from scaloft_fi.campaign.workers.executor import Workers
 from scaloft_fi.campaign.workers.interrupt import Interrupted
 from scaloft_fi.campaign.workers.slot import TOPIC, fly_batch
 from scaloft_fi.errors import InputError
@@ -41,7 +41,7 @@ LEAST_JOBS = 8
 AHEAD = 2
 """So many batches a thread are handed out at a time, so that none waits for the next one."""
 
-GONE = "the Dask scheduler is gone; what came home is saved, the same command resumes"
+GONE = "the Dask scheduler is gone; what was flown is saved, the same command resumes"
 
 Event = tuple[str, int, str, str, Any]
 """Run, number of the batch, address of the worker, kind, content."""
@@ -54,9 +54,9 @@ class Cluster:
     address: str
 
     @contextmanager
-    def hands(
+    def workers(
         self, study: Study, flyer: Flyer, *, stop: Callable[[], bool], say: Callable[[str], None]
-    ) -> Iterator[Hands]:
+    ) -> Iterator[Workers]:
         """Join the scheduler, and send every worker the study, whoever joins later too.
 
         Raises:
@@ -68,7 +68,7 @@ class Cluster:
         except ImportError as error:
             how = "pip install 'scaloft-fi[cluster]'"
             raise InputError(f"--executor=dask://{self.address} needs the package distributed: {how}") from error
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what a user must know is said in sentences
+        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what a user must know is printed in sentences
         bundle = packed(study.folder)
         digest = digest_of(bundle)
         try:
@@ -81,17 +81,17 @@ class Cluster:
                 path = Path(folder) / digest
                 path.write_bytes(bundle)
                 client.register_plugin(UploadFile(str(path), load=False), name=f"scaloft-fi-{digest}")
-            run = _Run(client, digest, study, flyer, stop, say)
+            run = _ClusterWorkers(client, digest, study, flyer, stop, say)
             try:
-                client.subscribe_topic(TOPIC, run.hear)
+                client.subscribe_topic(TOPIC, run.receive)
                 yield run
             finally:
-                with _parting():
+                with _disconnecting():
                     client.unregister_worker_plugin(f"scaloft-fi-{digest}")
 
 
 @contextmanager
-def _parting() -> Iterator[None]:
+def _disconnecting() -> Iterator[None]:
     """Take leave of a scheduler that may be gone; a client that gave it up has closed itself and has no scheduler."""
     from distributed.client import ClosedClientError
 
@@ -101,15 +101,15 @@ def _parting() -> Iterator[None]:
 
 @dataclass
 class _Trial:
-    """A batch that was handed out, what came home of it since, and how often it was begun without anything home."""
+    """A batch that was handed out, its outcomes that arrived, and how often it was begun without any outcome."""
 
     batch: Batch
     future: Future[None]
     begun: int
-    home: dict[str, Outcome] = field(default_factory=dict)
+    arrived: dict[str, Outcome] = field(default_factory=dict)
 
 
-class _Run:
+class _ClusterWorkers:
     """One run on a cluster."""
 
     def __init__(
@@ -128,7 +128,7 @@ class _Run:
         self._trials: dict[int, _Trial] = {}
         self._handed_out = 0
         self._barred: dict[str, str] = {}
-        self._said: set[str] = set()
+        self._lines_shown: set[str] = set()
         self._threads, self._counted_s = 0, -COUNT_S
 
     @property
@@ -140,12 +140,12 @@ class _Run:
     def ready(self) -> None:
         """Every worker prepares itself."""
 
-    def hear(self, event: tuple[float, Event]) -> None:
+    def receive(self, event: tuple[float, Event]) -> None:
         """Take an event of the topic; called in a thread of the client."""
         self._inbox.put(event[1])
 
     def map(self, batches: Iterable[Batch]) -> Iterator[Outcome]:
-        """The outcomes of `batches`, as they come home; the next batch is asked for when a thread may soon be free."""
+        """The outcomes of `batches`, as they arrive; the next batch is asked for when a thread may soon be free."""
         source = iter(batches)
         try:
             while not self._stop():
@@ -154,15 +154,15 @@ class _Run:
                     self._hand_out(batch)
                 if not self._trials:
                     return
-                # those first: all that they told was told before they ended
+                # those first: all their events were sent before they ended
                 ended = [number for number, trial in self._trials.items() if trial.future.done()]
-                yield from self._heard(0.0 if ended else LOOK_UP_S)
+                yield from self._received(0.0 if ended else LOOK_UP_S)
                 for number in ended:
                     yield from self._end(self._trials.pop(number))
         finally:
-            with _parting():
+            with _disconnecting():
                 self._client.cancel([trial.future for trial in self._trials.values()])
-        yield from self._heard(0.0)
+        yield from self._received(0.0)
         self._trials.clear()
 
     def _hand_out(self, batch: Batch, begun: int = 0) -> None:
@@ -181,7 +181,7 @@ class _Run:
         )
         self._trials[number] = _Trial(batch, future, begun)
 
-    def _heard(self, wait_s: float) -> Iterator[Outcome]:
+    def _received(self, wait_s: float) -> Iterator[Outcome]:
         """The outcomes among what has come, at most `wait_s` from now."""
         with suppress(Empty):
             while True:
@@ -192,8 +192,8 @@ class _Run:
                     continue
                 if kind == "outcome":
                     outcome = pickle.loads(content)
-                    if outcome.name not in trial.home:  # a batch is flown again whole when its worker is lost
-                        trial.home[outcome.name] = outcome
+                    if outcome.name not in trial.arrived:  # a batch is flown again whole when its worker is lost
+                        trial.arrived[outcome.name] = outcome
                         yield outcome
                 elif kind == "begun":
                     trial.begun += 1
@@ -217,10 +217,10 @@ class _Run:
             raise InputError(f"a Dask worker cannot fly: {error}; {how}") from error
         if error is not None and not isinstance(error, KilledWorker):
             raise error
-        left = left_of(trial.batch, trial.home.values())
+        left = left_of(trial.batch, trial.arrived.values())
         if left is None:
             return
-        begun = 0 if trial.home else trial.begun  # Dask gives up batches, too, that only waited on workers that died
+        begun = 0 if trial.arrived else trial.begun  # Dask gives up batches, too, that only waited on workers that died
         if begun < ATTEMPTS:
             self._hand_out(left, begun)
         else:
@@ -241,6 +241,6 @@ class _Run:
             self._say_once("waiting for workers: `dask worker` with the address of the scheduler starts some")
 
     def _say_once(self, line: str) -> None:
-        if line not in self._said:
-            self._said.add(line)
+        if line not in self._lines_shown:
+            self._lines_shown.add(line)
             self._say(line)

@@ -12,8 +12,8 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 
 
-class Hands(Protocol):
-    """Those who fly, while they are hired."""
+class Workers(Protocol):
+    """The processes that fly, while they run."""
 
     @property
     def jobs(self) -> int:
@@ -34,18 +34,18 @@ class Hands(Protocol):
         A batch whose worker is lost is tried again elsewhere; flights that are lost every time are `invalid`.
 
         Raises:
-            ScaloftError: the study cannot be flown, or nobody is left to fly it.
+            ScaloftError: the study cannot be flown, or no worker is left to fly it.
         """
         ...
 
 
 class Executor(Protocol):
-    """Has hands."""
+    """Starts workers."""
 
-    def hands(
+    def workers(
         self, study: Study, flyer: Flyer, *, stop: Callable[[], bool], say: Callable[[str], None]
-    ) -> AbstractContextManager[Hands]:
-        """Those who fly `study` while the context lasts.
+    ) -> AbstractContextManager[Workers]:
+        """The workers that fly `study` while the context lasts.
 
         Args:
             study: what is flown.
@@ -54,6 +54,6 @@ class Executor(Protocol):
             say: takes a line for a person.
 
         Raises:
-            InputError: nobody can be hired.
+            InputError: no worker can be started.
         """
         ...

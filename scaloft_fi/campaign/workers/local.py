@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from scaloft_fi.campaign.flights.worker import Flyer, Worker, left_of, lost
 from scaloft_fi.campaign.plan.batch import Batch
 from scaloft_fi.campaign.processes.pool import Pool
-from scaloft_fi.campaign.workers.executor import Hands
+from scaloft_fi.campaign.workers.executor import Workers
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 
@@ -21,15 +21,15 @@ class Local:
     jobs: int
 
     @contextmanager
-    def hands(
+    def workers(
         self, study: Study, flyer: Flyer, *, stop: Callable[[], bool], say: Callable[[str], None]
-    ) -> Iterator[Hands]:
+    ) -> Iterator[Workers]:
         """Processes that inherit what was made ready here; each is forked when it is first needed."""
         with Pool(Worker(study, flyer), self.jobs, left=left_of, lost=lost, stop=stop) as pool:
-            yield _Here(pool, lambda: flyer.prepare(study, say))
+            yield _LocalWorkers(pool, lambda: flyer.prepare(study, say))
 
 
-class _Here:
+class _LocalWorkers:
     """A pool that is made ready once."""
 
     def __init__(self, pool: Pool[Batch, Outcome], prepare: Callable[[], None]) -> None:

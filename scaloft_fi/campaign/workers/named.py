@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from scaloft_fi.campaign.processes.hire import cores
+from scaloft_fi.campaign.processes.start import cores
 from scaloft_fi.campaign.workers.cluster import Cluster
 from scaloft_fi.campaign.workers.executor import Executor
 from scaloft_fi.campaign.workers.local import Local
@@ -22,9 +22,9 @@ def executor_named(name: str, jobs: int | None) -> Executor:
     """
     if name == LOCAL:
         return Local(jobs or cores())
-    found = _DASK.fullmatch(name)
-    if found is None:
+    match = _DASK.fullmatch(name)
+    if match is None:
         raise InputError(f"--executor={name!r} must be 'local' or 'dask://HOST:PORT', the address of a Dask scheduler")
     if jobs is not None:
         raise InputError(f"--jobs={jobs} is for --executor=local; how many fly on {name} is up to its workers")
-    return Cluster(found["address"])
+    return Cluster(match["address"])

@@ -14,8 +14,8 @@ from pathlib import Path
 
 from scaloft_fi.campaign.flights.worker import Flyer, Worker, left_of, lost
 from scaloft_fi.campaign.plan.batch import Batch
-from scaloft_fi.campaign.processes.hire import started_clean
 from scaloft_fi.campaign.processes.pool import Pool
+from scaloft_fi.campaign.processes.start import started_clean
 from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
 from scaloft_fi.campaign.workers.bundle import digest_of, unpacked
 from scaloft_fi.errors import ScaloftError
@@ -23,11 +23,11 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 
 TOPIC = "scaloft-fi"
-"""Under which outcomes are told; one for all runs, because the scheduler keeps the last thousand events of each."""
+"""The topic of the events; one for all runs, because the scheduler keeps the last thousand events of each."""
 IDLE_S = 60.0
-"""A process that has had nothing to fly for so long ends; the run that it flew for is over, or died [s, wall]."""
+"""A process that has had nothing to fly for this long ends; the run that it flew for is over, or died [s, wall]."""
 ARRIVAL_S = 30.0
-"""So long a worker that has just joined waits for the study [s, wall]."""
+"""A worker that has just joined waits this long for the study [s, wall]."""
 
 _idle: dict[tuple[Path, bytes], list[_Slot]] = defaultdict(list)
 _lock = threading.Lock()
@@ -36,14 +36,14 @@ _lock = threading.Lock()
 def fly_batch(
     run: str, number: int, bundle: str, inputs: Mapping[str, str], platform: dict[str, str], work: bytes
 ) -> None:
-    """Fly one batch; what comes of it is told as events `(run, number, kind, content)`, each as it is known.
+    """Fly one batch; its outcomes are sent as events `(run, number, kind, content)`, each as it is known.
 
     Args:
         run, number: whose batch, and which.
         bundle: digest of the study, whose file every worker was sent.
         inputs: what the study and its code hash to where the run is; where they hash to something else nothing is
             flown, and the kind is `refused`.
-        platform: the run's; that of this worker is told as `platform` when it differs.
+        platform: the run's; that of this worker is sent as `platform` when it differs.
         work: flyer and batch, pickled: another version of the package might not even read them.
 
     Raises:
@@ -54,68 +54,68 @@ def fly_batch(
     worker = get_worker()
     key = worker.get_current_task()
 
-    def tell(kind: str, content: str | bytes) -> None:
+    def send(kind: str, content: str | bytes) -> None:
         worker.log_event(TOPIC, (run, number, worker.address, kind, content))
 
     folder = _study(Path(worker.local_directory), bundle)
     ours = _inputs(folder)
     other = [part for part, digest in inputs.items() if ours.get(part) != digest]
     if other:
-        tell("refused", ", ".join(f"{part} {ours.get(part, 'none')[:12]}, not {inputs[part][:12]}" for part in other))
+        send("refused", ", ".join(f"{part} {ours.get(part, 'none')[:12]}, not {inputs[part][:12]}" for part in other))
         return
     changed = differences(platform, fingerprint())
     if changed:
-        tell("platform", ", ".join(changed))
+        send("platform", ", ".join(changed))
 
     def stop() -> bool:  # the run no longer wants the batch
         state = worker.state.tasks.get(key)
         return state is None or state.state == "cancelled"
 
-    tell("begun", "")
+    send("begun", "")
     flyer, batch = pickle.loads(work)
     with _slot(folder, flyer, stop) as pool:
         for outcome in pool.map([batch]):
-            tell("outcome", pickle.dumps(outcome))
+            send("outcome", pickle.dumps(outcome))
 
 
 @dataclass
-class Hand:
+class LateWorker:
     """The work of a process that knows nothing yet: it opens the study when the first batch comes."""
 
     study: Path
     flyer: Flyer
     _worker: Worker | None = None
 
-    def __call__(self, batch: Batch, home: Callable[[Outcome], None]) -> None:
+    def __call__(self, batch: Batch, report: Callable[[Outcome], None]) -> None:
         """Fly one batch."""
         if self._worker is None:
             study = Study.open(self.study)
             self.flyer.prepare(study, lambda _text: None)
             self._worker = Worker(study, self.flyer)
-        self._worker(batch, home)
+        self._worker(batch, report)
 
 
 @dataclass(eq=False)
 class _Slot:
     """A process that flies, started when it is first needed, and replaced by its pool when it dies."""
 
-    hand: Hand
+    work: LateWorker
     stop: Callable[[], bool] = lambda: False
     pool: Pool[Batch, Outcome] = field(init=False)
     expiry: threading.Timer | None = None
 
     def __post_init__(self) -> None:
         self.pool = Pool(
-            self.hand, 1, left=left_of, lost=lost, stop=lambda: self.stop(), patient=False, hire=started_clean
+            self.work, 1, left=left_of, lost=lost, stop=lambda: self.stop(), patient=False, start=started_clean
         )
 
 
 @contextmanager
 def _slot(study: Path, flyer: Flyer, stop: Callable[[], bool]) -> Iterator[Pool[Batch, Outcome]]:
-    """The pool of an idle slot, else of a new one; whoever leaves in peace leaves it for the next."""
+    """The pool of an idle slot, else of a new one; it is kept for the next batch, or closed after an error."""
     slots = _idle[study, pickle.dumps(flyer)]
     with _lock:
-        slot = slots.pop() if slots else _Slot(Hand(study, flyer))
+        slot = slots.pop() if slots else _Slot(LateWorker(study, flyer))
         if slot.expiry:
             slot.expiry.cancel()
     slot.stop = stop

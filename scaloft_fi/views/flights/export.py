@@ -26,7 +26,7 @@ from functools import cache
 from typing import Any
 
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.judge.flights import Flight, flights_of
+from scaloft_fi.judge.flights import JudgedFlight, flights_of
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.robustness import told_rho
 from scaloft_fi.judge.space import Space
@@ -70,7 +70,7 @@ def columns(rows: Sequence[Row], requirements: Sequence[str] = ()) -> list[str]:
     return list(rows[0]) if rows else [*HEAD, *(f"rho_{name}" for name in requirements), *TAIL, *BASIS]
 
 
-def _row(outcome: Outcome, flight: Flight | None, requirements: Sequence[str]) -> Row:
+def _row(outcome: Outcome, flight: JudgedFlight | None, requirements: Sequence[str]) -> Row:
     revealed_by: tuple[str, ...] = ()
     if flight is None:
         status = baseline_status(outcome)

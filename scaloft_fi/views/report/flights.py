@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from scaloft_fi.judge.flights import Flight, flight_of
+from scaloft_fi.judge.flights import JudgedFlight, flight_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.judge.requirement import Reading
 from scaloft_fi.judge.robustness import told_rho
@@ -223,7 +223,7 @@ def record(outcome: Outcome, baseline: Outcome | None, requirements: Sequence[st
     }
 
 
-def _revealed(flight: Flight | None) -> Mapping[str, Any]:
+def _revealed(flight: JudgedFlight | None) -> Mapping[str, Any]:
     if flight is None:
         return {}
     return {"revealed": [*flight.revealed, *flight.operability_revealed]}

@@ -13,9 +13,9 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.processes.hire import cores, started_clean
 from scaloft_fi.campaign.processes.patience import ATTEMPTS
 from scaloft_fi.campaign.processes.pool import Pool
+from scaloft_fi.campaign.processes.start import cores, started_clean
 
 
 def _square(number: int, home: Callable[[Any], None]) -> None:
@@ -174,26 +174,26 @@ def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
 
 
 def test_a_worker_started_clean_works_on_one_thread(work: Any) -> None:
-    results = _map(work, [("threads", n) for n in range(3)], 2, hire=started_clean)
+    results = _map(work, [("threads", n) for n in range(3)], 2, start=started_clean)
     assert sorted(results) == [(n, "1") for n in range(3)]
 
 
 def test_a_worker_started_clean_that_dies_is_replaced(work: Any) -> None:
-    results = _map(work, [("die", n) for n in range(5)], hire=started_clean)
+    results = _map(work, [("die", n) for n in range(5)], start=started_clean)
     assert "died every time it was flown" in results
     assert len({result[1] for result in results if isinstance(result, tuple)}) == 2
 
 
 def test_what_raises_in_a_worker_started_clean_reaches_the_caller(work: Any) -> None:
     with pytest.raises(TypeError, match="no 7"):
-        _map(work, [("raise", 7)], hire=started_clean)
+        _map(work, [("raise", 7)], start=started_clean)
 
 
 def test_a_worker_started_clean_ends_with_the_process_that_started_it(work: Any) -> None:
     program = (
-        "import os, clean_work; from scaloft_fi.campaign.processes.hire import started_clean\n"
-        "hired = started_clean(clean_work.work, ()); hired.connection.send(('pid', 1))\n"
-        "print(hired.connection.recv()[1][1], flush=True); os.kill(os.getpid(), 9)"
+        "import os, clean_work; from scaloft_fi.campaign.processes.start import started_clean\n"
+        "started = started_clean(clean_work.work, ()); started.connection.send(('pid', 1))\n"
+        "print(started.connection.recv()[1][1], flush=True); os.kill(os.getpid(), 9)"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert done.returncode == -signal.SIGKILL, done.stderr
@@ -206,7 +206,7 @@ def test_a_worker_started_clean_ends_with_the_process_that_started_it(work: Any)
 INTERRUPTED = """
 import os, signal, sys
 import clean_work
-from scaloft_fi.campaign.processes import hire
+from scaloft_fi.campaign.processes import start
 
 run, heard = os.getpid(), []
 
@@ -218,22 +218,22 @@ def hear(number, frame):
 signal.signal(signal.SIGINT, hear)
 print("begun", flush=True)
 for number in range(8):
-    hired = getattr(hire, sys.argv[1])(clean_work.work, ())
-    hired.connection.send(("pid", 0))
-    assert hired.connection.recv()[0] == "result"
-    assert hired.connection.recv() == ("done", None)
-    hired.connection.close()
-    hired.process.join()
+    started = getattr(start, sys.argv[1])(clean_work.work, ())
+    started.connection.send(("pid", 0))
+    assert started.connection.recv()[0] == "result"
+    assert started.connection.recv() == ("done", None)
+    started.connection.close()
+    started.process.join()
 signal.signal(signal.SIGINT, signal.SIG_IGN)
 print(len(heard))
 """
 """Starts workers one after the other; whoever hears Ctrl-C but this process itself ends with a traceback."""
 
 
-@pytest.mark.parametrize("hire", ["forked", "started_clean"])
-def test_a_worker_hears_no_ctrl_c_from_its_first_moment_on(work: Any, hire: str) -> None:
+@pytest.mark.parametrize("start", ["forked", "started_clean"])
+def test_a_worker_hears_no_ctrl_c_from_its_first_moment_on(work: Any, start: str) -> None:
     run = subprocess.Popen(
-        [sys.executable, "-c", INTERRUPTED, hire],
+        [sys.executable, "-c", INTERRUPTED, start],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

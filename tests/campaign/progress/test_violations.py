@@ -12,8 +12,8 @@ import pytest
 
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.plan.plan import plan
-from scaloft_fi.campaign.progress.lookout import Lookout
 from scaloft_fi.campaign.progress.progress import Progress
+from scaloft_fi.campaign.progress.reporter import Reporter
 from scaloft_fi.campaign.progress.violations import Violations
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
@@ -28,10 +28,10 @@ def _flights(study: Any) -> list[Flight]:
 def _said(study: Any, outcomes: Iterable[tuple[Flight, Outcome]], *, warnings: bool = False, **home: bool) -> list[str]:
     """The lines of a run in which these came home."""
     stream = io.StringIO()
-    lookout = Lookout(study, Progress(stream=stream), Path("c/mission_log.json"), share=True, warnings=warnings)
+    reporter = Reporter(study, Progress(stream=stream), Path("c/mission_log.json"), share=True, warnings=warnings)
     for flight, outcome in outcomes:
-        lookout.home(flight, outcome, **({"news": True} | home))
-    lookout.close()
+        reporter.arrived(flight, outcome, **({"news": True} | home))
+    reporter.close()
     return stream.getvalue().splitlines()
 
 

@@ -10,17 +10,17 @@ from builders import campaigns, outcome
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.campaign.store.record import COLUMNS, Reader, Row, to_row
+from scaloft_fi.campaign.store.record import COLUMNS, Reader, Record, to_row
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
 
 
-def _stored(row: Row) -> Row:
+def _stored(row: Record) -> Record:
     """What SQLite makes of a row."""
     with closing(sqlite3.connect(":memory:")) as connection:
         connection.execute(f"CREATE TABLE t ({', '.join(f'{name} {kind}' for name, kind in COLUMNS.items())})")
         connection.execute(f"INSERT INTO t VALUES ({', '.join('?' * len(row))})", row)
-        stored: Row = connection.execute("SELECT * FROM t").fetchone()
+        stored: Record = connection.execute("SELECT * FROM t").fetchone()
         return stored
 
 

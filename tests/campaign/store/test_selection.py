@@ -11,7 +11,6 @@ from scaloft_fi.campaign.store.origin import Origin
 from scaloft_fi.campaign.store.selection import Flown
 from scaloft_fi.campaign.store.store import Planned, Store
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.rulings import rulings_of
 
 M = "LATE-human@3s"
 HERE = "T0O0W0D0H0"
@@ -19,18 +18,16 @@ HERE = "T0O0W0D0H0"
 
 @settings(deadline=None, max_examples=60)
 @given(st.one_of(campaigns(), seeded()), st.data())
-def test_rulings_read_from_the_store_are_those_of_its_outcomes(flown: list[Outcome], data: st.DataObject) -> None:
+def test_the_flights_that_stand_are_read_and_no_others(flown: list[Outcome], data: st.DataObject) -> None:
     stale = {str(number) for number in data.draw(st.sets(st.integers(0, len(flown))))}
     rows = [(str(number), one) for number, one in enumerate(flown)]
     with tempfile.TemporaryDirectory() as folder, Store(Path(folder) / "s.sqlite") as store:
         store.put_all(rows)
-        read = store.rulings(lambda flight: flight.key not in stale)
-        standing = store.that(lambda flight: flight.key not in stale)
-    assert read == rulings_of(standing)
+        standing = store.standing(lambda flight: flight.key not in stale)
     assert {one.name for one in standing} == {one.name for key, one in rows if key not in stale}
 
 
-def test_outcomes_and_rulings_are_chosen_by_what_they_were_made_from_asked_once(tmp_path: Path) -> None:
+def test_whether_flights_stand_is_asked_once_of_what_they_were_made_from(tmp_path: Path) -> None:
     one, other = (Origin("s", "r", "c", "m", situation) for situation in ("t", "u"))
     with Store(tmp_path / "s.sqlite") as store:
         store.plan(Planned(o.key(s), M, HERE, s, origin=o) for o in (one, other) for s in (0, 1))
@@ -45,10 +42,6 @@ def test_outcomes_and_rulings_are_chosen_by_what_they_were_made_from_asked_once(
             asked.append(flight)
             return flight.origin != numbers[one]
 
-        assert [(o.digest, o.seed) for o in store.that(stands)] == [("u", 0), ("u", 1), (M, 7)]
-        assert [flight.origin for flight in asked] == [numbers[one], numbers[other], None]
-        asked.clear()
-        (situations,) = store.rulings(stands).mutants.values()
-        assert [flight.seed for flight in situations[HERE]] == [0, 1, 7]
+        assert [(o.digest, o.seed) for o in store.standing(stands)] == [("u", 0), ("u", 1), (M, 7)]
         assert [flight.origin for flight in asked] == [numbers[one], numbers[other], None]
         assert store.flights()[-1] == Flown("k", M, HERE, 7, None)

@@ -105,8 +105,8 @@ def _flown(
     """What comes home, and what was said."""
     home: list[Outcome] = []
     said: list[str] = []
-    with Cluster(address).hands(study, flyer, stop=lambda: stop(home), say=said.append) as hands:
-        home.extend(hands.map(_tasks(flights)))
+    with Cluster(address).workers(study, flyer, stop=lambda: stop(home), say=said.append) as workers:
+        home.extend(workers.map(_tasks(flights)))
     return home, said
 
 
@@ -130,8 +130,8 @@ def test_every_outcome_comes_home_once_and_was_flown_from_the_study_that_was_sen
 def test_outcomes_come_home_before_their_task_is_done(address: str, reference: Study, flyer: Any) -> None:
     times_s: list[float] = []
     batch = Batch(tuple(_flights(reference, LATE, MORE)[:3]), shared=True)
-    with Cluster(address).hands(reference, flyer(slow_s=0.5), stop=lambda: False, say=print) as hands:
-        times_s.extend(time.monotonic() for _ in hands.map([batch]))
+    with Cluster(address).workers(reference, flyer(slow_s=0.5), stop=lambda: False, say=print) as workers:
+        times_s.extend(time.monotonic() for _ in workers.map([batch]))
     assert min(later - sooner for sooner, later in pairwise(times_s)) > 0.25
 
 
@@ -153,8 +153,8 @@ def test_what_flies_for_a_run_that_is_killed_ends_with_it(
         "from scaloft_fi.campaign.plan.batch import Batch\n"
         "from scaloft_fi.study import Study\n"
         f"study, flyer = Study.open({str(ROOT)!r}), cluster_flyer.Flyer(slow_s=300.0, mark={str(tmp_path / 'pid')!r})\n"
-        f"with Cluster({address!r}).hands(study, flyer, stop=lambda: False, say=print) as hands:\n"
-        "    list(hands.map([Batch((Flight(None, study.grid.situations[0], 0),))]))\n"
+        f"with Cluster({address!r}).workers(study, flyer, stop=lambda: False, say=print) as workers:\n"
+        "    list(workers.map([Batch((Flight(None, study.grid.situations[0], 0),))]))\n"
     )
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
     run = subprocess.Popen([sys.executable, "-c", program], env=environment)
@@ -215,8 +215,8 @@ def test_a_run_waits_for_workers_and_takes_those_that_join(dask: Any, reference:
         said.append(line)
         dask.worker(address, "--no-nanny")
 
-    with Cluster(address).hands(reference, flyer(), stop=lambda: False, say=say) as hands:
-        assert _names(hands.map(_tasks(flights))) == _names(flights)
+    with Cluster(address).workers(reference, flyer(), stop=lambda: False, say=say) as workers:
+        assert _names(workers.map(_tasks(flights))) == _names(flights)
     assert len(said) == 1
     assert said[0].startswith("waiting for workers")
 
@@ -237,7 +237,7 @@ def test_a_scheduler_that_ends_interrupts_the_run(
             time.sleep(until_the_client_gives_up_s)
         return False
 
-    with pytest.raises(Interrupted, match="the Dask scheduler is gone; what came home is saved"):
+    with pytest.raises(Interrupted, match="the Dask scheduler is gone; what was flown is saved"):
         _flown(address, reference, flyer(slow_s=0.2), _flights(reference, LATE, MORE), kill)
 
 

@@ -1,4 +1,4 @@
-"""The crew of a run: it flies what the store lacks and saves every outcome as it comes."""
+"""An open campaign: it flies what the store lacks and saves every outcome as it comes."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from scaloft_fi.campaign.plan.arrange import alone, together
 from scaloft_fi.campaign.plan.batch import Batch
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.plan.plan import Plan, infects
-from scaloft_fi.campaign.progress.lookout import Lookout
 from scaloft_fi.campaign.progress.progress import Progress
+from scaloft_fi.campaign.progress.reporter import Reporter
 from scaloft_fi.campaign.runs import gates
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.platform import prove_platform
 from scaloft_fi.campaign.store.folder import LOG_NAME, STORE_NAME, promising, writable
 from scaloft_fi.campaign.store.key import Keys
 from scaloft_fi.campaign.store.store import Store
-from scaloft_fi.campaign.workers.executor import Hands
+from scaloft_fi.campaign.workers.executor import Workers
 from scaloft_fi.campaign.workers.interrupt import Interrupted, interruptible
 from scaloft_fi.campaign.workers.local import Local
 from scaloft_fi.judge.outcome import Outcome
@@ -35,22 +35,22 @@ Arrange = Callable[[Sequence[Flight]], Iterable[Batch]]
 """Puts flights together into batches, in the order in which they are handed out."""
 
 
-class Crew:
+class Campaign:
     """Flies what the store lacks.
 
     Args:
         study: what is flown.
         folder: of the campaign.
         store: what is flown already.
-        hands: who flies.
+        workers: who flies.
         progress: what a person sees.
         options: how.
         stopped: whether the user asked to stop.
 
     Attributes:
-        flown: how many flights are home that the store lacked.
+        flown: how many flights were flown that the store lacked.
         repeats: outcomes of flights that it had.
-        lookout: tells a person.
+        reporter: shows a person what happens.
     """
 
     def __init__(
@@ -58,15 +58,15 @@ class Crew:
         study: Study,
         folder: Path,
         store: Store,
-        hands: Hands,
+        workers: Workers,
         progress: Progress,
         options: RunOptions,
         stopped: Callable[[], bool],
     ) -> None:
         self.study, self.folder, self.store = study, folder, store
         self.options, self.stopped = options, stopped
-        self.lookout = Lookout(study, progress, folder / LOG_NAME, share=options.share, warnings=options.warnings)
-        self._hands = hands
+        self.reporter = Reporter(study, progress, folder / LOG_NAME, share=options.share, warnings=options.warnings)
+        self._workers = workers
         self._keys = Keys(study)
         self._planned: Plan | None = None
         self._asking: set[str] = set()
@@ -80,7 +80,7 @@ class Crew:
 
     def arrange(self, flights: Sequence[Flight]) -> list[Batch]:
         """Flights as batches, the longest first; what shares a baseline's beginning together, if that is wanted."""
-        return together(flights, self.weight_s, self._hands.jobs) if self.options.share else alone(flights)
+        return together(flights, self.weight_s, self._workers.jobs) if self.options.share else alone(flights)
 
     def unit(self, flights: Sequence[Flight]) -> list[Batch]:
         """The same for one process."""
@@ -96,11 +96,10 @@ class Crew:
         missing = self._missing(flights)
         if not missing:
             return
-        self.lookout.expect(missing.values())
+        self.reporter.expect(missing.values())
         draws = {Flight(None, flight.situation, flight.seed): None for flight in missing.values()}
         keys = {flight.name: key for key, flight in missing.items()}
         asked = {flight.name: flight for flight in (*draws, *missing.values())}
-        self.lookout.known((asked[outcome.name], outcome) for outcome in self.outcomes(draws) if not outcome.invalid)
         due = set(keys)
         for outcome in self._outcomes((arrange or self.arrange)(tuple(missing.values()))):
             news = outcome.name in keys and self.store.put(keys[outcome.name], outcome)
@@ -109,7 +108,7 @@ class Crew:
                 self.flown += 1
             elif not news:
                 self.repeats.append(outcome)
-            self.lookout.home(asked[outcome.name], outcome, news=news)
+            self.reporter.arrived(asked[outcome.name], outcome, news=news)
             if outcome.mutant in self._asking and infects(outcome):
                 self._expect_pool(asked[outcome.name].situation)
 
@@ -121,14 +120,14 @@ class Crew:
     def _expect_pool(self, situation: Situation) -> None:
         if self._planned is not None and situation not in self._expected:
             self._expected.add(situation)
-            self.lookout.expect(self.missing(self._planned.pool(situation, LEAST)))
+            self.reporter.expect(self.missing(self._planned.pool(situation, LEAST)))
 
     def repeat(self, flights: Sequence[Flight]) -> None:
-        """The shortest of `flights` that is home again, when anything was flown: it must be the first one's twin."""
+        """The shortest of `flights` that the store has, when anything was flown: it must be the first one's twin."""
         missing = set(self.missing(flights))
-        home = [flight for flight in flights if flight not in missing]
-        if self.flown and home:
-            self.repeats += self._outcomes(alone([min(home, key=self.weight_s)]))
+        done = [flight for flight in flights if flight not in missing]
+        if self.flown and done:
+            self.repeats += self._outcomes(alone([min(done, key=self.weight_s)]))
 
     def outcomes(self, flights: Iterable[Flight]) -> tuple[Outcome, ...]:
         """What the store has of `flights`."""
@@ -143,8 +142,8 @@ class Crew:
         return self.study.expected_s(flight.situation)
 
     def wall_s(self, batch: Batch) -> float:
-        """How long one process is expected to fly a batch at the pace so far [s, wall]; 0 before anything is home."""
-        return self.lookout.wall_s(batch.flights) * self._hands.jobs
+        """How long one process is expected to fly a batch at the pace so far [s, wall]; 0 before the first outcome."""
+        return self.reporter.wall_s(batch.flights) * self._workers.jobs
 
     def hold_gates(self, asked: Plan, outcomes: Sequence[Outcome], *, part: bool = False) -> None:
         """Hold the gates over the outcomes of what was `asked`; `part` of it when not all of it was flown.
@@ -162,23 +161,23 @@ class Crew:
             max_invalid=self.options.max_invalid,
         )
 
-    def go_on(self, said: str) -> None:
-        """Go on unless the user asked to stop.
+    def raise_if_stopped(self, saved: str) -> None:
+        """Stop when the user asked for it.
 
         Args:
-            said: what is saved.
+            saved: what is saved, with its verb.
 
         Raises:
             Interrupted: naming the command that resumes.
         """
         if self.stopped():
             again = f"the same command resumes: {self.options.command}".removesuffix(": ")
-            raise Interrupted(f"interrupted: {said} saved in {self.folder}; {again}")
+            raise Interrupted(f"interrupted: {saved} saved in {self.folder}; {again}")
 
     def _outcomes(self, batches: Iterable[Batch]) -> Iterator[Outcome]:
-        self._hands.ready()
-        self.lookout.progress.start()
-        return self._hands.map(batches)
+        self._workers.ready()
+        self.reporter.progress.start()
+        return self._workers.map(batches)
 
     def _tracked(self, baseline: Outcome) -> Outcome:
         """The same with its track, which the store keeps apart."""
@@ -193,7 +192,7 @@ class Crew:
 
 
 @contextmanager
-def hired(
+def opened(
     study: Study,
     folder: Path,
     options: RunOptions,
@@ -201,8 +200,8 @@ def hired(
     progress: Progress,
     flyer: Flyer | None,
     first: Sequence[Flight],
-) -> Iterator[Crew]:
-    """A crew for the campaign in `folder`, which is made when it does not exist.
+) -> Iterator[Campaign]:
+    """The campaign in `folder`, which is made when it does not exist.
 
     Args:
         study: what is flown.
@@ -221,13 +220,13 @@ def hired(
     executor = options.executor or Local(options.jobs)
     with (
         interruptible() as stopped,
-        executor.hands(study, flyer or Physics(), stop=stopped, say=progress.line) as hands,
+        executor.workers(study, flyer or Physics(), stop=stopped, say=progress.line) as workers,
     ):
         if not _all_flown(study, first, folder / STORE_NAME):
-            hands.ready()
+            workers.ready()
         with Store(writable(folder) / STORE_NAME) as store:
-            prove_platform(study, store, hands, say=progress.line, stopped=stopped)
-            yield Crew(study, folder, store, hands, progress, options, stopped)
+            prove_platform(study, store, workers, say=progress.line, stopped=stopped)
+            yield Campaign(study, folder, store, workers, progress, options, stopped)
 
 
 def _all_flown(study: Study, flights: Iterable[Flight], path: Path) -> bool:

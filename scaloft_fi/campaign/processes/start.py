@@ -37,14 +37,14 @@ class Process(Protocol):
 
 
 @dataclass(frozen=True)
-class Hired:
+class Started:
     """A process, and the line to it."""
 
     process: Process
     connection: Connection
 
 
-Hire = Callable[[Work, Sequence[Connection]], Hired]
+Start = Callable[[Work, Sequence[Connection]], Started]
 """Starts a process that serves `work`; the connections are those of others, which it must not keep open."""
 
 
@@ -59,26 +59,26 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def forked(work: Work, others: Sequence[Connection]) -> Hired:
+def forked(work: Work, others: Sequence[Connection]) -> Started:
     """A copy of this process, which must have one thread only; where there is no fork, a process started clean."""
     can_fork = "fork" in multiprocessing.get_all_start_methods()
     context = multiprocessing.get_context("fork") if can_fork else multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
     inherited = [ours, *others] if can_fork else []
-    process = context.Process(target=_life, args=(work, theirs, inherited, os.getpid()))
-    with _deaf():
+    process = context.Process(target=_run_worker, args=(work, theirs, inherited, os.getpid()))
+    with _interrupts_blocked():
         process.start()
     theirs.close()
-    return Hired(process, ours)
+    return Started(process, ours)
 
 
-def started_clean(work: Work, _others: Sequence[Connection]) -> Hired:
+def started_clean(work: Work, _others: Sequence[Connection]) -> Started:
     """A fresh interpreter that imports what this one would, for a process with threads; `work` travels as data.
 
     `multiprocessing` would refuse: the workers of Dask are daemons, which may have no children of its kind.
     """
     ours, theirs = socket.socketpair()
-    with theirs, _deaf():
+    with theirs, _interrupts_blocked():
         process = subprocess.Popen(
             [sys.executable, "-P", "-m", __name__, str(theirs.fileno()), str(os.getpid())],
             env=os.environ | dict.fromkeys(THREAD_SETTINGS, "1") | {"PYTHONPATH": os.pathsep.join(sys.path)},
@@ -88,11 +88,11 @@ def started_clean(work: Work, _others: Sequence[Connection]) -> Hired:
     connection = Connection(ours.detach())
     with suppress(OSError):  # it has died already; that is heard when it is listened to
         connection.send(work)
-    return Hired(_Interpreter(process), connection)
+    return Started(_Interpreter(process), connection)
 
 
 @contextmanager
-def _deaf() -> Iterator[None]:
+def _interrupts_blocked() -> Iterator[None]:
     """Keep Ctrl-C from what is started meanwhile, from its first moment on; this process hears of it afterwards."""
     if not hasattr(signal, "pthread_sigmask"):  # on Windows a worker hears it until its life begins
         yield
@@ -117,7 +117,7 @@ class _Interpreter:
         self.popen.communicate()
 
 
-def _life(work: Work, connection: Connection, inherited: Sequence[Connection], parent: int) -> None:
+def _run_worker(work: Work, connection: Connection, inherited: Sequence[Connection], parent: int) -> None:
     """The life of a worker: it leaves Ctrl-C to its parent, works on what it is sent, and never outlives it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
@@ -143,7 +143,7 @@ def _serve(work: Work, connection: Connection) -> None:
             connection.send(("raised", error))
 
 
-def _clean_life(descriptor: int, parent: int) -> None:
+def _run_clean_worker(descriptor: int, parent: int) -> None:
     """The life of a process started clean; its standard input ends with its parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     die_with(parent, sys.stdin.fileno())
@@ -153,4 +153,4 @@ def _clean_life(descriptor: int, parent: int) -> None:
 
 
 if __name__ == "__main__":
-    _clean_life(*map(int, sys.argv[1:]))
+    _run_clean_worker(*map(int, sys.argv[1:]))

@@ -1,4 +1,4 @@
-"""Tells a person what a crew does: how much is left, how much was violated, what the harness failed at."""
+"""Shows a person what a run does: how much is left, how much was violated, what the harness failed at."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 
 
-class Lookout:
+class Reporter:
     """Keeps the progress up to date.
 
     Args:
@@ -21,7 +21,7 @@ class Lookout:
         progress: what a person sees.
         log: path of the mission log.
         share: whether mutants are flown only from where they leave their baseline.
-        warnings: whether each violation is told as it happens.
+        warnings: whether each violation is shown as it happens.
     """
 
     def __init__(self, study: Study, progress: Progress, log: Path, *, share: bool, warnings: bool) -> None:
@@ -38,13 +38,8 @@ class Lookout:
             if self._forecast.expect(flight, self._nominal_s(flight)):
                 self.progress.flights += 1
 
-    def known(self, baselines: Iterable[tuple[Flight, Outcome]]) -> None:
-        """Baselines that the store has: what is flown is seen beside them."""
-        for flight, outcome in baselines:
-            self._forecast.known(flight, outcome, self._nominal_s(flight))
-
-    def home(self, flight: Flight, outcome: Outcome, *, news: bool) -> None:
-        """An outcome came home.
+    def arrived(self, flight: Flight, outcome: Outcome, *, news: bool) -> None:
+        """An outcome arrived.
 
         Args:
             flight: which was flown.
@@ -53,13 +48,13 @@ class Lookout:
         """
         if news:
             self._tell(outcome)
-        expected = self._forecast.home(flight, outcome, self._nominal_s(flight))
+        expected = self._forecast.arrived(flight, self._nominal_s(flight))
         self.progress.done_s = self._forecast.done_s
         if expected:
             self.progress.advance()
 
     def wall_s(self, flights: Iterable[Flight]) -> float:
-        """How long all processes together would fly these at the pace so far [s, wall]; 0 before anything is home."""
+        """How long all processes together would fly these at the pace so far [s, wall]; 0 before the first outcome."""
         expected_s = sum(self._forecast.cost_s(flight, self._nominal_s(flight)) for flight in flights)
         return self.progress.wall_s(expected_s) or 0.0
 
