@@ -19,7 +19,8 @@ from scaloft_fi.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from scaloft_fi.analysis.margin import Margin, Subject
+    from scaloft_fi.analysis.margin import Margin
+    from scaloft_fi.analysis.tried import PhasedFault
     from scaloft_fi.study import Study
 
 
@@ -97,7 +98,7 @@ def margin_command(
     click.echo(_text(study, found, len(numbers), Format(style)), nl=False)
 
 
-def _text(study: Study, found: Mapping[Subject, Sequence[Margin]], seeds: int, style: str) -> str:
+def _text(study: Study, found: Mapping[PhasedFault, Sequence[Margin]], seeds: int, style: str) -> str:
     from scaloft_fi.views.tables.table import Format, render
     from scaloft_fi.views.worksheet.margins import margin_json, margin_tables
 

@@ -84,12 +84,12 @@ def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: st
     from scaloft_fi.analysis.scoring.score import score
     from scaloft_fi.judge.requirement import Kind
     from scaloft_fi.study import Study
-    from scaloft_fi.views.moment import moment
+    from scaloft_fi.views.snapshot import snapshot
     from scaloft_fi.views.worksheet.margins import LEGEND, cell_margins
 
     study = Study.open(study_folder)
     kind = Kind.OPERABILITY if operability else Kind.SAFETY
-    with moment(study, campaign) as now:
+    with snapshot(study, campaign) as now:
         outcomes, spending = now.outcomes, now.spending
     scored = score(outcomes, study.roster, study.space, spending)
     told = cell_margins(outcomes, scored, study.matrix, kind)

@@ -68,10 +68,10 @@ def score_command(
     from scaloft_fi.analysis.scoring.score import score_of
     from scaloft_fi.campaign.runs.baseline_pool import borrowed
     from scaloft_fi.study import Study
-    from scaloft_fi.views.moment import moment
+    from scaloft_fi.views.snapshot import snapshot
 
     study = Study.open(study_folder)
-    with moment(study, campaign) as now:
+    with snapshot(study, campaign) as now:
         rulings, spending = now.rulings, now.spending
     others: Iterable[Outcome] = ()
     if baseline_from:

@@ -14,7 +14,7 @@ from itertools import combinations
 from typing import Any
 
 from scaloft_fi.analysis.condition import condition
-from scaloft_fi.analysis.kills.kill_matrix import KillMatrix, Row
+from scaloft_fi.analysis.kills.kill_matrix import KillMatrix, KillRow
 from scaloft_fi.judge.space import Space
 
 NIST = {
@@ -101,7 +101,7 @@ def interactions(matrix: KillMatrix) -> tuple[Interaction, ...]:
     return tuple(interaction(matrix.space, row) for row in matrix.mutants if row.killing)
 
 
-def interaction(space: Space, row: Row) -> Interaction:
+def interaction(space: Space, row: KillRow) -> Interaction:
     """The interaction of one mutant.
 
     Raises:

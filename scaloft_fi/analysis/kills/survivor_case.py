@@ -9,7 +9,7 @@ from functools import cached_property
 
 from scaloft_fi.analysis.condition import condition
 from scaloft_fi.analysis.kills.background import Background
-from scaloft_fi.analysis.kills.kill_matrix import KillMatrix, Row
+from scaloft_fi.analysis.kills.kill_matrix import KillMatrix, KillRow
 from scaloft_fi.analysis.kills.near_miss import Loss, losses, off_path_m
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.pool import Pool, State
@@ -81,7 +81,7 @@ class Case:
     """One survivor and its flights."""
 
     campaign: Campaign
-    row: Row
+    row: KillRow
     background: Background
 
     @property

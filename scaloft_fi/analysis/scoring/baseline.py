@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.judge.requirement import Kind, Reading, Verdict
-from scaloft_fi.judge.robustness import told_rho
+from scaloft_fi.judge.robustness import measured_rho
 from scaloft_fi.judge.space import Space
 
 
@@ -91,5 +91,5 @@ def _tally(name: str, readings: list[Reading]) -> Tally:
         kind=readings[0].kind,
         verdicts=tuple((verdict, said.count(verdict)) for verdict in Verdict),
         triggered=sum(reading.triggered for reading in readings),
-        least_rho=min((rho for r in readings if (rho := told_rho(r)) is not None), default=None),
+        least_rho=min((rho for r in readings if (rho := measured_rho(r)) is not None), default=None),
     )

@@ -17,7 +17,7 @@ from scaloft_fi.analysis.scoring.baseline import Tally, findings, tallies
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.judge.robustness import spelt_rho
+from scaloft_fi.judge.robustness import rho_text
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.format import export_format
 from scaloft_fi.views.score.verdict import NO_POOL
@@ -108,7 +108,7 @@ def _by_requirement(dossier: Dossier) -> Table:
             r.name,
             tested[r.name].triggered if r.name in tested else 0,
             str(_detected_by(dossier, r.name)),
-            spelt_rho(tested[r.name].least_rho) if r.name in tested else "n/a",
+            rho_text(tested[r.name].least_rho) if r.name in tested else "n/a",
         )
         for r in dossier.requirements
         if r.kind is not Kind.REPORTED

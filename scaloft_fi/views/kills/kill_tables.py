@@ -14,7 +14,7 @@ from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.judge.space import Space
 from scaloft_fi.views.kills.survivors import Next, Rung, Survivor
-from scaloft_fi.views.tables.table import Cell, Table
+from scaloft_fi.views.tables.table import Table, TableCell
 
 COUNTED = (
     "Killed in a situation: the mutant is detected, and most of its flights there violate a requirement that the "
@@ -52,7 +52,7 @@ def _order(entry: Interaction) -> str:
 
 def order_table(found: Orders) -> Table:
     """The histogram of orders, cumulative, beside NIST's."""
-    rows: list[tuple[Cell, ...]] = []
+    rows: list[tuple[TableCell, ...]] = []
     for size, (count, share) in enumerate(zip(found.counts, found.cumulative(), strict=True)):
         nist = [_percent(shares[size - 1] if 1 <= size <= len(shares) else None) for shares in NIST.values()]
         rows.append((size, count, _percent(share) or "n/a", *nist))

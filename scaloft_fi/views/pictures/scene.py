@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Verdict
-from scaloft_fi.views.pictures.map import Body, Mark, Scene, Segment, Track
+from scaloft_fi.views.pictures.map import BodyOutline, MapScene, Mark, Segment, Track
 from scaloft_fi.views.pictures.picture import Point
 
 if TYPE_CHECKING:
@@ -20,16 +20,17 @@ SAME_M = 1e-6
 """Corners of wall segments closer than this are one [m]."""
 
 
-def scene_of(world: World) -> Scene:
+def scene_of(world: World) -> MapScene:
     """What stands in a world, cut at the height of flight."""
     from scaloft_fi.sim.mesh import section
 
     walls = tuple(section(world.mine.wall.triangles, world.mission.altitude_m))
     bodies = tuple(
-        Body(body.role, hull([(float(x), float(y)) for x, y in body.mesh.vertices[:, :2]])) for body in world.present
+        BodyOutline(body.role, hull([(float(x), float(y)) for x, y in body.mesh.vertices[:, :2]]))
+        for body in world.present
     )
     waypoints = tuple((x, y) for x, y, _ in world.route)
-    return Scene(rings(walls), walls, bodies, waypoints, world.mission.home)
+    return MapScene(rings(walls), walls, bodies, waypoints, world.mission.home)
 
 
 def track_of(log: FlightLog, outcome: Outcome, title: str) -> Track:

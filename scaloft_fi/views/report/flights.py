@@ -14,7 +14,7 @@ from typing import Any
 from scaloft_fi.judge.flights import Flight, flight_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.judge.requirement import Reading
-from scaloft_fi.judge.robustness import told_rho
+from scaloft_fi.judge.robustness import measured_rho
 from scaloft_fi.judge.status import baseline_status
 from scaloft_fi.judge.track import TRACK_COLUMNS, TRACK_EVERY, unpack_track
 from scaloft_fi.sim.signals import SAMPLE_HZ
@@ -231,7 +231,7 @@ def _revealed(flight: Flight | None) -> Mapping[str, Any]:
 
 def _reading(reading: Reading) -> list[Any]:
     """Robustness (none of what was never triggered), moment of the violation, verdict, episodes of the trigger."""
-    return [_short(told_rho(reading), 4), _short(reading.violated_at_s), reading.verdict.value, reading.triggered]
+    return [_short(measured_rho(reading), 4), _short(reading.violated_at_s), reading.verdict.value, reading.triggered]
 
 
 def _short(value: float | None, digits: int = 3) -> float | None:

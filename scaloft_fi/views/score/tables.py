@@ -15,7 +15,7 @@ from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.situations.coverage import Coverage
 from scaloft_fi.judge.outcome import PLACEBO
 from scaloft_fi.judge.requirement import Verdict
-from scaloft_fi.judge.robustness import spelt_rho
+from scaloft_fi.judge.robustness import rho_text
 from scaloft_fi.judge.rulings import Rulings
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Status
@@ -144,7 +144,7 @@ def requirement_table(tallied: Sequence[Tally]) -> Table:
     """What the baseline flights say about each requirement."""
     headers = ("requirement", "kind", *(verdict.value for verdict in Verdict), "triggered", "least robustness")
     rows = tuple(
-        (t.requirement, t.kind.value, *(count for _, count in t.verdicts), t.triggered, spelt_rho(t.least_rho))
+        (t.requirement, t.kind.value, *(count for _, count in t.verdicts), t.triggered, rho_text(t.least_rho))
         for t in tallied
     )
     notes = (

@@ -21,7 +21,7 @@ from scaloft_fi.study import Study
 
 
 @dataclass(frozen=True)
-class Moment:
+class Snapshot:
     """What a campaign holds while a snapshot of its store lasts; each part is read when it is first asked for.
 
     Attributes:
@@ -80,7 +80,7 @@ class Moment:
 
 
 @contextmanager
-def moment(study: Study, campaign: str) -> Iterator[Moment]:
+def snapshot(study: Study, campaign: str) -> Iterator[Snapshot]:
     """The campaign at this moment, whatever others write to it meanwhile.
 
     Raises:
@@ -88,4 +88,4 @@ def moment(study: Study, campaign: str) -> Iterator[Moment]:
     """
     folder = campaign_folder(study, campaign)
     with Store(existing(folder), create=False) as store, store.snapshot():
-        yield Moment(study, folder, store)
+        yield Snapshot(study, folder, store)
