@@ -138,7 +138,7 @@ def _survivors(now: Snapshot, scored: Score, matrix: KillMatrix) -> tuple[Surviv
 def _tables(
     matrix: KillMatrix,
     graph: Subsumption,
-    found: Sequence[Survivor],
+    cases: Sequence[Survivor],
     wanted: Sequence[str],
     chosen: Sequence[str],
     *,
@@ -165,14 +165,14 @@ def _tables(
         shown += [tables.redundancy_table(repeated)] if repeated else []
     shown = tables.with_scattered(shown, matrix)
     if "survivors" in wanted:
-        shown.append(tables.survivor_summary(found) if short else tables.survivor_table(found))
+        shown.append(tables.survivor_summary(cases) if short else tables.survivor_table(cases))
     return shown
 
 
 def _json(
     matrix: KillMatrix,
     graph: Subsumption,
-    found: Sequence[Survivor],
+    cases: Sequence[Survivor],
     wanted: Sequence[str],
     chosen: Sequence[str],
 ) -> dict[str, Any]:
@@ -196,7 +196,7 @@ def _json(
         plain["subsumption"] = graph.to_json()
         plain["redundancies"] = [entry.to_json() for entry in redundancies(graph)]
     if "survivors" in wanted:
-        plain["survivors"] = [entry.to_json() for entry in found]
+        plain["survivors"] = [entry.to_json() for entry in cases]
     return plain
 
 

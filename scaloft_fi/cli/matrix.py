@@ -92,11 +92,11 @@ def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: st
     with snapshot(study, campaign) as now:
         outcomes, spending = now.outcomes, now.spending
     scored = score(outcomes, study.roster, study.space, spending)
-    told = cell_margins(outcomes, scored, study.matrix, kind)
+    by_cell = cell_margins(outcomes, scored, study.matrix, kind)
     if style == "json":
-        return json.dumps([{**record(cell), "margin": told[cell.name]} for cell in matrix], indent=1)
+        return json.dumps([{**record(cell), "margin": by_cell[cell.name]} for cell in matrix], indent=1)
     header = ["parameter", *(word.id for word in matrix.guidewords)]
-    lines = [[p.id, *(told[f"{word.id}-{p.id}"] for word in matrix.guidewords)] for p in matrix.parameters]
+    lines = [[p.id, *(by_cell[f"{word.id}-{p.id}"] for word in matrix.guidewords)] for p in matrix.parameters]
     if style == "table":
         return "\n".join([blocks(["", *header[1:]], lines), "", *LEGEND, "", tally(matrix)])
     return _csv(header, lines) if style == "csv" else _tabulated(header, lines, style)
@@ -111,8 +111,8 @@ def _one(matrix: Matrix, name: str, style: str) -> str:
     row = rows(matrix.only([cell.guideword], [cell.parameter]))[0]
     if style == "csv":
         return _csv(HEADER, [row])
-    told = [[name, text] for name, text in zip(HEADER[1:], row[1:], strict=True) if text]
-    return _tabulated(("cell", cell.name), told, style)
+    lines = [[name, text] for name, text in zip(HEADER[1:], row[1:], strict=True) if text]
+    return _tabulated(("cell", cell.name), lines, style)
 
 
 def _edges() -> Mapping[str, str]:

@@ -1,4 +1,4 @@
-"""Robustness as it is told: only of what was put to the test."""
+"""Robustness for tables and records: only of what was put to the test."""
 
 from __future__ import annotations
 

@@ -120,9 +120,9 @@ def interaction(space: Space, row: KillRow) -> Interaction:
     )
 
 
-def orders(found: Iterable[Interaction], space: Space) -> Orders:
+def orders(interactions: Iterable[Interaction], space: Space) -> Orders:
     """The histogram over the mutants that the ratios count: ladders would count one fault several times."""
-    counted = [entry for entry in found if entry.counted]
+    counted = [entry for entry in interactions if entry.counted]
     sizes = range(len(space.axes) + 1)
     least, most = Counter(entry.order for entry in counted), Counter(entry.at_most for entry in counted)
     return Orders(tuple(least[size] for size in sizes), tuple(most[size] for size in sizes))

@@ -133,8 +133,8 @@ class KillMatrix:
     @cached_property
     def flown(self) -> tuple[str, ...]:
         """Situations with a flight that counts, in the grid's order."""
-        found = {entry.situation for row in self.rows for entry in row.entries if entry.flown}
-        return tuple(key for key, _ in self.space.points if key in found)
+        flown = {entry.situation for row in self.rows for entry in row.entries if entry.flown}
+        return tuple(key for key, _ in self.space.points if key in flown)
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values: axes, situations in both orders, per mutant its entries in the grid's order."""

@@ -122,8 +122,8 @@ class Case:
     @cached_property
     def loss(self) -> Loss | None:
         """The greatest share of a margin that a flight lost in a steady pair; the first of equals."""
-        found = (loss for f in self.tested for loss in losses(f, self.steady[f.outcome.situation]))
-        return max(found, key=lambda loss: loss.share, default=None)
+        lost = (loss for f in self.tested for loss in losses(f, self.steady[f.outcome.situation]))
+        return max(lost, key=lambda loss: loss.share, default=None)
 
     @cached_property
     def off_path_m(self) -> float:

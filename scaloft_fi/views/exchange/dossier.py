@@ -100,7 +100,7 @@ class Dossier:
     def shows(self, control: MutantScore) -> bool:
         """Whether a control shows itself by safety or operability.
 
-        It does when it is detected, or when it was flown once and that flight is told from its baseline.
+        It does when it is detected, or when it was flown once and that flight violates what its baseline holds.
         """
         if control.detected or control.operability.detected:
             return True

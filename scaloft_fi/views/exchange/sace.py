@@ -73,11 +73,11 @@ def _cases(dossier: Dossier) -> Table:
 
 def _seeds(dossier: Dossier, *, baseline: bool) -> dict[str, set[int]]:
     """By situation the seeds flown, of the unmutated drone or of everything else."""
-    found: dict[str, set[int]] = {}
+    by_situation: dict[str, set[int]] = {}
     for outcome in dossier.outcomes:
         if (outcome.mutant == BASELINE) == baseline:
-            found.setdefault(outcome.situation, set()).add(outcome.seed)
-    return found
+            by_situation.setdefault(outcome.situation, set()).add(outcome.seed)
+    return by_situation
 
 
 def _ranges(seeds: Collection[int]) -> str:
@@ -118,10 +118,10 @@ def _by_requirement(dossier: Dossier) -> Table:
         "least robustness",
     )
     fates = Counter(mutant.verdict for mutant in dossier.counted)
-    told = ", ".join(f"{fates[verdict]} {verdict.words}" for verdict in Verdict)
+    verdicts = ", ".join(f"{fates[verdict]} {verdict.words}" for verdict in Verdict)
     notes = (
         "Triggered, robustness: flights of the unmutated drone.",
-        f"Mutants flown, by safety requirements: {told}." if dossier.score.pooled else f"No verdicts: {NO_POOL}.",
+        f"Mutants flown, by safety requirements: {verdicts}." if dossier.score.pooled else f"No verdicts: {NO_POOL}.",
     )
     return Table("Sufficiency of coverage (1): safety requirements", headers, rows, notes)
 

@@ -6,7 +6,7 @@ of the same situation and seed; the verdict on a mutant follows from all flights
 status and first safety violation a row has
 
 - `held`: requirements neither violated nor left open by a flight cut short;
-- `revealed_by`: safety, then operability requirements by which the flight is told from its baseline, each earliest
+- `revealed_by`: safety, then operability requirements that the flight violates and its baseline holds, each earliest
   first;
 - `violation_times_s`, `violation_bodies`: per requirement in `violated`, when, and what was struck at that moment;
 - `rho_<requirement>`: robustness, in the requirement's unit; null (an empty cell of CSV) where the flight did not put

@@ -38,11 +38,11 @@ def track_of(log: FlightLog, outcome: Outcome, title: str) -> Track:
     xs, ys = log.signals["x_m"].tolist(), log.signals["y_m"].tolist()
     points = tuple(zip(xs, ys, strict=True))
     counted = [violation for violation in outcome.violations if violation.kind is not Kind.REPORTED]
-    told = {round(v.t_s, 3) for v in counted if v.struck}
+    struck_at_s = {round(v.t_s, 3) for v in counted if v.struck}
     marks = [
         Mark(event.t_s, points[log.at(event.t_s)], event.text, MARKED[event.kind])
         for event in log.events
-        if event.kind in MARKED and not (event.kind == "contact" and told)
+        if event.kind in MARKED and not (event.kind == "contact" and struck_at_s)
     ]
     for violation in counted:
         struck = f", strikes {violation.struck}" if violation.struck else ""
@@ -61,12 +61,12 @@ def track_of(log: FlightLog, outcome: Outcome, title: str) -> Track:
 
 def note(log: FlightLog, outcome: Outcome) -> str:
     """How the flight ended and what it violates, in a line."""
-    said = {
+    by_verdict = {
         verdict: [r.requirement for r in outcome.readings if r.verdict is verdict and r.kind is not Kind.REPORTED]
         for verdict in Verdict
     }
     words = {Verdict.VIOLATED: "violated", Verdict.HELD: "held", Verdict.OPEN: "open"}
-    parts = [f"{', '.join(said[verdict])} {word}" for verdict, word in words.items() if said[verdict]]
+    parts = [f"{', '.join(by_verdict[verdict])} {word}" for verdict, word in words.items() if by_verdict[verdict]]
     return "; ".join([f"{log.ending.sentence} after {log.duration_s:.1f} s", *parts])
 
 
@@ -80,7 +80,7 @@ def rings(segments: Iterable[Segment]) -> tuple[tuple[Point, ...], ...]:
     for a, b in segments:
         ends.setdefault(_cell(a), []).append(b)
         ends.setdefault(_cell(b), []).append(a)
-    found: list[tuple[Point, ...]] = []
+    rings: list[tuple[Point, ...]] = []
     seen: set[tuple[int, int]] = set()
     for a, _ in segments:
         ring: list[Point] = []
@@ -90,8 +90,8 @@ def rings(segments: Iterable[Segment]) -> tuple[tuple[Point, ...], ...]:
             ring.append(here)
             here = next((other for other in ends[_cell(here)] if _cell(other) not in seen), None)
         if len(ring) > 2 and _cell(ring[0]) in map(_cell, ends[_cell(ring[-1])]):
-            found.append(tuple(ring))
-    return tuple(found)
+            rings.append(tuple(ring))
+    return tuple(rings)
 
 
 def _cell(point: Point) -> tuple[int, int]:

@@ -44,9 +44,9 @@ class Detail:
 
     def __str__(self) -> str:
         """Rows in a second, and the steps."""
-        return self.told(TRACK_HZ)
+        return self.at_rate(TRACK_HZ)
 
-    def told(self, track_hz: float) -> str:
+    def at_rate(self, track_hz: float) -> str:
         """The same of tracks with so many rows in a second."""
         step = f"{QUANTUM * self.coarse:g}"
         return f"{track_hz / self.every:g} Hz, in steps of {step} m and {step} m/s"
@@ -98,8 +98,8 @@ def packs(outcomes: Iterable[Outcome], requirements: Sequence[str], detail: Deta
         for entry in records:
             if not entry["invalid"]:
                 tracked.setdefault((entry["mutant"] != BASELINE, entry["seed"]), []).append(entry["track"] is not None)
-    hz = next((found for listed in by_situation.values() for o in listed if (found := _rate_hz(o.track))), TRACK_HZ)
-    return Packed(texts, tracks_told(detail.told(hz), tracked))
+    hz = next((rate for listed in by_situation.values() for o in listed if (rate := _rate_hz(o.track))), TRACK_HZ)
+    return Packed(texts, tracks_told(detail.at_rate(hz), tracked))
 
 
 def _rate_hz(track: bytes) -> float | None:
@@ -123,14 +123,14 @@ def tracks_told(detail: str, tracked: Mapping[tuple[bool, int], Sequence[bool]])
     groups: dict[str, list[tuple[bool, int]]] = {"Every flight": [], "Some": [], "None": []}
     for group, flags in tracked.items():
         groups["Every flight" if all(flags) else "Some" if any(flags) else "None"].append(group)
-    told = [f"{words} of {_whose(found)}" for words, found in groups.items() if found]
-    return ".  ".join((f"Tracks: {sum(every)} of {len(every)} flights, {detail}", *told, "`replay` flies the rest."))
+    parts = [f"{words} of {_whose(members)}" for words, members in groups.items() if members]
+    return ".  ".join((f"Tracks: {sum(every)} of {len(every)} flights, {detail}", *parts, "`replay` flies the rest."))
 
 
-def _whose(found: Sequence[tuple[bool, int]]) -> str:
+def _whose(members: Sequence[tuple[bool, int]]) -> str:
     """As in: the unmutated drone with seeds 0-9, mutants with seed 0."""
     own = {
-        who: [seed for other, seed in found if other is mutated]
+        who: [seed for other, seed in members if other is mutated]
         for mutated, who in ((False, "the unmutated drone"), (True, "mutants"))
     }
     return ", ".join(f"{who} with seed{'s' * (len(seeds) > 1)} {ranges(seeds)}" for who, seeds in own.items() if seeds)

@@ -1,4 +1,4 @@
-"""The Karnaugh map for the page: how the grid is folded, told once, and per mutant the terms of its condition."""
+"""The Karnaugh map for the page: how the grid is folded, and per mutant the terms of its condition."""
 
 from __future__ import annotations
 
@@ -56,8 +56,8 @@ def terms(space: Space, row: KillRow) -> list[dict[str, Any]]:
     """The terms of a mutant's condition where its grid has a map: `levels` has those that it admits, for each axis."""
     if not foldable(space):
         return []
-    found = cover(space, row.killing, row.surviving)
-    return [{"levels": _admitted(space, term), "words": term_text(space, term) or "everywhere"} for term in found]
+    covering = cover(space, row.killing, row.surviving)
+    return [{"levels": _admitted(space, term), "words": term_text(space, term) or "everywhere"} for term in covering]
 
 
 def _admitted(space: Space, term: Term) -> list[list[int]]:

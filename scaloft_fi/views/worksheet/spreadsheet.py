@@ -92,9 +92,9 @@ def _put(page: Any, line: int, at: int, value: SheetValue) -> Any:
 def _about(page: Any, rows: Sequence[SheetRow]) -> None:
     """What the columns say, and the fields at the head of the classic sheet."""
     page.title = "About"
-    told: list[tuple[str, str]] = [*((name, "") for name in FRAME), ("Population", population(rows)), ("", "")]
-    told += [(column.title, column.told) for column in COLUMNS]
-    for line, texts in enumerate(told, 1):
+    lines: list[tuple[str, str]] = [*((name, "") for name in FRAME), ("Population", population(rows)), ("", "")]
+    lines += [(column.title, column.about) for column in COLUMNS]
+    for line, texts in enumerate(lines, 1):
         for at, text in enumerate(texts, 1):
             _put(page, line, at, text)
     page.column_dimensions["A"].width, page.column_dimensions["B"].width = 24, 100

@@ -39,14 +39,14 @@ class Column:
     Attributes:
         key: as in JSON and CSV.
         title: as people read it.
-        told: what stands in it.
+        about: what stands in it.
         short: whether it is among those that fit a page.
         width: of a spreadsheet [characters].
     """
 
     key: str
     title: str
-    told: str
+    about: str
     short: bool = False
     width: int = 14
 
@@ -207,9 +207,9 @@ def to_records(rows: Sequence[SheetRow]) -> list[dict[str, Any]]:
 def _record(row: SheetRow) -> dict[str, Any]:
     score, values = row.score, row.values
     keys = ("situations_flown", "reached", "infected", "needed", "where", "stopped_at")
-    found = None
+    results = None
     if score is not None:
-        found = {key: values[key] for key in keys} | {
+        results = {key: values[key] for key in keys} | {
             "status": score.status.value,
             "verdict": score.verdict.value,
             "operability": score.operability.verdict.value,
@@ -219,8 +219,8 @@ def _record(row: SheetRow) -> dict[str, Any]:
             "requirements": {name: share_json(ratio) for name, ratio in score.requirements},
             "killing": list(score.killing),
         }
-    told = {key: values[key] for key in ("node", "design_intent", "margin", "disposition")}
-    return {**record(row.cell), **told, "results": found, "team": {column.key: None for column in TEAM}}
+    besides = {key: values[key] for key in ("node", "design_intent", "margin", "disposition")}
+    return {**record(row.cell), **besides, "results": results, "team": {column.key: None for column in TEAM}}
 
 
 def population(rows: Sequence[SheetRow]) -> str:

@@ -36,7 +36,7 @@ def columns(keys: Sequence[str] = ()) -> list[Column]:
     return [column for column in COLUMNS if (column.key in keys if keys else column.short)]
 
 
-def said(value: SheetValue) -> str:
+def value_text(value: SheetValue) -> str:
     """A value in a cell; nothing where there is none."""
     return "" if value is None else str(value)
 
@@ -52,7 +52,7 @@ def to_text(rows: Sequence[SheetRow]) -> str:
 
 
 def _table(title: str, shown: Sequence[Column], rows: Sequence[SheetRow], notes: tuple[str, ...] = ()) -> Table:
-    lines = tuple(tuple(line(said(row.values[column.key])) for column in shown) for row in rows)
+    lines = tuple(tuple(line(value_text(row.values[column.key])) for column in shown) for row in rows)
     return Table(title, tuple(column.title for column in shown), lines, notes)
 
 
@@ -72,7 +72,7 @@ def to_markdown(rows: Sequence[SheetRow]) -> str:
 
 
 def _piped(shown: Sequence[Column], rows: Sequence[SheetRow]) -> list[str]:
-    lines = [[markdown(said(row.values[column.key])) for column in shown] for row in rows]
+    lines = [[markdown(value_text(row.values[column.key])) for column in shown] for row in rows]
     header = [[column.title for column in shown], ["---"] * len(shown)]
     return [f"| {' | '.join(cells)} |" for cells in (*header, *lines)]
 
@@ -105,7 +105,7 @@ def _longtable(title: str, shown: Sequence[Column], rows: Sequence[SheetRow]) ->
         for width in widths
     )
     header = _row([column.title for column in shown], latex)
-    lines = [_row([said(row.values[column.key]) for column in shown], latex) for row in rows]
+    lines = [_row([value_text(row.values[column.key]) for column in shown], latex) for row in rows]
     caption = f"\\caption{{{latex(title)}}}\\\\"
     head = [f"\\begin{{longtable}}{{{spec}}}", caption, "\\toprule", header, "\\midrule", "\\endhead", "\\bottomrule"]
     return "\n".join([*head, "\\endfoot", *lines, "\\end{longtable}"])
@@ -113,7 +113,7 @@ def _longtable(title: str, shown: Sequence[Column], rows: Sequence[SheetRow]) ->
 
 def _width(column: Column, rows: Sequence[SheetRow]) -> float:
     """The share of a column: in a narrow one its longest word, capitals half as wide again, fills half of it."""
-    words = " ".join([column.title, *(said(row.values[column.key]) for row in rows)]).replace("-", "- ").split()
+    words = " ".join([column.title, *(value_text(row.values[column.key]) for row in rows)]).replace("-", "- ").split()
     longest = max(len(word) + sum(letter.isupper() for letter in word) / 2 for word in words)
     return max(column.width, 2 * min(LONG_WORD, longest))
 
