@@ -91,7 +91,7 @@ def judge(
 
     Args:
         scored: of a campaign.
-        roster: tells which mutants count.
+        roster: says which mutants count.
         dispositions: of the study.
         today: by which expiry is judged; None = nothing expires.
     """

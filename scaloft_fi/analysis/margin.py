@@ -65,7 +65,7 @@ class Margin:
         seen: the mildest magnitude, below `kills`, of which most flights violate without a verdict; None without one.
         again: magnitudes that survive although a milder one is killed or seen: the response is not monotone.
         tried: every magnitude flown, mild to severe.
-        situations: keys of those it speaks of.
+        situations: keys of those it holds in.
         shown: whether any magnitude was killed, seen or put to the test; else nothing is known of the threshold.
     """
 

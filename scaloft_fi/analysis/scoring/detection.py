@@ -75,7 +75,7 @@ class Spending:
     grown: frozenset[str] = frozenset()
 
     def looks(self, mutant: str, flown: int) -> tuple[tuple[int, float], ...]:
-        """The numbers of seeds at which a mutant with so many flights in a situation is judged, each with its share.
+        """The numbers of seeds at which a mutant with `flown` flights in a situation is judged, each with its share.
 
         >>> Spending(0.01).looks("a", 3), Spending(0.01, frozenset({"a"})).looks("a", 4)
         (((3, 0.01),), ((1, 0.0025), (3, 0.0025)))

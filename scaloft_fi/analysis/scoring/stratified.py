@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 GATE = 10
-"""A situation contributes where at most one in so many pool flights violates."""
+"""A situation contributes where at most one in `GATE` of its pool flights violates."""
 
 
 class Stratum(NamedTuple):

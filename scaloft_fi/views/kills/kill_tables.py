@@ -154,7 +154,7 @@ def subsumption_table(graph: Subsumption, *, short: bool = False) -> Table:
         rows = [row for row in rows if not row[0].startswith("> ")]
     sets = f"{len(graph.nodes)} different kill sets, {len(graph.minimal)} of them minimal: what kills these kills all."
     notes = [f"{graph.killed} killed mutants, {sets}"]
-    notes.append("`--show subsumption` tells the rest." if short else INDENTED)
+    notes.append("`--show subsumption` lists the rest." if short else INDENTED)
     return Table("Subsumption", ("mutants", "killed in", "subsumed by"), tuple(rows), tuple(notes))
 
 

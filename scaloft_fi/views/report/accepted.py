@@ -16,7 +16,7 @@ def accepted(scored: Score, roster: Roster, known: Iterable[Disposition], today:
 
     Args:
         scored: of the campaign.
-        roster: tells which mutants count.
+        roster: says which mutants count.
         known: the dispositions of the study.
         today: by which last days are judged; None = none is, so that the page never depends on a clock.
     """

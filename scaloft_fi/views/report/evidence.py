@@ -15,7 +15,7 @@ from scaloft_fi.views.snapshot import snapshot
 
 @dataclass(frozen=True)
 class Evidence:
-    """All that the page tells.
+    """Everything that the page is made from.
 
     Attributes:
         study: what was flown.

@@ -33,9 +33,9 @@ class Detail:
     """How much of the tracks goes into the page.
 
     Attributes:
-        every: one row stands for so many.
-        coarse: so many times the finest step of positions, speeds and distances.
-        seeds: of so many of the lowest seeds the mutants' tracks are kept; `EVERYTHING` for all.
+        every: how many rows of a track one row stands for.
+        coarse: the step of positions, speeds and distances, in finest steps.
+        seeds: how many seeds keep the tracks of the mutants, the lowest first; `EVERYTHING` for all.
     """
 
     every: int
@@ -47,7 +47,7 @@ class Detail:
         return self.at_rate(TRACK_HZ)
 
     def at_rate(self, track_hz: float) -> str:
-        """The same of tracks with so many rows in a second."""
+        """The same of tracks that have `track_hz` rows in a second."""
         step = f"{QUANTUM * self.coarse:g}"
         return f"{track_hz / self.every:g} Hz, in steps of {step} m and {step} m/s"
 
@@ -83,7 +83,7 @@ def packs(outcomes: Iterable[Outcome], requirements: Sequence[str], detail: Deta
         outcomes: of the campaign.
         requirements: names, in the order of the readings.
         detail: how much of the tracks is kept.
-        every: only every so many-th situation is packed, to learn how large all would be.
+        every: pack one situation in this many, to estimate the size of all.
     """
     by_situation: dict[str, list[Outcome]] = {}
     for outcome in outcomes:
@@ -159,9 +159,10 @@ def columns(detail: Detail) -> list[dict[str, Any]]:
 def _pack(
     outcomes: Sequence[Outcome], requirements: Sequence[str], detail: Detail, seeds: set[int]
 ) -> tuple[list[dict[str, Any]], str]:
-    """The records, and the base64 text of, deflated: a length (4 bytes, little endian), so many bytes of JSON, tracks.
+    """The records, and the base64 text of, deflated: a length (4 bytes, little endian), JSON of that length, tracks.
 
-    Flights with one digest share a track; a track is told by its rows, how many of the first are another's, and whose.
+    Flights with one digest share a track; a track is its own rows, and the number of rows before
+    them that it shares with another.
     """
     ordered = sorted(outcomes, key=lambda o: (o.seed, o.mutant != BASELINE, o.mutant))
     baselines = {outcome.seed: outcome for outcome in ordered if outcome.mutant == BASELINE}
@@ -200,7 +201,7 @@ def rows_of(track: bytes) -> list[tuple[float, ...]]:
 
 
 def record(outcome: Outcome, baseline: Outcome | None, requirements: Sequence[str]) -> dict[str, Any]:
-    """What the page tells of one flight beside its track."""
+    """What the page shows of one flight beside its track."""
     flight = flight_of(outcome, baseline) if outcome.mutant != BASELINE else None
     readings = {reading.requirement: reading for reading in outcome.readings}
     return {

@@ -14,7 +14,7 @@ COMPARISON = re.compile(
 
 
 def limits(requirements: Iterable[Requirement], signals: Collection[str]) -> list[dict[str, Any]]:
-    """Each comparison of one of `signals` with a number; role: `demands`, or `when` the requirement speaks.
+    """Each comparison of one of `signals` with a number; role: `demands`, or `when` the requirement applies.
 
     A signal that is divided by a number first, as formulas that join units do, has its limit in its own unit.
     """

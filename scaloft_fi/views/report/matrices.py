@@ -28,7 +28,7 @@ KEPT = (
     *("id", "guideword", "parameter", "magnitude", "status", "verdict"),
     *("kill_rate", "kill_rate_flown", "decided_at"),
 )
-"""What the page tells of a mutant as the score's JSON does."""
+"""What the page takes over from the score's JSON on a mutant."""
 
 
 def situations(space: Space, grid: Grid) -> list[dict[str, Any]]:
@@ -93,7 +93,7 @@ def mutants(
         matrix: its kill matrix.
         rulings: of its flights.
         records: the mutants and controls of the score's JSON.
-        roster: tells which mutants count.
+        roster: says which mutants count.
         keys: of the situations, in the order of `results`.
         order: of ids.
     """

@@ -53,7 +53,7 @@ def answers(scored: Score, roster: Roster, campaign: str = "default") -> tuple[A
     faults = counted or [mutant for mutant in scored.mutants if mutant.flown]
     sentences = (_shown, _not_shown, _how_sure, _next) if scored.pooled else (_seen, _unknown, _not_sure, _next)
     asked = Asked(scored, faults, campaign, frozenset(roster.defaults.values()))
-    return tuple(Answer(name, tell(asked)) for name, tell in zip(NAMES, sentences, strict=True))
+    return tuple(Answer(name, answer(asked)) for name, answer in zip(NAMES, sentences, strict=True))
 
 
 def _shown(asked: Asked) -> str:
@@ -105,11 +105,11 @@ def _seen(asked: Asked) -> str:
 
 
 def _unknown(_asked: Asked) -> str:
-    return "not known: without a pool nobody can tell a fault from a lucky baseline."
+    return "not known: without a baseline pool a fault cannot be told from chance."
 
 
 def _not_sure(_asked: Asked) -> str:
-    return f"not at all: {LEAST} baseline flights in each situation where a mutant infects would tell what chance does."
+    return f"not at all: {LEAST} baseline flights in each situation where a mutant infects would show what chance does."
 
 
 def _next(asked: Asked) -> str:

@@ -35,7 +35,7 @@ COLUMNS = {
     Verdict.NOT_DETECTED: ("tested in", "effect", "next"),
     Verdict.NOT_TESTED: ("effect", "next"),
 }
-"""What each group tells of its mutants."""
+"""The columns of each group of mutants."""
 CONTROL_COLUMNS = ("kills", "shown by", "effect")
 LEGEND = (
     "kills: situations where most flights of a detected fault violate, of those that put it to the test:",

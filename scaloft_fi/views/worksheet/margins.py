@@ -35,7 +35,7 @@ LEGEND = (
     "seen 1-3 s 1 s survives, at 3 s most flights violate, too few to call the mutant detected: more seeds decide",
     "!          not monotone: a severer magnitude survives where a milder one is killed or seen",
     "detected   a fault without magnitudes is detected (or not detected, or undecided); y detected: in this form",
-    "?          nothing flown tells (a situation takes ten baselines);   -  not meaningful;  CONTROL  has no margin",
+    "?          not known yet (a situation takes ten baselines);   -  not meaningful;  CONTROL  has no margin",
 )
 
 
