@@ -90,12 +90,6 @@ def current(study: Study, campaign: str) -> tuple[Outcome, ...]:
         return store.that(_Now(study, store).stands) or nothing_to_show(store, folder)
 
 
-def rulings_in(study: Study, store: Store) -> Rulings:
-    """The rulings of an open store that count: all that a score needs, sooner read than outcomes; may be empty."""
-    with store.snapshot():
-        return store.rulings(_Now(study, store).stands)
-
-
 def current_rulings(study: Study, campaign: str) -> Rulings:
     """The rulings of a campaign that count: all that a score needs, sooner read than outcomes.
 
@@ -104,7 +98,7 @@ def current_rulings(study: Study, campaign: str) -> Rulings:
     """
     folder = campaign_folder(study, campaign)
     with Store(existing(folder), create=False) as store, store.snapshot():
-        return rulings_in(study, store) or nothing_to_show(store, folder)
+        return store.rulings(_Now(study, store).stands) or nothing_to_show(store, folder)
 
 
 def nothing_to_show(store: Store, folder: Path) -> NoReturn:
