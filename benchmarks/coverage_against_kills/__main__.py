@@ -28,7 +28,7 @@ from coverage_against_kills.trial import trial
 from scaloft_fi.analysis.scoring.score import score_of
 from scaloft_fi.errors import InputError
 from scaloft_fi.study import Study
-from scaloft_fi.views.moment import moment
+from scaloft_fi.views.snapshot import snapshot
 from scaloft_fi.views.tables.table import Format, render
 
 NAME = "coverage_against_kills"
@@ -40,7 +40,7 @@ def pages(study: Study, campaign: str) -> dict[str, str]:
     Raises:
         InputError: there is no campaign, or no default mutant was flown in it.
     """
-    with moment(study, campaign) as now:
+    with snapshot(study, campaign) as now:
         rulings, spending = now.rulings, now.spending
     scored = score_of(rulings, study.roster, study.space, spending)
     flown = trial(scored, rulings, study.roster, study.space, spending)

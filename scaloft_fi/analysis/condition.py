@@ -75,11 +75,11 @@ def _primes(space: Space, on: Sequence[Point], off: Sequence[Point]) -> list[Ter
         return _primes_around(space, on, off)
     bits = {point: 1 << place for place, (_, point) in enumerate(space.points)}
     killing, surviving = (sum(bits[point] for point in points) for points in (on, off))
-    found: list[Term] = []
+    primes: list[Term] = []
     for term, inside in _boxes(space):
-        if inside & killing and not inside & surviving and not any(_within(term, larger) for larger in found):
-            found.append(term)
-    return found
+        if inside & killing and not inside & surviving and not any(_within(term, larger) for larger in primes):
+            primes.append(term)
+    return primes
 
 
 @lru_cache(maxsize=8)
@@ -105,14 +105,14 @@ def _primes_around(space: Space, on: Sequence[Point], off: Sequence[Point]) -> l
     on one of them: so the largest boxes are the smallest sets of axes that meet every set of differing axes.
     """
     every = [frozenset(values) for values in space.values]
-    found: set[Term] = set()
+    terms: set[Term] = set()
     for point in on:
         differing = {
             frozenset(axis for axis, (a, b) in enumerate(zip(point, other, strict=True)) if a != b) for other in off
         }
         for axes in _smallest_meeting(differing):
-            found.add(tuple(frozenset([v]) if i in axes else every[i] for i, v in enumerate(point)))
-    return sorted(found, key=lambda term: _order(space, term))
+            terms.add(tuple(frozenset([v]) if i in axes else every[i] for i, v in enumerate(point)))
+    return sorted(terms, key=lambda term: _order(space, term))
 
 
 def _smallest_meeting(sets: Iterable[frozenset[int]]) -> set[frozenset[int]]:
@@ -121,12 +121,12 @@ def _smallest_meeting(sets: Iterable[frozenset[int]]) -> set[frozenset[int]]:
     >>> sorted(map(sorted, _smallest_meeting([frozenset({0, 1}), frozenset({1, 2})])))
     [[0, 2], [1]]
     """
-    found: set[frozenset[int]] = {frozenset()}
+    transversals: set[frozenset[int]] = {frozenset()}
     for met in sorted(sets, key=lambda members: (len(members), sorted(members))):
-        enough = {chosen for chosen in found if chosen & met}
-        grown = {chosen | {axis} for chosen in found - enough for axis in met}
-        found = enough | {chosen for chosen in grown if not any(smaller <= chosen for smaller in enough)}
-    return found
+        enough = {chosen for chosen in transversals if chosen & met}
+        grown = {chosen | {axis} for chosen in transversals - enough for axis in met}
+        transversals = enough | {chosen for chosen in grown if not any(smaller <= chosen for smaller in enough)}
+    return transversals
 
 
 def _within(term: Term, larger: Term) -> bool:

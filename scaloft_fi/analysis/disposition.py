@@ -39,7 +39,7 @@ class Disposition:
     place: str = field(default="", compare=False)
 
 
-class State(StrEnum):
+class Standing(StrEnum):
     """How a survivor, or a disposition, stands."""
 
     ACCEPTED = "accepted"
@@ -57,7 +57,7 @@ class State(StrEnum):
     @property
     def fails(self) -> bool:
         """Whether the ratchet does not let it pass."""
-        return self in (State.OPEN, State.UNCOVERED, State.EXPIRED)
+        return self in (Standing.OPEN, Standing.UNCOVERED, Standing.EXPIRED)
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ class Judged:
     """
 
     mutant: str
-    state: State
+    state: Standing
     surviving: tuple[str, ...] = ()
     disposition: Disposition | None = None
     verdict: Verdict | None = None
@@ -91,7 +91,7 @@ def judge(
 
     Args:
         scored: of a campaign.
-        roster: tells which mutants count.
+        roster: says which mutants count.
         dispositions: of the study.
         today: by which expiry is judged; None = nothing expires.
     """
@@ -105,15 +105,15 @@ def judge(
 def _judged(name: str, mutant: MutantScore | None, known: Disposition | None, today: date | None) -> Judged:
     surviving = tuple(r.situation for r in mutant.results if r.tested and not r.kills) if mutant else ()
     if known is None:
-        state = State.OPEN
+        state = Standing.OPEN
     elif mutant is not None and mutant.detected:
-        state = State.STALE
+        state = Standing.STALE
     elif today is not None and today > known.expires:
-        state = State.EXPIRED
+        state = Standing.EXPIRED
     elif mutant is None or not survives(mutant):
-        state = State.UNTESTED
+        state = Standing.UNTESTED
     elif known.situations and set(surviving) - set(known.situations):
-        state = State.UNCOVERED
+        state = Standing.UNCOVERED
     else:
-        state = State.ACCEPTED
+        state = Standing.ACCEPTED
     return Judged(name, state, surviving, known, mutant.verdict if mutant else None)

@@ -80,7 +80,7 @@ def cell_of(mutant: str) -> str:
 
 def by_mutant(outcomes: Iterable[Outcome], roster: Roster) -> dict[str, list[Outcome]]:
     """The outcomes of each subject, in the canonical order."""
-    found: dict[str, list[Outcome]] = {}
+    by_mutant: dict[str, list[Outcome]] = {}
     for outcome in outcomes:
-        found.setdefault(outcome.mutant, []).append(outcome)
-    return {id_: found[id_] for id_ in sorted(found, key=roster.rank)}
+        by_mutant.setdefault(outcome.mutant, []).append(outcome)
+    return {id_: by_mutant[id_] for id_ in sorted(by_mutant, key=roster.rank)}

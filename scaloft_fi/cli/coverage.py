@@ -23,11 +23,11 @@ def coverage_command(study_folder: Path | None, campaign: str, style: str) -> No
     from scaloft_fi.analysis.situations.coverage import coverage_json, coverage_of
     from scaloft_fi.study import Study
     from scaloft_fi.views.coverage.coverage_tables import coverage_tables
-    from scaloft_fi.views.moment import moment
+    from scaloft_fi.views.snapshot import snapshot
     from scaloft_fi.views.tables.table import Format, render
 
     study = Study.open(study_folder)
-    with moment(study, campaign) as now:
+    with snapshot(study, campaign) as now:
         rulings, choices = now.rulings, now.choices
     covered = coverage_of(rulings.baselines, rulings.draws, study.space)
     if style == Format.JSON:

@@ -44,11 +44,11 @@ def dispositions_command(
     from scaloft_fi.analysis.scoring.score import score_of
     from scaloft_fi.study import Study
     from scaloft_fi.views.dispositions import disposition_table
-    from scaloft_fi.views.moment import moment
+    from scaloft_fi.views.snapshot import snapshot
     from scaloft_fi.views.tables.table import Format, render
 
     study = Study.open(study_folder)
-    with moment(study, campaign) as now:
+    with snapshot(study, campaign) as now:
         scored = score_of(now.rulings, study.roster, study.space, now.spending)
     judged = _judged(study, scored, today)
     click.echo(render((disposition_table(judged),), Format(style)), nl=False)
@@ -62,12 +62,12 @@ def ratchet(study: Study, scored: Score, today: date | None) -> int:
     Raises:
         InputError: there is no baseline pool to decide by.
     """
-    from scaloft_fi.analysis.disposition import State
+    from scaloft_fi.analysis.disposition import Standing
     from scaloft_fi.views.dispositions import complaint
 
     judged = _judged(study, scored, today)
     for entry in judged:
-        if entry.state is State.STALE:
+        if entry.state is Standing.STALE:
             click.echo(f"warning: {complaint(entry)}", err=True)
     failing = [entry for entry in judged if entry.state.fails]
     for entry in failing:
@@ -88,10 +88,10 @@ def _judged(study: Study, scored: Score, today: date | None) -> tuple[Judged, ..
 
 
 def _append(study: Study, judged: Sequence[Judged]) -> None:
-    from scaloft_fi.analysis.disposition import State
+    from scaloft_fi.analysis.disposition import Standing
     from scaloft_fi.dispositions import HEADER, draft
 
-    opened = [entry.mutant for entry in judged if entry.state is State.OPEN]
+    opened = [entry.mutant for entry in judged if entry.state is Standing.OPEN]
     if not opened:
         click.echo("nothing to write: no survivor without a disposition", err=True)
         return

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from scaloft_fi.analysis.scoring.score import Score
     from scaloft_fi.study import Study
     from scaloft_fi.views.kills.survivors import Survivor
-    from scaloft_fi.views.moment import Moment
+    from scaloft_fi.views.snapshot import Snapshot
     from scaloft_fi.views.tables.table import Table
 
 PARTS = ("conditions", "situations", "suite", "subsumption", "survivors")
@@ -73,12 +73,12 @@ def kills_command(
     from scaloft_fi.analysis.kills.kill_matrix import kill_matrix
     from scaloft_fi.analysis.scoring.score import score
     from scaloft_fi.study import Study
-    from scaloft_fi.views.moment import moment
+    from scaloft_fi.views.snapshot import snapshot
     from scaloft_fi.views.tables.table import Format
 
     study = Study.open(study_folder)
     wanted = parts or PARTS
-    with moment(study, campaign) as now:
+    with snapshot(study, campaign) as now:
         scored = score(now.outcomes, study.roster, study.space, now.spending)
         matrix = _chosen(study, kill_matrix(scored, study.roster, study.space), mutants)
         cases = _survivors(now, scored, matrix) if "survivors" in wanted and output is None else ()
@@ -121,7 +121,7 @@ def _graph(matrix: KillMatrix, by_requirement: bool) -> Subsumption:
     return subsumption(kills_by_requirement(matrix) if by_requirement else matrix.kills)
 
 
-def _survivors(now: Moment, scored: Score, matrix: KillMatrix) -> tuple[Survivor, ...]:
+def _survivors(now: Snapshot, scored: Score, matrix: KillMatrix) -> tuple[Survivor, ...]:
     """The survivors among `matrix`, judged beside all that the campaign holds."""
     from scaloft_fi.analysis.kills.background import backgrounds
     from scaloft_fi.analysis.scoring.detection import Verdict
@@ -138,7 +138,7 @@ def _survivors(now: Moment, scored: Score, matrix: KillMatrix) -> tuple[Survivor
 def _tables(
     matrix: KillMatrix,
     graph: Subsumption,
-    found: Sequence[Survivor],
+    cases: Sequence[Survivor],
     wanted: Sequence[str],
     chosen: Sequence[str],
     *,
@@ -165,14 +165,14 @@ def _tables(
         shown += [tables.redundancy_table(repeated)] if repeated else []
     shown = tables.with_scattered(shown, matrix)
     if "survivors" in wanted:
-        shown.append(tables.survivor_summary(found) if short else tables.survivor_table(found))
+        shown.append(tables.survivor_summary(cases) if short else tables.survivor_table(cases))
     return shown
 
 
 def _json(
     matrix: KillMatrix,
     graph: Subsumption,
-    found: Sequence[Survivor],
+    cases: Sequence[Survivor],
     wanted: Sequence[str],
     chosen: Sequence[str],
 ) -> dict[str, Any]:
@@ -196,7 +196,7 @@ def _json(
         plain["subsumption"] = graph.to_json()
         plain["redundancies"] = [entry.to_json() for entry in redundancies(graph)]
     if "survivors" in wanted:
-        plain["survivors"] = [entry.to_json() for entry in found]
+        plain["survivors"] = [entry.to_json() for entry in cases]
     return plain
 
 

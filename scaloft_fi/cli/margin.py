@@ -19,7 +19,8 @@ from scaloft_fi.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from scaloft_fi.analysis.margin import Margin, Subject
+    from scaloft_fi.analysis.margin import Margin
+    from scaloft_fi.analysis.tried import PhasedFault
     from scaloft_fi.study import Study
 
 
@@ -82,9 +83,9 @@ def margin_command(
 
     study = Study.open(study_folder)
     study.check()
-    targets = {found.subject: found for found in (target(study.matrix, text, tolerance) for text in mutants)}
+    targets = {one.subject: one for one in (target(study.matrix, text, tolerance) for text in mutants)}
     chosen, numbers = study.grid.select(situations), choose.seeds(seeds)
-    found = find(
+    by_fault = find(
         study,
         tuple(targets.values()),
         chosen,
@@ -94,15 +95,15 @@ def margin_command(
         kind=Kind.OPERABILITY if operability else Kind.SAFETY,
         progress=Silence if quiet else Progress,
     )
-    click.echo(_text(study, found, len(numbers), Format(style)), nl=False)
+    click.echo(_text(study, by_fault, len(numbers), Format(style)), nl=False)
 
 
-def _text(study: Study, found: Mapping[Subject, Sequence[Margin]], seeds: int, style: str) -> str:
+def _text(study: Study, by_fault: Mapping[PhasedFault, Sequence[Margin]], seeds: int, style: str) -> str:
     from scaloft_fi.views.tables.table import Format, render
     from scaloft_fi.views.worksheet.margins import margin_json, margin_tables
 
     if style != Format.JSON:
-        return render(margin_tables(found, study.requirements, seeds), Format(style))
+        return render(margin_tables(by_fault, study.requirements, seeds), Format(style))
     import json
 
-    return json.dumps(margin_json(found), indent=2, allow_nan=False) + "\n"
+    return json.dumps(margin_json(by_fault), indent=2, allow_nan=False) + "\n"

@@ -84,19 +84,19 @@ def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: st
     from scaloft_fi.analysis.scoring.score import score
     from scaloft_fi.judge.requirement import Kind
     from scaloft_fi.study import Study
-    from scaloft_fi.views.moment import moment
+    from scaloft_fi.views.snapshot import snapshot
     from scaloft_fi.views.worksheet.margins import LEGEND, cell_margins
 
     study = Study.open(study_folder)
     kind = Kind.OPERABILITY if operability else Kind.SAFETY
-    with moment(study, campaign) as now:
+    with snapshot(study, campaign) as now:
         outcomes, spending = now.outcomes, now.spending
     scored = score(outcomes, study.roster, study.space, spending)
-    told = cell_margins(outcomes, scored, study.matrix, kind)
+    by_cell = cell_margins(outcomes, scored, study.matrix, kind)
     if style == "json":
-        return json.dumps([{**record(cell), "margin": told[cell.name]} for cell in matrix], indent=1)
+        return json.dumps([{**record(cell), "margin": by_cell[cell.name]} for cell in matrix], indent=1)
     header = ["parameter", *(word.id for word in matrix.guidewords)]
-    lines = [[p.id, *(told[f"{word.id}-{p.id}"] for word in matrix.guidewords)] for p in matrix.parameters]
+    lines = [[p.id, *(by_cell[f"{word.id}-{p.id}"] for word in matrix.guidewords)] for p in matrix.parameters]
     if style == "table":
         return "\n".join([blocks(["", *header[1:]], lines), "", *LEGEND, "", tally(matrix)])
     return _csv(header, lines) if style == "csv" else _tabulated(header, lines, style)
@@ -111,8 +111,8 @@ def _one(matrix: Matrix, name: str, style: str, study_folder: Path | None) -> st
     row = rows(matrix.only([cell.guideword], [cell.parameter]))[0]
     if style == "csv":
         return _csv(HEADER, [row])
-    told = [[name, text] for name, text in zip(HEADER[1:], row[1:], strict=True) if text]
-    return _tabulated(("cell", cell.name), told, style)
+    lines = [[name, text] for name, text in zip(HEADER[1:], row[1:], strict=True) if text]
+    return _tabulated(("cell", cell.name), lines, style)
 
 
 def _edges(study_folder: Path | None) -> Mapping[str, str]:

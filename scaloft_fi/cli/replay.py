@@ -79,7 +79,7 @@ def _flight(study: Study, name: str) -> Flight:
 
 
 def _facts(study: Study, flight: Flight, outcome: Outcome, log: FlightLog) -> str:
-    from scaloft_fi.judge.robustness import told_rho
+    from scaloft_fi.judge.robustness import measured_rho
     from scaloft_fi.views.tables.table import Format, Table, render
 
     rows: list[tuple[str, str]] = [
@@ -91,7 +91,7 @@ def _facts(study: Study, flight: Flight, outcome: Outcome, log: FlightLog) -> st
         rows.append(("samples altered", f"{outcome.altered} of {outcome.carried}{first}"))
     for reading in outcome.readings:
         at = f" at {reading.violated_at_s:.2f} s" if reading.violated_at_s is not None else ""
-        rho = told_rho(reading)
+        rho = measured_rho(reading)
         told = "" if rho is None else f", robustness {rho:.3f}"
         rows.append((reading.requirement, f"{reading.verdict.value}{at}{told}"))
     if outcome.stack_error:

@@ -67,12 +67,11 @@ def score_command(
     from scaloft_fi.campaign.runs.baseline_pool import borrowed
     from scaloft_fi.campaign.store.folder import campaign_folder, existing
     from scaloft_fi.campaign.store.platforms import warning_for
-    from scaloft_fi.judge.rulings import rulings_of
     from scaloft_fi.study import Study
-    from scaloft_fi.views.moment import moment
+    from scaloft_fi.views.snapshot import snapshot
 
     study = Study.open(study_folder)
-    with moment(study, campaign) as now:
+    with snapshot(study, campaign) as now:
         rulings, spending = now.rulings, now.spending
     others: Iterable[Outcome] = ()
     if baseline_from:

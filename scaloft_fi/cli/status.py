@@ -29,8 +29,8 @@ def status_command(study_folder: Path | None, campaign: str, style: str) -> None
     from scaloft_fi.views.tables.table import Format, Table, render
 
     study = Study.open(study_folder)
-    found = held(study, campaign)
-    flown = ordered(found.current, study.roster, study.space)
+    content = held(study, campaign)
+    flown = ordered(content.current, study.roster, study.space)
     clean = [outcome for outcome in flown if outcome.mutant == BASELINE]
     baselines = Counter(f"{BASELINE} {baseline_status(outcome)}" for outcome in clean)
     home = {(outcome.situation, outcome.seed) for outcome in clean}
@@ -39,16 +39,16 @@ def status_command(study_folder: Path | None, campaign: str, style: str) -> None
         for flight in flights_of(flown)
     )
     table = Table(
-        f"Campaign {found.folder}",
+        f"Campaign {content.folder}",
         ("flights", "number"),
         (
             *baselines.items(),
             *mutants.items(),
             ("all", len(flown)),
-            ("planned, not flown", found.owed),
-            ("stale, not counted", found.stale),
+            ("planned, not flown", content.owed),
+            ("stale, not counted", content.stale),
         ),
         (f"{len({o.mutant for o in flown})} subjects in {len({o.situation for o in flown})} situations.",),
     )
-    stale = Table("Stale flights", ("why", "number"), tuple(found.why.items()), (AGAIN,))
-    click.echo(render((table, stale) if found.stale else (table,), Format(style)), nl=False)
+    stale = Table("Stale flights", ("why", "number"), tuple(content.why.items()), (AGAIN,))
+    click.echo(render((table, stale) if content.stale else (table,), Format(style)), nl=False)

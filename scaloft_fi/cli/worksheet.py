@@ -12,7 +12,7 @@ from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.options import FORMATS, campaign_option, study_option
 
 if TYPE_CHECKING:
-    from scaloft_fi.views.worksheet.worksheet import Row
+    from scaloft_fi.views.worksheet.worksheet import SheetRow
 
 
 @click.command("worksheet")
@@ -39,11 +39,11 @@ def worksheet_command(study_folder: Path | None, campaign: str, style: str, outp
     check_writable(output)
     from scaloft_fi.analysis.scoring.score import score
     from scaloft_fi.study import Study
-    from scaloft_fi.views.moment import moment
+    from scaloft_fi.views.snapshot import snapshot
     from scaloft_fi.views.worksheet.worksheet import worksheet
 
     study = Study.open(study_folder)
-    with moment(study, campaign) as now:
+    with snapshot(study, campaign) as now:
         outcomes, spending = now.outcomes, now.spending
     scored = score(outcomes, study.roster, study.space, spending)
     rows = worksheet(study.matrix, outcomes, scored, study.space, study.dispositions)
@@ -54,7 +54,7 @@ def worksheet_command(study_folder: Path | None, campaign: str, style: str, outp
         write(output, content)
 
 
-def _content(rows: Sequence[Row], style: str) -> bytes:
+def _content(rows: Sequence[SheetRow], style: str) -> bytes:
     if style == "xlsx":
         from scaloft_fi.views.worksheet.spreadsheet import to_xlsx
 

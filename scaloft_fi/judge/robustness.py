@@ -1,11 +1,11 @@
-"""Robustness as it is told: only of what was put to the test."""
+"""Robustness for tables and records: only of what was put to the test."""
 
 from __future__ import annotations
 
 from scaloft_fi.judge.requirement import Reading
 
 
-def told_rho(reading: Reading) -> float | None:
+def measured_rho(reading: Reading) -> float | None:
     """The robustness of a reading, in the requirement's unit; None where the flight put nothing to the test.
 
     Where no trigger came true and nothing was violated the number says how far the trigger was from coming true, or
@@ -15,10 +15,10 @@ def told_rho(reading: Reading) -> float | None:
     return reading.rho if reading.triggered or reading.violated else None
 
 
-def spelt_rho(rho: float | None) -> str:
+def rho_text(rho: float | None) -> str:
     """A robustness as tables have it.
 
-    >>> spelt_rho(0.25), spelt_rho(None)
+    >>> rho_text(0.25), rho_text(None)
     ('0.250', 'n/a')
     """
     return "n/a" if rho is None else f"{rho:.3f}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from scaloft_fi.analysis.disposition import Disposition, Judged, State
+from scaloft_fi.analysis.disposition import Disposition, Judged, Standing
 from scaloft_fi.views.tables.table import Table
 
 
@@ -24,16 +24,16 @@ def complaint(judged: Judged) -> str:
     """The sentence of one that does not pass, or can go.
 
     >>> from scaloft_fi.analysis.scoring.detection import Verdict
-    >>> complaint(Judged("LATE-human@3s", State.OPEN, ("D0H1",), verdict=Verdict.NOT_DETECTED))
+    >>> complaint(Judged("LATE-human@3s", Standing.OPEN, ("D0H1",), verdict=Verdict.NOT_DETECTED))
     'LATE-human@3s is not detected (tested in D0H1) and not accepted'
     """
     known = judged.disposition
     if known is None:
         some = ", ".join(judged.surviving[:3]) + " and more" * (len(judged.surviving) > 3)
         return f"{judged.mutant} is {verdict_words(judged)}{f' (tested in {some})' if some else ''} and not accepted"
-    if judged.state is State.STALE:
+    if judged.state is Standing.STALE:
         return f"{judged.mutant} is detected now; its disposition can go ({known.place})"
-    if judged.state is State.EXPIRED:
+    if judged.state is Standing.EXPIRED:
         return f"{judged.mutant}: its disposition expired on {known.expires.isoformat()} ({known.place})"
     new = [key for key in judged.surviving if key not in known.situations]
     return f"{judged.mutant} survives in {', '.join(new)}, which its disposition does not name ({known.place})"

@@ -11,19 +11,21 @@ from builders import GRID, ROSTER, campaigns, outcome, pool, seeded, thrice
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.margin import Answer, Margin, Scale, Subject, Tried, lowest, margin_of, margins
+from scaloft_fi.analysis.margin import Margin, Scale, lowest, margin_of, margins
 from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.analysis.tried import PhasedFault, Reaction, Tried
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.views.worksheet.margin_text import margin_text
 from scaloft_fi.views.worksheet.margins import LEGEND, cell_margins, margin_json, margin_tables
 
 MATRIX = load_matrix(Path(__file__).parents[2] / "hazop", REFERENCE.by_name)
 SECONDS = Scale("s", 1, 0.0)
 KEYS = [key for key, _ in GRID.points]
 HUMAN = "T0O0W0D0H1"
-LATE = Subject("LATE-human", "s")
+LATE = PhasedFault("LATE-human", "s")
 
 magnitudes = st.lists(st.integers(1, 100).map(lambda n: n / 10), min_size=1, max_size=6, unique=True)
 
@@ -35,7 +37,7 @@ def test_the_least_threshold_of_all_situations_is_within_the_interval(
     scale = Scale("s", sign)
 
     def margin(threshold: float, tried: list[float]) -> Margin:
-        killed = {m: Answer.KILLED if sign * m >= sign * threshold else Answer.SURVIVED for m in tried}
+        killed = {m: Reaction.KILLED if sign * m >= sign * threshold else Reaction.SURVIVED for m in tried}
         return margin_of(scale, [Tried(m, answer) for m, answer in killed.items()])
 
     least = lowest(margin(*entry) for entry in flown)
@@ -55,7 +57,7 @@ def told(outcomes: list[Outcome], kind: Kind = Kind.SAFETY) -> Mapping[str, str]
     return cell_margins(outcomes, score(outcomes, ROSTER, GRID), MATRIX, kind)
 
 
-def found_in(outcomes: list[Outcome]) -> Mapping[Subject, Sequence[Margin]]:
+def found_in(outcomes: list[Outcome]) -> Mapping[PhasedFault, Sequence[Margin]]:
     return margins(outcomes, score(outcomes, ROSTER, GRID), MATRIX)
 
 
@@ -78,9 +80,9 @@ def test_what_one_flight_shows_is_seen_and_never_told_as_a_kill() -> None:
     once = [*pool(HUMAN), outcome("LATE-human@1s", HUMAN), outcome("LATE-human@3s", HUMAN, violated={"SR2": 8.0})]
     ((margin,),) = found_in(once).values()
     assert (margin.survives, margin.seen, margin.kills, margin.end) == (1.0, 3.0, None, 3.0)
-    assert told(once)["LATE-human"] == str(margin) == "seen 1-3 s"
+    assert told(once)["LATE-human"] == margin_text(margin) == "seen 1-3 s"
     (entry,) = [entry for entry in margin.tried if entry.magnitude == 3.0]
-    assert (entry.answer, entry.requirements, entry.needed, entry.anew) == (Answer.SEEN, ("SR2",), 5, False)
+    assert (entry.reaction, entry.requirements, entry.needed, entry.anew) == (Reaction.SEEN, ("SR2",), 5, False)
     (table,) = margin_tables(found_in(once), (), 1)
     assert table.rows == ((HUMAN, "seen 1-3 s", "1 s", "3 s", "", "SR2 1/1", "SR2 0.3 / -0.1", "1 3", ""),)
     assert "Seen, decided by 5 seeds: 3 s (`scaloft-fi margin LATE-human@3s --seeds 5`)." in table.notes
@@ -96,7 +98,7 @@ def test_a_milder_magnitude_that_is_only_seen_keeps_the_interval_open() -> None:
     flown = flights(("LATE-human@1s", HUMAN, {}), ("LATE-human@5s", HUMAN, {"SR2": 8.0}))
     flown.append(outcome("LATE-human@3s", HUMAN, violated={"SR2": 8.0}))
     ((margin,),) = found_in(flown).values()
-    assert (margin.survives, margin.seen, margin.kills, str(margin)) == (1.0, 3.0, 5.0, "1-5 s")
+    assert (margin.survives, margin.seen, margin.kills, margin_text(margin)) == (1.0, 3.0, 5.0, "1-5 s")
 
 
 def test_some_flights_of_a_detected_mutant_are_no_kill() -> None:
@@ -155,12 +157,12 @@ def test_margins_do_not_depend_on_the_order_of_outcomes_and_say_nothing_unknown(
     kills = {(mutant.subject.id, key) for mutant in score(outcomes, ROSTER, GRID).mutants for key in mutant.killing}
     for subject, listed in found_in(outcomes).items():
         for margin in listed:
-            answers = {answer: {t.magnitude for t in margin.tried if t.answer is answer} for answer in Answer}
-            assert (margin.kills in answers[Answer.KILLED]) == bool(answers[Answer.KILLED])
-            assert margin.seen is None or margin.seen in answers[Answer.SEEN]
-            assert margin.survives not in answers[Answer.KILLED] | answers[Answer.SEEN]
+            answers = {answer: {t.magnitude for t in margin.tried if t.reaction is answer} for answer in Reaction}
+            assert (margin.kills in answers[Reaction.KILLED]) == bool(answers[Reaction.KILLED])
+            assert margin.seen is None or margin.seen in answers[Reaction.SEEN]
+            assert margin.survives not in answers[Reaction.KILLED] | answers[Reaction.SEEN]
             (key,) = margin.situations
-            for magnitude in answers[Answer.KILLED] if not subject.cell.startswith("REVERSE") else ():
+            for magnitude in answers[Reaction.KILLED] if not subject.cell.startswith("REVERSE") else ():
                 assert (subject.at(f"{magnitude:g}{subject.unit}"), key) in kills
     margin_tables(found_in(outcomes), (), 1)
     json.dumps(margin_json(found_in(outcomes)), allow_nan=False)

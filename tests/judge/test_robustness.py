@@ -18,7 +18,7 @@ from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Reading, Verdict
-from scaloft_fi.judge.robustness import told_rho
+from scaloft_fi.judge.robustness import measured_rho
 from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.views.exchange.parquet import parquet
 from scaloft_fi.views.flights.export import columns, export_rows, to_csv, to_json
@@ -51,7 +51,7 @@ def test_robustness_is_told_of_what_was_put_to_the_test_or_violated(
     reading: Reading, verdict: Verdict, told: float | None
 ) -> None:
     assert reading.verdict is verdict
-    assert told_rho(reading) == told
+    assert measured_rho(reading) == told
 
 
 def test_a_row_of_the_export_has_nothing_there_in_every_format() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import date
 
-from scaloft_fi.analysis.disposition import Disposition, Judged, State
+from scaloft_fi.analysis.disposition import Disposition, Judged, Standing
 from scaloft_fi.views.dispositions import complaint
 
 LATE, DAY = "LATE-human@3s", date(2027, 1, 31)
@@ -12,7 +12,7 @@ LATE, DAY = "LATE-human@3s", date(2027, 1, 31)
 
 def test_every_sentence_names_the_mutant_and_what_to_do() -> None:
     known = Disposition(LATE, "me", "why", DAY, ("D0",), "f.yaml:3")
-    for state in State:
-        judged = Judged(LATE, state, ("D0", "D1"), None if state is State.OPEN else known)
+    for state in Standing:
+        judged = Judged(LATE, state, ("D0", "D1"), None if state is Standing.OPEN else known)
         assert LATE in complaint(judged)
-        assert state is State.OPEN or "f.yaml:3" in complaint(judged)
+        assert state is Standing.OPEN or "f.yaml:3" in complaint(judged)

@@ -14,7 +14,7 @@ from itertools import combinations
 from typing import Any
 
 from scaloft_fi.analysis.condition import condition
-from scaloft_fi.analysis.kills.kill_matrix import KillMatrix, Row
+from scaloft_fi.analysis.kills.kill_matrix import KillMatrix, KillRow
 from scaloft_fi.judge.space import Space
 
 NIST = {
@@ -101,7 +101,7 @@ def interactions(matrix: KillMatrix) -> tuple[Interaction, ...]:
     return tuple(interaction(matrix.space, row) for row in matrix.mutants if row.killing)
 
 
-def interaction(space: Space, row: Row) -> Interaction:
+def interaction(space: Space, row: KillRow) -> Interaction:
     """The interaction of one mutant.
 
     Raises:
@@ -120,9 +120,9 @@ def interaction(space: Space, row: Row) -> Interaction:
     )
 
 
-def orders(found: Iterable[Interaction], space: Space) -> Orders:
+def orders(interactions: Iterable[Interaction], space: Space) -> Orders:
     """The histogram over the mutants that the ratios count: ladders would count one fault several times."""
-    counted = [entry for entry in found if entry.counted]
+    counted = [entry for entry in interactions if entry.counted]
     sizes = range(len(space.axes) + 1)
     least, most = Counter(entry.order for entry in counted), Counter(entry.at_most for entry in counted)
     return Orders(tuple(least[size] for size in sizes), tuple(most[size] for size in sizes))

@@ -52,7 +52,7 @@ class Entry:
 
 
 @dataclass(frozen=True)
-class Row:
+class KillRow:
     """A mutant in every situation of the grid.
 
     Attributes:
@@ -104,15 +104,15 @@ class KillMatrix:
     """
 
     space: Space
-    rows: tuple[Row, ...]
+    rows: tuple[KillRow, ...]
 
     @cached_property
-    def row(self) -> Mapping[str, Row]:
+    def row(self) -> Mapping[str, KillRow]:
         """The row of each id."""
         return {row.id: row for row in self.rows}
 
     @property
-    def mutants(self) -> tuple[Row, ...]:
+    def mutants(self) -> tuple[KillRow, ...]:
         """Without controls and PLACEBO: what the analyses are about."""
         return tuple(row for row in self.rows if row.kind == "mutant")
 
@@ -133,8 +133,8 @@ class KillMatrix:
     @cached_property
     def flown(self) -> tuple[str, ...]:
         """Situations with a flight that counts, in the grid's order."""
-        found = {entry.situation for row in self.rows for entry in row.entries if entry.flown}
-        return tuple(key for key, _ in self.space.points if key in found)
+        flown = {entry.situation for row in self.rows for entry in row.entries if entry.flown}
+        return tuple(key for key, _ in self.space.points if key in flown)
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values: axes, situations in both orders, per mutant its entries in the grid's order."""
@@ -159,9 +159,9 @@ def kill_matrix(scored: Score, roster: Roster, space: Space) -> KillMatrix:
     return KillMatrix(space, tuple(rows))
 
 
-def _row(mutant: MutantScore, kind: str, roster: Roster, space: Space) -> Row:
+def _row(mutant: MutantScore, kind: str, roster: Roster, space: Space) -> KillRow:
     results = {result.situation: result for result in mutant.results}
-    return Row(
+    return KillRow(
         subject=mutant.subject,
         kind=kind,
         counted=kind == "mutant" and roster.counts(mutant.subject),
@@ -187,7 +187,7 @@ def _entry(key: str, result: Result | None) -> Entry:
     )
 
 
-def _row_json(row: Row) -> dict[str, Any]:
+def _row_json(row: KillRow) -> dict[str, Any]:
     return {
         "id": row.id,
         "guideword": row.subject.guideword,

@@ -17,7 +17,7 @@ MOST_ENTRIES = 10_000_000
 MOST_COLUMNS = 2_000
 """Beyond this many columns only equal ones are dropped, not those within others."""
 MOST_COUNTED = 1_000_000
-"""Minimum sets counted; beyond, their number is not told."""
+"""Minimum sets counted; beyond, their number is None."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ class _TooMany(Exception):  # noqa: N818 - a limit, no error
 
 @dataclass
 class _Search:
-    """Branch and bound over unate covers, with what it found kept for sets of rows it meets again."""
+    """Branch and bound over unate covers, with its results kept for sets of rows it meets again."""
 
     most: int
     looked_at: int = 0
@@ -111,8 +111,8 @@ class _Search:
         if not rows:
             return chosen if budget >= 0 else None
         if rows in self.known:
-            found = self.known[rows]
-            return chosen | found if len(found) <= budget else None
+            known = self.known[rows]
+            return chosen | known if len(known) <= budget else None
         if _bound(rows) > budget:
             return None
         best: frozenset[int] | None = None
@@ -179,12 +179,12 @@ def _hits(rows: Rows) -> dict[int, int]:
 def _bound(rows: Rows) -> int:
     """How many rows, greedily picked, share no column: each needs a column of its own."""
     used: set[int] = set()
-    found = 0
+    number = 0
     for row in sorted(rows, key=lambda row: (len(row), sorted(row))):
         if not row & used:
             used |= row
-            found += 1
-    return found
+            number += 1
+    return number
 
 
 def _first_in_order(search: _Search, rows: Rows, size: int) -> frozenset[int]:
@@ -236,10 +236,10 @@ def _count(rows: Rows, size: int, most_entries: int) -> int | None:
         return total
 
     try:
-        found = count(frozenset(frozenset(c for c in row if c in weight) for row in rows), size)
+        number = count(frozenset(frozenset(c for c in row if c in weight) for row in rows), size)
     except _TooMany:
         return None
-    return found if found <= MOST_COUNTED else None
+    return number if number <= MOST_COUNTED else None
 
 
 def _greedy(rows: Rows) -> frozenset[int]:

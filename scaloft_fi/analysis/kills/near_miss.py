@@ -53,13 +53,13 @@ def losses(flight: JudgedFlight, steady: Collection[str]) -> tuple[Loss, ...]:
     """What a flight lost of each requirement, steady there, that it and its baseline held to their ends, triggered."""
     if flight.baseline is None:
         return ()
-    found = []
+    lost = []
     for reading in flight.outcome.readings:
         clean = flight.baseline.reading(reading.requirement)
         if clean is not None and reading.requirement in steady and _held(reading) and _held(clean) and clean.rho > 0:
             place = flight.outcome.situation, flight.outcome.seed
-            found.append(Loss(reading.requirement, *place, clean.rho, reading.rho))
-    return tuple(found)
+            lost.append(Loss(reading.requirement, *place, clean.rho, reading.rho))
+    return tuple(lost)
 
 
 def _held(reading: Reading) -> bool:

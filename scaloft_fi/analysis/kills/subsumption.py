@@ -177,9 +177,9 @@ def redundancies(graph: Subsumption) -> tuple[Redundancy, ...]:
             groups.setdefault(cell_of(mutant), []).append(mutant)
         for cell, members in groups.items():
             cells.setdefault(cell, []).append(members)
-    found = []
+    redundant = []
     for cell, groups_of_cell in cells.items():
         killed = sum(map(len, groups_of_cell))
         if killed > 1:
-            found.append(Redundancy(cell, killed, tuple(tuple(g) for g in groups_of_cell if len(g) > 1)))
-    return tuple(found)
+            redundant.append(Redundancy(cell, killed, tuple(tuple(g) for g in groups_of_cell if len(g) > 1)))
+    return tuple(redundant)

@@ -9,7 +9,7 @@ from functools import cached_property
 
 from scaloft_fi.analysis.condition import condition
 from scaloft_fi.analysis.kills.background import Background
-from scaloft_fi.analysis.kills.kill_matrix import KillMatrix, Row
+from scaloft_fi.analysis.kills.kill_matrix import KillMatrix, KillRow
 from scaloft_fi.analysis.kills.near_miss import Loss, losses, off_path_m
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.pool import Pool, State
@@ -81,7 +81,7 @@ class Case:
     """One survivor and its flights."""
 
     campaign: Campaign
-    row: Row
+    row: KillRow
     background: Background
 
     @property
@@ -122,8 +122,8 @@ class Case:
     @cached_property
     def loss(self) -> Loss | None:
         """The greatest share of a margin that a flight lost in a steady pair; the first of equals."""
-        found = (loss for f in self.tested for loss in losses(f, self.steady[f.outcome.situation]))
-        return max(found, key=lambda loss: loss.share, default=None)
+        lost = (loss for f in self.tested for loss in losses(f, self.steady[f.outcome.situation]))
+        return max(lost, key=lambda loss: loss.share, default=None)
 
     @cached_property
     def off_path_m(self) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.judge.requirement import Kind, Reading, Verdict
-from scaloft_fi.judge.robustness import told_rho
+from scaloft_fi.judge.robustness import measured_rho
 from scaloft_fi.judge.space import Space
 
 
@@ -52,9 +52,9 @@ def _finding(situation: str, baselines: list[Outcome]) -> Finding:
     return Finding(
         situation=situation,
         flown=len(baselines),
-        violated=tuple(name for name, said in verdicts.items() if Verdict.VIOLATED in said),
-        open=tuple(name for name, said in verdicts.items() if Verdict.OPEN in said and Verdict.VIOLATED not in said),
-        vacuous=tuple(name for name, said in verdicts.items() if set(said) == {Verdict.VACUOUS}),
+        violated=tuple(name for name, own in verdicts.items() if Verdict.VIOLATED in own),
+        open=tuple(name for name, own in verdicts.items() if Verdict.OPEN in own and Verdict.VIOLATED not in own),
+        vacuous=tuple(name for name, own in verdicts.items() if set(own) == {Verdict.VACUOUS}),
         first=min(firsts, key=lambda pair: (pair[0].t_s, pair[1]), default=None),
         red=len(firsts),
     )
@@ -85,11 +85,11 @@ def tallies(outcomes: Iterable[Outcome]) -> tuple[Tally, ...]:
 
 
 def _tally(name: str, readings: list[Reading]) -> Tally:
-    said = [reading.verdict for reading in readings]
+    verdicts = [reading.verdict for reading in readings]
     return Tally(
         requirement=name,
         kind=readings[0].kind,
-        verdicts=tuple((verdict, said.count(verdict)) for verdict in Verdict),
+        verdicts=tuple((verdict, verdicts.count(verdict)) for verdict in Verdict),
         triggered=sum(reading.triggered for reading in readings),
-        least_rho=min((rho for r in readings if (rho := told_rho(r)) is not None), default=None),
+        least_rho=min((rho for r in readings if (rho := measured_rho(r)) is not None), default=None),
     )

@@ -9,7 +9,7 @@ short before it violated the requirement counts as one that does not; such a fli
 fault that does nothing has at most the pool's rate.  Holm's adjustment over the requirements of one kind (Scand. J.
 Statist. 6, 1979) bounds the chance that a fault which does nothing is called detected by alpha.
 
-**Alpha is spent by number of seeds.**  A campaign of one size, told before it flies, spends all of alpha once.  Where
+**Alpha is spent by number of seeds.**  A campaign whose size is fixed before it flies spends all of alpha once.  Where
 more seeds were asked for later, each look at 1, 3, 5 and 10 seeds spends a quarter (Bonferroni), whichever of them were
 looked at: what is detected at one stays detected.
 
@@ -75,7 +75,7 @@ class Spending:
     grown: frozenset[str] = frozenset()
 
     def looks(self, mutant: str, flown: int) -> tuple[tuple[int, float], ...]:
-        """The numbers of seeds at which a mutant with so many flights in a situation is judged, each with its share.
+        """The numbers of seeds at which a mutant with `flown` flights in a situation is judged, each with its share.
 
         >>> Spending(0.01).looks("a", 3), Spending(0.01, frozenset({"a"})).looks("a", 4)
         (((3, 0.01),), ((1, 0.0025), (3, 0.0025)))
@@ -106,11 +106,11 @@ class Sample:
     @cached_property
     def counts(self) -> Mapping[str, int]:
         """Flights that violate each requirement, where any does."""
-        found: dict[str, int] = {}
+        counts: dict[str, int] = {}
         for names, flights in Counter(self.violated).items():  # few of them differ
             for name in names:
-                found[name] = found.get(name, 0) + flights
-        return found
+                counts[name] = counts.get(name, 0) + flights
+        return counts
 
     def count(self, requirement: str) -> int:
         """Flights that violate a requirement."""
@@ -128,7 +128,7 @@ class Detection:
         seeds: flights in each situation that the p rest on.
         share: what of alpha the p is compared with.
         needed: least number of seeds that would decide if what was seen goes on; None where none would, or is needed.
-        anew: whether that takes a campaign of its own, told before it flies.
+        anew: whether that takes a campaign of its own, whose size is fixed before it flies.
     """
 
     verdict: Verdict
@@ -179,11 +179,11 @@ def adjusted(samples: Iterable[Sample], pool: Pool, names: Sequence[str]) -> dic
     """The p of each requirement, adjusted by Holm over all of them."""
     listed = list(samples)
     raw = {name: p_value(_strata(listed, pool, name)) for name in names}
-    found, largest = {}, 0.0
+    by_name, largest = {}, 0.0
     for number, name in enumerate(sorted(names, key=lambda name: raw[name])):
         largest = max(largest, min(1.0, (len(names) - number) * raw[name]))
-        found[name] = largest
-    return {name: found[name] for name in names}
+        by_name[name] = largest
+    return {name: by_name[name] for name in names}
 
 
 def _strata(samples: Iterable[Sample], pool: Pool, name: str) -> Iterable[Stratum]:

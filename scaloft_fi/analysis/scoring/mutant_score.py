@@ -177,7 +177,7 @@ class MutantScore:
 
 @lru_cache(maxsize=4096)
 def _condition(space: Space, killing: tuple[str, ...], surviving: tuple[str, ...]) -> str:
-    """The condition, found once: several tables show it."""
+    """The condition, derived once: several tables show it."""
     return condition(space, killing, surviving)
 
 

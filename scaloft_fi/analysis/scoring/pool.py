@@ -12,7 +12,7 @@ from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind
 
 LEAST = 10
-"""Flights of the baseline in a situation with fewer of which nothing is said of its pairs."""
+"""Baseline flights that a situation needs before its pairs have a state."""
 
 
 class State(StrEnum):
@@ -109,12 +109,12 @@ class Pool:
                 if reading.kind is Kind.REPORTED:
                     continue
                 kinds[reading.requirement] = reading.kind
-                found = counts.setdefault((outcome.situation, reading.requirement), [0, 0, 0, 0])
-                found[0] += 1
-                found[1] += reading.violated
-                found[2] += reading.open
-                found[3] += reading.violated or reading.triggered > 0
-        return cls({place: Pair(*place, kinds[place[1]], *found) for place, found in counts.items()})
+                tally = counts.setdefault((outcome.situation, reading.requirement), [0, 0, 0, 0])
+                tally[0] += 1
+                tally[1] += reading.violated
+                tally[2] += reading.open
+                tally[3] += reading.violated or reading.triggered > 0
+        return cls({place: Pair(*place, kinds[place[1]], *tally) for place, tally in counts.items()})
 
     @cached_property
     def states(self) -> Mapping[tuple[str, str], State]:
@@ -135,12 +135,12 @@ class Pool:
 
     @cached_property
     def _steady(self) -> Mapping[tuple[str, Kind], tuple[str, ...]]:
-        found: dict[tuple[str, Kind], tuple[str, ...]] = {}
+        steady: dict[tuple[str, Kind], tuple[str, ...]] = {}
         for name, kind in self._requirements.items():
             for (situation, other), state in self.states.items():
                 if other == name and state is State.STEADY:
-                    found[situation, kind] = (*found.get((situation, kind), ()), name)
-        return found
+                    steady[situation, kind] = (*steady.get((situation, kind), ()), name)
+        return steady
 
     @cached_property
     def flown(self) -> frozenset[str]:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 GATE = 10
-"""A situation contributes where at most one in so many pool flights violates."""
+"""A situation contributes where at most one in `GATE` of its pool flights violates."""
 
 
 class Stratum(NamedTuple):
@@ -72,8 +72,8 @@ def _tails(margins: tuple[tuple[int, int, int], ...]) -> NDArray[np.float64]:
 def _contributions(n: int, m: int, t: int) -> tuple[tuple[int, float], ...]:
     """What a stratum may contribute, each with its chance, least first."""
     ways = math.comb(n + m, t)
-    found: dict[int, int] = {}
+    weights: dict[int, int] = {}
     for k in range(max(0, t - m), min(n, t) + 1):
         contribution = k if (t - k) * GATE <= m else 0
-        found[contribution] = found.get(contribution, 0) + math.comb(n, k) * math.comb(m, t - k)
-    return tuple((contribution, found[contribution] / ways) for contribution in sorted(found))
+        weights[contribution] = weights.get(contribution, 0) + math.comb(n, k) * math.comb(m, t - k)
+    return tuple((contribution, weights[contribution] / ways) for contribution in sorted(weights))

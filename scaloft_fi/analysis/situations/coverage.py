@@ -50,7 +50,7 @@ class Coverage:
     @property
     def t_way(self) -> tuple[tuple[int, Ratio], ...]:
         """Per strength t, the combinations flown, of all."""
-        return tuple((found.strength, found.total) for found in self.combinations)
+        return tuple((one.strength, one.total) for one in self.combinations)
 
     @property
     def steady(self) -> Ratio:
@@ -94,18 +94,18 @@ def coverage_of(clean: Iterable[Outcome], draws: Collection[tuple[str, int]], sp
 
 def _states(pool: Pool, flown: Iterable[str]) -> dict[State, int]:
     names = pool.requirements(Kind.SAFETY)
-    found = Counter(pool.states.get((key, name), State.UNKNOWN) for key in flown for name in names)
-    return {state: found[state] for state in State}
+    pairs = Counter(pool.states.get((key, name), State.UNKNOWN) for key in flown for name in names)
+    return {state: pairs[state] for state in State}
 
 
 def _requirements(baselines: Iterable[Outcome], judged: int) -> tuple[tuple[str, Ratio], ...]:
     triggered: dict[str, set[str]] = {}
     for outcome in baselines:
         for reading in outcome.readings:
-            found = triggered.setdefault(reading.requirement, set())
+            keys = triggered.setdefault(reading.requirement, set())
             if reading.verdict in (Verdict.HELD, Verdict.VIOLATED):
-                found.add(outcome.situation)
-    return tuple((name, Ratio(len(found), judged)) for name, found in triggered.items())
+                keys.add(outcome.situation)
+    return tuple((name, Ratio(len(keys), judged)) for name, keys in triggered.items())
 
 
 def coverage_json(covered: Coverage) -> dict[str, Any]:
@@ -115,11 +115,11 @@ def coverage_json(covered: Coverage) -> dict[str, Any]:
         "draws": covered.draws,
         "pool": covered.pool,
         "t_way": {
-            str(found.strength): {
-                **share_json(found.total),
-                "complete": {f"{share:g}": share_json(found.complete(share)) for share in SHARES},
+            str(one.strength): {
+                **share_json(one.total),
+                "complete": {f"{share:g}": share_json(one.complete(share)) for share in SHARES},
             }
-            for found in covered.combinations
+            for one in covered.combinations
         },
         "realised": share_json(covered.realised),
         "realised_by_axis": {axis: share_json(ratio) for axis, ratio in covered.by_axis},

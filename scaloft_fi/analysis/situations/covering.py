@@ -97,16 +97,16 @@ def forbidden(levels: Levels) -> list[Forbidden] | None:
     if len(levels) == prod(map(len, values)):
         return []
     left = np.array(list(product(*values)), np.int64)
-    found: list[Forbidden] = []
+    forbidden: list[Forbidden] = []
     for size in range(2, len(values) + 1):
         for axes in combinations(range(len(values)), size):
-            if len(left) == len(levels) or len(found) > MOST_TERMS:
-                return found if len(found) <= MOST_TERMS else None
+            if len(left) == len(levels) or len(forbidden) > MOST_TERMS:
+                return forbidden if len(forbidden) <= MOST_TERMS else None
             radix = np.array([prod(max(values[axis]) + 1 for axis in axes[i + 1 :]) for i in range(size)])
             missing = ~np.isin(left[:, axes] @ radix, levels[:, axes] @ radix)
-            found += [(axes, tuple(row)) for row in np.unique(left[missing][:, axes], axis=0).tolist()]
+            forbidden += [(axes, tuple(row)) for row in np.unique(left[missing][:, axes], axis=0).tolist()]
             left = left[~missing]
-    return found if len(found) <= MOST_TERMS else None
+    return forbidden if len(forbidden) <= MOST_TERMS else None
 
 
 def _constraint(axes: tuple[int, ...], places: tuple[int, ...]) -> dict[str, Any]:

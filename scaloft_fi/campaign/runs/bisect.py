@@ -6,7 +6,8 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from scaloft_fi.analysis.margin import Answer, Scale, Tried, margin_of
+from scaloft_fi.analysis.margin import Scale, margin_of
+from scaloft_fi.analysis.tried import Reaction, Tried
 
 WIDENINGS = 3
 """How many magnitudes beyond either end of the ladder are tried, each half or twice the one before.
@@ -44,7 +45,7 @@ class Search:
         missing = tuple(rung for rung in self.ladder if rung not in tried)
         if missing:
             return missing
-        if all(entry.answer is Answer.UNTESTED for entry in tried.values()):
+        if all(entry.reaction is Reaction.UNTESTED for entry in tried.values()):
             return ()
         margin = margin_of(self.scale, tried.values())
         if margin.end is None:

@@ -11,11 +11,12 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from scaloft_fi.analysis.margin import Margin, Scale, Subject, Tried, margin_of, subject_of, tried_in
+from scaloft_fi.analysis.margin import Margin, Scale, margin_of
 from scaloft_fi.analysis.roster import cell_of
 from scaloft_fi.analysis.scoring.detection import Spending
 from scaloft_fi.analysis.scoring.pool import LEAST
 from scaloft_fi.analysis.scoring.score import Score, score
+from scaloft_fi.analysis.tried import PhasedFault, Tried, phased_fault, tried_in
 from scaloft_fi.campaign.flights.worker import Flyer
 from scaloft_fi.campaign.plan import choose
 from scaloft_fi.campaign.plan.flight import Flight
@@ -47,7 +48,7 @@ SHARED_FROM = 2
 class Target:
     """A fault whose margin is asked for."""
 
-    subject: Subject
+    subject: PhasedFault
     fault: Fault
     search: Search
 
@@ -71,7 +72,7 @@ def target(matrix: Matrix, text: str, tolerance: float | None = None) -> Target:
         raise InputError(f"mutant {text!r} has no margin: {mutant.cell} has {has}; `scaloft-fi run` tells what it does")
     allowed = OPERATORS[fault.operator].arguments[fault.magnitude.argument].allowed
     least, most = sorted(bound / fault.magnitude.scale for bound in (allowed.least, allowed.most))
-    subject = subject_of(mutant.cell, fault, mutant.phase_s)
+    subject = phased_fault(mutant.cell, fault, mutant.phase_s)
 
     def accepted(magnitude: float) -> bool:
         try:
@@ -94,7 +95,7 @@ def find(
     kind: Kind = Kind.SAFETY,
     progress: Callable[[], Progress],
     flyer: Flyer | None = None,
-) -> Mapping[Subject, tuple[Margin, ...]]:
+) -> Mapping[PhasedFault, tuple[Margin, ...]]:
     """The margin of each target in each situation, as finely as is asked; flies what the campaign lacks for it.
 
     Args:
@@ -194,7 +195,7 @@ class _Question:
             canary=canary,
         )
 
-    def margins(self, outcomes: Iterable[Outcome], scored: Score) -> Mapping[Subject, tuple[Margin, ...]]:
+    def margins(self, outcomes: Iterable[Outcome], scored: Score) -> Mapping[PhasedFault, tuple[Margin, ...]]:
         """The margin of each target in each situation."""
         tried = self._tried(outcomes, scored)
         return {
@@ -205,7 +206,9 @@ class _Question:
             for target in self.targets
         }
 
-    def _tried(self, outcomes: Iterable[Outcome], scored: Score) -> Mapping[tuple[Subject, str], dict[float, Tried]]:
+    def _tried(
+        self, outcomes: Iterable[Outcome], scored: Score
+    ) -> Mapping[tuple[PhasedFault, str], dict[float, Tried]]:
         """What counts as tried: flown with every seed asked for."""
         wanted = frozenset(self.seeds)
         return {

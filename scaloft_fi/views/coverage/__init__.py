@@ -1,1 +1,1 @@
-"""Situation coverage as it is told."""
+"""Situation coverage for readers."""

@@ -60,9 +60,9 @@ def _states(covered: Coverage) -> Table:
 
 def _t_way(covered: Coverage, axes: int) -> Table:
     rows = tuple(
-        (f"{found.strength}-way", str(found.total), *(str(found.complete(share)) for share in SHARES))
-        for found in covered.combinations
-        if found.strength <= axes
+        (f"{one.strength}-way", str(one.total), *(str(one.complete(share)) for share in SHARES))
+        for one in covered.combinations
+        if one.strength <= axes
     )
     headers = ("combinations", "covered", *(f"p = {share:g}" for share in SHARES))
     notes = (

@@ -17,7 +17,7 @@ from scaloft_fi.judge.flights import flights_of
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Requirement
 from scaloft_fi.judge.space import Space
-from scaloft_fi.views.flights.export import Row, columns, export_rows
+from scaloft_fi.views.flights.export import FlightRow, columns, export_rows
 from scaloft_fi.views.score.verdict import next_command, verdict, why
 
 
@@ -53,7 +53,7 @@ class Dossier:
         return score(self.outcomes, self.roster, self.space, self.spending)
 
     @cached_property
-    def rows(self) -> list[Row]:
+    def rows(self) -> list[FlightRow]:
         """One row per flight, in the order of mutants, situations and seeds: see `scaloft_fi.views.flights.export`."""
         return export_rows(self.outcomes, self.roster, self.space, self._names)
 
@@ -100,7 +100,7 @@ class Dossier:
     def shows(self, control: MutantScore) -> bool:
         """Whether a control shows itself by safety or operability.
 
-        It does when it is detected, or when it was flown once and that flight is told from its baseline.
+        It does when it is detected, or when it was flown once and that flight violates what its baseline holds.
         """
         if control.detected or control.operability.detected:
             return True

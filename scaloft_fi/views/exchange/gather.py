@@ -5,7 +5,7 @@ from __future__ import annotations
 from scaloft_fi import __version__
 from scaloft_fi.study import Study
 from scaloft_fi.views.exchange.dossier import Dossier
-from scaloft_fi.views.moment import moment
+from scaloft_fi.views.snapshot import snapshot
 
 
 def dossier(study: Study, campaign: str) -> Dossier:
@@ -14,7 +14,7 @@ def dossier(study: Study, campaign: str) -> Dossier:
     Raises:
         InputError: there is no campaign, or it holds no outcome that counts.
     """
-    with moment(study, campaign) as now:
+    with snapshot(study, campaign) as now:
         outcomes, platform, spending = now.outcomes, now.platform, now.spending
     cells = sorted((study.folder / "hazop").rglob("*.yaml"))
     return Dossier(

@@ -32,7 +32,7 @@ def gsn(dossier: Dossier) -> str:
 def nodes(dossier: Dossier) -> dict[str, Any]:
     """The argument's nodes by id, the module's head among them."""
     names = ", ".join(requirement.name for requirement in dossier.requirements)
-    found: dict[str, Any] = {
+    argument: dict[str, Any] = {
         "module": {"name": "situation_coverage_and_fault_detection", "brief": f"Campaign {dossier.campaign}"},
         "G1": {
             "text": "The test cases sufficiently cover the operating scenarios (SACE artefact [E], activity 29)",
@@ -55,18 +55,18 @@ def nodes(dossier: Dossier) -> dict[str, Any]:
     }
     counted = dossier.of(*COUNTER)
     if counted or not dossier.score.pooled:
-        found["G4"] = {"text": "Each mutant that is not detected is justified", "undeveloped": True}
+        argument["G4"] = {"text": "Each mutant that is not detected is justified", "undeveloped": True}
     else:
-        found["G4"] = {"text": "Every mutant flown is detected", "supportedBy": ["Sn3"]}
-        found["Sn3"] = {"text": "Verdict on every mutant: scaloft-fi score"}
+        argument["G4"] = {"text": "Every mutant flown is detected", "supportedBy": ["Sn3"]}
+        argument["Sn3"] = {"text": "Verdict on every mutant: scaloft-fi score"}
     for number, mutant in enumerate(counted, start=1):
-        found[f"CG{number}"] = {
+        argument[f"CG{number}"] = {
             "text": f"{mutant.subject.id} {COUNTER[mutant.verdict]}",
             "challenges": "G3",
             "supportedBy": [f"CSn{number}"],
         }
-        found[f"CSn{number}"] = {"text": f"{mutant.subject.id} is {dossier.verdict(mutant)}"}
-    return found
+        argument[f"CSn{number}"] = {"text": f"{mutant.subject.id} is {dossier.verdict(mutant)}"}
+    return argument
 
 
 def _coverage(dossier: Dossier) -> str:

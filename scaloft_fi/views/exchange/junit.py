@@ -45,8 +45,8 @@ def _suite(dossier: Dossier, name: str, mutants: Sequence[MutantScore], kinds: S
     for mutant, kind in zip(mutants, kinds, strict=True):
         case = ET.SubElement(suite, "testcase", classname=_text(f"scaloft-fi.{name}"), name=_text(mutant.subject.id))
         if kind:
-            said = dossier.verdict(mutant)
-            message = f"{said}; next: {dossier.next_command(mutant)}" if kind == "skipped" else said
+            verdict = dossier.verdict(mutant)
+            message = f"{verdict}; next: {dossier.next_command(mutant)}" if kind == "skipped" else verdict
             ET.SubElement(case, kind, message=_text(message))
     suite.set("tests", str(len(mutants)))
     for count, kind in (("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):

@@ -17,7 +17,7 @@ from scaloft_fi.analysis.scoring.baseline import Tally, findings, tallies
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.judge.robustness import spelt_rho
+from scaloft_fi.judge.robustness import rho_text
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.format import export_format
 from scaloft_fi.views.score.verdict import NO_POOL
@@ -73,11 +73,11 @@ def _cases(dossier: Dossier) -> Table:
 
 def _seeds(dossier: Dossier, *, baseline: bool) -> dict[str, set[int]]:
     """By situation the seeds flown, of the unmutated drone or of everything else."""
-    found: dict[str, set[int]] = {}
+    by_situation: dict[str, set[int]] = {}
     for outcome in dossier.outcomes:
         if (outcome.mutant == BASELINE) == baseline:
-            found.setdefault(outcome.situation, set()).add(outcome.seed)
-    return found
+            by_situation.setdefault(outcome.situation, set()).add(outcome.seed)
+    return by_situation
 
 
 def _ranges(seeds: Collection[int]) -> str:
@@ -108,7 +108,7 @@ def _by_requirement(dossier: Dossier) -> Table:
             r.name,
             tested[r.name].triggered if r.name in tested else 0,
             str(_detected_by(dossier, r.name)),
-            spelt_rho(tested[r.name].least_rho) if r.name in tested else "n/a",
+            rho_text(tested[r.name].least_rho) if r.name in tested else "n/a",
         )
         for r in dossier.requirements
         if r.kind is not Kind.REPORTED
@@ -118,10 +118,10 @@ def _by_requirement(dossier: Dossier) -> Table:
         "least robustness",
     )
     fates = Counter(mutant.verdict for mutant in dossier.counted)
-    told = ", ".join(f"{fates[verdict]} {verdict.words}" for verdict in Verdict)
+    verdicts = ", ".join(f"{fates[verdict]} {verdict.words}" for verdict in Verdict)
     notes = (
         "Triggered, robustness: flights of the unmutated drone.",
-        f"Mutants flown, by safety requirements: {told}." if dossier.score.pooled else f"No verdicts: {NO_POOL}.",
+        f"Mutants flown, by safety requirements: {verdicts}." if dossier.score.pooled else f"No verdicts: {NO_POOL}.",
     )
     return Table("Sufficiency of coverage (1): safety requirements", headers, rows, notes)
 

@@ -82,9 +82,9 @@ def comparison_table(comparison: Comparison, first: str, second: str) -> Table:
 def _said(outcomes: Iterable[Outcome]) -> dict[tuple[str, str, int], tuple[Said, str]]:
     listed = list(outcomes)
     statuses = {flight.outcome.name: flight.status.value for flight in flights_of(listed)}
-    found = {}
+    flights = {}
     for outcome in listed:
         status = baseline_status(outcome) if outcome.mutant == BASELINE else statuses[outcome.name]
         violated = tuple(reading.requirement for reading in outcome.readings if reading.violated)
-        found[outcome.mutant, outcome.situation, outcome.seed] = Said(status, violated), outcome.digest
-    return found
+        flights[outcome.mutant, outcome.situation, outcome.seed] = Said(status, violated), outcome.digest
+    return flights

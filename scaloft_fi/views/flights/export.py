@@ -6,7 +6,7 @@ of the same situation and seed; the verdict on a mutant follows from all flights
 status and first safety violation a row has
 
 - `held`: requirements neither violated nor left open by a flight cut short;
-- `revealed_by`: safety, then operability requirements by which the flight is told from its baseline, each earliest
+- `revealed_by`: safety, then operability requirements that the flight violates and its baseline holds, each earliest
   first;
 - `violation_times_s`, `violation_bodies`: per requirement in `violated`, when, and what was struck at that moment;
 - `rho_<requirement>`: robustness, in the requirement's unit; null (an empty cell of CSV) where the flight did not put
@@ -28,11 +28,11 @@ from typing import Any
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.judge.flights import JudgedFlight, flights_of
 from scaloft_fi.judge.outcome import BASELINE, Outcome
-from scaloft_fi.judge.robustness import told_rho
+from scaloft_fi.judge.robustness import measured_rho
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import baseline_status
 
-Row = dict[str, Any]
+FlightRow = dict[str, Any]
 
 HEAD = ("mutant", "situation", "seed", "status", "ending", "violated")
 TAIL = ("infected_at_s", "violated_at_s", "x", "y", "z", "struck", "duration_s", "digest")
@@ -44,7 +44,7 @@ BASIS = (
 
 def export_rows(
     outcomes: Iterable[Outcome], roster: Roster, space: Space, requirements: Sequence[str] = ()
-) -> list[Row]:
+) -> list[FlightRow]:
     """Rows in the order of `ordered`.
 
     Args:
@@ -65,12 +65,12 @@ def ordered(outcomes: Iterable[Outcome], roster: Roster, space: Space) -> list[O
     return sorted(outcomes, key=lambda o: (mutant_rank(o.mutant), situation_rank(o.situation), o.seed))
 
 
-def columns(rows: Sequence[Row], requirements: Sequence[str] = ()) -> list[str]:
+def columns(rows: Sequence[FlightRow], requirements: Sequence[str] = ()) -> list[str]:
     """The columns of `rows`; of a campaign without flights those it would have."""
     return list(rows[0]) if rows else [*HEAD, *(f"rho_{name}" for name in requirements), *TAIL, *BASIS]
 
 
-def _row(outcome: Outcome, flight: JudgedFlight | None, requirements: Sequence[str]) -> Row:
+def _row(outcome: Outcome, flight: JudgedFlight | None, requirements: Sequence[str]) -> FlightRow:
     revealed_by: tuple[str, ...] = ()
     if flight is None:
         status = baseline_status(outcome)
@@ -78,7 +78,7 @@ def _row(outcome: Outcome, flight: JudgedFlight | None, requirements: Sequence[s
         status, revealed_by = flight.status.value, flight.revealed + flight.operability_revealed
     violated = [reading for reading in outcome.readings if reading.violated]
     struck = {violation.requirement: violation.struck for violation in outcome.violations}
-    rho = {reading.requirement: told_rho(reading) for reading in outcome.readings}
+    rho = {reading.requirement: measured_rho(reading) for reading in outcome.readings}
     first = outcome.first_violation
     return {
         "mutant": outcome.mutant,
@@ -107,12 +107,12 @@ def _row(outcome: Outcome, flight: JudgedFlight | None, requirements: Sequence[s
     }
 
 
-def to_json(rows: Sequence[Row]) -> str:
+def to_json(rows: Sequence[FlightRow]) -> str:
     """A JSON list, one flight a line."""
     return "[\n" + ",\n".join(json.dumps(row, allow_nan=False) for row in rows) + "\n]\n" if rows else "[]\n"
 
 
-def to_csv(rows: Sequence[Row], columns: Sequence[str]) -> str:
+def to_csv(rows: Sequence[FlightRow], columns: Sequence[str]) -> str:
     """CSV with the same columns; lists joined by `;`, nothing where there is no value."""
     text = io.StringIO()
     writer = csv.DictWriter(text, columns, lineterminator="\n")

@@ -79,16 +79,16 @@ def _messages(log: FlightLog) -> list[tuple[float, str, dict[str, Any]]]:
     times = columns["elapsed_s"]
     poses = [_pose(columns, i) for i in range(len(times))]
     head = {"timestamp": _stamp(times[0]), "frame_id": FRAME}
-    found: list[tuple[float, str, dict[str, Any]]] = [(times[0], "/path", {**head, "poses": poses})]
+    messages: list[tuple[float, str, dict[str, Any]]] = [(times[0], "/path", {**head, "poses": poses})]
     for i, t_s in enumerate(times):
         stamp = _stamp(t_s)
-        found.append((t_s, "/pose", {"timestamp": stamp, "frame_id": FRAME, "pose": poses[i]}))
-        found.append((t_s, "/signals", {name: values[i] for name, values in columns.items()}))
+        messages.append((t_s, "/pose", {"timestamp": stamp, "frame_id": FRAME, "pose": poses[i]}))
+        messages.append((t_s, "/signals", {name: values[i] for name, values in columns.items()}))
     for event in log.events:
         level = WARNING if event.kind in WARNING_KINDS else INFO
         message = {"timestamp": _stamp(event.t_s), "level": level, "message": event.text, "name": event.kind}
-        found.append((event.t_s, "/events", message))
-    return sorted(found, key=lambda entry: entry[0])
+        messages.append((event.t_s, "/events", message))
+    return sorted(messages, key=lambda entry: entry[0])
 
 
 def _pose(columns: dict[str, list[float]], i: int) -> dict[str, Any]:

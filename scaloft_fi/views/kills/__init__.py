@@ -1,1 +1,1 @@
-"""What kills what, and what is to be done about the rest, as it is told."""
+"""Pages about kills and survivors: what kills what, and what to do about the rest."""

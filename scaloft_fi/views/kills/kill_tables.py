@@ -14,7 +14,7 @@ from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.judge.space import Space
 from scaloft_fi.views.kills.survivors import Next, Rung, Survivor
-from scaloft_fi.views.tables.table import Cell, Table
+from scaloft_fi.views.tables.table import Table, TableCell
 
 COUNTED = (
     "Killed in a situation: the mutant is detected, and most of its flights there violate a requirement that the "
@@ -40,9 +40,9 @@ def with_scattered(shown: Sequence[Table], matrix: KillMatrix) -> list[Table]:
     return [replace(shown[0], notes=(*shown[0].notes, note)), *shown[1:]]
 
 
-def interaction_table(found: Sequence[Interaction]) -> Table:
+def interaction_table(listed: Sequence[Interaction]) -> Table:
     """Per killed mutant its condition and its kill interaction order."""
-    rows = tuple((entry.mutant, entry.killing, _order(entry), entry.condition) for entry in found)
+    rows = tuple((entry.mutant, entry.killing, _order(entry), entry.condition) for entry in listed)
     return Table("Killed where", ("mutant", "situations", "order", "condition"), rows, (ORDER,))
 
 
@@ -50,10 +50,10 @@ def _order(entry: Interaction) -> str:
     return str(entry.order) if entry.order == entry.at_most else f"{entry.order}-{entry.at_most}"
 
 
-def order_table(found: Orders) -> Table:
+def order_table(orders: Orders) -> Table:
     """The histogram of orders, cumulative, beside NIST's."""
-    rows: list[tuple[Cell, ...]] = []
-    for size, (count, share) in enumerate(zip(found.counts, found.cumulative(), strict=True)):
+    rows: list[tuple[TableCell, ...]] = []
+    for size, (count, share) in enumerate(zip(orders.counts, orders.cumulative(), strict=True)):
         nist = [_percent(shares[size - 1] if 1 <= size <= len(shares) else None) for shares in NIST.values()]
         rows.append((size, count, _percent(share) or "n/a", *nist))
     notes = (
@@ -67,9 +67,9 @@ def _percent(share: float | None) -> str:
     return "" if share is None else f"{share:.0f}"
 
 
-def situation_table(found: Sequence[SituationKills], space: Space, *, short: bool = False) -> Table:
+def situation_table(listed: Sequence[SituationKills], space: Space, *, short: bool = False) -> Table:
     """Per situation what it kills and what it alone kills; `short` leaves out those between."""
-    shown = [entry for entry in found if not short or entry.alone or not entry.killed]
+    shown = [entry for entry in listed if not short or entry.alone or not entry.killed]
     rows = tuple(
         (
             entry.situation,
@@ -80,15 +80,13 @@ def situation_table(found: Sequence[SituationKills], space: Space, *, short: boo
         )
         for entry in shown
     )
-    idle = [entry for entry in found if not entry.killed]
+    idle = [entry for entry in listed if not entry.killed]
     untested = sum(not entry.tested for entry in idle)
-    notes = [
-        f"In {len(idle)} of {len(found)} situations flown no mutant is killed; {untested} of them put none to the test."
-    ]
+    notes = [f"In {len(idle)} of {len(listed)} situations flown no mutant is killed; {untested} of them test none."]
     notes.append(COUNTED)
-    if short and len(shown) < len(found):
+    if short and len(shown) < len(listed):
         notes.insert(
-            0, f"{len(found) - len(shown)} situations are left out: what is killed there is killed elsewhere too."
+            0, f"{len(listed) - len(shown)} situations are left out: what is killed there is killed elsewhere too."
         )
     return Table(
         "Situations",
@@ -156,32 +154,32 @@ def subsumption_table(graph: Subsumption, *, short: bool = False) -> Table:
         rows = [row for row in rows if not row[0].startswith("> ")]
     sets = f"{len(graph.nodes)} different kill sets, {len(graph.minimal)} of them minimal: what kills these kills all."
     notes = [f"{graph.killed} killed mutants, {sets}"]
-    notes.append("`--show subsumption` tells the rest." if short else INDENTED)
+    notes.append("`--show subsumption` lists the rest." if short else INDENTED)
     return Table("Subsumption", ("mutants", "killed in", "subsumed by"), tuple(rows), tuple(notes))
 
 
-def redundancy_table(found: Sequence[Redundancy]) -> Table:
+def redundancy_table(listed: Sequence[Redundancy]) -> Table:
     """Per cell with several killed mutants, how many say what another says."""
     rows = tuple(
         (entry.cell, str(entry.redundant), "; ".join(" = ".join(group) for group in entry.duplicates))
-        for entry in found
+        for entry in listed
     )
     notes = ("Redundant: killed magnitudes and phases of a cell with the kill set of another of them.",)
     return Table("Redundancy within cells", ("cell", "redundant", "same kills"), rows, notes)
 
 
-def survivor_table(found: Sequence[Survivor]) -> Table:
+def survivor_table(listed: Sequence[Survivor]) -> Table:
     """Every survivor with the next thing to do."""
-    rows = tuple((entry.mutant, entry.verdict.words, entry.rung.value, entry.next.value, entry.why) for entry in found)
+    rows = tuple((entry.mutant, entry.verdict.words, entry.rung.value, entry.next.value, entry.why) for entry in listed)
     return Table("Survivors", ("mutant", "verdict", "stopped at", "next", "why"), rows, (_STOPPED, _STEADY, _WAY))
 
 
-def survivor_summary(found: Sequence[Survivor]) -> Table:
+def survivor_summary(listed: Sequence[Survivor]) -> Table:
     """How many survivors have which verdict and stopped where, by what to do next."""
     groups: dict[tuple[Rung, Verdict, Next], list[str]] = {
         (rung, verdict, then): [] for rung in Rung for verdict in Verdict for then in Next
     }
-    for entry in found:
+    for entry in listed:
         groups[entry.rung, entry.verdict, entry.next].append(entry.mutant)
     rows = tuple(
         (verdict.words, rung.value, then.value, len(ids), ", ".join(ids))

@@ -1,4 +1,4 @@
-"""What is said of a survivor: each fact of its case as a sentence."""
+"""The facts of a survivor's case, each as a sentence."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ NAMED = 3
 
 def rates(case: Case) -> str:
     """What was seen of an undecided mutant, and why that does not decide."""
-    safety, said = case.score.safety, []
+    safety, sentences = case.score.safety, []
     for name in case.campaign.safety:
         tests = [result for result in case.score.results if name in result.steady]
         violated = {result.situation: count for result in tests if (count := dict(result.violated).get(name))}
         if violated:
-            said.append(
+            sentences.append(
                 f"{sum(violated.values())} of {sum(result.flown for result in tests)} flights where {name} is steady "
                 f"violate it, in {_some(list(violated))}: chance may explain that (p = {safety.p[name]:.2g}, alpha "
                 f"{safety.share:g})."
             )
     flown = len(case.tested)
-    return " ".join(said) or (
+    return " ".join(sentences) or (
         f"no steady requirement is violated in {flown} flight{'s' * (flown != 1)}: too few to decide, whatever they do."
     )
 
@@ -48,8 +48,8 @@ def only_unsteady(case: Case) -> str:
     for flight in revealing:
         for name in flight.revealed:
             where.setdefault(name, set()).add(flight.outcome.situation)
-    said = [f"{name} is {told(case.campaign.states(name, keys))}" for name, keys in where.items()]
-    return f"{violate(len(revealing))}, but only where that is not steady: {'; '.join(said)}." if said else ""
+    unsteady = [f"{name} is {states_in_words(case.campaign.states(name, keys))}" for name, keys in where.items()]
+    return f"{violate(len(revealing))}, but only where that is not steady: {'; '.join(unsteady)}." if unsteady else ""
 
 
 def violate(flights: int) -> str:
@@ -64,16 +64,17 @@ def untested(case: Case) -> str:
     campaign = case.campaign
     at_risk = [name for name in case.background.at_risk if name in campaign.safety]
     states = {name: campaign.states(name, case.infected) for name in at_risk}
-    if not at_risk or any(State.STEADY in found for found in states.values()):
+    if not at_risk or any(State.STEADY in counts for counts in states.values()):
         return ""
-    said = []
-    for name, found in states.items():
+    sentences = []
+    for name, counts in states.items():
         steady = {key for key in campaign.pool.flown if campaign.pool.states.get((key, name)) is State.STEADY}
         where = campaign.where(steady.__contains__, campaign.pool.flown)
-        said.append(
-            f"{name}, which the cell puts at risk, is {told(found)} where it infects; it is steady {in_(where)}."
+        sentences.append(
+            f"{name}, which the cell puts at risk, is {states_in_words(counts)} where it infects; "
+            f"it is steady {in_(where)}."
         )
-    return " ".join(said)
+    return " ".join(sentences)
 
 
 def margin(case: Case) -> str:
@@ -110,12 +111,12 @@ def no_more(case: Case) -> str:
     return "its ladder ends here" if case.background.laddered else "the fault has no magnitude to raise"
 
 
-def told(states: Mapping[State, int]) -> str:
+def states_in_words(states: Mapping[State, int]) -> str:
     """As in: `vacuous in 1 and red in 2 situations`."""
-    found = {state: states[state] for state in State if states.get(state)}
-    last = next(reversed(found.values()), 0)
+    present = {state: states[state] for state in State if states.get(state)}
+    last = next(reversed(present.values()), 0)
     return (
-        " and ".join(f"{state.value} in {count}" for state, count in found.items()) + f" situation{'s' * (last != 1)}"
+        " and ".join(f"{state.value} in {count}" for state, count in present.items()) + f" situation{'s' * (last != 1)}"
     )
 
 

@@ -68,7 +68,7 @@ class Next(StrEnum):
     OPERABILITY = "operability"
     """Nothing: an operability requirement detects it, and its cell puts no other at risk."""
     EXPECTED = "expected"
-    """The study said beforehand, with a reason, that it alters nothing in this grid."""
+    """The study declares, with a reason, that it alters nothing in this grid."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class Survivor:
         rung: where it stopped.
         next: what to change.
         why: the facts that say so, and what to do, in a few sentences.
-        loss: where it lost most of a baseline's margin in a steady pair; None where it cannot be told.
+        loss: where it lost most of a baseline's margin in a steady pair; None where it cannot be measured.
         off_path_m: how far it was off its baseline's path at the most, over flights that put it to the test and have a
             trajectory [m].
     """
@@ -117,7 +117,7 @@ def survivors(
     """Every mutant that is not detected, by rung, then in the matrix's order; controls are left out.
 
     Args:
-        outcomes: of the campaign, with the trajectories of a seed if ways are to be told.
+        outcomes: of the campaign, with the trajectories of a seed if distances off the path are wanted.
         scored: their score.
         matrix: its kill matrix, or those rows of it that are asked for.
         backgrounds: of every mutant in it.
@@ -134,7 +134,7 @@ def short_units(requirements: Iterable[Requirement]) -> dict[str, str]:
 
 
 def _say(case: Case, next_: Next, *sentences: str) -> Survivor:
-    why = " ".join(said[:1].upper() + said[1:] for said in sentences if said)
+    why = " ".join(sentence[:1].upper() + sentence[1:] for sentence in sentences if sentence)
     return Survivor(case.row.id, case.row.verdict, _RUNG[case.row.status], next_, why, case.loss, case.off_path_m)
 
 
@@ -197,23 +197,24 @@ def _not_pooled(case: Case) -> Survivor:
 
 def _nowhere_steady(case: Case) -> Survivor:
     states = {name: case.campaign.states(name, case.infected) for name in case.campaign.safety}
-    found = set().union(*states.values())
-    mend = ", or mend the unmutated drone there" if found & {State.RED, State.UNSTEADY} else ""
+    present = set().union(*states.values())
+    listed = "; ".join(f"{name} is {words.states_in_words(counts)}" for name, counts in states.items())
+    mend = ", or mend the unmutated drone there" if present & {State.RED, State.UNSTEADY} else ""
     return _say(
         case,
         Next.SITUATION,
         f"it infects {words.in_(case.infected_where)}, and no safety requirement is steady there: "
-        f"{'; '.join(f'{name} is {words.told(counts)}' for name, counts in states.items()) or 'the study has none'}.",
+        f"{listed or 'the study has none'}.",
         f"Add a situation where it infects and a safety requirement is steady{mend}.",
     )
 
 
 def _masked(case: Case) -> Survivor:
-    said = f"it changes samples {words.in_(case.infected_where)}, and the drone flies the same to the bit."
+    masked = f"it changes samples {words.in_(case.infected_where)}, and the drone flies the same to the bit."
     if case.background.stronger:
-        return _say(case, Next.MAGNITUDE, said, words.larger(case), words.seeds(case))
+        return _say(case, Next.MAGNITUDE, masked, words.larger(case), words.seeds(case))
     missing = "A situation is missing where the drone acts on what the fault changes."
-    return _say(case, Next.SITUATION, said, missing, words.seeds(case))
+    return _say(case, Next.SITUATION, masked, missing, words.seeds(case))
 
 
 def _not_revealed(case: Case) -> Survivor:

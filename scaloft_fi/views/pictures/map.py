@@ -33,7 +33,7 @@ SIDES = ((1.0, -0.3), (-1.0, 0.3), (0.3, 1.0), (-0.3, -1.0))
 
 
 @dataclass(frozen=True)
-class Body:
+class BodyOutline:
     """A body seen from above.  outline: its corners in order [m, world]; kind: its role."""
 
     kind: str
@@ -41,7 +41,7 @@ class Body:
 
 
 @dataclass(frozen=True)
-class Scene:
+class MapScene:
     """What the flights share.
 
     Attributes:
@@ -54,7 +54,7 @@ class Scene:
 
     floor: tuple[tuple[Point, ...], ...]
     walls: tuple[Segment, ...]
-    bodies: tuple[Body, ...]
+    bodies: tuple[BodyOutline, ...]
     waypoints: tuple[Point, ...]
     home: Point
 
@@ -81,7 +81,7 @@ class Track:
     marks: tuple[Mark, ...]
 
 
-def draw(scene: Scene, tracks: Sequence[Track], *, title: str, subtitle: str = "") -> str:
+def draw(scene: MapScene, tracks: Sequence[Track], *, title: str, subtitle: str = "") -> str:
     """The map of `tracks` (baseline first) side by side at one scale, as the text of an SVG file.
 
     Raises:
@@ -111,7 +111,7 @@ def draw(scene: Scene, tracks: Sequence[Track], *, title: str, subtitle: str = "
     return "\n".join([*parts, "</svg>", ""])
 
 
-def _extent(scene: Scene, tracks: Sequence[Track]) -> tuple[float, float, float, float]:
+def _extent(scene: MapScene, tracks: Sequence[Track]) -> tuple[float, float, float, float]:
     """The box around everything [m], rounded outwards to half metres."""
     points = [scene.home, *scene.waypoints]
     for outline in (*scene.floor, *(body.outline for body in scene.bodies), *scene.walls):
@@ -130,7 +130,7 @@ def _high(metres: float) -> float:
     return ceil(2 * (metres + 0.2)) / 2
 
 
-def _panel(frame: Frame, scene: Scene, track: Track, number: int) -> list[str]:
+def _panel(frame: Frame, scene: MapScene, track: Track, number: int) -> list[str]:
     box = f'x="{frame.left:.1f}" y="{frame.top:.1f}" width="{frame.width:.1f}" height="{frame.height:.1f}"'
     clip = f"panel{number}"
     return [
@@ -174,7 +174,7 @@ def _axes(frame: Frame) -> list[str]:
     return [*parts, text(px, py, "y [m]", anchor="middle", colour=FAINT, size=12, turn=-90)]
 
 
-def _places(frame: Frame, scene: Scene) -> list[str]:
+def _places(frame: Frame, scene: MapScene) -> list[str]:
     x, y = frame.pixel(scene.home)
     parts = [
         f'<rect x="{x - 11:.1f}" y="{y - 11:.1f}" width="22" height="22" rx="4" fill="#ffffff" {THIN}/>',
@@ -186,7 +186,7 @@ def _places(frame: Frame, scene: Scene) -> list[str]:
     return parts
 
 
-def _body(frame: Frame, body: Body) -> str:
+def _body(frame: Frame, body: BodyOutline) -> str:
     style = body_style(body.kind)
     return f'<polygon points="{frame.all(body.outline)}" {style}><title>{escape(body.kind)}</title></polygon>'
 

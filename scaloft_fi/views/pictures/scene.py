@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Verdict
-from scaloft_fi.views.pictures.map import Body, Mark, Scene, Segment, Track
+from scaloft_fi.views.pictures.map import BodyOutline, MapScene, Mark, Segment, Track
 from scaloft_fi.views.pictures.picture import Point
 
 if TYPE_CHECKING:
@@ -20,16 +20,17 @@ SAME_M = 1e-6
 """Corners of wall segments closer than this are one [m]."""
 
 
-def scene_of(world: World) -> Scene:
+def scene_of(world: World) -> MapScene:
     """What stands in a world, cut at the height of flight."""
     from scaloft_fi.sim.mesh import section
 
     walls = tuple(section(world.mine.wall.triangles, world.mission.altitude_m))
     bodies = tuple(
-        Body(body.role, hull([(float(x), float(y)) for x, y in body.mesh.vertices[:, :2]])) for body in world.present
+        BodyOutline(body.role, hull([(float(x), float(y)) for x, y in body.mesh.vertices[:, :2]]))
+        for body in world.present
     )
     waypoints = tuple((x, y) for x, y, _ in world.route)
-    return Scene(rings(walls), walls, bodies, waypoints, world.mission.home)
+    return MapScene(rings(walls), walls, bodies, waypoints, world.mission.home)
 
 
 def track_of(log: FlightLog, outcome: Outcome, title: str) -> Track:
@@ -37,11 +38,11 @@ def track_of(log: FlightLog, outcome: Outcome, title: str) -> Track:
     xs, ys = log.signals["x_m"].tolist(), log.signals["y_m"].tolist()
     points = tuple(zip(xs, ys, strict=True))
     counted = [violation for violation in outcome.violations if violation.kind is not Kind.REPORTED]
-    told = {round(v.t_s, 3) for v in counted if v.struck}
+    struck_at_s = {round(v.t_s, 3) for v in counted if v.struck}
     marks = [
         Mark(event.t_s, points[log.at(event.t_s)], event.text, MARKED[event.kind])
         for event in log.events
-        if event.kind in MARKED and not (event.kind == "contact" and told)
+        if event.kind in MARKED and not (event.kind == "contact" and struck_at_s)
     ]
     for violation in counted:
         struck = f", strikes {violation.struck}" if violation.struck else ""
@@ -60,12 +61,12 @@ def track_of(log: FlightLog, outcome: Outcome, title: str) -> Track:
 
 def note(log: FlightLog, outcome: Outcome) -> str:
     """How the flight ended and what it violates, in a line."""
-    said = {
+    by_verdict = {
         verdict: [r.requirement for r in outcome.readings if r.verdict is verdict and r.kind is not Kind.REPORTED]
         for verdict in Verdict
     }
     words = {Verdict.VIOLATED: "violated", Verdict.HELD: "held", Verdict.OPEN: "open"}
-    parts = [f"{', '.join(said[verdict])} {word}" for verdict, word in words.items() if said[verdict]]
+    parts = [f"{', '.join(by_verdict[verdict])} {word}" for verdict, word in words.items() if by_verdict[verdict]]
     return "; ".join([f"{log.ending.sentence} after {log.duration_s:.1f} s", *parts])
 
 
@@ -79,7 +80,7 @@ def rings(segments: Iterable[Segment]) -> tuple[tuple[Point, ...], ...]:
     for a, b in segments:
         ends.setdefault(_cell(a), []).append(b)
         ends.setdefault(_cell(b), []).append(a)
-    found: list[tuple[Point, ...]] = []
+    rings: list[tuple[Point, ...]] = []
     seen: set[tuple[int, int]] = set()
     for a, _ in segments:
         ring: list[Point] = []
@@ -89,8 +90,8 @@ def rings(segments: Iterable[Segment]) -> tuple[tuple[Point, ...], ...]:
             ring.append(here)
             here = next((other for other in ends[_cell(here)] if _cell(other) not in seen), None)
         if len(ring) > 2 and _cell(ring[0]) in map(_cell, ends[_cell(ring[-1])]):
-            found.append(tuple(ring))
-    return tuple(found)
+            rings.append(tuple(ring))
+    return tuple(rings)
 
 
 def _cell(point: Point) -> tuple[int, int]:

@@ -1,1 +1,1 @@
-"""One HTML file that tells a whole campaign, offline: figures as JSON, drawn in the page by plain JavaScript."""
+"""A whole campaign in one HTML file that needs no network: figures as JSON, drawn in the page by plain JavaScript."""

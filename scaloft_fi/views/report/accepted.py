@@ -16,7 +16,7 @@ def accepted(scored: Score, roster: Roster, known: Iterable[Disposition], today:
 
     Args:
         scored: of the campaign.
-        roster: tells which mutants count.
+        roster: says which mutants count.
         known: the dispositions of the study.
         today: by which last days are judged; None = none is, so that the page never depends on a clock.
     """
@@ -25,14 +25,14 @@ def accepted(scored: Score, roster: Roster, known: Iterable[Disposition], today:
 
 
 def _entry(judged: Judged) -> dict[str, Any]:
-    found = judged.disposition
+    disposition = judged.disposition
     entry: dict[str, Any] = {"mutant": judged.mutant, "state": judged.state.value, "surviving": list(judged.surviving)}
-    if found is None:
+    if disposition is None:
         return entry
     return entry | {
-        "owner": found.owner,
-        "reason": found.reason,
-        "until": found.expires.isoformat(),
-        "situations": list(found.situations),
-        "unnamed": [key for key in judged.surviving if found.situations and key not in found.situations],
+        "owner": disposition.owner,
+        "reason": disposition.reason,
+        "until": disposition.expires.isoformat(),
+        "situations": list(disposition.situations),
+        "unnamed": [key for key in judged.surviving if disposition.situations and key not in disposition.situations],
     }

@@ -35,14 +35,14 @@ def analyses(evidence: Evidence, scored: Score, matrix: KillMatrix) -> dict[str,
     study, outcomes, roster = evidence.study, evidence.outcomes, evidence.study.roster
     counted = {row.id for row in matrix.mutants if row.counted}
     kills = {id_: keys for id_, keys in matrix.kills.items() if id_ in counted}
-    found = interactions(matrix)
+    listed = interactions(matrix)
     known = backgrounds(study.matrix, [row.id for row in matrix.mutants])
     return {
         "margins": margin_texts(outcomes, scored, study.matrix),
         "ladders": ladders(scored, study.matrix, roster),
         "thresholds": thresholds(outcomes, scored, study.matrix, study.requirements),
-        "interactions": [entry.to_json() for entry in found],
-        "orders": orders(found, matrix.space).to_json(),
+        "interactions": [entry.to_json() for entry in listed],
+        "orders": orders(listed, matrix.space).to_json(),
         "suite": minimal_suite(kills, [key for key, _ in matrix.space.points]).to_json(),
         "subsumption": subsumption(kills).to_json(),
         "survivors": [
@@ -54,11 +54,11 @@ def analyses(evidence: Evidence, scored: Score, matrix: KillMatrix) -> dict[str,
 def margin_texts(outcomes: Sequence[Outcome], scored: Score, cells: Matrix) -> dict[str, str]:
     """The margin of each cell that has one; faults without an order have a verdict and no margin."""
     verdicts = tuple(verdict.words for verdict in Verdict)
-    told = {
+    margins = {
         cell: [part for part in text.split("; ") if any(map(str.isdigit, part)) and not part.endswith(verdicts)]
         for cell, text in cell_margins(outcomes, scored, cells).items()
     }
-    return {cell: "; ".join(parts) for cell, parts in told.items() if parts}
+    return {cell: "; ".join(parts) for cell, parts in margins.items() if parts}
 
 
 def ladders(scored: Score, cells: Matrix, roster: Roster) -> list[dict[str, Any]]:

@@ -1,7 +1,7 @@
-"""What a requirement demands, taken apart: bounds on signals, where they hold always and where only while it speaks.
+"""What a requirement demands, taken apart: bounds on signals, those that always hold and those of its trigger.
 
-Only a formula that is a conjunction of such bounds is taken apart; any other is told as it stands, for its bounds alone
-would say something else.
+Only a formula that is a conjunction of such bounds is taken apart; any other stays whole: its bounds
+alone would say something else.
 """
 
 from __future__ import annotations
@@ -29,18 +29,18 @@ class Bound:
         sense: of the comparison, as it is written.
         bound: in the signal's own unit.
         for_s: for so long without a break [s]; None where a sample is enough.
-        speaks: whether it binds only while the requirement's trigger is true.
+        triggered: whether it binds only while the requirement's trigger is true.
     """
 
     signal: str
     sense: str
     bound: float
     for_s: float | None = None
-    speaks: bool = False
+    triggered: bool = False
 
 
 def bounds_of(requirements: Iterable[Requirement]) -> list[dict[str, Any]]:
-    """Per requirement its `demands` and `when` it speaks, as bounds; both empty where its formula is no conjunction."""
+    """Per requirement its `demands` and `when` it applies, as bounds; both empty where a formula is no conjunction."""
     return [_entry(requirement) for requirement in requirements]
 
 
@@ -57,20 +57,20 @@ def _entry(requirement: Requirement) -> dict[str, Any]:
 
 
 def _demands(text: str, defined: Mapping[str, str]) -> list[Bound] | None:
-    found: list[Bound] = []
+    limits: list[Bound] = []
     for part in _conjuncts(text):
-        speaks = part.startswith(f"{TRIGGER} implies ")
+        triggered = part.startswith(f"{TRIGGER} implies ")
         demanded = part.removeprefix(f"{TRIGGER} implies ")
         bounds = _bounds(demanded, defined)
-        if bounds is None or (speaks and len(bounds) > 1 and not demanded.startswith("(")):
+        if bounds is None or (triggered and len(bounds) > 1 and not demanded.startswith("(")):
             return None
-        found += [Bound(b.signal, b.sense, b.bound, b.for_s, speaks) for b in bounds]
-    return found
+        limits += [Bound(b.signal, b.sense, b.bound, b.for_s, triggered) for b in bounds]
+    return limits
 
 
 def _bounds(text: str, defined: Mapping[str, str], for_s: float | None = None) -> list[Bound] | None:
     """A conjunction as bounds; None where it is something else."""
-    found: list[Bound] = []
+    conjunction: list[Bound] = []
     for part in _conjuncts(text):
         lasting = _FOR.fullmatch(part)
         if part in defined:
@@ -81,13 +81,13 @@ def _bounds(text: str, defined: Mapping[str, str], for_s: float | None = None) -
             inner = _bound(part, for_s)
         if inner is None:
             return None
-        found += inner
-    return found
+        conjunction += inner
+    return conjunction
 
 
 def _bound(part: str, for_s: float | None) -> list[Bound] | None:
-    found = COMPARISON.fullmatch(part.replace("- ", "-"))
-    return [Bound(found["signal"], found["sense"], bound_of(found), for_s)] if found else None
+    match = COMPARISON.fullmatch(part.replace("- ", "-"))
+    return [Bound(match["signal"], match["sense"], bound_of(match), for_s)] if match else None
 
 
 def _conjuncts(text: str) -> Iterator[str]:

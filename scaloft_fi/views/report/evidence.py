@@ -10,12 +10,12 @@ from scaloft_fi.analysis.scoring.detection import Spending
 from scaloft_fi.campaign.store.held import nothing_to_show
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
-from scaloft_fi.views.moment import moment
+from scaloft_fi.views.snapshot import snapshot
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """All that the page tells.
+    """Everything that the page is made from.
 
     Attributes:
         study: what was flown.
@@ -43,7 +43,7 @@ def gather(study: Study, campaign: str, today: date | None = None) -> Evidence:
     Raises:
         InputError: there is none, or it holds no flight that counts.
     """
-    with moment(study, campaign) as now:
+    with snapshot(study, campaign) as now:
         known = now.held.current or nothing_to_show(now.store, now.folder)
         return Evidence(
             study=study,

@@ -58,8 +58,8 @@ def figures(evidence: Evidence) -> dict[str, Any]:
     keys = [situation["key"] for situation in order]
     kills = kill_matrix(scored, roster, space)
     covered = coverage_of(rulings.baselines, rulings.draws, space)
-    told = score_json(scored, covered, [])
-    listed = (*told["mutants"], *told["controls"])
+    record = score_json(scored, covered, [])
+    listed = (*record["mutants"], *record["controls"])
     mutants = matrices.mutants(scored, kills, rulings, listed, roster, keys, by_severity(study.matrix, roster))
     return {
         "schema": SCHEMA,
@@ -78,10 +78,10 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         ],
         "pooled": scored.pooled,
         "ratios": [
-            {"name": name, "title": title, "population": population} | told["ratios"][name]
+            {"name": name, "title": title, "population": population} | record["ratios"][name]
             for name, (title, population) in RATIOS.items()
         ],
-        "coverage": told["coverage"],
+        "coverage": record["coverage"],
         "gates": _gates(evidence, scored, mutants),
         "signs": matrices.SIGNS,
         "verdicts": [verdict.value for verdict in Verdict],
@@ -96,7 +96,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "requirements": [asdict(requirement) | {"kind": requirement.kind.value} for requirement in study.requirements],
         "limits": limits(study.requirements, TRACK_COLUMNS),
         "bounds": bounds_of(study.requirements),
-        "pairs": told["pairs"],
+        "pairs": record["pairs"],
         "firsts": [_first(finding) for finding in findings(outcomes, space) if finding.first],
         "tallies": [_tally(tally) for tally in tallies(outcomes)],
         "accepted": accepted(scored, roster, study.dispositions, evidence.today),

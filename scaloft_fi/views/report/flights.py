@@ -14,7 +14,7 @@ from typing import Any
 from scaloft_fi.judge.flights import JudgedFlight, flight_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.judge.requirement import Reading
-from scaloft_fi.judge.robustness import told_rho
+from scaloft_fi.judge.robustness import measured_rho
 from scaloft_fi.judge.status import baseline_status
 from scaloft_fi.judge.track import TRACK_COLUMNS, TRACK_EVERY, unpack_track
 from scaloft_fi.sim.signals import SAMPLE_HZ
@@ -33,9 +33,9 @@ class Detail:
     """How much of the tracks goes into the page.
 
     Attributes:
-        every: one row stands for so many.
-        coarse: so many times the finest step of positions, speeds and distances.
-        seeds: of so many of the lowest seeds the mutants' tracks are kept; `EVERYTHING` for all.
+        every: how many rows of a track one row stands for.
+        coarse: the step of positions, speeds and distances, in finest steps.
+        seeds: how many seeds keep the tracks of the mutants, the lowest first; `EVERYTHING` for all.
     """
 
     every: int
@@ -44,10 +44,10 @@ class Detail:
 
     def __str__(self) -> str:
         """Rows in a second, and the steps."""
-        return self.told(TRACK_HZ)
+        return self.at_rate(TRACK_HZ)
 
-    def told(self, track_hz: float) -> str:
-        """The same of tracks with so many rows in a second."""
+    def at_rate(self, track_hz: float) -> str:
+        """The same of tracks that have `track_hz` rows in a second."""
         step = f"{QUANTUM * self.coarse:g}"
         return f"{track_hz / self.every:g} Hz, in steps of {step} m and {step} m/s"
 
@@ -83,7 +83,7 @@ def packs(outcomes: Iterable[Outcome], requirements: Sequence[str], detail: Deta
         outcomes: of the campaign.
         requirements: names, in the order of the readings.
         detail: how much of the tracks is kept.
-        every: only every so many-th situation is packed, to learn how large all would be.
+        every: pack one situation in this many, to estimate the size of all.
     """
     by_situation: dict[str, list[Outcome]] = {}
     for outcome in outcomes:
@@ -98,8 +98,8 @@ def packs(outcomes: Iterable[Outcome], requirements: Sequence[str], detail: Deta
         for entry in records:
             if not entry["invalid"]:
                 tracked.setdefault((entry["mutant"] != BASELINE, entry["seed"]), []).append(entry["track"] is not None)
-    hz = next((found for listed in by_situation.values() for o in listed if (found := _rate_hz(o.track))), TRACK_HZ)
-    return Packed(texts, tracks_told(detail.told(hz), tracked))
+    hz = next((rate for listed in by_situation.values() for o in listed if (rate := _rate_hz(o.track))), TRACK_HZ)
+    return Packed(texts, tracks_told(detail.at_rate(hz), tracked))
 
 
 def _rate_hz(track: bytes) -> float | None:
@@ -123,14 +123,14 @@ def tracks_told(detail: str, tracked: Mapping[tuple[bool, int], Sequence[bool]])
     groups: dict[str, list[tuple[bool, int]]] = {"Every flight": [], "Some": [], "None": []}
     for group, flags in tracked.items():
         groups["Every flight" if all(flags) else "Some" if any(flags) else "None"].append(group)
-    told = [f"{words} of {_whose(found)}" for words, found in groups.items() if found]
-    return ".  ".join((f"Tracks: {sum(every)} of {len(every)} flights, {detail}", *told, "`replay` flies the rest."))
+    parts = [f"{words} of {_whose(members)}" for words, members in groups.items() if members]
+    return ".  ".join((f"Tracks: {sum(every)} of {len(every)} flights, {detail}", *parts, "`replay` flies the rest."))
 
 
-def _whose(found: Sequence[tuple[bool, int]]) -> str:
+def _whose(members: Sequence[tuple[bool, int]]) -> str:
     """As in: the unmutated drone with seeds 0-9, mutants with seed 0."""
     own = {
-        who: [seed for other, seed in found if other is mutated]
+        who: [seed for other, seed in members if other is mutated]
         for mutated, who in ((False, "the unmutated drone"), (True, "mutants"))
     }
     return ", ".join(f"{who} with seed{'s' * (len(seeds) > 1)} {ranges(seeds)}" for who, seeds in own.items() if seeds)
@@ -159,9 +159,10 @@ def columns(detail: Detail) -> list[dict[str, Any]]:
 def _pack(
     outcomes: Sequence[Outcome], requirements: Sequence[str], detail: Detail, seeds: set[int]
 ) -> tuple[list[dict[str, Any]], str]:
-    """The records, and the base64 text of, deflated: a length (4 bytes, little endian), so many bytes of JSON, tracks.
+    """The records, and the base64 text of, deflated: a length (4 bytes, little endian), JSON of that length, tracks.
 
-    Flights with one digest share a track; a track is told by its rows, how many of the first are another's, and whose.
+    Flights with one digest share a track; a track is its own rows, and the number of rows before
+    them that it shares with another.
     """
     ordered = sorted(outcomes, key=lambda o: (o.seed, o.mutant != BASELINE, o.mutant))
     baselines = {outcome.seed: outcome for outcome in ordered if outcome.mutant == BASELINE}
@@ -200,7 +201,7 @@ def rows_of(track: bytes) -> list[tuple[float, ...]]:
 
 
 def record(outcome: Outcome, baseline: Outcome | None, requirements: Sequence[str]) -> dict[str, Any]:
-    """What the page tells of one flight beside its track."""
+    """What the page shows of one flight beside its track."""
     flight = flight_of(outcome, baseline) if outcome.mutant != BASELINE else None
     readings = {reading.requirement: reading for reading in outcome.readings}
     return {
@@ -231,7 +232,7 @@ def _revealed(flight: JudgedFlight | None) -> Mapping[str, Any]:
 
 def _reading(reading: Reading) -> list[Any]:
     """Robustness (none of what was never triggered), moment of the violation, verdict, episodes of the trigger."""
-    return [_short(told_rho(reading), 4), _short(reading.violated_at_s), reading.verdict.value, reading.triggered]
+    return [_short(measured_rho(reading), 4), _short(reading.violated_at_s), reading.verdict.value, reading.triggered]
 
 
 def _short(value: float | None, digits: int = 3) -> float | None:

@@ -1,4 +1,4 @@
-"""The Karnaugh map for the page: how the grid is folded, told once, and per mutant the terms of its condition."""
+"""The Karnaugh map for the page: how the grid is folded, and per mutant the terms of its condition."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from scaloft_fi.analysis.condition import Term, cover, term_text
 from scaloft_fi.analysis.kills.karnaugh import MOST_CELLS, cyclic, fold
-from scaloft_fi.analysis.kills.kill_matrix import Row
+from scaloft_fi.analysis.kills.kill_matrix import KillRow
 from scaloft_fi.judge.space import Point, Space
 
 LEAST_AXES = 2
@@ -52,12 +52,12 @@ def _reason(space: Space) -> str:
     return ""
 
 
-def terms(space: Space, row: Row) -> list[dict[str, Any]]:
+def terms(space: Space, row: KillRow) -> list[dict[str, Any]]:
     """The terms of a mutant's condition where its grid has a map: `levels` has those that it admits, for each axis."""
     if not foldable(space):
         return []
-    found = cover(space, row.killing, row.surviving)
-    return [{"levels": _admitted(space, term), "words": term_text(space, term) or "everywhere"} for term in found]
+    covering = cover(space, row.killing, row.surviving)
+    return [{"levels": _admitted(space, term), "words": term_text(space, term) or "everywhere"} for term in covering]
 
 
 def _admitted(space: Space, term: Term) -> list[list[int]]:

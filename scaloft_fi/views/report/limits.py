@@ -14,11 +14,11 @@ COMPARISON = re.compile(
 
 
 def limits(requirements: Iterable[Requirement], signals: Collection[str]) -> list[dict[str, Any]]:
-    """Each comparison of one of `signals` with a number; role: `demands`, or `when` the requirement speaks.
+    """Each comparison of one of `signals` with a number; role: `demands`, or `when` the requirement applies.
 
     A signal that is divided by a number first, as formulas that join units do, has its limit in its own unit.
     """
-    found: list[dict[str, Any]] = []
+    limits: list[dict[str, Any]] = []
     for requirement in requirements:
         when = [requirement.trigger, *(text for _, text in requirement.definitions)]
         for role, texts in (("demands", [requirement.text]), ("when", when)):
@@ -30,9 +30,9 @@ def limits(requirements: Iterable[Requirement], signals: Collection[str]) -> lis
                     "role": role,
                     "requirement": requirement.name,
                 }
-                if signal in signals and entry not in found:
-                    found.append(entry)
-    return found
+                if signal in signals and entry not in limits:
+                    limits.append(entry)
+    return limits
 
 
 def _comparisons(text: str) -> Iterator[tuple[str, str, float]]:

@@ -28,7 +28,7 @@ KEPT = (
     *("id", "guideword", "parameter", "magnitude", "status", "verdict"),
     *("kill_rate", "kill_rate_flown", "decided_at"),
 )
-"""What the page tells of a mutant as the score's JSON does."""
+"""What the page takes over from the score's JSON on a mutant."""
 
 
 def situations(space: Space, grid: Grid) -> list[dict[str, Any]]:
@@ -81,7 +81,7 @@ def mutants(
     scored: Score,
     matrix: KillMatrix,
     rulings: Rulings,
-    told: Iterable[Mapping[str, Any]],
+    records: Iterable[Mapping[str, Any]],
     roster: Roster,
     keys: Sequence[str],
     order: Callable[[str], Any],
@@ -92,20 +92,20 @@ def mutants(
         scored: of the campaign.
         matrix: its kill matrix.
         rulings: of its flights.
-        told: the mutants and controls of the score's JSON.
-        roster: tells which mutants count.
+        records: the mutants and controls of the score's JSON.
+        roster: says which mutants count.
         keys: of the situations, in the order of `results`.
         order: of ids.
     """
-    known = {entry["id"]: entry for entry in told}
+    known = {entry["id"]: entry for entry in records}
     extra = searched(scored.mutants, roster)
-    found = []
+    described = []
     for mutant in sorted((*scored.mutants, *scored.controls), key=lambda one: order(one.subject.id)):
         id_, flights = mutant.subject.id, rulings.mutants[mutant.subject]
         row = matrix.row[id_]
         entries = {entry.situation: entry for entry in row.entries}
         results = {result.situation: result for result in mutant.results}
-        found.append(
+        described.append(
             {name: known[id_][name] for name in KEPT}
             | _mutant(mutant, flights, roster, matrix.space)
             | {
@@ -115,7 +115,7 @@ def mutants(
                 "terms": terms(matrix.space, row),
             }
         )
-    return found
+    return described
 
 
 def _mutant(scored: MutantScore, flights: Situations, roster: Roster, space: Space) -> dict[str, Any]:
@@ -140,7 +140,7 @@ def _tests(scored: MutantScore, pool: Pool) -> list[dict[str, Any]]:
         `kills`: situations with a kill, of those that test it; `flights`: of the mutant that violate, in these;
         `baseline`: of the pool that violate, of those judged, in these.
     """
-    found, p = [], {**scored.safety.p, **scored.operability.p}
+    records, p = [], {**scored.safety.p, **scored.operability.p}
     for name in (*pool.requirements(Kind.SAFETY), *pool.requirements(Kind.OPERABILITY)):
         tests = [result for result in scored.results if name in (*result.steady, *result.steady_operability)]
         if not tests:
@@ -148,7 +148,7 @@ def _tests(scored: MutantScore, pool: Pool) -> list[dict[str, Any]]:
         kills = sum(name in (*result.kills, *result.operability_kills) for result in tests)
         pairs = [pool.pairs[result.situation, name] for result in tests]
         violated = sum(dict(result.violated).get(name, 0) for result in tests)
-        found.append(
+        records.append(
             {
                 "requirement": name,
                 "p": p[name],
@@ -157,7 +157,7 @@ def _tests(scored: MutantScore, pool: Pool) -> list[dict[str, Any]]:
                 "baseline": share_json(Ratio(sum(own.violated for own in pairs), sum(own.judged for own in pairs))),
             }
         )
-    return found
+    return records
 
 
 def _result(entry: Entry, result: Result | None, flights: Situations, pool: Pool) -> list[Any] | None:
@@ -167,24 +167,24 @@ def _result(entry: Entry, result: Result | None, flights: Situations, pool: Pool
     """
     if entry.situation not in flights:
         return None
-    told = {name: count for name, count in entry.violated if (entry.situation, name) in pool.pairs}
+    violated = {name: count for name, count in entry.violated if (entry.situation, name) in pool.pairs}
     operability = result.operability_kills if result else ()
     seen = seen_in(entry, pool)
-    seed = opening(flights[entry.situation], (*entry.kills, *operability, *seen, *told))
-    return [SIGNS.index(sign_of(entry, seen)), entry.flown, seed, told, list(entry.kills or seen)]
+    seed = opening(flights[entry.situation], (*entry.kills, *operability, *seen, *violated))
+    return [SIGNS.index(sign_of(entry, seen)), entry.flown, seed, violated, list(entry.kills or seen)]
 
 
 def by_situation(scored: Score, roster: Roster, keys: Sequence[str]) -> list[dict[str, int]]:
     """Per situation the default mutants with a kill, of those that it puts to the test, and of those flown."""
     counted = [mutant for mutant in scored.mutants if roster.counts(mutant.subject)]
-    found = []
+    entries = []
     for key in keys:
         results = [result for mutant in counted for result in mutant.results if result.situation == key]
-        found.append(
+        entries.append(
             {
                 "killed": sum(bool(result.kills) for result in results),
                 "tested": sum(result.tested for result in results),
                 "flown": len(results),
             }
         )
-    return found
+    return entries

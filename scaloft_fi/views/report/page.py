@@ -47,7 +47,7 @@ def page(evidence: Evidence, most_bytes: int = MOST_BYTES) -> str:
     Raises:
         InputError: a part of the study is not what it should be.
     """
-    told, outcomes = figures(evidence), evidence.outcomes
+    content, outcomes = figures(evidence), evidence.outcomes
     names = [requirement.name for requirement in evidence.study.requirements]
     text = ""
     for detail in DETAILS:
@@ -55,13 +55,13 @@ def page(evidence: Evidence, most_bytes: int = MOST_BYTES) -> str:
         if detail is not DETAILS[-1] and sample * SAMPLE > HOPELESS * most_bytes:
             continue
         packed = packs(outcomes, names, detail)
-        text = html(told | {"detail": packed.says, "columns": columns(detail)}, packed.texts)
+        text = html(content | {"detail": packed.says, "columns": columns(detail)}, packed.texts)
         if len(text.encode()) <= most_bytes:
             break
     return text
 
 
-def html(told: Mapping[str, Any], packed: Mapping[str, str]) -> str:
+def html(content: Mapping[str, Any], packed: Mapping[str, str]) -> str:
     """The page of these figures and packs of flights."""
     style = "\n".join(asset(name) for name in STYLES)
     script = '"use strict";\n(() => {\n' + "\n".join(asset(name) for name in SCRIPTS) + "\n})();\n"
@@ -72,7 +72,7 @@ def html(told: Mapping[str, Any], packed: Mapping[str, str]) -> str:
     parts = {
         "POLICY": policy,
         "STYLE": style,
-        "FIGURES": inert(told),
+        "FIGURES": inert(content),
         "FLIGHTS": inert(packed),
         "SCRIPT": script,
     }

@@ -70,9 +70,9 @@ def opening(flights: Sequence[Ruled], wanted: Iterable[str]) -> int:
     counting = [one for one in flights if one.ruling is not INVALID] or list(flights)
     for name in wanted:
         violating = [one for one in counting if name in one.ruling.violated]
-        told = [one for one in violating if name in (*one.ruling.revealed, *one.ruling.operability_revealed)]
+        revealing = [one for one in violating if name in (*one.ruling.revealed, *one.ruling.operability_revealed)]
         if violating:
-            return (told or violating)[0].seed
+            return (revealing or violating)[0].seed
     return counting[0].seed
 
 

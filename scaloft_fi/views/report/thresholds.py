@@ -6,11 +6,13 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from scaloft_fi.analysis.margin import FAILING, Margin, Subject, Tried, lowest, margins
+from scaloft_fi.analysis.margin import Margin, lowest, margins
 from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.analysis.tried import FAILING, PhasedFault, Tried
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Requirement
+from scaloft_fi.views.worksheet.margin_text import margin_text
 
 
 def thresholds(
@@ -23,30 +25,30 @@ def thresholds(
         else of those that its cell puts at risk, and per situation the ends of its margin, with the robustness of those
         requirements at both, null where none was put to the test.
     """
-    found = margins(outcomes, scored, cells)
+    by_fault = margins(outcomes, scored, cells)
     safety = [requirement.name for requirement in requirements if requirement.kind is Kind.SAFETY]
     order = {cell.name: place for place, cell in enumerate(cells)}
-    several = [(subject, own) for subject, own in found.items() if any(len(margin.tried) > 1 for margin in own)]
+    several = [(fault, own) for fault, own in by_fault.items() if any(len(margin.tried) > 1 for margin in own)]
     several.sort(key=lambda entry: (order[entry[0].cell], entry[0].unit, entry[0].phase_s))
-    return [_entry(subject, own, cells, safety) for subject, own in several]
+    return [_entry(fault, own, cells, safety) for fault, own in several]
 
 
-def _entry(subject: Subject, listed: Sequence[Margin], cells: Matrix, safety: Sequence[str]) -> dict[str, Any]:
-    tried = [tried for margin in listed for tried in margin.tried if tried.answer in FAILING]
+def _entry(fault: PhasedFault, listed: Sequence[Margin], cells: Matrix, safety: Sequence[str]) -> dict[str, Any]:
+    tried = [tried for margin in listed for tried in margin.tried if tried.reaction in FAILING]
     violated = {name for one in tried for name in one.requirements}
-    at_risk = cells.cell(subject.cell).requirements
+    at_risk = cells.cell(fault.cell).requirements
     against = [name for name in safety if name in (violated or at_risk)] or list(safety)
     least = lowest(listed)
-    told = [margin for margin in listed if margin.told]
+    known = [margin for margin in listed if margin.known]
     return {
-        "fault": str(subject),
-        "cell": subject.cell,
-        "unit": subject.unit,
-        "worse": told[0].scale.sign if told else 1,
-        "least": str(least) if least else "",
+        "fault": str(fault),
+        "cell": fault.cell,
+        "unit": fault.unit,
+        "worse": known[0].scale.sign if known else 1,
+        "least": margin_text(least) if least else "",
         "situations_flown": len(listed),
         "against": against,
-        "situations": [_situation(margin, against) for margin in told],
+        "situations": [_situation(margin, against) for margin in known],
     }
 
 
@@ -56,7 +58,7 @@ def _situation(margin: Margin, against: Sequence[str]) -> dict[str, Any]:
     survivor, severe = (at.get(end) if end is not None else None for end in (margin.survives, margin.end))
     return {
         "key": key,
-        "margin": str(margin),
+        "margin": margin_text(margin),
         "survives": _plain(margin.survives),
         "seen": _plain(margin.seen),
         "kills": _plain(margin.kills),

@@ -37,7 +37,7 @@ def quantum(column: str, coarse: int = 1) -> float:
 
 
 def thinned(rows: Sequence[tuple[float, ...]], every: int) -> list[tuple[float, ...]]:
-    """One row for so many, the first and the last always among them; it keeps the worst of them, as `TRACK` says.
+    """One row for each `every` rows, and always the first and the last; it keeps their worst values, as `TRACK` says.
 
     >>> thinned([(0.0, 0, 0, 0, 0.1, 5, 9), (0.2, 1, 0, 0, 0.7, 4, 9), (0.4, 2, 0, 0, 0.2, 6, 9)], 2)[1]
     (0.4, 2, 0, 0, 0.7, 4, 9)

@@ -1,1 +1,1 @@
-"""What a run tells besides the score."""
+"""What a run prints besides the score."""

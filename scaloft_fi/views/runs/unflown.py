@@ -1,4 +1,4 @@
-"""The flights that a run left, told by parameter and by situation, so that nobody reads a part as the whole."""
+"""The flights that a run left out, by parameter and by situation, so that nobody reads a part as the whole."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The score as it is told."""
+"""The score for readers."""

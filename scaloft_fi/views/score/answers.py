@@ -46,14 +46,14 @@ def answers(scored: Score, roster: Roster, campaign: str = "default") -> tuple[A
 
     Args:
         scored: the campaign's score.
-        roster: which mutants count: the default of each credible cell; where none was flown, all are told.
+        roster: which mutants count: the default of each credible cell; where none was flown, all do.
         campaign: its name, for the commands.
     """
     counted = [mutant for mutant in scored.mutants if roster.counts(mutant.subject) and mutant.flown]
     faults = counted or [mutant for mutant in scored.mutants if mutant.flown]
-    told = (_shown, _not_shown, _how_sure, _next) if scored.pooled else (_seen, _unknown, _not_sure, _next)
+    sentences = (_shown, _not_shown, _how_sure, _next) if scored.pooled else (_seen, _unknown, _not_sure, _next)
     asked = Asked(scored, faults, campaign, frozenset(roster.defaults.values()))
-    return tuple(Answer(name, tell(asked)) for name, tell in zip(NAMES, told, strict=True))
+    return tuple(Answer(name, answer(asked)) for name, answer in zip(NAMES, sentences, strict=True))
 
 
 def _shown(asked: Asked) -> str:
@@ -62,10 +62,10 @@ def _shown(asked: Asked) -> str:
     safety = Ratio(sum(mutant.detected for mutant in asked.faults), len(asked.faults))
     operability = sum(mutant.operability.detected for mutant in asked.faults)
     either = sum(mutant.detected or mutant.operability.detected for mutant in asked.faults)
-    said = f"{_of(safety)} would have been shown by your safety requirements"
+    shown = f"{_of(safety)} would have been shown by your safety requirements"
     if operability:
-        said += f"; {operability} by operability, {either} by either"
-    return f"{said}."
+        shown += f"; {operability} by operability, {either} by either"
+    return f"{shown}."
 
 
 def _not_shown(asked: Asked) -> str:
@@ -75,8 +75,8 @@ def _not_shown(asked: Asked) -> str:
         Verdict.UNDECIDED: "undecided: something was seen, or too few flights were flown",
         Verdict.NOT_TESTED: "never put to the test",
     }
-    told = "; ".join(f"{fates[verdict]} {words}" for verdict, words in parts.items() if fates[verdict])
-    return f"{told or 'none'}."
+    counts = "; ".join(f"{fates[verdict]} {words}" for verdict, words in parts.items() if fates[verdict])
+    return f"{counts or 'none'}."
 
 
 def _how_sure(asked: Asked) -> str:
@@ -84,14 +84,14 @@ def _how_sure(asked: Asked) -> str:
     detected = sum(mutant.detected for mutant in asked.faults)
     alpha, drawn = asked.scored.alpha, asked.scored.redraw
     most = f"at most {alpha * tested:.2g} on average ({alpha:g} x {tested} tested)"
-    said = f"of the {detected} shown, chance explains {most}" if detected else f"chance alone would show {most}"
+    sure = f"of the {detected} shown, chance explains {most}" if detected else f"chance alone would show {most}"
     if drawn.seeds:
-        said += f"; of {drawn.safety.whole} redraws of the unmutated drone {drawn.safety.part} would have been shown"
+        sure += f"; of {drawn.safety.whole} redraws of the unmutated drone {drawn.safety.part} would have been shown"
     flown = {pair.flights for pair in asked.scored.pool.pairs.values() if pair.flights >= LEAST}
     seeds = max((result.flown for mutant in asked.faults for result in mutant.results), default=0)
     beside = f"{min(flown)}" + (f" to {max(flown)}" if len(flown) > 1 else "") if flown else "0"
-    said += f".  {seeds} seed{'s' * (seeds != 1)} beside {beside} baseline flights a situation"
-    return f"{said}; mutants share seeds, so false ones come in groups." if len(asked.faults) > 1 else f"{said}."
+    sure += f".  {seeds} seed{'s' * (seeds != 1)} beside {beside} baseline flights a situation"
+    return f"{sure}; mutants share seeds, so false ones come in groups." if len(asked.faults) > 1 else f"{sure}."
 
 
 def _seen(asked: Asked) -> str:
@@ -105,11 +105,11 @@ def _seen(asked: Asked) -> str:
 
 
 def _unknown(_asked: Asked) -> str:
-    return "not known: without a pool nobody can tell a fault from a lucky baseline."
+    return "not known: without a baseline pool a fault cannot be told from chance."
 
 
 def _not_sure(_asked: Asked) -> str:
-    return f"not at all: {LEAST} baseline flights in each situation where a mutant infects would tell what chance does."
+    return f"not at all: {LEAST} baseline flights in each situation where a mutant infects would show what chance does."
 
 
 def _next(asked: Asked) -> str:
@@ -126,8 +126,8 @@ def _next(asked: Asked) -> str:
     silent = [mutant for mutant in asked.faults if not mutant.detected]
     if silent:
         where = f" --campaign {asked.campaign}" * (asked.campaign != "default")
-        told = f"`scaloft-fi kills{where} --show survivors`"
-        return f"{told} says of each fault not shown where it stopped, and what to change."
+        survivors = f"`scaloft-fi kills{where} --show survivors`"
+        return f"{survivors} says of each fault not shown where it stopped, and what to change."
     if asked.faults:
         return f"`scaloft-fi margin {asked.faults[0].subject.id}` finds the smallest magnitude that is still shown."
     return "`scaloft-fi run --mutant ID` flies a mutant; `scaloft-fi mutants` lists them."

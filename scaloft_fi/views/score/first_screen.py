@@ -35,12 +35,12 @@ COLUMNS = {
     Verdict.NOT_DETECTED: ("tested in", "effect", "next"),
     Verdict.NOT_TESTED: ("effect", "next"),
 }
-"""What each group tells of its mutants."""
+"""The columns of each group of mutants."""
 CONTROL_COLUMNS = ("kills", "shown by", "effect")
 LEGEND = (
     "kills: situations where most flights of a detected fault violate, of those that put it to the test:",
     "where it changes samples and nine in ten unmutated flights hold the requirement.",
-    "by: the same per requirement.  where: `mixed` is told by `scaloft-fi kills ID`.",
+    "by: the same per requirement.  where: `mixed`: see `scaloft-fi kills ID`.",
     "first: earliest such violation [s from take-off].",
     "next: seeds that decide (`run --mutant ID --seeds N`; anew: its own campaign); detected: `margin`.",
 )
@@ -76,7 +76,7 @@ def first_screen(
         campaign: its name, for the commands.
         whole: whether groups are shown to their ends.
     """
-    told = answers(scored, roster, campaign)
+    replies = answers(scored, roster, campaign)
     lines = (Answer("Situations", coverage_line(covered)), Answer("Unmutated drone", baseline_line(scored.pool)))
     counted = Counter(mutant.verdict for mutant in scored.mutants if mutant.flown and roster.counts(mutant.subject))
     groups = []
@@ -97,7 +97,7 @@ def first_screen(
     groups = [group for group in groups if group.rows]
     if groups:
         groups[-1] = replace(groups[-1], notes=(*groups[-1].notes, "", *LEGEND))
-    return (Table(TITLE, ("question", "answer"), tuple(told)), *groups, Table("Besides", ("what", "finding"), lines))
+    return (Table(TITLE, ("question", "answer"), tuple(replies)), *groups, Table("Besides", ("what", "finding"), lines))
 
 
 def screen_text(screen: Sequence[Table], *, bold: bool = False) -> str:
@@ -112,8 +112,8 @@ def _lines(table: Table, bold: bool) -> str:
     wide = max(len(str(name)) for name, _ in table.rows) + 2
     lines = []
     for name, text in table.rows:
-        told = indent(fill(printable(str(text)), WIDTH - wide, break_on_hyphens=False), " " * wide).lstrip()
-        lines.append(f"{_strong(str(name), bold)}{' ' * (wide - len(str(name)))}{told}\n")
+        wrapped = indent(fill(printable(str(text)), WIDTH - wide, break_on_hyphens=False), " " * wide).lstrip()
+        lines.append(f"{_strong(str(name), bold)}{' ' * (wide - len(str(name)))}{wrapped}\n")
     return "".join(lines)
 
 
@@ -139,12 +139,12 @@ def baseline_line(pool: Pool) -> str:
     if not any(pair.state is not State.UNKNOWN for pair in pairs):
         red = sum(pair.violated > 0 for pair in pairs)
         return f"violates a safety requirement in {red} of {len(pairs)} pairs of situation and requirement; no pool."
-    found = []
+    held = []
     for name in pool.requirements(Kind.SAFETY):
         states = Counter(pair.state for pair in pairs if pair.requirement == name and pair.state is not State.UNKNOWN)
         ill = [f"{states[s]} {s.value}" for s in (State.RED, State.UNSTEADY, State.OPEN, State.VACUOUS) if states[s]]
-        found.append(f"{name} in {states[State.STEADY]}" + (f" ({', '.join(ill)})" if ill else ""))
-    return f"of {len(pool.flown)} situations with a pool it holds steadily {', '.join(found)}."
+        held.append(f"{name} in {states[State.STEADY]}" + (f" ({', '.join(ill)})" if ill else ""))
+    return f"of {len(pool.flown)} situations with a pool it holds steadily {', '.join(held)}."
 
 
 def _shown(members: Sequence[MutantScore], *, whole: bool) -> Sequence[MutantScore]:
@@ -182,8 +182,8 @@ def _control(mutant: MutantScore) -> tuple[str, ...]:
 def _violated(mutant: MutantScore) -> str:
     """What a control violates that was flown too seldom for a verdict, as a canary is."""
     flights = Counter(name for result in mutant.results for name, count in result.violated for _ in range(count))
-    told = ", ".join(f"{name} in {count} flight{'s' * (count > 1)}" for name, count in flights.items())
-    return told or "nothing"
+    violated = ", ".join(f"{name} in {count} flight{'s' * (count > 1)}" for name, count in flights.items())
+    return violated or "nothing"
 
 
 def effect(mutant: MutantScore) -> str:

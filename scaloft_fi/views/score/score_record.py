@@ -47,10 +47,10 @@ def score_json(
 
 def _coverage(covered: Coverage) -> dict[str, Any]:
     """`t_way` with parts and wholes alone, `complete` with its (p, t)-completeness."""
-    told = coverage_json(covered)
-    complete = {strength: found["complete"] for strength, found in told["t_way"].items()}
+    values = coverage_json(covered)
+    complete = {strength: ratio["complete"] for strength, ratio in values["t_way"].items()}
     t_way = {str(strength): share_json(ratio) for strength, ratio in covered.t_way}
-    return told | {"t_way": t_way, "complete": complete}
+    return values | {"t_way": t_way, "complete": complete}
 
 
 def _mutant(mutant: MutantScore) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.situations.coverage import Coverage
 from scaloft_fi.judge.outcome import PLACEBO
 from scaloft_fi.judge.requirement import Verdict
-from scaloft_fi.judge.robustness import spelt_rho
+from scaloft_fi.judge.robustness import rho_text
 from scaloft_fi.judge.rulings import Rulings
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Status
@@ -50,7 +50,7 @@ def tables_behind(
 
 def ratio_table(scored: Score) -> Table:
     """The ratios of the score, each with its population."""
-    rows = tuple((name.replace("_", " "), str(getattr(scored, name)), told) for name, told in POPULATIONS.items())
+    rows = tuple((name.replace("_", " "), str(getattr(scored, name)), of) for name, of in POPULATIONS.items())
     drawn = scored.redraw
     notes = [f"False detections expected, at most: {scored.expected_false:.2g} ({scored.alpha:g} a mutant tested)."]
     if drawn.seeds:
@@ -105,7 +105,7 @@ def _rungs(name: str, members: Sequence[MutantScore]) -> tuple[str | int, ...]:
     return (name, *(counts[status] for status in Status), counts.total())
 
 
-def baseline_table(found: Sequence[Finding]) -> Table:
+def baseline_table(findings: Sequence[Finding]) -> Table:
     """The situations where the unmutated drone violates a requirement, or leaves one untested."""
     rows = tuple(
         (
@@ -116,15 +116,15 @@ def baseline_table(found: Sequence[Finding]) -> Table:
             ", ".join(finding.vacuous),
             _first(finding),
         )
-        for finding in found
+        for finding in findings
         if finding.violated
     )
-    red = sum(finding.red > 0 for finding in found)
-    held = len(found) - red
-    vacuous = sum(bool(finding.vacuous) for finding in found)
+    red = sum(finding.red > 0 for finding in findings)
+    held = len(findings) - red
+    vacuous = sum(bool(finding.vacuous) for finding in findings)
     notes = (
-        f"{Ratio(held, len(found))} of the situations flown have baselines that hold every safety requirement.",
-        f"In {vacuous} of {len(found)} a requirement was never triggered: vacuous, not passed.",
+        f"{Ratio(held, len(findings))} of the situations flown have baselines that hold every safety requirement.",
+        f"In {vacuous} of {len(findings)} a requirement was never triggered: vacuous, not passed.",
     )
     headers = ("situation", "red flights", "violated", "open", "vacuous", "first")
     return Table("Findings about the unmutated drone", headers, rows, notes)
@@ -144,7 +144,7 @@ def requirement_table(tallied: Sequence[Tally]) -> Table:
     """What the baseline flights say about each requirement."""
     headers = ("requirement", "kind", *(verdict.value for verdict in Verdict), "triggered", "least robustness")
     rows = tuple(
-        (t.requirement, t.kind.value, *(count for _, count in t.verdicts), t.triggered, spelt_rho(t.least_rho))
+        (t.requirement, t.kind.value, *(count for _, count in t.verdicts), t.triggered, rho_text(t.least_rho))
         for t in tallied
     )
     notes = (

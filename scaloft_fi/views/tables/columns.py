@@ -30,7 +30,7 @@ def _longest_word(cell: str) -> int:
 
 def _narrowed(widths: Sequence[int], least: Sequence[int], rows: Sequence[Sequence[str]], width: int) -> list[int]:
     """`widths` taken in until the table is `width` wide or every column is at its `least`."""
-    found = list(widths)
+    narrowed = list(widths)
     columns = list(zip(*rows, strict=True))
 
     @cache
@@ -39,16 +39,16 @@ def _narrowed(widths: Sequence[int], least: Sequence[int], rows: Sequence[Sequen
 
     def cost(column: int) -> int:
         """Lines that the table gains when this column is narrower by one."""
-        narrower = lines(column, found[column] - 1)
+        narrower = lines(column, narrowed[column] - 1)
         return sum(now - height for now, height in zip(narrower, heights, strict=True) if now > height)
 
-    while sum(found) + 2 * (len(found) - 1) > width:
-        able = [column for column, now in enumerate(found) if now > least[column]]
+    while sum(narrowed) + 2 * (len(narrowed) - 1) > width:
+        able = [column for column, now in enumerate(narrowed) if now > least[column]]
         if not able:
             break
-        heights = [max(row) for row in zip(*map(lines, range(len(found)), found), strict=True)]
-        found[min(able, key=lambda able: (cost(able), -found[able], -able))] -= 1
-    return found
+        heights = [max(row) for row in zip(*map(lines, range(len(narrowed)), narrowed), strict=True)]
+        narrowed[min(able, key=lambda able: (cost(able), -narrowed[able], -able))] -= 1
+    return narrowed
 
 
 @lru_cache(maxsize=100_000)

@@ -29,7 +29,7 @@ def printable(text: str) -> str:
     >>> printable("a\x1b[31mb\tc")
     'a\\x1b[31mb\tc'
     """
-    return _CONTROL.sub(lambda found: repr(found[0])[1:-1], text)
+    return _CONTROL.sub(lambda control: repr(control[0])[1:-1], text)
 
 
 def line(text: str) -> str:

@@ -16,7 +16,7 @@ from scaloft_fi.views.tables.literal import markdown, printable
 WIDTH = 100
 """Columns of a terminal that a text table keeps within."""
 
-Cell = str | int | float | None
+TableCell = str | int | float | None
 
 
 class Format(StrEnum):
@@ -38,10 +38,10 @@ class Table:
 
     title: str
     headers: tuple[str, ...]
-    rows: tuple[tuple[Cell, ...], ...]
+    rows: tuple[tuple[TableCell, ...], ...]
     notes: tuple[str, ...] = ()
 
-    def records(self) -> list[dict[str, Cell]]:
+    def records(self) -> list[dict[str, TableCell]]:
         """The rows as plain JSON values, by header."""
         return [dict(zip(self.headers, row, strict=True)) for row in self.rows]
 

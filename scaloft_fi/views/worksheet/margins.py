@@ -1,4 +1,4 @@
-"""How margins are told: a table for each fault, plain JSON, and the deviation matrix with a margin in every cell."""
+"""Margins for readers: a table for each fault, plain JSON, and the deviation matrix with a margin in every cell."""
 
 from __future__ import annotations
 
@@ -6,26 +6,18 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from scaloft_fi.analysis.margin import (
-    Answer,
-    Margin,
-    Scale,
-    Subject,
-    Tried,
-    detection_of,
-    lowest,
-    margins,
-    subject_of,
-)
+from scaloft_fi.analysis.margin import Margin, Scale, lowest, margins
 from scaloft_fi.analysis.scoring.detection import LARGER, Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.analysis.tried import PhasedFault, Reaction, Tried, detection_of, phased_fault
 from scaloft_fi.hazop.cell import Cell, CellStatus, Fault
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.mutants.mutant import parse
 from scaloft_fi.views.tables.table import Table
+from scaloft_fi.views.worksheet.margin_text import UNKNOWN, magnitude_text, margin_text
 
 HEADERS = ("situation", "margin", "survives", "seen", "killed", "violated", "robustness", "flown at", "again")
 ENDS = (
@@ -34,8 +26,7 @@ ENDS = (
     "it.  Violated: flights at the killed magnitude, else at the seen one; robustness: at the surviving one and there, "
     "below 0 it is violated."
 )
-NOT_TOLD = "?"
-_NOTHING = Tried(math.nan, Answer.UNTESTED)
+_NOTHING = Tried(math.nan, Reaction.UNTESTED)
 LEGEND = (
     "1.4 s      the smallest magnitude that is killed in any situation, known to a tenth; nothing milder flown is",
     "1-3 s      1 s survives, 3 s is killed; nothing between is decided (scaloft-fi margin CELL bisects)",
@@ -44,60 +35,59 @@ LEGEND = (
     "seen 1-3 s 1 s survives, at 3 s most flights violate, too few to call the mutant detected: more seeds decide",
     "!          not monotone: a severer magnitude survives where a milder one is killed or seen",
     "detected   a fault without magnitudes is detected (or not detected, or undecided); y detected: in this form",
-    "?          nothing flown tells (a situation takes ten baselines);   -  not meaningful;  CONTROL  has no margin",
+    "?          not known yet (a situation takes ten baselines);   -  not meaningful;  CONTROL  has no margin",
 )
 
 
 def margin_tables(
-    found: Mapping[Subject, Sequence[Margin]], requirements: Sequence[Requirement], seeds: int
+    by_fault: Mapping[PhasedFault, Sequence[Margin]], requirements: Sequence[Requirement], seeds: int
 ) -> tuple[Table, ...]:
     """A table for each fault: a row for each situation, the smallest margin and the requirements' limits below."""
-    return tuple(_table(subject, listed, requirements, seeds) for subject, listed in found.items())
+    return tuple(_table(fault, listed, requirements, seeds) for fault, listed in by_fault.items())
 
 
-def _table(subject: Subject, listed: Sequence[Margin], requirements: Sequence[Requirement], seeds: int) -> Table:
+def _table(fault: PhasedFault, listed: Sequence[Margin], requirements: Sequence[Requirement], seeds: int) -> Table:
     least = lowest(listed)
     violated = {name for margin in listed for name in _severe(margin).requirements}
-    notes = [_smallest(listed, least), ENDS, *_seen(subject, listed)]
+    notes = [_smallest(listed, least), ENDS, *_seen(fault, listed)]
     if least and least.again:
         notes.append("Not monotone (!): magnitudes under `again` survive although a milder one is killed or seen.")
-    if any(not margin.told for margin in listed):
+    if any(not margin.known for margin in listed):
         notes.append("?: no requirement that the cell puts at risk is steady by ten baselines, or no sample changes.")
     notes += [f"{r.name}: {r.title}  {_limit(r)}" for r in requirements if r.name in violated]
     if seeds == 1:
         notes.append("One seed: a threshold of these flights, not of the fault; fly more with --seeds.")
-    return Table(f"Margin of {subject}", HEADERS, tuple(_row(margin) for margin in listed), tuple(notes))
+    return Table(f"Margin of {fault}", HEADERS, tuple(_row(margin) for margin in listed), tuple(notes))
 
 
 def _smallest(listed: Sequence[Margin], least: Margin | None) -> str:
-    of = f"Smallest over {sum(margin.told for margin in listed)} of {len(listed)} situations"
+    of = f"Smallest over {sum(margin.known for margin in listed)} of {len(listed)} situations"
     if least is None:
-        return f"{of}: nothing is told."
+        return f"{of}: none is known."
     ends = (("survives", least.survives), ("is seen", least.seen), ("is killed", least.kills))
-    return f"{of}: {least} ({', '.join(f'{_said(least, m)} {what}' for what, m in ends if m is not None)})."
+    where = ", ".join(f"{_magnitude(least, end)} {what}" for what, end in ends if end is not None)
+    return f"{of}: {margin_text(least)} ({where})."
 
 
-def _seen(subject: Subject, listed: Sequence[Margin]) -> list[str]:
+def _seen(fault: PhasedFault, listed: Sequence[Margin]) -> list[str]:
     """How many seeds would decide what is seen below every kill, with the command."""
     groups: dict[tuple[int, bool], dict[float, str]] = {}
     for margin in listed:
         if margin.seen is not None:
             entry = _at(margin, margin.seen)
             many = (entry.needed or LARGER[-1] + 1, entry.anew)
-            groups.setdefault(many, {})[margin.seen] = margin.scale.said(margin.seen)
+            groups.setdefault(many, {})[margin.seen] = magnitude_text(margin.scale, margin.seen)
     notes = []
-    for (seeds, anew), found in sorted(groups.items()):
-        at, fault = (
-            ", ".join(found[magnitude] for magnitude in sorted(found)),
-            subject.at(f"{min(found):g}{subject.unit}"),
-        )
+    for (seeds, anew), seen in sorted(groups.items()):
+        at = ", ".join(seen[magnitude] for magnitude in sorted(seen))
+        mutant = fault.at(f"{min(seen):g}{fault.unit}")
         if seeds > LARGER[-1]:
             notes.append(f"Seen, too seldom for {LARGER[-1]} seeds to decide: {at}.")
         elif anew:
-            command = f"scaloft-fi margin {fault} --campaign NAME --seeds {seeds}"
+            command = f"scaloft-fi margin {mutant} --campaign NAME --seeds {seeds}"
             notes.append(f"Seen, decided by {seeds} seeds in a campaign of its own: {at} (`{command}`).")
         else:
-            notes.append(f"Seen, decided by {seeds} seeds: {at} (`scaloft-fi margin {fault} --seeds {seeds}`).")
+            notes.append(f"Seen, decided by {seeds} seeds: {at} (`scaloft-fi margin {mutant} --seeds {seeds}`).")
     return notes
 
 
@@ -110,10 +100,10 @@ def _row(margin: Margin) -> tuple[str, ...]:
     ]
     return (
         ", ".join(margin.situations),
-        str(margin),
-        _said(margin, margin.survives),
-        _said(margin, margin.seen),
-        _said(margin, margin.kills),
+        margin_text(margin),
+        _magnitude(margin, margin.survives),
+        _magnitude(margin, margin.seen),
+        _magnitude(margin, margin.kills),
         ", ".join(f"{name} {count}/{severe.flown}" for name, count in severe.violated if name in severe.requirements),
         ", ".join(f"{name} {_number(before)} / {_number(after)}" for name, before, after in rho),
         " ".join(f"{entry.magnitude:g}" for entry in margin.tried),
@@ -130,8 +120,8 @@ def _at(margin: Margin, magnitude: float | None) -> Tried:
     return next((entry for entry in margin.tried if entry.magnitude == magnitude), _NOTHING)
 
 
-def _said(margin: Margin, magnitude: float | None) -> str:
-    return "" if magnitude is None or not margin.told else margin.scale.said(magnitude)
+def _magnitude(margin: Margin, magnitude: float | None) -> str:
+    return "" if magnitude is None or not margin.known else magnitude_text(margin.scale, magnitude)
 
 
 def _number(value: float) -> str:
@@ -146,13 +136,13 @@ def _limit(requirement: Requirement) -> str:
     return f"{requirement.text}{trigger}{where} [{requirement.unit}]"
 
 
-def margin_json(found: Mapping[Subject, Sequence[Margin]]) -> list[dict[str, Any]]:
+def margin_json(by_fault: Mapping[PhasedFault, Sequence[Margin]]) -> list[dict[str, Any]]:
     """The margins as plain JSON values; an infinite magnitude is the text `inf`."""
     return [
         {
-            "cell": subject.cell,
-            "phase_s": subject.phase_s,
-            "unit": subject.unit,
+            "cell": fault.cell,
+            "phase_s": fault.phase_s,
+            "unit": fault.unit,
             "least": _ends(least) if (least := lowest(listed)) else None,
             "situations": [
                 {
@@ -162,7 +152,7 @@ def margin_json(found: Mapping[Subject, Sequence[Margin]]) -> list[dict[str, Any
                     "tried": [
                         {
                             "magnitude": _plain(entry.magnitude),
-                            "answer": entry.answer.value,
+                            "answer": entry.reaction.value,
                             "violated": dict(entry.violated),
                             "flown": entry.flown,
                             "rho": {name: _plain(value) for name, value in entry.rho},
@@ -175,13 +165,13 @@ def margin_json(found: Mapping[Subject, Sequence[Margin]]) -> list[dict[str, Any
                 for margin in listed
             ],
         }
-        for subject, listed in found.items()
+        for fault, listed in by_fault.items()
     ]
 
 
 def _ends(margin: Margin) -> dict[str, Any]:
     return {
-        "margin": str(margin),
+        "margin": margin_text(margin),
         "survives": _plain(margin.survives),
         "seen": _plain(margin.seen),
         "kills": _plain(margin.kills),
@@ -210,24 +200,24 @@ def cell_margins(
     Returns:
         By the cell's name.
     """
-    found = margins(outcomes, scored, matrix, kind)
+    by_fault = margins(outcomes, scored, matrix, kind)
     scores = {mutant.subject.id: mutant for mutant in scored.mutants}
-    return {cell.name: _cell_margin(cell, found, scores, kind) for cell in matrix}
+    return {cell.name: _cell_margin(cell, by_fault, scores, kind) for cell in matrix}
 
 
 def _cell_margin(
-    cell: Cell, found: Mapping[Subject, Sequence[Margin]], scores: Mapping[str, MutantScore], kind: Kind
+    cell: Cell, by_fault: Mapping[PhasedFault, Sequence[Margin]], scores: Mapping[str, MutantScore], kind: Kind
 ) -> str:
     if cell.status is not CellStatus.CREDIBLE:
         return "-" if cell.status is CellStatus.NOT_MEANINGFUL else "CONTROL"
     texts = []
     for fault in cell.faults:
         if fault.magnitude and Scale.of(fault.magnitude):
-            least = lowest(found.get(subject_of(cell.name, fault), ()))
-            texts.append(str(least) if least else NOT_TOLD)
+            least = lowest(by_fault.get(phased_fault(cell.name, fault), ()))
+            texts.append(margin_text(least) if least else UNKNOWN)
         else:
             texts.append(_named(cell, fault, scores, kind))
-    return "; ".join(text for text in texts if text != NOT_TOLD) or NOT_TOLD
+    return "; ".join(text for text in texts if text != UNKNOWN) or UNKNOWN
 
 
 def _named(cell: Cell, fault: Fault, scores: Mapping[str, MutantScore], kind: Kind) -> str:
@@ -235,7 +225,7 @@ def _named(cell: Cell, fault: Fault, scores: Mapping[str, MutantScore], kind: Ki
     ids = [cell.mutant_ids(fault, rung)[0] for rung in fault.rungs]
     verdicts = {id_: detection_of(scores[id_], kind).verdict for id_ in ids if id_ in scores}
     for verdict in (Verdict.DETECTED, Verdict.UNDECIDED, Verdict.NOT_DETECTED):
-        forms = [parse(id_).magnitude for id_, said in verdicts.items() if said is verdict]
+        forms = [parse(id_).magnitude for id_, own in verdicts.items() if own is verdict]
         if forms:
             return " ".join([*filter(None, forms if verdict is Verdict.DETECTED else ()), verdict.words])
-    return NOT_TOLD
+    return UNKNOWN

@@ -14,7 +14,7 @@ from typing import Any
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.views.tables.literal import FORMULA, printable
-from scaloft_fi.views.worksheet.worksheet import COLUMNS, FINDINGS, TEAM, Column, Row, Value, population
+from scaloft_fi.views.worksheet.worksheet import COLUMNS, FINDINGS, TEAM, Column, SheetRow, SheetValue, population
 from scaloft_fi.views.worksheet.worksheet_text import LOG_KEYS, LOG_TITLE, TITLE, columns, parts
 
 LONGEST = 32_767
@@ -30,7 +30,7 @@ FRAME = ("Company", "Team", "Process", "Operation mode", "Date", "Page")
 """Header fields of the classic sheet, for the team to fill in."""
 
 
-def to_xlsx(rows: Sequence[Row]) -> bytes:
+def to_xlsx(rows: Sequence[SheetRow]) -> bytes:
     """The workbook.
 
     Raises:
@@ -50,7 +50,7 @@ def to_xlsx(rows: Sequence[Row]) -> bytes:
     return _without_clock(raw.getvalue())
 
 
-def _fill(page: Any, title: str, shown: Sequence[Column], rows: Sequence[Row]) -> None:
+def _fill(page: Any, title: str, shown: Sequence[Column], rows: Sequence[SheetRow]) -> None:
     from openpyxl.utils import get_column_letter
 
     page.title = title
@@ -74,7 +74,7 @@ def _head(cell: Any, column: Column) -> None:
     cell.font, cell.fill = Font(bold=True), PatternFill("solid", fgColor=FILLS[part])
 
 
-def _put(page: Any, line: int, at: int, value: Value) -> Any:
+def _put(page: Any, line: int, at: int, value: SheetValue) -> Any:
     from openpyxl.styles import Alignment
 
     cell = page.cell(line, at)
@@ -89,12 +89,12 @@ def _put(page: Any, line: int, at: int, value: Value) -> Any:
     return cell
 
 
-def _about(page: Any, rows: Sequence[Row]) -> None:
+def _about(page: Any, rows: Sequence[SheetRow]) -> None:
     """What the columns say, and the fields at the head of the classic sheet."""
     page.title = "About"
-    told: list[tuple[str, str]] = [*((name, "") for name in FRAME), ("Population", population(rows)), ("", "")]
-    told += [(column.title, column.told) for column in COLUMNS]
-    for line, texts in enumerate(told, 1):
+    lines: list[tuple[str, str]] = [*((name, "") for name in FRAME), ("Population", population(rows)), ("", "")]
+    lines += [(column.title, column.about) for column in COLUMNS]
+    for line, texts in enumerate(lines, 1):
         for at, text in enumerate(texts, 1):
             _put(page, line, at, text)
     page.column_dimensions["A"].width, page.column_dimensions["B"].width = 24, 100

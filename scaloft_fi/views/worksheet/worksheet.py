@@ -26,9 +26,10 @@ from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.derive import default_of
 from scaloft_fi.views.dispositions import acceptance
 from scaloft_fi.views.score.verdict import NO_POOL, would_decide
-from scaloft_fi.views.worksheet.margins import NOT_TOLD, cell_margins
+from scaloft_fi.views.worksheet.margin_text import UNKNOWN
+from scaloft_fi.views.worksheet.margins import cell_margins
 
-Value = str | int | float | None
+SheetValue = str | int | float | None
 
 
 @dataclass(frozen=True)
@@ -38,14 +39,14 @@ class Column:
     Attributes:
         key: as in JSON and CSV.
         title: as people read it.
-        told: what stands in it.
+        about: what stands in it.
         short: whether it is among those that fit a page.
         width: of a spreadsheet [characters].
     """
 
     key: str
     title: str
-    told: str
+    about: str
     short: bool = False
     width: int = 14
 
@@ -100,7 +101,7 @@ COLUMNS = (*STUDY, *FINDINGS, *TEAM)
 
 
 @dataclass(frozen=True)
-class Row:
+class SheetRow:
     """One cell of the matrix as the sheet has it.
 
     Attributes:
@@ -110,7 +111,7 @@ class Row:
     """
 
     cell: Cell
-    values: Mapping[str, Value]
+    values: Mapping[str, SheetValue]
     score: MutantScore | None = None
 
 
@@ -120,7 +121,7 @@ def worksheet(
     scored: Score,
     space: Space,
     dispositions: Sequence[Disposition] = (),
-) -> tuple[Row, ...]:
+) -> tuple[SheetRow, ...]:
     """The sheet, in the order of the matrix: credible cells, controls, and those that are not meaningful.
 
     Args:
@@ -136,22 +137,22 @@ def worksheet(
     parameters = {parameter.id: parameter for parameter in matrix.parameters}
     rows = []
     for cell in matrix:
-        values: dict[str, Value] = dict.fromkeys(column.key for column in COLUMNS)
+        values: dict[str, SheetValue] = dict.fromkeys(column.key for column in COLUMNS)
         values |= _of_study(cell, parameters[cell.parameter])
         score = None
         if cell.status is not CellStatus.NOT_MEANINGFUL:
             mutant = default_of(cell).id
             score = flown.get(mutant)
             values |= {"mutant": mutant}
-            if cell.status is CellStatus.CREDIBLE and margins[cell.name] != NOT_TOLD:
+            if cell.status is CellStatus.CREDIBLE and margins[cell.name] != UNKNOWN:
                 values |= {"margin": margins[cell.name]}
             values |= {"disposition": acceptance(accepted[mutant])} if mutant in accepted else {}
             values |= _of_flights(score, space, scored.lacking) if score else {}
-        rows.append(Row(cell, values, score))
+        rows.append(SheetRow(cell, values, score))
     return tuple(rows)
 
 
-def _of_study(cell: Cell, parameter: Parameter) -> dict[str, Value]:
+def _of_study(cell: Cell, parameter: Parameter) -> dict[str, SheetValue]:
     return {
         "cell": cell.name,
         "node": parameter.node,
@@ -168,7 +169,7 @@ def _of_study(cell: Cell, parameter: Parameter) -> dict[str, Value]:
     }
 
 
-def _of_flights(score: MutantScore, space: Space, lacking: Collection[str]) -> dict[str, Value]:
+def _of_flights(score: MutantScore, space: Space, lacking: Collection[str]) -> dict[str, SheetValue]:
     return {
         "situations_flown": len(score.results),
         "reached": sum(result.reached for result in score.results),
@@ -198,17 +199,17 @@ def _stopped(score: MutantScore) -> str:
     )
 
 
-def to_records(rows: Sequence[Row]) -> list[dict[str, Any]]:
+def to_records(rows: Sequence[SheetRow]) -> list[dict[str, Any]]:
     """The sheet as plain JSON values: the cell as `scaloft-fi matrix` has it, with `results` (null: not flown)."""
     return [_record(row) for row in rows]
 
 
-def _record(row: Row) -> dict[str, Any]:
+def _record(row: SheetRow) -> dict[str, Any]:
     score, values = row.score, row.values
     keys = ("situations_flown", "reached", "infected", "needed", "where", "stopped_at")
-    found = None
+    results = None
     if score is not None:
-        found = {key: values[key] for key in keys} | {
+        results = {key: values[key] for key in keys} | {
             "status": score.status.value,
             "verdict": score.verdict.value,
             "operability": score.operability.verdict.value,
@@ -218,11 +219,11 @@ def _record(row: Row) -> dict[str, Any]:
             "requirements": {name: share_json(ratio) for name, ratio in score.requirements},
             "killing": list(score.killing),
         }
-    told = {key: values[key] for key in ("node", "design_intent", "margin", "disposition")}
-    return {**record(row.cell), **told, "results": found, "team": {column.key: None for column in TEAM}}
+    besides = {key: values[key] for key in ("node", "design_intent", "margin", "disposition")}
+    return {**record(row.cell), **besides, "results": results, "team": {column.key: None for column in TEAM}}
 
 
-def population(rows: Sequence[Row]) -> str:
+def population(rows: Sequence[SheetRow]) -> str:
     """What the findings speak of, in a few sentences."""
     flown = [row.score for row in rows if row.score is not None]
     most = max((len(score.results) for score in flown), default=0)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from scaloft_fi.hazop.cell import CellStatus
 from scaloft_fi.views.tables.literal import latex, line, markdown, printable, spreadsheet_text
 from scaloft_fi.views.tables.table import Format, Table, render
-from scaloft_fi.views.worksheet.worksheet import COLUMNS, Column, Row, Value, population
+from scaloft_fi.views.worksheet.worksheet import COLUMNS, Column, SheetRow, SheetValue, population
 
 TITLE, LOG_TITLE = "HAZOP worksheet", "Deviations not credible"
 LOG_KEYS = ("cell", "parameter", "rationale")
@@ -25,7 +25,7 @@ LONG_WORD = 16
 """A column is made wide enough for words up to this length [characters]."""
 
 
-def parts(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
+def parts(rows: Sequence[SheetRow]) -> tuple[list[SheetRow], list[SheetRow]]:
     """The deviations that can happen, and the log of those that are not credible."""
     log = [row for row in rows if row.cell.status is CellStatus.NOT_MEANINGFUL]
     return [row for row in rows if row.cell.status is not CellStatus.NOT_MEANINGFUL], log
@@ -36,12 +36,12 @@ def columns(keys: Sequence[str] = ()) -> list[Column]:
     return [column for column in COLUMNS if (column.key in keys if keys else column.short)]
 
 
-def said(value: Value) -> str:
+def value_text(value: SheetValue) -> str:
     """A value in a cell; nothing where there is none."""
     return "" if value is None else str(value)
 
 
-def to_text(rows: Sequence[Row]) -> str:
+def to_text(rows: Sequence[SheetRow]) -> str:
     """For a terminal: the findings of each deviation, then the log."""
     sheet, log = parts(rows)
     tables = (
@@ -51,12 +51,12 @@ def to_text(rows: Sequence[Row]) -> str:
     return render(tables, Format.TABLE)
 
 
-def _table(title: str, shown: Sequence[Column], rows: Sequence[Row], notes: tuple[str, ...] = ()) -> Table:
-    lines = tuple(tuple(line(said(row.values[column.key])) for column in shown) for row in rows)
+def _table(title: str, shown: Sequence[Column], rows: Sequence[SheetRow], notes: tuple[str, ...] = ()) -> Table:
+    lines = tuple(tuple(line(value_text(row.values[column.key])) for column in shown) for row in rows)
     return Table(title, tuple(column.title for column in shown), lines, notes)
 
 
-def to_markdown(rows: Sequence[Row]) -> str:
+def to_markdown(rows: Sequence[SheetRow]) -> str:
     """Markdown tables; every character of the study's is taken literally."""
     sheet, log = parts(rows)
     return "\n".join(
@@ -71,13 +71,13 @@ def to_markdown(rows: Sequence[Row]) -> str:
     )
 
 
-def _piped(shown: Sequence[Column], rows: Sequence[Row]) -> list[str]:
-    lines = [[markdown(said(row.values[column.key])) for column in shown] for row in rows]
+def _piped(shown: Sequence[Column], rows: Sequence[SheetRow]) -> list[str]:
+    lines = [[markdown(value_text(row.values[column.key])) for column in shown] for row in rows]
     header = [[column.title for column in shown], ["---"] * len(shown)]
     return [f"| {' | '.join(cells)} |" for cells in (*header, *lines)]
 
 
-def to_latex(rows: Sequence[Row]) -> str:
+def to_latex(rows: Sequence[SheetRow]) -> str:
     """A fragment with two long tables on landscape pages, header rows repeated."""
     sheet, log = parts(rows)
     tables = [
@@ -96,7 +96,7 @@ def to_latex(rows: Sequence[Row]) -> str:
     )
 
 
-def _longtable(title: str, shown: Sequence[Column], rows: Sequence[Row]) -> str:
+def _longtable(title: str, shown: Sequence[Column], rows: Sequence[SheetRow]) -> str:
     widths = [_width(column, rows) for column in shown]
     # without \\hspace TeX would not hyphenate a cell's first word
     spec = "".join(
@@ -105,15 +105,15 @@ def _longtable(title: str, shown: Sequence[Column], rows: Sequence[Row]) -> str:
         for width in widths
     )
     header = _row([column.title for column in shown], latex)
-    lines = [_row([said(row.values[column.key]) for column in shown], latex) for row in rows]
+    lines = [_row([value_text(row.values[column.key]) for column in shown], latex) for row in rows]
     caption = f"\\caption{{{latex(title)}}}\\\\"
     head = [f"\\begin{{longtable}}{{{spec}}}", caption, "\\toprule", header, "\\midrule", "\\endhead", "\\bottomrule"]
     return "\n".join([*head, "\\endfoot", *lines, "\\end{longtable}"])
 
 
-def _width(column: Column, rows: Sequence[Row]) -> float:
+def _width(column: Column, rows: Sequence[SheetRow]) -> float:
     """The share of a column: in a narrow one its longest word, capitals half as wide again, fills half of it."""
-    words = " ".join([column.title, *(said(row.values[column.key]) for row in rows)]).replace("-", "- ").split()
+    words = " ".join([column.title, *(value_text(row.values[column.key]) for row in rows)]).replace("-", "- ").split()
     longest = max(len(word) + sum(letter.isupper() for letter in word) / 2 for word in words)
     return max(column.width, 2 * min(LONG_WORD, longest))
 
@@ -123,7 +123,7 @@ def _row(cells: Sequence[str], escape: Callable[[str], str]) -> str:
     return "{}" + " & ".join(map(escape, cells)) + r" \\\addlinespace[2pt]"
 
 
-def to_csv(rows: Sequence[Row]) -> str:
+def to_csv(rows: Sequence[SheetRow]) -> str:
     """Every column of every cell; a text that a spreadsheet would take for a formula begins with `'`."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -132,5 +132,5 @@ def to_csv(rows: Sequence[Row]) -> str:
     return text.getvalue()
 
 
-def _in_csv(value: Value) -> Value:
+def _in_csv(value: SheetValue) -> SheetValue:
     return spreadsheet_text(printable(value)) if isinstance(value, str) else value

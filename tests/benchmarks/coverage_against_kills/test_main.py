@@ -21,10 +21,10 @@ KEYS = ("T0O0W0D0H0", "T0O0W0D0H1")
 
 def holding(monkeypatch: pytest.MonkeyPatch, outcomes: Sequence[Outcome]) -> None:
     @contextmanager
-    def moment(study: Study, campaign: str) -> Iterator[SimpleNamespace]:
+    def snapshot(study: Study, campaign: str) -> Iterator[SimpleNamespace]:
         yield SimpleNamespace(rulings=rulings_of(outcomes), spending=Spending())
 
-    monkeypatch.setattr(experiment, "moment", moment)
+    monkeypatch.setattr(experiment, "snapshot", snapshot)
 
 
 def test_it_writes_the_tables_and_the_picture(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -8,13 +8,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.margin import Answer, Margin, Scale, Tried, margin_of
+from scaloft_fi.analysis.margin import Margin, Scale, margin_of
+from scaloft_fi.analysis.tried import Reaction, Tried
 from scaloft_fi.campaign.runs.bisect import WIDENINGS, Search
+from scaloft_fi.views.worksheet.margin_text import margin_text
 
 SECONDS = Scale("s", 1, 0.0)
 LADDER = (0.5, 1.0, 3.0, 5.0)
 LATE = Search(SECONDS, LADDER)
-Response = Callable[[float], Answer]
+Response = Callable[[float], Reaction]
 
 
 def searched(search: Search, response: Response) -> tuple[Margin, list[float]]:
@@ -30,7 +32,7 @@ def searched(search: Search, response: Response) -> tuple[Margin, list[float]]:
 
 
 def kills_from(threshold: float, sign: int = 1) -> Response:
-    return lambda magnitude: Answer.KILLED if sign * magnitude >= sign * threshold else Answer.SURVIVED
+    return lambda magnitude: Reaction.KILLED if sign * magnitude >= sign * threshold else Reaction.SURVIVED
 
 
 @given(st.floats(0.5, 5.0, exclude_min=True))
@@ -46,17 +48,17 @@ def test_a_threshold_within_the_ladder_is_bracketed_to_a_tenth(threshold: float)
 
 @given(st.floats(0.05, 40.0), st.floats(1.0, 2.0))
 def test_where_a_fault_is_only_seen_the_search_goes_on_as_if_it_were_killed(threshold: float, detected: float) -> None:
-    def shown(magnitude: float) -> Answer:
+    def shown(magnitude: float) -> Reaction:
         if magnitude < threshold:
-            return Answer.SURVIVED
-        return Answer.KILLED if magnitude >= detected * threshold else Answer.SEEN
+            return Reaction.SURVIVED
+        return Reaction.KILLED if magnitude >= detected * threshold else Reaction.SEEN
 
     found, flown = searched(LATE, shown)
     killed, flown_too = searched(LATE, kills_from(threshold))
     assert flown == flown_too
     assert (found.survives, found.end) == (killed.survives, killed.kills)
-    assert found.kills == min((m for m in flown if shown(m) is Answer.KILLED), default=None)
-    assert str(found).startswith("seen") == (found.seen is not None and found.kills is None)
+    assert found.kills == min((m for m in flown if shown(m) is Reaction.KILLED), default=None)
+    assert margin_text(found).startswith("seen") == (found.seen is not None and found.kills is None)
 
 
 @given(st.floats(0.01, 40.0), st.floats(0.01, 2.0))
@@ -83,26 +85,26 @@ def test_a_fault_that_never_kills_is_tried_a_little_beyond_the_ladder_and_no_fur
     found, flown = searched(LATE, kills_from(1e9))
     assert flown == [*LADDER, 10.0, 20.0, 40.0]
     assert len(flown) == len(LADDER) + WIDENINGS
-    assert str(found) == "> 40 s"
+    assert margin_text(found) == "> 40 s"
 
 
 def test_a_fault_that_always_kills_is_tried_a_little_below_the_ladder_and_no_further() -> None:
     found, flown = searched(LATE, kills_from(0.0))
     assert flown == [*LADDER, 0.25, 0.125, 0.0625]
-    assert str(found) == "<= 0.0625 s"
+    assert margin_text(found) == "<= 0.0625 s"
 
 
 def test_a_period_without_a_harmless_end_is_doubled() -> None:
     found, flown = searched(Search(Scale("s", -1), (60.0, 20.0, 10.0)), kills_from(1e9, -1))
     assert flown == [60.0, 20.0, 10.0, 120.0, 240.0, 480.0]
-    assert str(found) == ">= 480 s"
+    assert margin_text(found) == ">= 480 s"
 
 
 def test_the_operators_range_ends_the_search() -> None:
     share = Search(Scale("%", 1, 0.0), (25.0, 50.0, 60.0), lambda m: 0 <= m <= 100, 0.0, 100.0)
     found, flown = searched(share, kills_from(1000.0))
     assert flown == [25.0, 50.0, 60.0, 100.0]
-    assert str(found) == "> 100 %"
+    assert margin_text(found) == "> 100 %"
 
 
 @given(st.integers(2, 30))
@@ -127,33 +129,33 @@ def test_a_kill_only_at_infinity_is_approached_by_doubling() -> None:
 def test_a_response_that_is_not_monotone_is_said_and_its_interval_is_true(rungs: list[bool], salt: int) -> None:
     """Between the rungs the response is arbitrary: the interval's ends are still what was flown there."""
 
-    def response(magnitude: float) -> Answer:
+    def response(magnitude: float) -> Reaction:
         killed = rungs[LADDER.index(magnitude)] if magnitude in LADDER else hash((magnitude, salt)) % 2 == 0
-        return Answer.KILLED if killed else Answer.SURVIVED
+        return Reaction.KILLED if killed else Reaction.SURVIVED
 
     found, flown = searched(LATE, response)
-    survived = [m for m in flown if response(m) is Answer.SURVIVED]
-    assert found.kills == min((m for m in flown if response(m) is Answer.KILLED), default=None)
+    survived = [m for m in flown if response(m) is Reaction.SURVIVED]
+    assert found.kills == min((m for m in flown if response(m) is Reaction.KILLED), default=None)
     assert found.survives == max((m for m in survived if found.kills is None or m < found.kills), default=None)
     assert found.again == tuple(sorted(m for m in survived if found.kills is not None and m > found.kills))
-    assert str(found).endswith("!") == bool(found.again)
+    assert margin_text(found).endswith("!") == bool(found.again)
 
 
 def test_where_nothing_can_be_shown_only_the_ladder_is_flown() -> None:
-    found, flown = searched(LATE, lambda _m: Answer.UNTESTED)
+    found, flown = searched(LATE, lambda _m: Reaction.UNTESTED)
     assert flown == list(LADDER)
-    assert str(found) == "?"
+    assert margin_text(found) == "?"
 
 
 def test_what_changes_no_sample_on_the_ladder_may_do_so_beyond_and_else_tells_nothing() -> None:
-    def late(magnitude: float) -> Answer:
-        return Answer.KILLED if magnitude >= 9 else Answer.HARMLESS
+    def late(magnitude: float) -> Reaction:
+        return Reaction.KILLED if magnitude >= 9 else Reaction.HARMLESS
 
     assert searched(LATE, late)[0].kills == pytest.approx(9.0, rel=0.1)
-    found, flown = searched(LATE, lambda _m: Answer.HARMLESS)
+    found, flown = searched(LATE, lambda _m: Reaction.HARMLESS)
     assert len(flown) == len(LADDER) + WIDENINGS
-    assert str(found) == "?"
-    assert not found.told
+    assert margin_text(found) == "?"
+    assert not found.known
 
 
 @given(st.floats(0.01, 40.0), st.integers(0, 12))

@@ -10,8 +10,9 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.analysis.margin import Answer, Margin, Subject, lowest, margins
+from scaloft_fi.analysis.margin import Margin, lowest, margins
 from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.analysis.tried import PhasedFault, Reaction
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.plan.plan import plan
 from scaloft_fi.campaign.progress.progress import Progress
@@ -25,9 +26,10 @@ from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.study import Study
+from scaloft_fi.views.worksheet.margin_text import margin_text
 from scaloft_fi.views.worksheet.margins import cell_margins
 
-LATE = Subject("LATE-human", "s")
+LATE = PhasedFault("LATE-human", "s")
 THREE = (0, 1, 2)
 THRESHOLDS = {"D0H0": 1e9, "D0H1": 1.3, "D1H0": 2.2, "D1H1": 0.0}
 """From which delay LATE-human is too fast [s]; D1H1 is red without it."""
@@ -86,13 +88,13 @@ def test_each_situation_has_its_own_threshold_between_what_survives_and_what_is_
         assert kills is not None
         assert survives < THRESHOLDS[key] <= kills
         assert kills - survives <= 0.1 * kills
-    assert str(found["D0H0"]) == "> 40 s"
-    assert str(lowest(found.values())) == str(found["D0H1"])
+    assert margin_text(found["D0H0"]) == "> 40 s"
+    assert margin_text(lowest(found.values())) == margin_text(found["D0H1"])
 
 
 def test_where_the_baseline_is_red_nothing_is_searched_beyond_the_ladder(study: Any, late: Any) -> None:
     found = search(study, late)
-    assert str(found["D1H1"]) == "?"
+    assert margin_text(found["D1H1"]) == "?"
     ladder = {f"LATE-human@{rung}s/D1H1/0" for rung in ("0.5", "1", "3", "5")}
     assert {name for name in late.flown if name.startswith("LATE") and "D1H1" in name} == ladder
 
@@ -133,12 +135,12 @@ def test_a_search_that_dies_goes_on_where_it_stopped(study: Any, late: Any) -> N
 
 def test_with_one_seed_a_threshold_is_only_seen_and_found_all_the_same(study: Any, late: Any) -> None:
     found = search(study, late, seeds=(0,))["D0H1"]
-    assert (found.kills, str(found)[:5]) == (None, "seen ")
+    assert (found.kills, margin_text(found)[:5]) == (None, "seen ")
     assert found.survives is not None
     assert found.end is not None
     assert found.survives < 1.3 <= found.end
     (seen,) = [entry for entry in found.tried if entry.magnitude == found.seen]
-    assert (seen.answer, seen.violated, seen.flown) == (Answer.SEEN, (("SR2", 1),), 1)
+    assert (seen.reaction, seen.violated, seen.flown) == (Reaction.SEEN, (("SR2", 1),), 1)
     assert seen.needed is not None
 
 
@@ -150,7 +152,7 @@ def test_a_kill_takes_most_of_the_flights(study: Any, late: Any) -> None:
         return replace(quiet, violations=(), altered=3, digest=flight.name) if calm else delayed(flight, flown)
 
     late.change = seeded
-    assert str(search(study, late, seeds=THREE)["D0H1"]) == "> 40 s"
+    assert margin_text(search(study, late, seeds=THREE)["D0H1"]) == "> 40 s"
 
 
 def test_the_pool_is_flown_where_a_magnitude_infects_and_nowhere_else(study: Any, log: Any) -> None:
@@ -203,7 +205,7 @@ def test_the_matrix_shows_the_margin_from_the_store_alone(study: Any, late: Any)
         outcomes = held_in(study, store, study.folder / "c").current
     scored = score(outcomes, study.roster, study.space)
     told = cell_margins(outcomes, scored, study.matrix)
-    assert told["LATE-human"] == str(lowest(found.values()))
+    assert told["LATE-human"] == margin_text(lowest(found.values()))
     assert told["REVERSE-human"] == "CONTROL"
     assert told["EARLY-collision"] == "-"
     assert told["MORE-goal"] == "?"
@@ -213,7 +215,7 @@ def test_the_matrix_shows_the_margin_from_the_store_alone(study: Any, late: Any)
 def test_a_phase_has_a_margin_of_its_own(study: Any) -> None:
     shifted = target(study.matrix, "UNINTENDED-human@20s#5s")
     assert shifted.id_of(30.0) == "UNINTENDED-human@30s#5s"
-    assert shifted.subject == Subject("UNINTENDED-human", "s", 5.0)
+    assert shifted.subject == PhasedFault("UNINTENDED-human", "s", 5.0)
 
 
 def test_the_unit_picks_the_fault(study: Any) -> None:

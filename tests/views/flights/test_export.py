@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from scaloft_fi.analysis.scoring.pool import Pool
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
-from scaloft_fi.views.flights.export import Row, columns, export_rows, to_csv, to_json
+from scaloft_fi.views.flights.export import FlightRow, columns, export_rows, to_csv, to_json
 
 M = "LATE-human@3s"
 RHO = [f"rho_{name}" for name in KINDS]
@@ -22,7 +22,7 @@ COLUMNS = [
 ]
 
 
-def csv_of(rows: list[Row]) -> str:
+def csv_of(rows: list[FlightRow]) -> str:
     return to_csv(rows, columns(rows))
 
 

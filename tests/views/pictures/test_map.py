@@ -10,17 +10,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.views.pictures.map import Body, Mark, Scene, Track, draw
+from scaloft_fi.views.pictures.map import BodyOutline, MapScene, Mark, Track, draw
 from scaloft_fi.views.pictures.picture import Frame, png
 from scaloft_fi.views.pictures.scene import hull, rings
 from scaloft_fi.views.pictures.symbols import RAMP, shade
 
 SVG = "{http://www.w3.org/2000/svg}"
 SQUARE = ((-2.0, -1.0), (2.0, -1.0), (2.0, 5.0), (-2.0, 5.0))
-SCENE = Scene(
+SCENE = MapScene(
     floor=(SQUARE,),
     walls=tuple(zip(SQUARE, (*SQUARE[1:], SQUARE[0]), strict=True)),
-    bodies=(Body("person", ((0.0, 2.0), (0.5, 2.0), (0.2, 2.4))),),
+    bodies=(BodyOutline("person", ((0.0, 2.0), (0.5, 2.0), (0.2, 2.4))),),
     waypoints=((0.0, 4.0), (0.0, 0.0)),
     home=(0.0, 0.0),
 )

@@ -12,7 +12,7 @@ import pytest
 from counting import counts_of, exported
 from reading import embedded
 
-from scaloft_fi.analysis.kills.kill_matrix import Entry, Row
+from scaloft_fi.analysis.kills.kill_matrix import Entry, KillRow
 from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.judge.outcome import Subject
@@ -55,7 +55,7 @@ def test_neighbours_differ_in_one_axis_and_opposite_edges_meet(count: int) -> No
 def test_a_grid_without_a_map_says_why_and_has_no_terms(sizes: tuple[int, ...], said: str) -> None:
     space = grid(*sizes)
     (key, *_) = space.point
-    row = Row(
+    row = KillRow(
         Subject("X-x"), "mutant", True, Status.REVEALED, Verdict.DETECTED, Ratio(1, 1), (Entry(key, kills=("R",)),)
     )
     assert said in folding(space)["reason"]
@@ -130,6 +130,6 @@ def test_terms_of_axes_with_more_values_name_all_levels_that_they_admit() -> Non
     space = grid(3, 2)
     killing = ("A0B0", "A0B1", "A1B0", "A1B1")
     entries = tuple(Entry(key, kills=("R",) if key in killing else (), tested=True) for key in space.point)
-    row = Row(Subject("X-x"), "mutant", True, Status.REVEALED, Verdict.DETECTED, Ratio(4, 6), entries)
+    row = KillRow(Subject("X-x"), "mutant", True, Status.REVEALED, Verdict.DETECTED, Ratio(4, 6), entries)
     (term,) = terms(space, row)
     assert term["levels"] == [[0, 1], [0, 1]]

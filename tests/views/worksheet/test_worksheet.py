@@ -28,7 +28,7 @@ from scaloft_fi.mutants.derive import derive
 from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.views.tables.literal import FORMULA, latex, line, markdown, printable
 from scaloft_fi.views.worksheet.spreadsheet import LONGEST, to_xlsx
-from scaloft_fi.views.worksheet.worksheet import COLUMNS, FINDINGS, TEAM, Row, population, to_records, worksheet
+from scaloft_fi.views.worksheet.worksheet import COLUMNS, FINDINGS, TEAM, SheetRow, population, to_records, worksheet
 from scaloft_fi.views.worksheet.worksheet_text import to_csv, to_latex, to_markdown, to_text
 
 MATRIX = load_matrix(Path(__file__).parents[3] / "hazop", REFERENCE.by_name).only(
@@ -64,11 +64,11 @@ hostile = st.text(min_size=1, max_size=30) | st.sampled_from(HOSTILE)
 
 def rows(
     outcomes: list[Outcome], matrix: Matrix = MATRIX, dispositions: tuple[Disposition, ...] = ()
-) -> tuple[Row, ...]:
+) -> tuple[SheetRow, ...]:
     return worksheet(matrix, outcomes, score(outcomes, ROSTER, GRID), GRID, dispositions)
 
 
-def named(found: tuple[Row, ...], cell: str) -> Row:
+def named(found: tuple[SheetRow, ...], cell: str) -> SheetRow:
     return next(row for row in found if row.cell.name == cell)
 
 
@@ -173,7 +173,7 @@ def test_every_figure_is_the_scores(outcomes: list[Outcome]) -> None:
             assert found["infected"] <= found["reached"] <= found["situations_flown"]
 
 
-def read_csv(found: tuple[Row, ...]) -> list[dict[str, str]]:
+def read_csv(found: tuple[SheetRow, ...]) -> list[dict[str, str]]:
     return list(csv.DictReader(io.StringIO(to_csv(found), newline="")))
 
 

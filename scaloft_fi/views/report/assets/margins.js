@@ -8,7 +8,7 @@ function limitText(name) {
   const { demands, when } = BOUNDS.get(name) ?? { demands: [], when: [] };
   if (!demands.length) return [h("b", {}, name), ": ", h("code", {}, requirementOf(name)?.text ?? "")];
   const said = (bounds) => bounds.map(({ signal, sense, bound, for_s: lasting }) => `${quantity(signal)} ${SENSES[sense] ?? sense} ${trimmed(bound, 3)} ${unitOf(signal)}`.trim() + (lasting ? ` for ${trimmed(lasting)} s` : "")).join(" and ");
-  const [spoken, always] = [demands.filter((bound) => bound.speaks), demands.filter((bound) => !bound.speaks)];
+  const [spoken, always] = [demands.filter((bound) => bound.triggered), demands.filter((bound) => !bound.triggered)];
   const parts = [spoken.length > 0 && `${said(spoken)} where ${said(when)}`, always.length > 0 && said(always) + (spoken.length ? " always" : "")];
   return [h("b", {}, name), `: ${parts.filter(Boolean).join("; ")}`];
 }

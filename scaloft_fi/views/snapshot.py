@@ -12,16 +12,16 @@ from scaloft_fi.analysis.scoring.detection import Spending
 from scaloft_fi.campaign.runs.spending import spending_of
 from scaloft_fi.campaign.runs.strategy import Remembered, remembered
 from scaloft_fi.campaign.store.folder import campaign_folder, existing
-from scaloft_fi.campaign.store.held import Held, current_in, held_in, nothing_to_show, rulings_in
+from scaloft_fi.campaign.store.held import Held, current_in, held_in, nothing_to_show
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.store.tracks import tracks_in
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.rulings import Rulings
+from scaloft_fi.judge.rulings import Rulings, rulings_of
 from scaloft_fi.study import Study
 
 
 @dataclass(frozen=True)
-class Moment:
+class Snapshot:
     """What a campaign holds while a snapshot of its store lasts; each part is read when it is first asked for.
 
     Attributes:
@@ -45,12 +45,12 @@ class Moment:
 
     @cached_property
     def rulings(self) -> Rulings:
-        """Of the same flights all that a score needs, sooner read than outcomes.
+        """What each of these flights shows beside its baseline: all that a score needs.
 
         Raises:
             InputError: there are none.
         """
-        return rulings_in(self.study, self.store) or nothing_to_show(self.store, self.folder)
+        return rulings_of(self.outcomes)
 
     @cached_property
     def held(self) -> Held:
@@ -80,7 +80,7 @@ class Moment:
 
 
 @contextmanager
-def moment(study: Study, campaign: str) -> Iterator[Moment]:
+def snapshot(study: Study, campaign: str) -> Iterator[Snapshot]:
     """The campaign at this moment, whatever others write to it meanwhile.
 
     Raises:
@@ -88,4 +88,4 @@ def moment(study: Study, campaign: str) -> Iterator[Moment]:
     """
     folder = campaign_folder(study, campaign)
     with Store(existing(folder), create=False) as store, store.snapshot():
-        yield Moment(study, folder, store)
+        yield Snapshot(study, folder, store)
