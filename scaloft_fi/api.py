@@ -6,6 +6,9 @@ imported, named by an entry point of the group `scaloft_fi.plugins`.
 
 from __future__ import annotations
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from scaloft_fi.campaign.flights.check_stack import StackCheck, check_stack
 from scaloft_fi.mutants.argument import (
     Axis,
@@ -33,12 +36,32 @@ from scaloft_fi.stack.declaration import Declaration
 from scaloft_fi.stack.fields import Array, Image, Point, Stamp, Vector
 from scaloft_fi.stack.rates import STEP_HZ, STEP_S, TICK_HZ, TICK_S
 from scaloft_fi.stack.seam import PlainWire, Seam, Wire
+from scaloft_fi.streams import Table
 from scaloft_fi.study import Study
+
+if TYPE_CHECKING:
+    from scaloft_fi.sim.roles import ROLES, Role
+    from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
+    from scaloft_fi.views.exchange import Dossier, export_format
+
+LATE = {
+    "Dossier": "scaloft_fi.views.exchange",
+    "FlightSetting": "scaloft_fi.sim.sensors.sensor",
+    "Moment": "scaloft_fi.sim.sensors.sensor",
+    "ROLES": "scaloft_fi.sim.roles",
+    "Role": "scaloft_fi.sim.roles",
+    "SENSORS": "scaloft_fi.sim.sensors.sensor",
+    "SensorKind": "scaloft_fi.sim.sensors.sensor",
+    "export_format": "scaloft_fi.views.exchange",
+}
+"""Where the names are that bring the compiler or a table library; imported by whoever asks for one of them."""
 
 __all__ = [
     "ANYTHING",
     "IMAGE",
     "NUMBERS",
+    "ROLES",
+    "SENSORS",
     "STAMP",
     "STEP_HZ",
     "STEP_S",
@@ -50,13 +73,16 @@ __all__ = [
     "Component",
     "Declaration",
     "Degrees",
+    "Dossier",
     "Example",
     "Factor",
     "Facts",
+    "FlightSetting",
     "Hold",
     "Image",
     "Mark",
     "Metres",
+    "Moment",
     "Need",
     "Number",
     "NumericField",
@@ -65,13 +91,16 @@ __all__ = [
     "PlainWire",
     "Point",
     "Range",
+    "Role",
     "Seam",
     "Seconds",
+    "SensorKind",
     "Share",
     "Stack",
     "StackCheck",
     "Stamp",
     "Study",
+    "Table",
     "Tap",
     "TapContext",
     "Task",
@@ -80,7 +109,19 @@ __all__ = [
     "Wire",
     "check_stack",
     "declare_stack",
+    "export_format",
     "messages",
     "operator",
     "the",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """A name of `LATE`.
+
+    Raises:
+        AttributeError: there is none.
+    """
+    if name not in LATE:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(LATE[name]), name)
