@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import sys
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -138,14 +139,15 @@ class Study(Setup):
         """
         from scaloft_fi.mutants.operators import OPERATORS
         from scaloft_fi.sim.measures import SIGNALS
-        from scaloft_fi.sim.sensors.sensor import SENSORS
 
+        declared = sys.modules.get("scaloft_fi.sim.sensors.sensor")  # a plugin that declares a sensor has imported it
+        kinds = declared.SENSORS if declared else {}
         sensors = load(self.folder / "sim" / "sensors.yaml").mapping()
         operators = {fault.operator for cell in self.matrix for fault in cell.faults}
         stack = self.stack  # its operators are declared with it
         makers = [
             stack.make,
-            *(SENSORS[name].make for name in sensors if name in SENSORS),
+            *(kinds[name].make for name in sensors if name in kinds),
             *(SIGNALS[name].make for name in self.grid.world(()).signals),
             *(OPERATORS[name].make for name in sorted(operators) if name in OPERATORS),
         ]

@@ -17,7 +17,7 @@ from tests.sim.conftest import SIM
 @pytest.fixture(autouse=True)
 def declared(monkeypatch):
     monkeypatch.setattr(SIGNALS, "_entries", {})
-    signal("height_m", "m", "height over the floor", most=10.0)(lambda scenario: lambda state: float(state[2]))
+    signal("height_m", "m", "height over the floor", most=10.0)(lambda _scenario: lambda state: float(state[2]))
 
 
 def world_with(tmp_path, line):
