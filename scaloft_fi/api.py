@@ -6,8 +6,10 @@ imported, named by an entry point of the group `scaloft_fi.plugins`.
 
 from __future__ import annotations
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from scaloft_fi.campaign.flights.check_stack import StackCheck, check_stack
-from scaloft_fi.campaign.runs.strategy import Asked, strategy
 from scaloft_fi.mutants.argument import (
     Axis,
     Component,
@@ -27,8 +29,6 @@ from scaloft_fi.mutants.need import ANYTHING, IMAGE, NUMBERS, STAMP, Need, the
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
 from scaloft_fi.mutants.window import Windows
 from scaloft_fi.sim.measures import signal
-from scaloft_fi.sim.roles import ROLES, Role
-from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
 from scaloft_fi.sim.stacks import declare_stack
 from scaloft_fi.stack import messages
 from scaloft_fi.stack.belief import Belief, Mark
@@ -40,7 +40,26 @@ from scaloft_fi.stack.rates import STEP_HZ, STEP_S, TICK_HZ, TICK_S
 from scaloft_fi.stack.seam import PlainWire, Seam, Wire
 from scaloft_fi.streams import Table
 from scaloft_fi.study import Study
-from scaloft_fi.views.exchange import Dossier, export_format
+
+if TYPE_CHECKING:
+    from scaloft_fi.campaign.runs.strategy import Asked, strategy
+    from scaloft_fi.sim.roles import ROLES, Role
+    from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
+    from scaloft_fi.views.exchange import Dossier, export_format
+
+LATE = {
+    "Asked": "scaloft_fi.campaign.runs.strategy",
+    "Dossier": "scaloft_fi.views.exchange",
+    "FlightSetting": "scaloft_fi.sim.sensors.sensor",
+    "Moment": "scaloft_fi.sim.sensors.sensor",
+    "ROLES": "scaloft_fi.sim.roles",
+    "Role": "scaloft_fi.sim.roles",
+    "SENSORS": "scaloft_fi.sim.sensors.sensor",
+    "SensorKind": "scaloft_fi.sim.sensors.sensor",
+    "export_format": "scaloft_fi.views.exchange",
+    "strategy": "scaloft_fi.campaign.runs.strategy",
+}
+"""Where the names are that bring the compiler or a table library; imported by whoever asks for one of them."""
 
 __all__ = [
     "ANYTHING",
@@ -104,3 +123,14 @@ __all__ = [
     "strategy",
     "the",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """A name of `LATE`.
+
+    Raises:
+        AttributeError: there is none.
+    """
+    if name not in LATE:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(LATE[name]), name)

@@ -129,7 +129,7 @@ def load(
         sensors=read_sensors(documents["sensors"]),
         grid=read_grid(documents["situations"], documents["world"]) if grid is None else grid,
         stack=_stack(documents["stack"]),
-        sources=_sources(load_document(folder / "sources.yaml"), documents),
+        sources=_sources(load_document(sources), documents) if (sources := folder / "sources.yaml").exists() else {},
         numbers=_numbers(documents),
     )
 

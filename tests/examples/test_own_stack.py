@@ -1,0 +1,148 @@
+"""The example of a stack from outside: installed, checked, flown; every verb shows it without the reference stack."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from plugins import ROOT, call, install, install_project
+
+EXAMPLE = ROOT / "examples" / "own_stack"
+FOREIGN = ("scaloft_fi.stack.reference", "scaloft_fi.mutants.reference")
+GUARD = f"""
+import sys
+
+class Guard:
+    def find_spec(self, name, path=None, target=None):
+        if name.startswith({FOREIGN!r}):
+            raise AssertionError(f"{{name}} is imported")
+
+assert not [name for name in sys.modules if name.startswith({FOREIGN!r})]
+sys.meta_path.insert(0, Guard())
+"""
+"""A plugin that refuses the reference stack in its process: of the verb, and of each worker."""
+
+SITUATION = "O1D0"
+FLOWN = ("run", "--situation", SITUATION, "--baseline-seeds", "2", "--jobs", "1", "--quiet")
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("site")
+    install_project(folder, EXAMPLE)
+    install(folder, "guard", {"guard": "guard"})
+    (folder / "guard.py").write_text(GUARD)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return Path(shutil.copytree(EXAMPLE / "study", tmp_path_factory.mktemp("own") / "study"))
+
+
+@pytest.fixture(scope="module")
+def campaign(site: Path, study: Path) -> subprocess.CompletedProcess[str]:
+    return call(site, "-m", "scaloft_fi", *FLOWN, "--study", study, cwd=study)
+
+
+def _verb(site: Path, study: Path, *words: str | Path) -> str:
+    done = call(site, "-m", "scaloft_fi", *words, "--study", study, cwd=study)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def test_the_six_cells_are_read_and_their_catalogue_is_current(site: Path, study: Path) -> None:
+    assert "2 parameters x 3 guidewords = 6 cells: 4 credible, 1 control, 1 not meaningful" in _verb(
+        site, study, "matrix"
+    )
+    assert "current, 9 mutants of 5 cells" in _verb(site, study, "mutants", "--check")
+
+
+def test_its_seams_are_its_own(site: Path, study: Path) -> None:
+    code = "from scaloft_fi.api import Study; print(*Study.open('.').stack.by_name)"
+    seams = set(call(site, "-c", code, cwd=study).stdout.split())
+    from scaloft_fi.stack.reference.seams import SEAMS
+
+    assert seams == {"gyro", "place", "height", "sight", "range", "drive", "rotors"}
+    assert not seams & {seam.name for seam in SEAMS}
+
+
+@pytest.mark.flight
+def test_it_keeps_its_contract(site: Path, study: Path) -> None:
+    code = f"from scaloft_fi.api import check_stack; print(check_stack('.', situation={SITUATION!r}))"
+    done = call(site, "-c", code, cwd=study)
+    assert "it keeps its contract" in done.stdout, done.stdout + done.stderr
+
+
+@pytest.mark.flight
+def test_a_run_scores_it_and_its_control_shows_itself(campaign: subprocess.CompletedProcess[str]) -> None:
+    assert campaign.returncode == 0, campaign.stderr
+    assert "Controls, in no ratio: 1" in campaign.stdout
+    assert "REVERSE-drive  1/1    SR2" in campaign.stdout
+    assert "1 situations with a pool it holds steadily SR1 in 1, SR2 in 1" in campaign.stdout
+
+
+@pytest.mark.flight
+def test_delay_reaches_the_flight_on_its_own_seam(
+    site: Path, study: Path, campaign: subprocess.CompletedProcess[str]
+) -> None:
+    rows = json.loads(_verb(site, study, "export", "--format", "json"))
+    late = next(row for row in rows if row["mutant"] == "LATE-drive@1s")
+    assert (late["seam"], late["status"]) == ("drive", "revealed")
+    assert late["altered"] > 0
+
+
+VERBS = [
+    ("matrix", "--cell", "LATE-drive"),
+    ("matrix", "--margins"),
+    ("mutants", "LATE-drive"),
+    ("mutants", "--format", "csv"),
+    ("status",),
+    ("score",),
+    ("score", "--all"),
+    ("worksheet",),
+    ("dispositions",),
+    ("kills",),
+    ("kills", "LATE-drive"),
+    ("kills", "--show", "survivors"),
+    ("coverage",),
+    ("export", "--format", "csv"),
+    ("export", "--format", "gsn"),
+    ("export", "--format", "junit"),
+    ("export", "--format", "mutation-testing"),
+    ("export", "--format", "sace"),
+    ("export", "--format", "sarif"),
+    ("report", "--output", "page.html"),
+    ("replay", f"LATE-drive@1s/{SITUATION}/0", "--output", "map.svg"),
+    ("margin", "MORE-range", "--situation", SITUATION, "--tolerance", "0.5", "--jobs", "1"),
+    ("merge", "results/campaigns/default", "--campaign", "whole"),
+]
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("words", VERBS, ids=" ".join)
+def test_the_verb_runs_without_the_reference_stack(
+    words: tuple[str, ...], site: Path, study: Path, campaign: subprocess.CompletedProcess[str]
+) -> None:
+    _verb(site, study, *words)
+
+
+@pytest.mark.flight
+def test_its_export_format_lists_its_mutants(
+    site: Path, study: Path, campaign: subprocess.CompletedProcess[str]
+) -> None:
+    rows = list(csv.reader(io.StringIO(_verb(site, study, "export", "--format", "verdicts"))))
+    assert [mutant for mutant, _ in rows] == ["MORE-range@1.5m", "LATE-range@2s", "MORE-drive@3x", "LATE-drive@1s"]
+
+
+@pytest.mark.flight
+def test_a_campaign_differs_from_itself_in_no_flight(
+    site: Path, study: Path, campaign: subprocess.CompletedProcess[str]
+) -> None:
+    done = call(site, "-m", "scaloft_fi", "diff", "default", "default", "--study", study, cwd=study)
+    assert "0 differ" in done.stdout, done.stdout + done.stderr
