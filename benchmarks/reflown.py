@@ -19,18 +19,29 @@ from checkout import ROOT  # first: it sets the path and the threads
 
 # isort: split
 
+from published_kernels import CHOSEN, KERNELS  # it must be imported before numpy
+
+# isort: split
+
 import argparse
-import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
-from pathlib import Path
 from typing import Any
 
+import pyarrow.parquet
+
+from scaloft_fi.campaign.flights.physics import Physics
+from scaloft_fi.campaign.plan.arrange import together
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.processes.start import cores
+from scaloft_fi.campaign.store.fingerprint import fingerprint
+from scaloft_fi.campaign.store.held import flight_named
+from scaloft_fi.campaign.workers.local import Local
+from scaloft_fi.study import Study
+from scaloft_fi.views.flights.export import export_rows
+
 PUBLISHED = ROOT / "results" / "published" / "reference" / "outcomes.parquet"
-KERNELS = "SkylakeX"
-AVX512 = frozenset({"avx512f", "avx512cd", "avx512bw", "avx512dq", "avx512vl"})
-"""What a processor must have to run these kernels, as Linux names it."""
 BITS = ("status", "ending", "violated", "duration_s", "digest")
 FACTS = ("status", "ending", "violated")
 """The columns that must be equal with the same kernels, and with others."""
@@ -46,24 +57,8 @@ NEWS_EVERY = 500
 Row = Mapping[str, Any]
 
 
-def choose_kernels(cpuinfo: Path = Path("/proc/cpuinfo")) -> bool:
-    """Ask OpenBLAS for the kernels of the published flights; must be called before numpy is imported.
-
-    Returns:
-        Whether it was asked: not on a processor that cannot run them.
-    """
-    lines = cpuinfo.read_text(encoding="utf-8").splitlines() if cpuinfo.is_file() else []
-    flags = next((set(line.split()) for line in lines if line.startswith("flags")), set())
-    if not flags >= AVX512:
-        return False
-    os.environ["OPENBLAS_CORETYPE"] = KERNELS.upper()
-    return True
-
-
 def published() -> list[Row]:
     """The rows of the export."""
-    import pyarrow.parquet
-
     return list(pyarrow.parquet.read_table(PUBLISHED).to_pylist())
 
 
@@ -113,27 +108,20 @@ def shard(rows: Sequence[Row], number: int, shards: int) -> list[Row]:
 
 def flown(rows: Sequence[Row], jobs: int) -> dict[str, Row]:
     """The rows of the same flights flown again, by name, as `export` would have them."""
-    from scaloft_fi.campaign.flights.fly import Physics, Worker, left_of, lost
-    from scaloft_fi.campaign.plan.plan import Flight
-    from scaloft_fi.campaign.plan.task import together
-    from scaloft_fi.campaign.store.held import flight_named
-    from scaloft_fi.campaign.workers.pool import Pool
-    from scaloft_fi.study import Study
-    from scaloft_fi.views.flights.export import export_rows
-
-    study, physics, outcomes = Study.open(ROOT), Physics(), []
+    study, outcomes = Study.open(ROOT), []
     flights = [flight_named(study, row["mutant"], row["situation"], row["seed"]) for row in rows]
     baselines = [Flight(None, flight.situation, flight.seed) for flight in flights]  # a status needs its baseline
-    tasks = together(
-        tuple(dict.fromkeys((*baselines, *flights))), lambda flight: study.expected_s(flight.situation), jobs
-    )
-    physics.prepare(study, lambda text: print(text, file=sys.stderr))
-    with Pool(Worker(study, physics), jobs, left=left_of, lost=lost) as pool:
-        for outcome in pool.map(tasks):
+    wanted = tuple(dict.fromkeys((*baselines, *flights)))
+    with Local(jobs).workers(study, Physics(), stop=lambda: False, say=_say) as workers:
+        for outcome in workers.map(together(wanted, lambda flight: study.expected_s(flight.situation), jobs)):
             outcomes.append(outcome)
             if len(outcomes) % NEWS_EVERY == 0:
-                print(f"{len(outcomes)} flights are flown", file=sys.stderr, flush=True)
+                _say(f"{len(outcomes)} of {len(wanted)} flights are flown")
     return {name_of(row): row for row in export_rows(outcomes, study.roster, study.space)}
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
 
 
 def differences(rows: Sequence[Row], again: Mapping[str, Row], columns: Sequence[str]) -> Iterator[str]:
@@ -156,10 +144,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     part.add_argument("--shard", metavar="K/N", help="fly every N-th pair of situation and seed, from the K-th on")
     parser.add_argument("--jobs", type=int, help="number of processes; by default one for each processor")
     options = parser.parse_args(arguments)
-    asked = choose_kernels()
-    from scaloft_fi.campaign.store.fingerprint import fingerprint
-    from scaloft_fi.campaign.workers.hire import cores
-
     rows = published()
     if options.sample:
         rows = sample(rows, options.sample)
@@ -169,7 +153,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     columns = BITS if kernels == {KERNELS} else FACTS
     print(
         f"OPENBLAS_CORETYPE={KERNELS.upper()} is set: the processor has AVX-512"
-        if asked
+        if CHOSEN
         else "OPENBLAS_CORETYPE is left as it is: the processor lacks AVX-512"
     )
     print(f"kernels: {', '.join(sorted(kernels))}; published: {KERNELS}; compared: {', '.join(columns)}", flush=True)

@@ -7,6 +7,7 @@ import hashlib
 import json
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -108,8 +109,13 @@ def _absolute(name: str, package: str) -> str:
 
 
 def read(path: Path) -> Source:
-    """Read a source."""
-    tree = ast.parse(path.read_bytes(), path)
+    """Read a source; the same bytes are parsed once."""
+    return _parsed(path, path.read_bytes())
+
+
+@lru_cache(maxsize=4096)
+def _parsed(path: Path, text: bytes) -> Source:
+    tree = ast.parse(text, path)
     imports: list[str] = []
     blocks: list[Any] = [tree]
     while blocks:  # not `ast.walk`, which looks into every expression too

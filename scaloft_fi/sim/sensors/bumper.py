@@ -14,11 +14,11 @@ class BumperSensor:
 
     def measure(self, moment: Moment) -> Bumper:
         """What was touched since the last reading."""
-        return Bumper(
-            moment.now_s,
-            hull=any(not contact.gear for contact in moment.contacts),
-            gear=any(contact.gear for contact in moment.contacts),
-        )
+        hull = gear = False
+        for contact in moment.contacts:
+            gear |= contact.gear
+            hull |= not contact.gear
+        return Bumper(moment.now_s, hull, gear)
 
 
 SENSORS.declare("bumper", SensorKind(BumperSensor, Bumper, required=True))

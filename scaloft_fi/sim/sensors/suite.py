@@ -132,12 +132,12 @@ class Sensors:
         self.inertial = ImuSensor(config.imu, situation, seed)
         self._scene, self._camera = scene, config.depth.camera
         self._contacts: list[Contact] = []
-        self._fitted: list[tuple[str, Sensor, int, Pipe[Any]]] = []
+        self._fitted: list[tuple[str, Sensor, int, Pipe[Any] | None]] = []
         for name, settings in config.by_name.items():
             kind = SENSORS[name]
-            self._fitted.append(
-                (name, kind.make(settings, setting), kind.period_ticks, Pipe(kind.latency_of(settings)))
-            )
+            latency_s = kind.latency_of(settings)
+            pipe = Pipe[Any](latency_s) if latency_s > 0.0 else None
+            self._fitted.append((name, kind.make(settings, setting), kind.period_ticks, pipe))
 
     def imu(self, step: int, state: Array) -> Imu:
         """The inertial sample of physics step `step` (240 Hz)."""
@@ -166,7 +166,9 @@ class Sensors:
         self._contacts.clear()
         arrived = {}
         for name, sensor, period_ticks, pipe in self._fitted:
-            if tick % period_ticks == 0:
-                pipe.send(tick, sensor.measure(moment))
-            arrived[name] = pipe.arrive(tick)
+            message = None if tick % period_ticks else sensor.measure(moment)
+            if pipe is not None:
+                pipe.send(tick, message)
+                message = pipe.arrive(tick)
+            arrived[name] = message
         return SensorFrames(arrived)

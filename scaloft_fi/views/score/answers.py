@@ -116,7 +116,8 @@ def _next(asked: Asked) -> str:
     if asked.scored.lacking:
         seeds = max((result.flown for mutant in asked.faults for result in mutant.results), default=1)
         flies = command(asked.campaign, asked.faults, seeds, asked.defaults)
-        return f"`{flies}` flies the baseline pool that is missing in {len(asked.scored.lacking)} situations."
+        count = len(asked.scored.lacking)
+        return f"`{flies}` flies the baseline pool that is missing in {count} situation{'s' * (count != 1)}."
     undecided = [mutant for mutant in asked.faults if mutant.verdict is Verdict.UNDECIDED]
     looks = [mutant for mutant in undecided if mutant.safety.needed and not mutant.safety.anew]
     if looks:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import json
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +15,23 @@ from hypothesis import given, settings
 from scaloft_fi.analysis.scoring.baseline import findings
 from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.analysis.situations.coverage import coverage
-from scaloft_fi.campaign.store.record import from_json
-from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.outcome import Outcome, Subject, Violation
+from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.views.flights.export import columns, export_rows, to_csv
 from scaloft_fi.views.score.score_record import score_json
 
 FLOWN = Path(__file__).parents[2] / "support" / "three_situations_ten_seeds.jsonl.gz"
+
+
+def from_json(values: dict[str, Any]) -> Outcome:
+    """An outcome as the file of flown flights has it."""
+    known = {field.name: values[field.name] for field in fields(Outcome) if field.name in values}
+    known["subject"] = Subject(**values["subject"])
+    known["readings"] = tuple(Reading(**{**entry, "kind": Kind(entry["kind"])}) for entry in values["readings"])
+    known["violations"] = tuple(Violation(**{**entry, "kind": Kind(entry["kind"])}) for entry in values["violations"])
+    known["realised"] = tuple((str(axis), bool(came_true)) for axis, came_true in values["realised"])
+    known["track"] = b""
+    return Outcome(**known)
 
 
 def same(found: Any, expected: Any, place: str = "score") -> None:

@@ -262,8 +262,8 @@ def test_a_disk_that_fills_up_is_one_sentence_and_the_same_command_resumes(
     with monkeypatch.context() as patched:
         open_store = Store._prepare
 
-        def small(store: Store) -> None:
-            open_store(store)
+        def small(store: Store, *, new: bool) -> None:
+            open_store(store, new=new)
             store._connection.execute("PRAGMA max_page_count = 24")
 
         patched.setattr(Store, "_prepare", small)
