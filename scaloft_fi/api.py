@@ -7,6 +7,7 @@ imported, named by an entry point of the group `scaloft_fi.plugins`.
 from __future__ import annotations
 
 from scaloft_fi.campaign.flights.check_stack import StackCheck, check_stack
+from scaloft_fi.campaign.runs.strategy import Asked, strategy
 from scaloft_fi.mutants.argument import (
     Axis,
     Component,
@@ -25,38 +26,51 @@ from scaloft_fi.mutants.facts import Facts
 from scaloft_fi.mutants.need import ANYTHING, IMAGE, NUMBERS, STAMP, Need, the
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
 from scaloft_fi.mutants.window import Windows
+from scaloft_fi.sim.measures import signal
+from scaloft_fi.sim.roles import ROLES, Role
+from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
 from scaloft_fi.sim.stacks import declare_stack
 from scaloft_fi.stack import messages
 from scaloft_fi.stack.belief import Belief, Mark
 from scaloft_fi.stack.contract import PlainStack, Stack, Task
 from scaloft_fi.stack.declaration import Declaration
+from scaloft_fi.stack.fast_path import FastPath
 from scaloft_fi.stack.fields import Array, Image, Point, Stamp, Vector
 from scaloft_fi.stack.rates import STEP_HZ, STEP_S, TICK_HZ, TICK_S
 from scaloft_fi.stack.seam import PlainWire, Seam, Wire
+from scaloft_fi.streams import Table
 from scaloft_fi.study import Study
+from scaloft_fi.views.exchange import Dossier, export_format
 
 __all__ = [
     "ANYTHING",
     "IMAGE",
     "NUMBERS",
+    "ROLES",
+    "SENSORS",
     "STAMP",
     "STEP_HZ",
     "STEP_S",
     "TICK_HZ",
     "TICK_S",
     "Array",
+    "Asked",
     "Axis",
     "Belief",
     "Component",
     "Declaration",
     "Degrees",
+    "Dossier",
     "Example",
     "Factor",
     "Facts",
+    "FastPath",
+    "FlightSetting",
     "Hold",
     "Image",
     "Mark",
     "Metres",
+    "Moment",
     "Need",
     "Number",
     "NumericField",
@@ -65,13 +79,16 @@ __all__ = [
     "PlainWire",
     "Point",
     "Range",
+    "Role",
     "Seam",
     "Seconds",
+    "SensorKind",
     "Share",
     "Stack",
     "StackCheck",
     "Stamp",
     "Study",
+    "Table",
     "Tap",
     "TapContext",
     "Task",
@@ -80,7 +97,10 @@ __all__ = [
     "Wire",
     "check_stack",
     "declare_stack",
+    "export_format",
     "messages",
     "operator",
+    "signal",
+    "strategy",
     "the",
 ]
