@@ -17,7 +17,7 @@ class Facts:
         sighting_s: when the nominal flight first sees a person [s]; None when it sees none.
         home_x_m, home_y_m: where the mission starts and ends [m, world].
         cruise_mps, slow_mps: cruise speed, and the speed after a person was seen [m/s].
-        wall_m: point of the wall on the right of the first leg, nearest to the leg's middle [m, world]; None without wall.
+        wall_m: point of the wall on the right of the first leg, nearest to its middle [m, world]; None without a wall.
         inward: unit normal of the wall there, into the open space.
         half_width_m: half of the hull's width [m].
         view_rad: width of the camera's view [rad].
