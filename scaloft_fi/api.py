@@ -28,11 +28,13 @@ from scaloft_fi.mutants.facts import Facts
 from scaloft_fi.mutants.need import ANYTHING, IMAGE, NUMBERS, STAMP, Need, the
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
 from scaloft_fi.mutants.window import Windows
+from scaloft_fi.sim.measures import signal
 from scaloft_fi.sim.stacks import declare_stack
 from scaloft_fi.stack import messages
 from scaloft_fi.stack.belief import Belief, Mark
 from scaloft_fi.stack.contract import PlainStack, Stack, Task
 from scaloft_fi.stack.declaration import Declaration
+from scaloft_fi.stack.fast_path import FastPath
 from scaloft_fi.stack.fields import Array, Image, Point, Stamp, Vector
 from scaloft_fi.stack.rates import STEP_HZ, STEP_S, TICK_HZ, TICK_S
 from scaloft_fi.stack.seam import PlainWire, Seam, Wire
@@ -40,11 +42,13 @@ from scaloft_fi.streams import Table
 from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
+    from scaloft_fi.campaign.runs.strategy import Asked, strategy
     from scaloft_fi.sim.roles import ROLES, Role
     from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
     from scaloft_fi.views.exchange import Dossier, export_format
 
 LATE = {
+    "Asked": "scaloft_fi.campaign.runs.strategy",
     "Dossier": "scaloft_fi.views.exchange",
     "FlightSetting": "scaloft_fi.sim.sensors.sensor",
     "Moment": "scaloft_fi.sim.sensors.sensor",
@@ -53,6 +57,7 @@ LATE = {
     "SENSORS": "scaloft_fi.sim.sensors.sensor",
     "SensorKind": "scaloft_fi.sim.sensors.sensor",
     "export_format": "scaloft_fi.views.exchange",
+    "strategy": "scaloft_fi.campaign.runs.strategy",
 }
 """Where the names are that bring the compiler or a table library; imported by whoever asks for one of them."""
 
@@ -68,6 +73,7 @@ __all__ = [
     "TICK_HZ",
     "TICK_S",
     "Array",
+    "Asked",
     "Axis",
     "Belief",
     "Component",
@@ -77,6 +83,7 @@ __all__ = [
     "Example",
     "Factor",
     "Facts",
+    "FastPath",
     "FlightSetting",
     "Hold",
     "Image",
@@ -112,6 +119,8 @@ __all__ = [
     "export_format",
     "messages",
     "operator",
+    "signal",
+    "strategy",
     "the",
 ]
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
@@ -67,10 +69,11 @@ class Setup:
         from scaloft_fi.sim.grid import load_grid
 
         grid = load_grid(self.folder / "sim")
+        caps = self._caps(grid)
         for axis in grid.axes:
             for value in axis.values:
                 try:
-                    check_caps(value.realised, self.stack.caps)
+                    check_caps(value.realised, caps)
                 except FormulaError as error:
                     raise InputError(
                         f"{self._place(axis.id, value.id)}: realised of {axis.id}{value.id} {error}"
@@ -87,7 +90,19 @@ class Setup:
         """Names of the signals that requirements and situations may speak of."""
         from scaloft_fi.sim.signals import signal_names
 
-        return signal_names(self.grid.world(()).surfaces, self.stack.beliefs)
+        world = self.grid.world(())
+        return signal_names(world.surfaces, self.stack.beliefs, world.signals)
+
+    @cached_property
+    def caps(self) -> Mapping[str, float]:
+        """The greatest value of each belief and each declared signal that has one."""
+        return self._caps(self.grid)
+
+    def _caps(self, grid: Grid) -> Mapping[str, float]:
+        from scaloft_fi.sim.measures import SIGNALS
+
+        asked = (SIGNALS[name] for name in grid.world(()).signals)
+        return {**self.stack.caps, **{one.name: one.most for one in asked if math.isfinite(one.most)}}
 
     @cached_property
     def requirements(self) -> tuple[Requirement, ...]:
@@ -96,7 +111,7 @@ class Setup:
         from scaloft_fi.judge.requirement import load_requirements
         from scaloft_fi.judge.stl import Formula
 
-        return load_requirements(self._requirements_path, self.signals, within_caps(Formula.spelt, self.stack.caps))
+        return load_requirements(self._requirements_path, self.signals, within_caps(Formula.spelt, self.caps))
 
     @property
     def _requirements_path(self) -> Path:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import sys
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -132,15 +133,24 @@ class Study(Setup):
 
     @property
     def flying_modules(self) -> tuple[str, ...]:
-        """The modules that fly and judge, those of the stack and of the operators that the study names among them.
+        """The modules that fly and judge, those of all that the study names in a registry among them.
 
         They and all that they import can change an outcome; a plugin that the study does not use cannot.
         """
         from scaloft_fi.mutants.operators import OPERATORS
+        from scaloft_fi.sim.measures import SIGNALS
 
+        declared = sys.modules.get("scaloft_fi.sim.sensors.sensor")  # a plugin that declares a sensor has imported it
+        kinds = declared.SENSORS if declared else {}
+        sensors = load(self.folder / "sim" / "sensors.yaml").mapping()
         operators = {fault.operator for cell in self.matrix for fault in cell.faults}
         stack = self.stack  # its operators are declared with it
-        makers = [stack.make, *(OPERATORS[name].make for name in sorted(operators) if name in OPERATORS)]
+        makers = [
+            stack.make,
+            *(kinds[name].make for name in sensors if name in kinds),
+            *(SIGNALS[name].make for name in self.grid.world(()).signals),
+            *(OPERATORS[name].make for name in sorted(operators) if name in OPERATORS),
+        ]
         return *FLYING, *dict.fromkeys(make.__module__ for make in makers)
 
     def check(self, situations: Iterable[Situation] | None = None) -> None:
@@ -156,7 +166,7 @@ class Study(Setup):
         from scaloft_fi.judge.requirement import load_requirements
         from scaloft_fi.judge.stl import Formula
 
-        proved = load_requirements(self._requirements_path, self.signals, within_caps(Formula.parse, self.stack.caps))
+        proved = load_requirements(self._requirements_path, self.signals, within_caps(Formula.parse, self.caps))
         known = [requirement.name for requirement in proved]
         for cell in self.matrix:
             for name in cell.requirements:

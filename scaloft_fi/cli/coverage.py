@@ -11,7 +11,7 @@ import click
 from scaloft_fi.cli.options import campaign_option, format_option, study_option
 
 if TYPE_CHECKING:
-    from scaloft_fi.campaign.runs.strategy import Remembered
+    from scaloft_fi.campaign.runs.choice import Remembered
 
 
 @click.command("coverage")

@@ -140,7 +140,7 @@ def run_command(
     from scaloft_fi.campaign.plan import choose
     from scaloft_fi.campaign.plan.plan import plan_draws
     from scaloft_fi.campaign.progress.progress import Progress, Silence
-    from scaloft_fi.campaign.runs import strategy
+    from scaloft_fi.campaign.runs import choice
     from scaloft_fi.campaign.runs.baseline_pool import borrowed
     from scaloft_fi.campaign.runs.budget import budget_s
     from scaloft_fi.campaign.runs.looks import run_looks
@@ -160,7 +160,7 @@ def run_command(
     study = Study.open(study_folder)
     pool_seeds = choose.pool_seeds(baseline_seeds, lent=baseline_from is not None)
     flown_seeds = choose.seeds(seeds or "1")
-    chosen = strategy.choose(how, study.grid.select(situations), flown_seeds, choose_seed, study.space)
+    chosen = choice.choose(how, study.grid.select(situations), flown_seeds, choose_seed, study.space)
     if (
         fail_under is not None
         and pool_seeds is not None
@@ -190,7 +190,7 @@ def run_command(
     keys = [situation.key for situation in chosen.situations]
     others = borrowed(study, baseline_from, keys) if baseline_from else ()
     folder = campaign_folder(study, campaign)
-    strategy.remember(folder, chosen)
+    choice.remember(folder, chosen)
     if sequential:
         flown, looks = run_looks(study, planned, folder, options, others=others, progress=progress)
         extra: Sequence[Table] = (look_table(looks),)

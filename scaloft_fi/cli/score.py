@@ -65,19 +65,16 @@ def score_command(
     """Say which faults the tests would have shown, which not, how sure that is, and what to do next."""
     from scaloft_fi.analysis.scoring.score import score_of
     from scaloft_fi.campaign.runs.baseline_pool import borrowed
-    from scaloft_fi.campaign.store.folder import campaign_folder, existing
-    from scaloft_fi.campaign.store.platforms import warning_for
     from scaloft_fi.study import Study
     from scaloft_fi.views.snapshot import snapshot
 
     study = Study.open(study_folder)
     with snapshot(study, campaign) as now:
-        rulings, spending = now.rulings, now.spending
+        rulings, spending, warning = now.rulings, now.spending, now.platform_warning
     others: Iterable[Outcome] = ()
     if baseline_from:
         flown = rulings.situations
         others = borrowed(study, baseline_from, [key for key, _ in study.space.points if key in flown])
-    warning = warning_for(existing(campaign_folder(study, campaign)))
     if warning:
         click.echo(f"warning: {warning}", err=True)
     scored = score_of(rulings, study.roster, study.space, spending, others)

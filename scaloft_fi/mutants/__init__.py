@@ -1,1 +1,1 @@
-"""Mutants: what is patched into which seam, derived from the deviation matrix."""
+"""Mutants: faults that are patched into seams, derived from the deviation matrix."""

@@ -1,4 +1,4 @@
-"""Arguments of an operator: declared once, by annotation, and checked before anything flies."""
+"""Arguments of an operator: declared by annotation, and checked before any flight."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from scaloft_fi.hazop.cell import Value
 from scaloft_fi.stack.fields import field_names, field_type, number_fields
 
 ALL = "all"
-"""Field name that means every number of the sample."""
+"""Field name that stands for every number of the sample."""
 
 
 @dataclass(frozen=True)
@@ -67,13 +67,13 @@ class Argument:
     """One argument of an operator.
 
     Attributes:
-        name: as in the operator's signature; the unit is in the name.
+        name: in the operator's signature; it ends in the unit.
         kind: float, int, str, bool, or object (any of float, str, bool).
         allowed: bounds of a number.
-        choices: allowed texts, empty = any.
-        field: set when the text names a field of the sample.
+        choices: allowed texts; empty when every text is allowed.
+        field: how the text names a field of the sample; None for other texts.
         of_field: whether the value becomes the value of a field.
-        default: inspect.Parameter.empty when the argument must be given.
+        default: inspect.Parameter.empty when the argument is required.
     """
 
     name: str
@@ -90,7 +90,7 @@ class Argument:
         return self.default is inspect.Parameter.empty
 
     def check(self, value: Any, message: type) -> Value:
-        """`value` as the operator takes it.
+        """`value`, converted to the argument's type.
 
         Raises:
             InputError: wrong type, out of range, or not one of the allowed texts.
@@ -151,7 +151,7 @@ def _argument(name: str, hint: Any, default: Any) -> Argument:
 
 
 def check_against_field(message: type, field: str, value: Value) -> Value:
-    """`value` as the field `field` of `message` takes it.
+    """`value`, converted to the type of the field `field` of `message`.
 
     Raises:
         InputError: the field holds another type.

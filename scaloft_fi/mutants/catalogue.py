@@ -1,4 +1,4 @@
-"""The catalogue: every mutant of the study, one a line, committed, and proved current."""
+"""The catalogue: a committed file with every mutant of the study, one on each line."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _REMEDY = "write it with `scaloft-fi mutants --write`"
 
 
 def lines(catalogue: Iterable[Mutant]) -> list[str]:
-    """One JSON object a mutant, keys sorted: the same mutants give the same bytes."""
+    """One JSON object for each mutant, with sorted keys: the same mutants give the same bytes."""
     return [json.dumps(mutant.to_json(), sort_keys=True, ensure_ascii=False) for mutant in catalogue]
 
 
@@ -46,32 +46,32 @@ def read(folder: Path) -> tuple[Mutant, ...]:
 
 
 def check(folder: Path, matrix: Matrix) -> tuple[Mutant, ...]:
-    """The catalogue of a study's `mutants/` folder, proved to be what its matrix gives.
+    """The catalogue of a study's `mutants/` folder, compared line by line with what its matrix derives.
 
     Raises:
         InputError: there is none, or it is stale; it names the first id that differs.
     """
     derived = derive(matrix)
     path = folder / FILE
-    for number, (found, wanted) in enumerate(zip_longest(_text(folder), lines(derived)), 1):
-        if found == wanted:
+    for number, (line, expected) in enumerate(zip_longest(_text(folder), lines(derived)), 1):
+        if line == expected:
             continue
         raise InputError(
-            f"{path}:{number}: the catalogue is stale: {_difference(path, number, found, derived)}; {_REMEDY}"
+            f"{path}:{number}: the catalogue is stale: {_difference(path, number, line, derived)}; {_REMEDY}"
         )
     return derived
 
 
-def _difference(path: Path, number: int, found: str | None, derived: Sequence[Mutant]) -> str:
-    wanted = derived[number - 1].id if number <= len(derived) else None
-    if found is None:
-        return f"{wanted!r} is missing"
-    stands = _mutant(path, number, found).id
-    if wanted is None:
-        return f"{stands!r} is not in the matrix"
-    if stands == wanted:
-        return f"{stands!r} is not what the matrix says now"
-    return f"{stands!r} stands where the matrix gives {wanted!r}"
+def _difference(path: Path, number: int, line: str | None, derived: Sequence[Mutant]) -> str:
+    expected = derived[number - 1].id if number <= len(derived) else None
+    if line is None:
+        return f"{expected!r} is missing"
+    written = _mutant(path, number, line).id
+    if expected is None:
+        return f"{written!r} is not in the matrix"
+    if written == expected:
+        return f"{written!r} differs from the matrix"
+    return f"{written!r} stands where the matrix gives {expected!r}"
 
 
 def _text(folder: Path) -> list[str]:

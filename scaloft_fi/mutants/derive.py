@@ -46,7 +46,7 @@ def default_of(cell: Cell) -> Mutant:
 
 
 def realise(matrix: Matrix, text: str) -> Mutant:
-    """The mutant an id stands for, on the catalogue's ladders or off them.
+    """The mutant that an id stands for, in the catalogue or not.
 
     Raises:
         InputError: the id is malformed, its cell is unknown or not meaningful, or its magnitude or phase is not
@@ -56,7 +56,7 @@ def realise(matrix: Matrix, text: str) -> Mutant:
     cell = matrix.cell(name.cell)
     _refuse_blank(cell)
     fault, rung = _chosen(cell, name, text)
-    return _patched(cell, fault, rung, name.phase_s, said=text)
+    return _patched(cell, fault, rung, name.phase_s, written=text)
 
 
 def source_of(matrix: Matrix, mutant: Mutant) -> tuple[Fault, Rung | None]:
@@ -66,7 +66,7 @@ def source_of(matrix: Matrix, mutant: Mutant) -> tuple[Fault, Rung | None]:
 
 
 def expected_of(matrix: Matrix, mutant: Mutant) -> Expected | None:
-    """What is known of a mutant beforehand, with the reason; None where nothing is."""
+    """The outcome that the matrix expects of a mutant, with the reason; None when it expects none."""
     fault, rung = source_of(matrix, mutant)
     return fault.expects(rung)
 
@@ -101,8 +101,8 @@ def _all_of(cell: Cell, fault: Fault) -> Iterator[Mutant]:
             yield from (_patched(cell, fault, rung, share * period_s) for share in PHASES[1:])
 
 
-def _patched(cell: Cell, fault: Fault, rung: Rung | None, phase_s: float, said: str = "") -> Mutant:
-    """The mutant of `fault`; `said`: the id a user wrote, named in errors instead of the matrix's place."""
+def _patched(cell: Cell, fault: Fault, rung: Rung | None, phase_s: float, written: str = "") -> Mutant:
+    """The mutant of `fault`; errors name `written`, the id that a user wrote, or else the place in the matrix."""
     try:
         operator = OPERATORS[fault.operator]
     except InputError as error:
@@ -118,11 +118,13 @@ def _patched(cell: Cell, fault: Fault, rung: Rung | None, phase_s: float, said: 
     if fault.phases:
         arguments["phase_s"] = name.phase_s
     elif phase_s:
-        raise InputError(f"mutant {said!r}: {cell.name} has no phase; write {str(replace(name, phase_s=0.0))!r}")
+        raise InputError(f"mutant {written!r}: {cell.name} has no phase; write {str(replace(name, phase_s=0.0))!r}")
     try:
         checked = operator.check(fault.seam, message, arguments)
     except OperatorError as error:
-        place = f"mutant {said!r}" if said else fault.place_of("phases" if error.about == "phase_s" else error.about)
+        place = (
+            f"mutant {written!r}" if written else fault.place_of("phases" if error.about == "phase_s" else error.about)
+        )
         raise InputError(f"{place}: {error}") from None
     return Mutant(
         str(name), cell.guideword, cell.parameter, magnitude, name.phase_s, fault.seam, fault.operator, checked

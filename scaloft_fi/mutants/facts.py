@@ -1,4 +1,4 @@
-"""What a fault may know of the flight that it is patched into: the study's numbers, never the flight's own state."""
+"""What an operator may know of a flight: numbers of the study, never the state of the flight."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ class Facts:
 
     Attributes:
         duration_s: nominal mission time of the situation [s].
-        sighting_s: when the nominal flight first sees a person [s]; None where it sees none.
+        sighting_s: when the nominal flight first sees a person [s]; None when it sees none.
         home_x_m, home_y_m: where the mission starts and ends [m, world].
-        cruise_mps, slow_mps: speed, and speed once a person was seen [m/s].
-        wall_m: point of the wall on the right of the first leg, nearest to the leg's middle [m, world]; None without.
+        cruise_mps, slow_mps: cruise speed, and the speed after a person was seen [m/s].
+        wall_m: point of the wall on the right of the first leg, nearest to its middle [m, world]; None without a wall.
         inward: unit normal of the wall there, into the open space.
         half_width_m: half of the hull's width [m].
         view_rad: width of the camera's view [rad].
         gyro_sigma_radps, accel_sigma_mps2: white noise of the inertial sensor per sample [rad/s, m/s2]; by default a
             Bosch BMI088 at 120 Hz bandwidth (data sheet: 0.014 deg/s/sqrt(Hz), 175 ug/sqrt(Hz)).
-        settings: of the stack, as `sim/stack.yaml` has them, for operators of that stack's own.
+        settings: of the stack, as in `sim/stack.yaml`, for the stack's own operators.
     """
 
     duration_s: float = 60.0
@@ -42,7 +42,7 @@ class Facts:
 
     @property
     def bearing_rad(self) -> float:
-        """Direction along the wall on the right, the way of the first leg, from x [rad, world].
+        """Direction of the first leg, along the wall on its right, from x [rad, world].
 
         >>> Facts().bearing_rad == math.pi / 2
         True

@@ -22,12 +22,12 @@ _NUMBER = re.compile(
 
 @dataclass(frozen=True)
 class Name:
-    """An id taken apart, as it was written.
+    """The parts of an id, as they were written.
 
     Attributes:
         guideword, parameter: of the cell.
-        magnitude: as written, empty where there is none.
-        phase_s: shift of a periodic fault [s], 0 where there is none.
+        magnitude: as written, empty when there is none.
+        phase_s: shift of a periodic fault [s], 0 when there is none.
     """
 
     guideword: str
@@ -50,28 +50,28 @@ class Name:
 
 
 def parse(text: str) -> Name:
-    """Take an id apart.
+    """Split an id into its parts.
 
     Raises:
         InputError: it is not of the form GUIDEWORD-parameter[@magnitude][#phase].
     """
-    found = _ID.fullmatch(text)
-    if found is None:
+    match = _ID.fullmatch(text)
+    if match is None:
         raise InputError(
             f"mutant {text!r} must be of the form GUIDEWORD-parameter[@magnitude][#phase], as LATE-human@3s"
         )
-    return Name(found["guideword"], found["parameter"], found["magnitude"] or "", float(found["phase"] or 0.0))
+    return Name(match["guideword"], match["parameter"], match["magnitude"] or "", float(match["phase"] or 0.0))
 
 
 def split_magnitude(text: str) -> tuple[Rung, str]:
-    """A magnitude's number and unit; a name stands for itself and has no unit.
+    """A magnitude's number and unit; a magnitude that is a word has no unit.
 
     >>> split_magnitude("2.50s"), split_magnitude("2EV"), split_magnitude("yaw"), split_magnitude("infs")
     ((2.5, 's'), (2.0, 'EV'), ('yaw', ''), (inf, 's'))
     """
-    found = _NUMBER.fullmatch(text)
-    # six digits, as they are written back
-    return (float(f"{float(found['number']):g}"), found["unit"]) if found else (text, "")
+    match = _NUMBER.fullmatch(text)
+    # six significant digits, as `Magnitude.text` writes them
+    return (float(f"{float(match['number']):g}"), match["unit"]) if match else (text, "")
 
 
 @dataclass(frozen=True)
@@ -80,12 +80,12 @@ class Mutant:
 
     Attributes:
         id: canonical id.
-        guideword, parameter: of the cell it realises.
+        guideword, parameter: of the cell that it realises.
         magnitude: as in the id, with its unit; empty where the fault has no ladder.
         phase_s: shift of a periodic fault [s].
-        seam: where it is patched in; `EVERY_SEAM` for PLACEBO.
+        seam: name of the seam; `EVERY_SEAM` for PLACEBO.
         operator: name of the operator.
-        arguments: of the operator, checked; those left out have the operator's defaults.
+        arguments: of the operator, checked; an argument that is missing has the operator's default.
     """
 
     id: str
@@ -99,12 +99,12 @@ class Mutant:
 
     @property
     def name(self) -> Name:
-        """The id taken apart."""
+        """The parts of the id."""
         return Name(self.guideword, self.parameter, self.magnitude, self.phase_s)
 
     @property
     def cell(self) -> str:
-        """Name of the cell it realises."""
+        """Name of the cell that it realises."""
         return self.name.cell
 
     def to_json(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What an operator needs of a message; it fits every seam whose message has it, in any stack."""
+"""Needs: what an operator requires of a message.  It fits every seam of any stack whose message meets its need."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from scaloft_fi.stack.fields import image_fields, number_fields, stamp_fields
 
 @dataclass(frozen=True)
 class Need:
-    """What a message must have.
+    """A requirement of an operator on a message.
 
     Attributes:
-        words: as it stands behind "needs".
-        met_by: whether a message type has it.
+        words: the need in words, which follow "needs" in a sentence.
+        met_by: whether a message type meets the need.
     """
 
     words: str
@@ -28,7 +28,7 @@ IMAGE = Need("an image", lambda message: bool(image_fields(message)))
 
 
 def the(message: type) -> Need:
-    """The message of that type, or of one derived from it.
+    """The need for a message of type `message`, or of a type derived from it.
 
     >>> from scaloft_fi.stack.messages import Battery, Imu
     >>> the(Imu).met_by(Imu), the(Imu).met_by(Battery), the(Imu).words

@@ -1,4 +1,4 @@
-"""Operators: declared functions that turn one seam's samples into faulty ones."""
+"""Operators: declared factories of taps, which turn the samples of one seam into faulty samples."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from scaloft_fi.stack.fields import vector_fields
 from scaloft_fi.stack.rates import TICK_HZ
 
 Tap = Callable[[float, Any | None], Any | None]
-"""(time [s], sample or None when nothing is sent at this poll) -> what arrives.
+"""(time [s], sample, or None when nothing is sent at this poll) -> sample that arrives, or None.
 
-A tap keeps its memory in its own attributes (a copy of the tap is independent of it) and never writes into a sample.
+A tap keeps its memory in its own attributes, so that a copy of the tap is independent, and never writes into a sample.
 """
 
 Samples = tuple[Any, ...]
@@ -29,11 +29,11 @@ Samples = tuple[Any, ...]
 
 @dataclass(frozen=True)
 class TapContext:
-    """What a tap may know of the flight it is patched into.
+    """What a tap may know of the flight that it is patched into.
 
     Attributes:
         period_s: time between two polls of the seam [s].
-        rng: the mutant's own stream in this flight; no other channel draws from it.
+        rng: random numbers of the mutant in this flight; nothing else draws from them.
         message: type of the samples.
         facts: of situation, vehicle and sensors.
     """
@@ -46,13 +46,13 @@ class TapContext:
 
 @dataclass(frozen=True)
 class Example:
-    """What an operator does to a few samples, one per poll from t = 0; it documents the operator and is its test.
+    """A few samples before and after an operator, one for each poll from t = 0; it documents and tests the operator.
 
     Attributes:
         message: type of the samples.
         arguments: of the operator.
-        before: what is sent.
-        after: what arrives; where chance decides, a law that (before, after) must satisfy.
+        before: samples that are sent.
+        after: samples that arrive; for a random operator a predicate that (before, after) must satisfy.
         facts: of the tap's context.
         rate_hz: how often the seam is polled [Hz].
     """
@@ -65,13 +65,15 @@ class Example:
     rate_hz: float = TICK_HZ
 
     def context(self, seed: int = 0) -> TapContext:
-        """The context the example runs in."""
+        """The context of the example's tap."""
         rng = np.random.Generator(np.random.Philox(seed))
         return TapContext(1.0 / self.rate_hz, rng, self.message, self.facts)
 
 
 class OperatorError(InputError):
-    """An operator cannot be used so.  The sentence has no place: whoever knows the place of `about` puts it first.
+    """An operator does not fit a seam, or an argument is wrong.
+
+    The sentence names no file; the caller knows the place of `about` and puts it first.
 
     Attributes:
         about: "seam", "operator" or the argument's name.
@@ -88,10 +90,10 @@ class Operator:
 
     Attributes:
         name: unique name, as in the study's YAML.
-        need: what a seam's message must have.
+        need: what it requires of a seam's message.
         make: (context, **arguments) -> a fresh tap.
         arguments: its arguments by name.
-        example: what it does.
+        example: samples before and after it.
     """
 
     name: str
@@ -106,16 +108,16 @@ class Operator:
         return " ".join((self.make.__doc__ or "").split("\n\n")[0].split())
 
     def check(self, seam: str, message: type, arguments: Mapping[str, Any]) -> dict[str, Value]:
-        """The arguments as the operator takes them, defaults not filled in.
+        """`arguments`, converted to the types that the operator takes; defaults are not filled in.
 
         Args:
-            seam: name of the seam it is patched in at.
-            message: type of the samples there.
-            arguments: as the study gives them.
+            seam: name of the seam.
+            message: type of the seam's samples.
+            arguments: as in the study.
 
         Raises:
-            OperatorError: the message lacks what the operator needs; an argument is unknown, missing, of another type
-                or out of range.
+            OperatorError: the message does not meet the operator's need; an argument is unknown, missing, of another
+                type or out of range.
         """
         if not self.need.met_by(message):
             sentence = f"operator {self.name!r} needs {self.need.words}; seam {seam!r} carries {message.__name__}"
@@ -125,7 +127,7 @@ class Operator:
             if name not in self.arguments:
                 known = did_you_mean(name, self.arguments)
                 raise OperatorError(name, f"operator {self.name!r} has no argument {name!r}{known}")
-            with self._telling(name):
+            with self._errors_about(name):
                 checked[name] = self.arguments[name].check(value, message)
         missing = [name for name, argument in self.arguments.items() if argument.required and name not in checked]
         if missing:
@@ -139,11 +141,11 @@ class Operator:
             raise OperatorError("component", f"operator {self.name!r}: field={field!r} has no components x, y, z")
         for name, argument in self.arguments.items():
             if argument.of_field:
-                with self._telling(name):
+                with self._errors_about(name):
                     checked[name] = check_against_field(message, field, checked[name])
 
     @contextmanager
-    def _telling(self, argument: str) -> Iterator[None]:
+    def _errors_about(self, argument: str) -> Iterator[None]:
         try:
             yield
         except InputError as error:
@@ -163,7 +165,7 @@ def operator(
     """Declare the decorated factory (context, *, arguments) -> tap as operator `name`.
 
     Raises:
-        ValueError: the name is taken, or the example's message lacks what the operator needs.
+        ValueError: the name is taken, or the example's message does not meet `need`.
     """
     if not need.met_by(example.message):
         raise ValueError(f"operator {name!r} needs {need.words}, which its example's message lacks")

@@ -1,4 +1,4 @@
-"""Taps without memory, and changed copies of samples: nothing is written into."""
+"""Taps without memory, and changed copies of samples; a sample is never written into."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ AXES = "xyz"
 
 
 def on_each(change: Callable[[Any], Any]) -> Tap:
-    """A tap without memory: `change` for every sample, nothing where there is none."""
+    """A tap without memory that applies `change` to every sample."""
     return lambda _t_s, sample: None if sample is None else change(sample)
 
 
 def within(windows: Windows, change: Callable[[Any], Any]) -> Tap:
-    """A tap without memory: `change` for the samples inside the windows."""
+    """A tap without memory that applies `change` to the samples inside the windows."""
     return lambda t_s, sample: change(sample) if sample is not None and windows.open(t_s) else sample
 
 
@@ -32,14 +32,14 @@ class AtEach:
 
     windows: Windows
     change: Callable[[Any], Any]
-    struck: int = -1
+    last: int = -1
 
     def __call__(self, t_s: float, sample: Any | None) -> Any | None:
-        """Pass one sample."""
+        """Return `sample`, changed if it is the first of its window."""
         number = self.windows.number(t_s)
-        if sample is None or number is None or number <= self.struck:
+        if sample is None or number is None or number <= self.last:
             return sample
-        self.struck = number
+        self.last = number
         return self.change(sample)
 
 
@@ -66,7 +66,7 @@ def _changed(value: Any, change: Callable[[Any], Any], component: str) -> Any:
 
 
 def restamped(sample: Any, stamp_of: Any) -> Any:
-    """`sample` with the time stamp of `stamp_of`, where such messages carry one."""
+    """`sample` with the time stamp of `stamp_of`, if its message has one."""
     return sample._replace(stamp_s=stamp_of.stamp_s) if hasattr(sample, "stamp_s") else sample
 
 
@@ -76,5 +76,5 @@ def reclocked(sample: Any, change: Callable[[float], float]) -> Any:
 
 
 def redrawn(sample: Any, change: Callable[[Any], Any]) -> Any:
-    """`sample` with `change` applied to each of its images (H, W), which is not written into."""
+    """`sample` with `change` applied to each of its images (H, W); `change` returns a new image."""
     return sample._replace(**{name: change(getattr(sample, name)) for name in image_fields(type(sample))})

@@ -1,4 +1,4 @@
-"""From what a user writes to mutants: a cell's name, an id, or a pattern."""
+"""Selects mutants by what a user writes: a cell's name, an id, or a pattern."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ _GLOB = re.compile(r"[*?\[]")
 
 
 def select(patterns: Iterable[str], matrix: Matrix, catalogue: Sequence[Mutant]) -> tuple[Mutant, ...]:
-    """The mutants that `patterns` mean, without repeats, in the order of the patterns.
+    """The mutants that `patterns` select, without repeats, in the order of the patterns.
 
-    A pattern with `*`, `?` or `[` matches the catalogue's ids; a bare cell name is its default; any other id is
-    realised from the matrix, also when its magnitude or phase is not in the catalogue.
+    A pattern with `*`, `?` or `[` matches ids of the catalogue; a bare cell name stands for the cell's default; any
+    other id is realised from the matrix, also when its magnitude or phase is not in the catalogue.
 
     Raises:
         InputError: a pattern matches nothing, or an id is not allowed; it names the nearest id.
     """
     chosen: dict[str, Mutant] = {}
     for pattern in patterns:
-        for mutant in _meant(pattern, matrix, catalogue):
+        for mutant in _selected(pattern, matrix, catalogue):
             chosen.setdefault(mutant.id, mutant)
     return tuple(chosen.values())
 
 
-def _meant(pattern: str, matrix: Matrix, catalogue: Sequence[Mutant]) -> Iterable[Mutant]:
+def _selected(pattern: str, matrix: Matrix, catalogue: Sequence[Mutant]) -> Iterable[Mutant]:
     if _GLOB.search(pattern):
-        found = [mutant for mutant in catalogue if fnmatchcase(mutant.id, pattern)]
-        if not found:
+        matching = [mutant for mutant in catalogue if fnmatchcase(mutant.id, pattern)]
+        if not matching:
             raise InputError(f"no mutant matches {pattern!r}{_nearest(pattern, catalogue)}")
-        return found
+        return matching
     try:
         cell = parse(pattern).cell
     except InputError as error:
@@ -46,6 +46,6 @@ def _meant(pattern: str, matrix: Matrix, catalogue: Sequence[Mutant]) -> Iterabl
 
 
 def _nearest(text: str, catalogue: Sequence[Mutant]) -> str:
-    """The nearest id or cell name, whatever the case of the letters."""
+    """A hint at the nearest id or cell name; upper and lower case do not matter."""
     names = {name.casefold(): name for mutant in catalogue for name in (mutant.cell, mutant.id)}
     return did_you_mean(names.get(text.casefold(), text), names.values())

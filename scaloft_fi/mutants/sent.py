@@ -1,4 +1,4 @@
-"""Messages for the examples of operators that fit any stack."""
+"""Small messages for the examples of operators that fit any stack."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The wire of a baseline with mutants watched alongside: each leaves it where its first sample differs."""
+"""The wire of a baseline that mutants share: each mutant leaves the baseline at its first sample that differs."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ S = TypeVar("S")
 
 
 class WatchingWire:
-    """Carries the baseline's samples as they are, and runs the taps of the watched wires on the same samples.
+    """Delivers the baseline's samples unchanged, and runs the taps of the watched wires on the same samples.
 
-    Where a watched wire first delivers something that differs, the flight branches: in the branch this wire becomes
-    that one, counts and all, and delivers what it delivers; in the trunk it is watched no longer.
+    When a watched wire first delivers a sample that differs, the flight branches.  In the branch this wire acts as the
+    watched wire from then on, with its counts; in the trunk it no longer watches that wire.
 
     Args:
         watched: fresh wires by name.
-        branch: called with the name of a wire that differs, and when [s]; returns True in the branch, False in the
+        branch: called with the name of a wire that differs and the time [s]; returns True in the branch, False in the
             trunk.
-        failed: called with the name of a wire whose tap failed, and why; it is watched no longer.
+        failed: called with the name of a wire whose tap failed and the error; the wire is no longer watched.
     """
 
     def __init__(
@@ -40,7 +40,7 @@ class WatchingWire:
         return bool(self._by_seam.get(seam)) if self._taken is None else self._taken.listens(seam)
 
     def cross(self, seam: str, t_s: float, sample: S | None) -> S | None:
-        """Return `sample` in the trunk, what the taken wire makes of it in a branch.
+        """Return `sample` in the trunk, the taken wire's sample in a branch.
 
         Raises:
             TapError: the tap of the taken wire failed, or the flight could not branch.
@@ -53,7 +53,7 @@ class WatchingWire:
                 delivered = wire.cross(seam, t_s, sample)
             except TapError as error:
                 self._drop(name)
-                self._tell(name, error)
+                self._report(name, error)
                 continue
             if wire.altered:
                 self._drop(name)
@@ -65,21 +65,21 @@ class WatchingWire:
 
     @property
     def counts(self) -> Mapping[str, SeamCount]:
-        """What happened so far on each seam that the taken wire taps; nothing in the trunk."""
+        """Counts so far for each seam that the taken wire taps; empty in the trunk."""
         return {} if self._taken is None else self._taken.counts
 
     @property
     def silent(self) -> Mapping[str, Mapping[str, SeamCount]]:
-        """By name, what each wire counted that is still watched: nothing it delivered has differed."""
+        """Counts by name of the wires that are still watched: none of their samples has differed."""
         return {name: wire.counts for name, wire in self._watched.items()}
 
     def _leaves(self, name: str, t_s: float) -> bool:
         try:
             return self._branch(name, t_s)
-        except Exception as error:  # whatever it is, the stack under test did not raise it
+        except Exception as error:  # the stack under test did not raise this error
             raise TapError(f"branch of {name}: {type(error).__name__}: {error}") from error
 
-    def _tell(self, name: str, error: TapError) -> None:
+    def _report(self, name: str, error: TapError) -> None:
         try:
             self._failed(name, error)
         except Exception as worse:
@@ -90,6 +90,6 @@ class WatchingWire:
         self._sort()
 
     def _sort(self) -> None:
-        """Note who is watched on which seam, in the order given."""
+        """List the watched wires by seam, in the order given."""
         seams = dict.fromkeys(seam for wire in self._watched.values() for seam in wire.seams)
         self._by_seam = {seam: tuple(n for n, w in self._watched.items() if seam in w.seams) for seam in seams}

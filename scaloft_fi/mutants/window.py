@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 TOLERANCE_S = 1e-6
-"""Poll times are k/20 or k/240 in floating point; windows open and close on the intended poll."""
+"""Poll times are k/20 or k/240 in floating point; with this tolerance windows open and close at the intended poll."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Windows:
         return self.number(t_s) is not None
 
     def number(self, t_s: float) -> int | None:
-        """Which window is open at `t_s` [s], counted from 0; None between windows.
+        """Number of the window that is open at `t_s` [s], counted from 0; None between windows.
 
         A window that is longer than the period never closes.
         """

@@ -1,4 +1,4 @@
-"""The wire of a mutated stack: carries every sample through the mutant's tap and counts what it did."""
+"""The wire of a mutated stack: carries every sample through the mutant's tap and counts the altered samples."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ S = TypeVar("S")
 
 
 class TapError(ScaloftError):
-    """A tap failed: the harness broke, not the stack under test."""
+    """A tap failed: a failure of the harness, not of the stack under test."""
 
 
 class SeamCount(NamedTuple):
-    """What happened on one seam.
+    """Counts for one seam.
 
-    carried: polls at which something was sent or arrived; altered: polls at which the consumer was told something else
-    than the producer said; first_altered_s: when first [s], None = never.
+    carried: polls at which a sample was sent or arrived; altered: polls at which the delivered sample differs from the
+    sent one; first_altered_s: time of the first of these [s], None = never.
     """
 
     carried: int
@@ -58,23 +58,24 @@ class _Tally:
 
 
 class TappedWire:
-    """Carries samples through taps, by seam; seams without a tap carry them as they are.
+    """Carries samples through taps; seams without a tap deliver them unchanged.
 
-    What does not differ arrives as it was sent, so that a flight is its baseline's to the bit until something differs.
+    A sample that does not differ is delivered as the object that was sent, so that a flight has the bits of its
+    baseline until the first sample that differs.
 
     Args:
-        taps: each with the seam that it is on.
+        taps: each with its seam.
     """
 
     def __init__(self, taps: Iterable[tuple[Seam, Tap]]) -> None:
         self._tallies = {seam.name: _Tally(seam, tap) for seam, tap in taps}
 
     def listens(self, seam: str) -> bool:
-        """Whether there is a tap on `seam`."""
+        """Whether `seam` has a tap."""
         return seam in self._tallies
 
     def cross(self, seam: str, t_s: float, sample: S | None) -> S | None:
-        """Return what the seam's tap makes of `sample`.
+        """Return `sample` after the seam's tap, if the seam has one.
 
         Raises:
             TapError: the tap failed.
@@ -89,17 +90,17 @@ class TappedWire:
 
     @property
     def altered(self) -> bool:
-        """Whether anything arrived that differs from what was sent."""
+        """Whether a delivered sample differed from the sent one."""
         return any(tally.altered for tally in self._tallies.values())
 
     @property
     def counts(self) -> Mapping[str, SeamCount]:
-        """What happened so far on each tapped seam."""
+        """Counts so far for each tapped seam."""
         return {name: SeamCount(t.carried, t.altered, t.first_altered_s) for name, t in self._tallies.items()}
 
 
 def contexts(mutant_id: str, situation: str, seed: int, facts: Facts) -> Callable[[Seam], TapContext]:
-    """Contexts by seam for one flight; randomness depends on (mutant, situation, seed) and on nothing else."""
+    """Contexts by seam for one flight; random numbers depend on mutant, situation, seed and seam only."""
 
     def context(seam: Seam) -> TapContext:
         noise = generator(mutant_id, situation, seed, seam.name)
@@ -109,7 +110,7 @@ def contexts(mutant_id: str, situation: str, seed: int, facts: Facts) -> Callabl
 
 
 def wire_for(subject: Mutant | None, stack: Declaration, context: Callable[[Seam], TapContext]) -> Wire:
-    """A fresh wire for one flight of `subject`: None = the baseline, PLACEBO = the identity on every seam."""
+    """A fresh wire for one flight of `subject`; None stands for the baseline, PLACEBO has a tap on every seam."""
     if subject is None:
         return PlainWire()
     operator = OPERATORS[subject.operator]

@@ -15,6 +15,7 @@ from scaloft_fi.sim.clearance import Clearances
 from scaloft_fi.sim.contact import Contact
 from scaloft_fi.sim.geometry import blocked, nearest
 from scaloft_fi.sim.log import NEVER_S
+from scaloft_fi.sim.measures import SIGNALS
 from scaloft_fi.sim.raster import View, pixels_of
 from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.signals import CLEARANCE_CAP_M, FAR_M, TOUCH_M, truth_signals
@@ -48,7 +49,7 @@ class Observer:
         self, client: int, ids: BodyIds, body: int, vehicle: Vehicle, scenario: Scenario, range_m: float
     ) -> None:
         world = scenario.world
-        self.names = tuple(signal.name for signal in truth_signals(world.surfaces))
+        self.names = tuple(signal.name for signal in truth_signals(world.surfaces, world.signals))
         self.struck = ""
         self.struck_at_s = NEVER_S
         self.landed = False
@@ -64,6 +65,7 @@ class Observer:
         self._waypoints = tuple((x, y) for x, y, _ in scenario.route[:-1])
         self._home = scenario.home
         self._passed = 0
+        self._measures = [SIGNALS[name].make(scenario) for name in world.signals]
         self._airborne = False
         self._top_square = 0.0
         self._touched: set[str] = set()
@@ -144,6 +146,7 @@ class Observer:
             self._obstacle_pixels(view),
             clearances[WALL] if self._near_waypoint(x, y) else FAR_M,
             *clearances.values(),
+            *(measure(state) for measure in self._measures),
         ]
         self._top_square = 0.0
         self._touched.clear()

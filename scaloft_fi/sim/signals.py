@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 
+from scaloft_fi.sim.measures import SIGNALS
 from scaloft_fi.stack.belief import Belief
 
 SAMPLE_HZ = 20.0
@@ -80,18 +81,24 @@ def clearance_name(surface: str) -> str:
     return f"clearance_{surface}_m"
 
 
-def truth_signals(surfaces: Iterable[str]) -> tuple[Signal, ...]:
-    """The signals of the ground truth, with a clearance for each surface of the world (`World.surfaces`)."""
+def truth_signals(surfaces: Iterable[str], declared: Iterable[str] = ()) -> tuple[Signal, ...]:
+    """The signals of the ground truth.
+
+    Args:
+        surfaces: of the world (`World.surfaces`); each has a clearance.
+        declared: names of the declared signals that the world asks for (`World.signals`).
+    """
     clearances = tuple(
         Signal(clearance_name(name), "m", f"hull to {name}, at most 1; 1 where it is not there or excused", Side.TRUTH)
         for name in surfaces
     )
-    return TRUTH + clearances
+    asked = (SIGNALS[name] for name in declared)
+    return TRUTH + clearances + tuple(Signal(one.name, one.unit, one.meaning, Side.TRUTH) for one in asked)
 
 
-def signal_names(surfaces: Iterable[str], beliefs: Iterable[Belief]) -> tuple[str, ...]:
-    """Every name of a flight log: ground truth, then beliefs."""
-    return tuple(signal.name for signal in (*truth_signals(surfaces), *belief_signals(beliefs)))
+def signal_names(surfaces: Iterable[str], beliefs: Iterable[Belief], declared: Iterable[str] = ()) -> tuple[str, ...]:
+    """Every name of a flight log: ground truth, then beliefs; arguments as `truth_signals` and `belief_signals`."""
+    return tuple(signal.name for signal in (*truth_signals(surfaces, declared), *belief_signals(beliefs)))
 
 
 def belief_signals(beliefs: Iterable[Belief]) -> tuple[Signal, ...]:

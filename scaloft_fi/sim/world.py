@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,10 +12,12 @@ import numpy as np
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.sim import mesh
+from scaloft_fi.sim.measures import SIGNALS
 from scaloft_fi.sim.mesh import Mesh
 from scaloft_fi.sim.mine import Mine, read_mine
 from scaloft_fi.sim.optics import Scene
 from scaloft_fi.sim.roles import ROLES, Role
+from scaloft_fi.sim.signals import truth_signals
 
 WALL, GROUND = "wall", "ground"
 
@@ -102,6 +104,7 @@ class World:
         waypoints: (x, y) by name [m, world]; `home` is the mission's.
         mission: what to do.
         light: brightness of visible light, 0..1.
+        signals: names of the declared signals that its flights record besides.
     """
 
     mine: Mine
@@ -109,6 +112,7 @@ class World:
     waypoints: Mapping[str, tuple[float, float]]
     mission: MissionPlan
     light: float
+    signals: tuple[str, ...] = ()
 
     @cached_property
     def present(self) -> tuple[Body, ...]:
@@ -172,12 +176,29 @@ def read_world(item: Item) -> World:
         waypoints={"home": mission.home, **waypoints},
         mission=mission,
         light=item.need("light").number(least=0.0, most=1.0),
+        signals=_signals(item.get("signals"), (WALL, GROUND, *bodies)),
     )
     item.close()
     _check_height(world, mission_item)
     for name, place in {"home": home_item, **waypoint_items}.items():
         _check_free(world, name, place)
     return world
+
+
+def _signals(item: Item | None, surfaces: Iterable[str]) -> tuple[str, ...]:
+    """The declared signals that the world asks for.
+
+    Raises:
+        InputError: no signal has the name, every flight has it anyway, or it is listed twice.
+    """
+    known = {signal.name for signal in truth_signals(surfaces)}
+    names: list[str] = []
+    for entry in item or ():
+        name = entry.choice(tuple(SIGNALS))
+        if name in known or name in names:
+            raise InputError(f"{entry.place}: signal {name!r} is recorded already; list it once, or not at all")
+        names.append(name)
+    return tuple(names)
 
 
 def _pair(item: Item) -> tuple[float, float]:

@@ -1,8 +1,8 @@
-"""What a stack under test is to the framework: its declaration, its contract, and the messages of sensors and rotors.
+"""A stack under test, as the framework sees it: its declaration, its contract, and the messages of sensors and rotors.
 
-`Declaration` is what a stack declares, `Stack` is how the flight loop calls it, `Wire` is how it sends each sample of a
-seam, `check_stack` (`scaloft_fi.api`) holds it to all that.  `reference` is our drone, a stack like any other.  Nothing
-here imports the rest of the package, and no stack knows that mutants exist.
+A stack states its seams and beliefs in a `Declaration`; the flight loop calls it as a `Stack`; it sends each sample of
+a seam over a `Wire`; `check_stack` (`scaloft_fi.api`) checks all that.  `reference` is our drone, a stack like any
+other.  Nothing here imports the rest of the package, and no stack knows that mutants exist.
 """
 
 from scaloft_fi.stack.belief import Belief, Mark

@@ -1,4 +1,4 @@
-"""Beliefs: what a stack believes at each sample of the flight log, beside the ground truth."""
+"""Beliefs: numbers that a stack believes, logged at each sample of the flight log beside the ground truth."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ class Mark:
     """When a belief puts a mark on the map of a flight.
 
     Attributes:
-        kind: of the mark, one word.
-        text: in words; `{}` stands for the value's name.
-        first: whether only the first time counts.
+        kind: one word for marks of this kind.
+        text: label of the mark; `{}` stands for the value's name.
+        first: whether only the first occurrence is marked.
         values: names of the values 0, 1, ...; with them each change is marked, without them each rise above 0.5.
     """
 
@@ -25,15 +25,15 @@ class Mark:
 
 @dataclass(frozen=True)
 class Belief:
-    """One number that a stack believes.
+    """A number that a stack believes.
 
     Attributes:
         name: unique among the signals of the log; requirements may speak of it.
         unit: "" for a plain number.
-        meaning: in words.
-        unknown: what it reads where the stack does not know; NaN where it always knows.
-        mark: when it is marked on the map.
-        most: it is never greater than this, whatever the stack believes; a formula may not compare it with more.
+        meaning: of the number, in words.
+        unknown: its value while the stack does not know it; NaN for a number that the stack always knows.
+        mark: when the map of a flight shows a mark; None for never.
+        most: its greatest value; a formula that compares it with a greater number is refused.
     """
 
     name: str

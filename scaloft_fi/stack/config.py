@@ -1,4 +1,7 @@
-"""Settings of a stack from plain data: nested frozen dataclasses and named tuples built from mappings, strictly."""
+"""Builds the settings of a stack from plain data: nested frozen dataclasses and named tuples from mappings.
+
+An unknown, missing or mistyped setting is refused.
+"""
 
 from __future__ import annotations
 

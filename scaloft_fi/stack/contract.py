@@ -13,16 +13,16 @@ from scaloft_fi.stack.messages import Exposure, Imu, SensorFrames, Stamps, Thrus
 
 @dataclass(frozen=True)
 class Task:
-    """What a stack is given before take-off.
+    """The task of one flight, which a stack receives before take-off.
 
     Attributes:
         settings: of `sim/stack.yaml` without its `name`: built into the schema that the stack declares, else the plain
             mapping.
         camera: geometry of the depth camera.
-        home: (3,) where it stands [m, world]; yaw_rad: its heading [rad].
+        home: (3,) where the vehicle stands [m, world]; yaw_rad: its heading [rad].
         route: waypoints in order, the last one home [m, world].
         altitude_m: height of flight [m].
-        cruise_mps, slow_mps: speed, and speed once a person was seen [m/s].
+        cruise_mps, slow_mps: cruise speed, and the speed after a person was seen [m/s].
     """
 
     settings: Any
@@ -39,12 +39,12 @@ class Stack(Protocol):
     """What the flight loop asks of a stack under test.
 
     At each tick (20 Hz) the loop calls `beliefs`, `stamps`, `autopilot` and `companion`, in this order, then `step`
-    for each of the 12 physics steps (240 Hz) up to the next tick.  A stack is told nothing but these arguments and its
-    `Task`, and sends every sample of a declared seam through `Wire.cross` exactly once a poll, `None` where it sends
-    nothing: a seam of the declared rate is polled at every tick, or at every step.
+    for each of the 12 physics steps (240 Hz) up to the next tick.  A stack receives nothing but these arguments and its
+    `Task`.  It calls `Wire.cross` for each declared seam exactly once at each poll, with `None` when it sends nothing;
+    depending on its declared rate a seam is polled at every tick or at every step.
 
-    What a method raises is a fact about the drone.  After an error of `autopilot`, `stamps` or `step` the rotors stop;
-    after an error of `companion` the autopilot flies on alone.  The requirements judge what follows.
+    An exception in a method is a failure of the drone.  After an error of `autopilot`, `stamps` or `step` the rotors
+    stop; after an error of `companion` the autopilot flies on alone.  The requirements judge what follows.
 
     Two flights of the same subject, situation and seed call the methods with the same arguments; a stack that is
     declared deterministic answers with the same bits, so it draws no random numbers and reads no clock.
@@ -61,15 +61,15 @@ class Stack(Protocol):
         ...
 
     def stamps(self, now_s: float) -> Stamps:
-        """What the sensors' clocks read at `now_s` [s]; the sensors stamp their messages with it."""
+        """The readings of the sensors' clocks at `now_s` [s]; the sensors stamp their messages with them."""
         ...
 
     def autopilot(self, now_s: float, frames: SensorFrames) -> None:
-        """Run at 20 Hz what stays alive when the companion is dead; every tick, before `companion`.
+        """Run the part of the stack that survives a dead companion, at 20 Hz, before `companion`.
 
         Args:
             now_s: time since the start [s].
-            frames: what arrived from the sensors at this tick; a field is None where nothing did.
+            frames: messages of the sensors that arrive at this tick, None for each sensor without one.
         """
         ...
 
@@ -78,7 +78,7 @@ class Stack(Protocol):
         ...
 
     def step(self, now_s: float, imu: Imu) -> Thrust | None:
-        """Run flight control once, at 240 Hz; None, when the order was lost on the wire, stops the rotors.
+        """Run flight control once, at 240 Hz; returns None when the order was lost on the wire, which stops the rotors.
 
         Args:
             now_s: time since the start [s].
@@ -87,7 +87,7 @@ class Stack(Protocol):
         ...
 
     def beliefs(self, now_s: float) -> Array:
-        """(B,) the values of the declared beliefs, in their order, at `now_s` [s]."""
+        """(B,) values of the declared beliefs, in declared order, at `now_s` [s]."""
         ...
 
 
@@ -98,8 +98,8 @@ class PlainStack:
     fast_path = None
 
     def stamps(self, now_s: float) -> Stamps:
-        """The true time."""
+        """Return the true time."""
         return Stamps(now_s, now_s, now_s)
 
     def companion(self, now_s: float, frames: SensorFrames) -> None:
-        """Nothing."""
+        """Do nothing."""

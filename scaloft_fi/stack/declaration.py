@@ -1,4 +1,4 @@
-"""What a stack declares: the rest of the framework reads seams and beliefs from here and names none of them."""
+"""The declaration of a stack: the framework reads seams and beliefs from it and names none of them itself."""
 
 from __future__ import annotations
 
@@ -17,10 +17,11 @@ class Declaration:
     """A stack under test, as the framework knows it.
 
     Attributes:
-        name: as `sim/stack.yaml` gives it.
-        seams: where faults can be patched in; each sample of the stack's own edges crosses `Wire.cross` there.
-        beliefs: what `Stack.beliefs` returns, in order.
-        make: the stack, ready for take-off.  Import what is heavy inside it: the declaration is read without flying.
+        name: by which `sim/stack.yaml` names the stack.
+        seams: where faults can be patched in; each sample of a seam crosses `Wire.cross`.
+        beliefs: the numbers that `Stack.beliefs` returns, in order.
+        make: makes the stack, ready for take-off.  It imports heavy modules itself, because verbs that do not fly read
+            the declaration too.
         settings: returns the frozen dataclass, or named tuple, that the rest of `sim/stack.yaml` is built into
             (`stack.config.build`); None hands the plain mapping over.
         canaries: seams that carry samples in every situation, the one nearest to the rotors first.  `run --mutant`
@@ -57,7 +58,7 @@ class Declaration:
 
     @property
     def caps(self) -> Mapping[str, float]:
-        """The greatest value of each belief that has one."""
+        """The greatest value of each belief, where one is declared."""
         return {belief.name: belief.most for belief in self.beliefs if math.isfinite(belief.most)}
 
     @property

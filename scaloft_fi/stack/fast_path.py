@@ -1,4 +1,4 @@
-"""What a stack may offer beside its `step`: the same, compiled, for physics steps in which no fault sits on its seams.
+"""The compiled form of a stack's `step`, for physics steps in which no tap sits on the seams that it skips.
 
 A stack without a fast path has the attribute `fast_path = None`, and every step is its Python `step`.
 """
@@ -11,7 +11,7 @@ from typing import Protocol
 from scaloft_fi.stack.fields import Array
 
 Numbers = tuple[Array, ...]
-"""One-dimensional arrays in which a stack keeps what its kernel reads and writes, as many as the stack likes."""
+"""One-dimensional arrays, any number of them, that the kernel of a stack reads and writes."""
 
 Kernel = Callable[[float, float, Array, Array, Numbers], Array]
 """A function under `stack.kernel.jit` (and `joined`, if it calls kernels of other files) with the arguments
@@ -38,13 +38,13 @@ class FastPath(Protocol):
 
     @property
     def kernel(self) -> Kernel:
-        """The compiled step, always the same one."""
+        """The compiled step, the same function at every call."""
         ...
 
     def begin(self) -> Numbers:
-        """Get ready for steps by the kernel; returns its numbers, always as many."""
+        """Prepare for steps by the kernel; returns the kernel's numbers, equally many arrays at every call."""
         ...
 
     def end(self) -> None:
-        """Take over from the numbers what the steps led to, as if `step` had made them."""
+        """Take the result of the steps over from the numbers, as if `step` had been called."""
         ...

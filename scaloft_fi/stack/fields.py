@@ -1,7 +1,7 @@
 """Fields of messages: the kinds that operators ask for, and which fields of a message are of which kind.
 
 A message is a `typing.NamedTuple`.  A field's kind follows from its annotation: `float`, `int`, `bool` and `str` are
-plain; `Vector`, `Image` and `Stamp` say more than their type does.
+plain; `Vector`, `Image` and `Stamp` carry a kind beside their type.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ Point = tuple[float, float, float]
 
 
 class Kind(StrEnum):
-    """What a field is, beyond its type."""
+    """The kind of a field, beside its type."""
 
     STAMP = "a time stamp"
     VECTOR = "a vector"
@@ -28,9 +28,9 @@ class Kind(StrEnum):
 Stamp = Annotated[float, Kind.STAMP]
 """A time stamp [s]."""
 Vector = Annotated[Array, Kind.VECTOR]
-"""(3,) one number each for x, y, z."""
+"""(3,) the components x, y, z."""
 Image = Annotated[Array, Kind.IMAGE]
-"""(H, W) one number a pixel, 0 where nothing was seen."""
+"""(H, W) one number for each pixel, 0 where the sensor saw nothing."""
 
 
 def field_names(message: type) -> tuple[str, ...]:
@@ -54,7 +54,7 @@ def image_fields(message: type) -> tuple[str, ...]:
 
 
 def vector_fields(message: type) -> tuple[str, ...]:
-    """Fields with one number each for x, y, z."""
+    """Fields with the components x, y, z."""
     return _sorted(message).vectors
 
 
@@ -72,7 +72,7 @@ class _Fields(NamedTuple):
 
 @cache
 def _sorted(message: type) -> _Fields:
-    """The fields of a message by kind, looked up once: operators ask for them at every sample."""
+    """The fields of a message by kind, cached because operators look them up at every sample."""
     types, kinds = get_type_hints(message), get_type_hints(message, include_extras=True)
 
     def of(kind: Kind) -> tuple[str, ...]:

@@ -1,7 +1,7 @@
-"""What travels between sensors, stack and rotors.  Every message is a tuple and is never written to after it was sent.
+"""Messages between sensors, stack and rotors.  A message is a tuple; nobody writes to it after it was sent.
 
 Frames: world = x east, y north, z up [m]; body = x forward, y left, z up.
-`stamp_s` is the sender's clock when the thing was measured [s]; the consumer compares it with its own clock.
+`stamp_s` is the time of the measurement by the sender's clock [s]; the consumer compares it with its own clock.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class Exposure(NamedTuple):
 
 
 class Stamps(NamedTuple):
-    """What the sensors' clocks say now [s]; each sensor stamps its messages with its own entry."""
+    """Readings of the sensors' clocks [s]; each sensor stamps its messages with its own entry."""
 
     fix_s: Stamp
     depth_s: Stamp

@@ -15,10 +15,10 @@ S = TypeVar("S")
 
 
 class Wire(Protocol):
-    """What carries samples over the seams."""
+    """Carries samples over the seams."""
 
     def listens(self, seam: str) -> bool:
-        """Whether it matters that samples cross `seam`; where not, they need not be sent."""
+        """Whether the wire counts or changes samples of `seam`; a stack need not send samples of other seams."""
         ...
 
     def cross(self, seam: str, t_s: float, sample: S | None) -> S | None:
@@ -27,10 +27,10 @@ class Wire(Protocol):
 
 
 class PlainWire:
-    """Carries every sample as it is."""
+    """Delivers every sample unchanged."""
 
     def listens(self, seam: str) -> bool:
-        """Nowhere."""
+        """Return False for every seam."""
         return False
 
     def cross(self, seam: str, t_s: float, sample: S | None) -> S | None:
@@ -69,7 +69,7 @@ class Seam:
         message: type of the sample.
         rate_hz: how often the seam is polled [Hz].
         edge: from which stage to which.
-        effect: what of a sample its consumer acts on; a setting differs only where this does.
+        effect: the part of a sample that its consumer acts on; two samples differ only where this part does.
         units: of the fields whose name does not end in their unit; "" for a plain number.
 
     Raises:
@@ -100,7 +100,7 @@ class Seam:
         return {name: self.unit(name) for name in number_fields(self.message)}
 
     def differ(self, original: Any, delivered: Any) -> bool:
-        """Whether the consumer is told something else than the producer said."""
+        """Whether the consumer acts on something else than the producer sent."""
         if original is delivered:
             return False
         if original is None or delivered is None:
@@ -133,4 +133,4 @@ def _same(a: Any, b: Any) -> Any:
 
 
 _FEW = 16
-"""So many numbers are sooner compared one by one than as an array."""
+"""Arrays of at most this size are compared number by number, which is faster."""

@@ -9,10 +9,11 @@ from functools import cached_property
 from pathlib import Path
 
 from scaloft_fi.analysis.scoring.detection import Spending
+from scaloft_fi.campaign.runs.choice import Remembered, remembered
 from scaloft_fi.campaign.runs.spending import spending_of
-from scaloft_fi.campaign.runs.strategy import Remembered, remembered
 from scaloft_fi.campaign.store.folder import campaign_folder, existing
 from scaloft_fi.campaign.store.held import Held, current_in, held_in, nothing_to_show
+from scaloft_fi.campaign.store.platforms import warning_for
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.store.tracks import tracks_in
 from scaloft_fi.judge.outcome import Outcome
@@ -66,6 +67,11 @@ class Snapshot:
     def platform(self) -> Mapping[str, str]:
         """On which the campaign was flown, part by part."""
         return self.store.meta()
+
+    @cached_property
+    def platform_warning(self) -> str:
+        """What a reader must know of the platform of the flights; empty when there is nothing."""
+        return warning_for(self.store)
 
     @cached_property
     def choices(self) -> Sequence[Remembered]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import scaloft_fi.mutants.reference  # noqa: F401 - declares the operators of the reference stack
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.stack import messages as m

@@ -42,7 +42,7 @@ def test_a_stale_catalogue_is_refused_at_the_first_id_that_differs(matrix: Matri
     assert f"{derive(matrix)[-1].id!r} is missing" in stale(tmp_path, matrix, lines[:-1])
     assert f"{first!r} is not in the matrix" in stale(tmp_path, matrix, [*lines, lines[0]])
     changed = [lines[0].replace('"share": 0.25', '"share": 0.3'), *lines[1:]]
-    assert f"{first!r} is not what the matrix says now" in stale(tmp_path, matrix, changed)
+    assert f"{first!r} differs from the matrix" in stale(tmp_path, matrix, changed)
 
 
 def test_a_missing_or_broken_catalogue_is_one_sentence_with_the_remedy(matrix: Matrix, tmp_path: Path) -> None:

@@ -1,102 +1,149 @@
-"""Which situations a campaign flies, when not all: at random, by draws, a covering array, the first of the grid."""
+r"""Strategies of choosing situations: all, at random, by draws, the first of the grid, a covering array.
+
+A strategy of another author's package is one function and one declaration, in a module that the package's entry point
+in the group `scaloft_fi.plugins` names:
+
+    @strategy("last", r"last:([1-9]\d*)", "last:N")
+    def last(asked):
+        return asked.each(asked.pool[-int(asked.match[1]):])
+"""
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scaloft_fi.analysis.situations.covering import covering_array
-from scaloft_fi.campaign.store.folder import STORE_NAME, promising, writable
-from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
+from scaloft_fi.registry import Registry
 from scaloft_fi.streams import key_words
 
 if TYPE_CHECKING:
     from scaloft_fi.judge.space import Space
     from scaloft_fi.sim.situation import Situation
 
-ALL = "all"
-HINT = "all, random:N, draws:N, draws:P%, first:N, or a covering array such as 2-way"
-NOTE = "choice"
-"""What the names of a choice begin with in the campaign's store."""
+Draws = tuple[tuple["Situation", int], ...]
+"""Situation and seed of each test case, in the order in which they are chosen."""
 
 
 @dataclass(frozen=True)
-class Choice:
-    """The test cases of a run.
+class Asked:
+    """What a strategy chooses from.
 
     Attributes:
-        text, seed: how they were chosen: the values of `--choose` and `--choose-seed`.
-        pool: how many situations there were to choose from.
-        draws: situation and seed of each test case, in the order in which they were chosen.
+        text: as the user wrote it; `match`: of the strategy's pattern.
+        pool: situations to choose from.
+        seeds: of the flights.
+        seed: of the choice; a strategy draws from `streams.key_words("choice", its name, seed, ...)`.
+        space: the grid.
     """
 
     text: str
+    match: re.Match[str]
+    pool: tuple[Situation, ...]
+    seeds: tuple[int, ...]
     seed: int
-    pool: int
-    draws: tuple[tuple[Situation, int], ...]
+    space: Space
 
-    @property
-    def situations(self) -> tuple[Situation, ...]:
-        """The situations, each once."""
-        return tuple(dict.fromkeys(situation for situation, _ in self.draws))
+    def each(self, situations: Iterable[Situation]) -> Draws:
+        """Every situation with every seed."""
+        return tuple((situation, seed) for situation in situations for seed in self.seeds)
+
+    def error(self, allowed: str) -> InputError:
+        """The sentence that refuses the text: it must be `allowed`."""
+        return InputError(f"--choose={self.text!r} {allowed}")
 
 
-def choose(text: str, pool: Sequence[Situation], seeds: Sequence[int], seed: int, space: Space) -> Choice:
-    """Choose test cases; the same for the same arguments on every platform.
+@dataclass(frozen=True)
+class Strategy:
+    """A declared strategy.
 
-    Args:
-        text: `all`; `random:N`, distinct ones; `draws:N` or `draws:P%`, with replacement, N of them or until P % of the
-            pool was drawn; `first:N` in the grid's order; `T-way`, a covering array.
-        pool: situations to choose from.
-        seeds: of the flights.  A situation is flown with all of them; a draw takes one, the next at each repetition.
-        seed: of the choice.
-        space: the grid.
+    Attributes:
+        pattern: of the texts that it takes.
+        form: how a user writes it, for messages.
+        draw: the test cases.
+
+    `draw` raises an `InputError` where the text asks for what there is not (`Asked.error`).
+    """
+
+    pattern: re.Pattern[str]
+    form: str
+    draw: Callable[[Asked], Draws]
+
+
+STRATEGIES = Registry[Strategy]("strategy")
+
+
+def strategy(name: str, pattern: str, form: str) -> Callable[[Callable[[Asked], Draws]], Callable[[Asked], Draws]]:
+    """Declare the decorated function as the strategy for texts that match `pattern` whole.
 
     Raises:
-        InputError: the text is none of these, asks for more than there is, or names several seeds for draws.
+        ValueError: the name is taken.
     """
-    if text == ALL:
-        return _each(text, seed, pool, pool, seeds)
-    if match := re.fullmatch(r"(random|first):([1-9]\d{0,8})", text):
-        if int(match[2]) > len(pool):
-            raise InputError(f"--choose={text!r} must ask for at most {len(pool)}, the situations to choose from")
-        ordered = (
-            pool if match[1] == "first" else sorted(pool, key=lambda one: key_words(NOTE, text[:6], seed, one.key))
-        )
-        return _each(text, seed, pool, ordered[: int(match[2])], seeds)
-    if match := re.fullmatch(r"([1-9]\d?)-way", text):
-        if int(match[1]) > len(space.axes):
-            raise InputError(f"--choose={text!r} must be 1-way to {len(space.axes)}-way, the number of axes")
-        by_key = {situation.key: situation for situation in pool}
-        suite = covering_array(space, tuple(by_key), int(match[1]), seed)
-        return _each(text, seed, pool, [by_key[key] for key in suite], seeds)
-    if match := re.fullmatch(r"draws:([1-9]\d{0,8}|([1-9]\d?(?:\.\d+)?|100)%)", text):
-        if len(seeds) > 1:
-            raise InputError(f"--choose={text!r} gives each draw a seed of its own: --seeds must name one, the first")
-        target = math.ceil(Fraction(match[2]) / 100 * len(pool)) if match[2] else None
-        drawn = _until(pool, seed, target) if target else _numbered(pool, seed, int(match[1]))
-        return Choice(text, seed, len(pool), tuple(_with_seeds(drawn, seeds[0])))
-    raise InputError(f"--choose={text!r} must be {HINT}")
+
+    def declare(draw: Callable[[Asked], Draws]) -> Callable[[Asked], Draws]:
+        STRATEGIES.declare(name, Strategy(re.compile(pattern), form, draw))
+        return draw
+
+    return declare
 
 
-def _each(text: str, seed: int, pool: Sequence[Situation], chosen: Sequence[Situation], seeds: Sequence[int]) -> Choice:
-    """Every situation with every seed."""
-    return Choice(text, seed, len(pool), tuple((situation, number) for situation in chosen for number in seeds))
+@strategy("all", "all", "all")
+def every(asked: Asked) -> Draws:
+    """Every situation."""
+    return asked.each(asked.pool)
+
+
+@strategy("random", r"random:([1-9]\d{0,8})", "random:N")
+def at_random(asked: Asked) -> Draws:
+    """Distinct situations at random; a larger choice has the smaller one."""
+    ordered = sorted(asked.pool, key=lambda one: key_words("choice", "random", asked.seed, one.key))
+    return asked.each(ordered[: _count(asked)])
+
+
+@strategy("draws", r"draws:([1-9]\d{0,8}|([1-9]\d?(?:\.\d+)?|100)%)", "draws:N, draws:P%")
+def draws(asked: Asked) -> Draws:
+    """Draws with replacement, N of them or until P % of the pool was drawn; each repetition takes the next seed."""
+    if len(asked.seeds) > 1:
+        raise asked.error("gives each draw a seed of its own: --seeds must name one, the first")
+    share = asked.match[2]
+    target = math.ceil(Fraction(share) / 100 * len(asked.pool)) if share else None
+    drawn = _until(asked.pool, asked.seed, target) if target else _numbered(asked.pool, asked.seed, int(asked.match[1]))
+    return tuple(_with_seeds(drawn, asked.seeds[0]))
+
+
+@strategy("first", r"first:([1-9]\d{0,8})", "first:N")
+def first(asked: Asked) -> Draws:
+    """The first situations of the grid."""
+    return asked.each(asked.pool[: _count(asked)])
+
+
+@strategy("covering", r"([1-9]\d?)-way", "a covering array such as 2-way")
+def covering(asked: Asked) -> Draws:
+    """Few situations that together have every combination of the values of t axes."""
+    strength = int(asked.match[1])
+    if strength > len(asked.space.axes):
+        raise asked.error(f"must be 1-way to {len(asked.space.axes)}-way, the number of axes")
+    by_key = {situation.key: situation for situation in asked.pool}
+    return asked.each(by_key[key] for key in covering_array(asked.space, tuple(by_key), strength, asked.seed))
+
+
+def _count(asked: Asked) -> int:
+    count = int(asked.match[1])
+    if count > len(asked.pool):
+        raise asked.error(f"must ask for at most {len(asked.pool)}, the situations to choose from")
+    return count
 
 
 def _numbered(pool: Sequence[Situation], seed: int, count: int) -> Iterator[Situation]:
     """The first draws of the endless sequence of this seed."""
     for number in range(count):
         # 64 bits modulo the pool: no situation is favoured by more than 1 in 10^13
-        yield pool[key_words(NOTE, "draws", seed, number)[0] % len(pool)]
+        yield pool[key_words("choice", "draws", seed, number)[0] % len(pool)]
 
 
 def _until(pool: Sequence[Situation], seed: int, target: int) -> Iterator[Situation]:
@@ -115,37 +162,3 @@ def _with_seeds(drawn: Iterator[Situation], first: int) -> Iterator[tuple[Situat
     for situation in drawn:
         times[situation] = times.get(situation, -1) + 1
         yield situation, first + times[situation]
-
-
-def remember(folder: Path, choice: Choice) -> None:
-    """Keep in the campaign's store how its situations were chosen; that all are flown is no choice.
-
-    Raises:
-        InputError: the store cannot be written.
-    """
-    if choice.text == ALL:
-        return
-    draws = [[situation.key, number] for situation, number in choice.draws]
-    content = json.dumps({"choose": choice.text, "seed": choice.seed, "pool": choice.pool, "draws": draws})
-    promising(folder)
-    with Store(writable(folder) / STORE_NAME) as store:
-        store.set_notes({f"{NOTE} {hashlib.sha256(content.encode()).hexdigest()[:16]}": content})
-
-
-@dataclass(frozen=True)
-class Remembered:
-    """A choice that was made for a campaign.  draws: situation key and seed of each, in the order chosen."""
-
-    text: str
-    seed: int
-    pool: int
-    draws: tuple[tuple[str, int], ...]
-
-
-def remembered(store: Store) -> tuple[Remembered, ...]:
-    """The choices of a campaign."""
-    notes = [json.loads(text) for name, text in store.notes().items() if name.startswith(f"{NOTE} ")]
-    return tuple(
-        Remembered(one["choose"], one["seed"], one["pool"], tuple((key, number) for key, number in one["draws"]))
-        for one in sorted(notes, key=lambda one: (one["choose"], one["seed"]))
-    )

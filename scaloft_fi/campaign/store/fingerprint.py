@@ -5,16 +5,16 @@ from __future__ import annotations
 import ctypes
 import platform
 from contextlib import suppress
-from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
 from pathlib import Path
 
 from scaloft_fi import __version__
 
 NUMERIC = ("numpy", "numba", "llvmlite", "filterpy", "scipy", "pybullet", "rtamt")
 """Packages whose versions can move the last bit of a flight or a reading."""
-LINKED = {"numpy": "numpy.linalg._umath_linalg", "scipy": "scipy.linalg._fblas"}
-"""Of each package that brings its own OpenBLAS, a module that is linked with it."""
+BRING_OPENBLAS = ("numpy", "scipy")
+"""Packages whose wheels bring an OpenBLAS of their own, in a folder `<package>.libs` beside the package."""
 CORE_NAMES = tuple(f"{prefix}openblas_get_corename{suffix}" for prefix in ("scipy_", "") for suffix in ("64_", ""))
 """What OpenBLAS's function for the name of its kernels is called, depending on how it was built."""
 
@@ -30,7 +30,7 @@ def fingerprint() -> dict[str, str]:
         "scaloft-fi": __version__,
     }
     versions = {name: _version(name) for name in NUMERIC}
-    return facts | versions | {f"{package} kernels": _kernels(module) for package, module in LINKED.items()}
+    return facts | versions | {f"{package} kernels": _kernels(package) for package in BRING_OPENBLAS}
 
 
 def differences(ours: dict[str, str], theirs: dict[str, str]) -> list[str]:
@@ -49,13 +49,16 @@ def _version(name: str) -> str:
         return "none"
 
 
-def _kernels(linked: str) -> str:
+def _kernels(package: str) -> str:
     """The kernels that OpenBLAS chose for this processor, or was told to choose; "unknown" of another library.
 
-    They add in an order of their own, and so decide the last bit of a product.
+    They add in an order of their own, and so decide the last bit of a product.  The library is asked without importing
+    the package, which would take longer than all else that a verb does that only reads.
     """
-    with suppress(ImportError, OSError, TypeError):
-        library = ctypes.CDLL(import_module(linked).__file__)
+    spec = find_spec(package)
+    folders = [Path(place).with_name(f"{package}.libs") for place in (spec and spec.submodule_search_locations) or ()]
+    with suppress(OSError, StopIteration):
+        library = ctypes.CDLL(str(next(path for folder in folders for path in sorted(folder.glob("*openblas*.so*")))))
         for name in CORE_NAMES:
             with suppress(AttributeError):
                 function = getattr(library, name)

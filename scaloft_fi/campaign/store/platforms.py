@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from hashlib import sha256
-from pathlib import Path
 
 from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
 from scaloft_fi.campaign.store.store import NOTE, Store
@@ -20,10 +19,9 @@ def unproved(store: Store, ours: dict[str, str]) -> list[str]:
     return differences(ours, theirs) if theirs and _agreement(ours, theirs) not in store.notes() else []
 
 
-def warning_for(path: Path) -> str:
-    """What a person who only reads the store at `path` must know of its platform; empty when there is nothing."""
-    with Store(path, create=False) as store:
-        changed = unproved(store, fingerprint())
+def warning_for(store: Store) -> str:
+    """What a person who only reads the store must know of its platform; empty when there is nothing."""
+    changed = unproved(store, fingerprint())
     if not changed:
         return ""
     return f"flown on another platform, and no sample was flown again on this one: {', '.join(changed)}"

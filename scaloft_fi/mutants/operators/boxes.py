@@ -1,4 +1,4 @@
-"""Faults of a person detector: which boxes it reports, and what they say."""
+"""Operators on the boxes of a person detector (message `Detections`)."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from scaloft_fi.mutants.sample import on_each
 from scaloft_fi.mutants.window import TOLERANCE_S, Windows
 from scaloft_fi.stack.messages import Detections, Person
 
-_SILENCE_S = 0.5  # a detector that has said nothing for so long reports nobody
+_SILENCE_S = 0.5  # a detector that was silent for this time reports nobody
 _NEAR = Person("person", 0.9, 0.1, 3.0)
 _FAR = Person("person", 0.7, -0.4, 6.0)
 
@@ -26,7 +26,7 @@ def _boxes(*persons: Person, t_s: float = 0.0) -> Detections:
 
 
 def _phantom(range_m: float) -> Person:
-    """A sure detection straight ahead."""
+    """A detection with high confidence, straight ahead."""
     return Person("person", 0.9, 0.0, range_m)
 
 
@@ -96,13 +96,13 @@ def ghost(_context: TapContext, *, distance_m: Metres) -> Tap:
 @dataclass
 class _Invert:
     range_m: float
-    heard_s: float = -math.inf
+    reported_s: float = -math.inf
 
     def __call__(self, t_s: float, sample: Any | None) -> Any | None:
         if sample is not None:
-            self.heard_s = t_s
+            self.reported_s = t_s
             return None
-        if t_s - self.heard_s < _SILENCE_S - TOLERANCE_S:
+        if t_s - self.reported_s < _SILENCE_S - TOLERANCE_S:
             return None
         return _boxes(_phantom(self.range_m), t_s=t_s)
 
@@ -115,9 +115,7 @@ class _Invert:
 def invert_presence(_context: TapContext, *, range_m: Metres = 3.0) -> Tap:
     """Report a person `range_m` [m] ahead while the detector reports none, and nobody while it reports one.
 
-    Wrong polarity.
-
-    The detector reports nobody once it has been silent for 0.5 s.
+    Wrong polarity.  A detector that was silent for 0.5 s reports nobody.
     """
     return _Invert(range_m)
 
@@ -165,7 +163,7 @@ def relabel(context: TapContext, *, share: Share = 1.0, label: str = "cart") -> 
 def early_report(context: TapContext, *, lead_s: Seconds, range_m: Metres = 3.0) -> Tap:
     """Report a person `range_m` [m] ahead from `lead_s` [s] before the nominal flight first sees one until then.
 
-    A warning by radio or from a map, a replayed detection.  Nothing happens where nobody is ever seen.
+    A warning by radio or from a map, a replayed detection.  Without a person in the nominal flight nothing changes.
     """
     known_s = context.facts.sighting_s
     sighting_s = math.inf if known_s is None else known_s

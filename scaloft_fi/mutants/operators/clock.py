@@ -1,4 +1,4 @@
-"""Faults of clocks: what the time stamps of a message say."""
+"""Operators on the time stamps of a message: faults of clocks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a field of the sample says in recurring windows, or from one moment on."""
+"""Operators that change a field in recurring windows, or from one moment on."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ def pulse(
     phase_s: Seconds = 0.0,
     component: Component = "",
 ) -> Tap:
-    """Add `amount` (in the field's unit) to `field` for `hold_s` [s] (0.
+    """Add `amount` (in the field's unit) to `field` for `hold_s` [s], each `period_s` [s]: a shock, a flicker.
 
-    For one sample), each `period_s` [s]: a shock, a flicker.
+    A `hold_s` of 0 changes one sample.
     """
     windows = Windows.polls(period_s, phase_s, hold_s, context.period_s)
     return within(windows, lambda sample: altered(sample, field, lambda v: v + amount, component))

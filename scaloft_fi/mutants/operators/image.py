@@ -1,4 +1,4 @@
-"""Faults of an image.  A pixel of 0 means that the sensor saw nothing there."""
+"""Operators on images.  A pixel of 0 means that the sensor saw nothing there."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Faults of the inertial sensor, at the seam `imu`."""
+"""Operators on the samples of an inertial sensor (message `Imu`)."""
 
 from __future__ import annotations
 

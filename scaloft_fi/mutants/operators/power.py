@@ -1,4 +1,4 @@
-"""Faults of the battery: its telemetry (seam `battery`) and what it gives the rotors (seam `thrust`)."""
+"""Faults of the battery: operators on its telemetry (message `Battery`) and on the thrust (message `Thrust`)."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _FULL = Battery(0.0, 0.9, 16.0, 4)
 
 
 def _depleted(battery: Battery, charge: float) -> Battery:
-    """Only the gauge lies: the voltage is measured elsewhere."""
+    """Change the charge only: the voltage is measured by another sensor."""
     return battery._replace(charge=charge)
 
 

@@ -1,4 +1,4 @@
-"""Whether a sample arrives at all."""
+"""Operators that lose samples, and the identity."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _A, _B, _C = (Reading(0.0, float(i)) for i in range(3))
 
 @operator("identity", example=Example(Reading, {}, (_A, None, _B), (_A, None, _B)))
 def identity(_context: TapContext) -> Tap:
-    """Pass every sample as it is: PLACEBO, the false-kill meter of the whole pipeline."""
+    """Deliver every sample unchanged: the operator of PLACEBO, which must equal the baseline."""
     return lambda _t_s, sample: sample
 
 

@@ -1,4 +1,4 @@
-"""When a sample arrives, and in which order."""
+"""Operators that change when, and in which order, samples arrive."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ class _Delay:
 def delay(_context: TapContext, *, delay_s: Seconds, keep_first: bool = False) -> Tap:
     """Deliver each sample at the first poll `delay_s` [s] or more after it was sent, with its original time stamp.
 
-    A queue in a slow transport, a slow computation.  `keep_first`: the very first sample passes at once, for settings
-    that are made before take-off.
+    A queue in a slow transport, a slow computation.  With `keep_first` the first sample passes at once, as a setting
+    that is made before take-off does.
     """
     return _Delay(delay_s, keep_first)
 

@@ -1,4 +1,4 @@
-"""What a field of the sample says, from take-off to the end."""
+"""Operators that change a field from take-off to the end."""
 
 from __future__ import annotations
 

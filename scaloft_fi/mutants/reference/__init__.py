@@ -1,4 +1,4 @@
-"""Operators for messages that only the reference stack has; its declaration names this package."""
+"""Operators on messages that only the reference stack has; its declaration names this package."""
 
 from scaloft_fi.mutants.reference import collision, goal, limits, mapping, pose, route
 

@@ -1,4 +1,4 @@
-"""Faults of the stack's own collision flag: bumper, proximity monitor, and the flag itself."""
+"""Operators on the stack's collision flag and on its inputs, bumper and proximity sectors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Faults of the mission's test whether a waypoint is reached, at the seam `goal`."""
+"""Operators on the mission's test whether a waypoint is reached (message `GoalCheck`)."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _FAR = GoalCheck(0, (0.0, 2.0, 0.0), (1.0, 1.0, 0.0), 0.15, 0.5)
 _THERE = GoalCheck(0, (0.0, 0.1, 0.0), (1.0, 1.0, 0.0), 0.15, 0.5)
 
 
-def _says(check: GoalCheck, *, verdict: bool) -> GoalCheck:
+def _decided(check: GoalCheck, *, verdict: bool) -> GoalCheck:
     return check._replace(verdict=verdict)
 
 
@@ -24,24 +24,24 @@ def _says(check: GoalCheck, *, verdict: bool) -> GoalCheck:
     "never_reached",
     need=the(GoalCheck),
     example=Example(
-        GoalCheck, {}, (_FAR, None, _THERE), (_says(_FAR, verdict=False), None, _says(_THERE, verdict=False))
+        GoalCheck, {}, (_FAR, None, _THERE), (_decided(_FAR, verdict=False), None, _decided(_THERE, verdict=False))
     ),
 )
 def never_reached(_context: TapContext) -> Tap:
     """Never declare a waypoint reached: the check is not called, or its threshold is 0."""
-    return on_each(lambda check: _says(check, verdict=False))
+    return on_each(lambda check: _decided(check, verdict=False))
 
 
 @operator(
     "invert_reached",
     need=the(GoalCheck),
     example=Example(
-        GoalCheck, {}, (_FAR, None, _THERE), (_says(_FAR, verdict=True), None, _says(_THERE, verdict=False))
+        GoalCheck, {}, (_FAR, None, _THERE), (_decided(_FAR, verdict=True), None, _decided(_THERE, verdict=False))
     ),
 )
 def invert_reached(_context: TapContext) -> Tap:
     """Declare a waypoint reached exactly while it is not: an inverted comparison."""
-    return on_each(lambda check: _says(check, verdict=not check.reached))
+    return on_each(lambda check: _decided(check, verdict=not check.reached))
 
 
 @operator(
@@ -65,7 +65,7 @@ class _Dwell:
         if sample.reached:
             self.reached_s.setdefault(sample.leg, t_s)
         since_s = self.reached_s.get(sample.leg)
-        return sample if since_s is None else _says(sample, verdict=t_s - since_s >= self.dwell_s - TOLERANCE_S)
+        return sample if since_s is None else _decided(sample, verdict=t_s - since_s >= self.dwell_s - TOLERANCE_S)
 
 
 @operator(
@@ -75,7 +75,7 @@ class _Dwell:
         GoalCheck,
         {"dwell_s": 0.1},
         (_FAR, _THERE, _FAR, _FAR),
-        (_FAR, _says(_THERE, verdict=False), _says(_FAR, verdict=False), _says(_FAR, verdict=True)),
+        (_FAR, _decided(_THERE, verdict=False), _decided(_FAR, verdict=False), _decided(_FAR, verdict=True)),
     ),
 )
 def dwell(_context: TapContext, *, dwell_s: Seconds) -> Tap:
@@ -90,7 +90,7 @@ def dwell(_context: TapContext, *, dwell_s: Seconds) -> Tap:
     "skip",
     need=the(GoalCheck),
     example=Example(
-        GoalCheck, {"index": 0}, (_FAR, _FAR._replace(leg=1)), (_says(_FAR, verdict=True), _FAR._replace(leg=1))
+        GoalCheck, {"index": 0}, (_FAR, _FAR._replace(leg=1)), (_decided(_FAR, verdict=True), _FAR._replace(leg=1))
     ),
 )
 def skip(_context: TapContext, *, index: Place) -> Tap:
@@ -98,7 +98,7 @@ def skip(_context: TapContext, *, index: Place) -> Tap:
 
     An event out of sequence.
     """
-    return on_each(lambda check: _says(check, verdict=True) if check.leg == index else check)
+    return on_each(lambda check: _decided(check, verdict=True) if check.leg == index else check)
 
 
 @operator(
@@ -121,10 +121,10 @@ def early_reached(_context: TapContext, *, lead_s: Seconds) -> Tap:
         GoalCheck,
         {"period_s": 0.1},
         (_FAR, _FAR, _FAR, _FAR, None),
-        (_FAR, _FAR, _says(_FAR, verdict=True), _FAR, None),
+        (_FAR, _FAR, _decided(_FAR, verdict=True), _FAR, None),
     ),
 )
 def spurious_reached(_context: TapContext, *, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
     """Declare the present waypoint reached, wherever the vehicle is, once each `period_s` [s]: a stray event."""
     windows = Windows.periodic(period_s, phase_s, period_s)
-    return AtEach(windows, lambda check: _says(check, verdict=True))
+    return AtEach(windows, lambda check: _decided(check, verdict=True))

@@ -1,4 +1,4 @@
-"""Faults of the speed limit, at the seam `speedlimit`.  A reduction is a limit below the cruise limit."""
+"""Operators on the speed limit (message `SpeedLimit`).  A reduction is a limit below the cruise limit."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ class _Release:
 def release(context: TapContext, *, after_s: Seconds) -> Tap:
     """Publish the cruise limit `after_s` [s] after the first reduction, and no reduction after that.
 
-    Released before the person is passed.
+    The limit is released before the drone has passed the person.
     """
     return _Release(_cruise(context), after_s)
 

@@ -1,4 +1,4 @@
-"""Faults of the obstacle map (seam `map`) and of what the memory forgets (seam `clearing`)."""
+"""Operators on the obstacle map (message `ObstacleMap`) and on the cells that it forgets (message `Clearing`)."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ def _clearing(*forget: int) -> Clearing:
     "empty_map", need=the(ObstacleMap), example=Example(ObstacleMap, {}, (_map((1.0, 0.0, 1.5)), None), (_map(), None))
 )
 def empty_map(_context: TapContext) -> Tap:
-    """Tell the planner of no obstacle at all: the map's topic is not connected."""
-    return on_each(lambda told: told._replace(points=told.points[:0].copy()))
+    """Send the planner a map without obstacles: the map's topic is not connected."""
+    return on_each(lambda sent: sent._replace(points=sent.points[:0].copy()))
 
 
 @operator(
@@ -48,11 +48,11 @@ def lose_points(context: TapContext, *, share: Share) -> Tap:
     """
     half_rad, centre_rad = math.pi * share, context.facts.bearing_rad
 
-    def partial(told: ObstacleMap) -> ObstacleMap:
-        away = told.points - told.origin
+    def partial(sent: ObstacleMap) -> ObstacleMap:
+        away = sent.points - sent.origin
         off_rad = np.arctan2(away[:, 1], away[:, 0]) - centre_rad
         off_rad = np.abs((off_rad + math.pi) % (2 * math.pi) - math.pi)
-        return told._replace(points=told.points[off_rad > half_rad])
+        return sent._replace(points=sent.points[off_rad > half_rad])
 
     return on_each(partial)
 
@@ -89,12 +89,12 @@ def _swaps_free_and_occupied(before: Samples, after: Samples) -> bool:
     ),
 )
 def invert_map(context: TapContext, *, radius_m: Metres = 1.5) -> Tap:
-    """Tell the planner of the free cells around the vehicle as if they were the occupied ones: inverted polarity.
+    """Send the planner the free cells around the vehicle in place of the occupied ones: inverted polarity.
 
-    Cells of the memory's edge within `radius_m` [m], and one layer up and down.
+    Cells have the memory's edge; those within `radius_m` [m] count, with one layer above and one below the vehicle.
     """
     cell_m = context.facts.settings["memory"]["voxel_m"]
-    return on_each(lambda told: told._replace(points=_free_cells(told.points, told.origin, cell_m, radius_m)))
+    return on_each(lambda sent: sent._replace(points=_free_cells(sent.points, sent.origin, cell_m, radius_m)))
 
 
 @operator(
@@ -109,7 +109,7 @@ def shift_map(_context: TapContext, *, distance_m: Metres, bearing_deg: Degrees 
     """
     angle_rad = math.radians(bearing_deg)
     offset = distance_m * np.array([math.cos(angle_rad), math.sin(angle_rad), 0.0])
-    return on_each(lambda told: told._replace(points=told.points + offset))
+    return on_each(lambda sent: sent._replace(points=sent.points + offset))
 
 
 @operator(
@@ -120,11 +120,11 @@ def shift_map(_context: TapContext, *, distance_m: Metres, bearing_deg: Degrees 
 def rotate_map(_context: TapContext, *, angle_deg: Degrees) -> Tap:
     """Rotate the map about the world's origin by `angle_deg` [deg, left positive].
 
-    A wrong heading when it was begun.
+    A wrong heading at the start of the map.
     """
     c, s = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
     turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-    return on_each(lambda told: told._replace(points=told.points @ turn))
+    return on_each(lambda sent: sent._replace(points=sent.points @ turn))
 
 
 @operator(

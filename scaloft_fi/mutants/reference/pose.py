@@ -1,4 +1,4 @@
-"""Faults of the pose estimate, at the seam `pose`."""
+"""Operators on the pose estimate (message `PoseEstimate`)."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class _Hold:
 def hold_component(_context: TapContext, *, component: Literal["x", "y", "z", "yaw"]) -> Tap:
     """Keep one component of the position [m, world], or the heading, at its first value: one measurement is not fused.
 
-    With the heading the attitude turns too, so that all consumers are told the same.
+    A held heading turns the attitude too, so that all consumers receive the same heading.
     """
     return _Hold(component)
 
@@ -88,7 +88,7 @@ class _ResetOrigin:
     ),
 )
 def reset_origin(_context: TapContext, *, at_s: Seconds = 20.0) -> Tap:
-    """Count x and y from where the vehicle is at `at_s` [s] on.
+    """From `at_s` [s] on, count x and y from where the vehicle was then.
 
     An estimator that restarts in flight; height is kept.
     """

@@ -1,4 +1,4 @@
-"""Faults of the waypoints: the list (seam `route`) and the one flown to (seam `target`)."""
+"""Operators on the waypoints: their list (message `Route`) and the present one (message `Target`)."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def insert_near_wall(context: TapContext, *, clearance_m: Metres) -> Tap:
 def omit(_context: TapContext, *, index: Place) -> Tap:
     """Leave out the waypoint at place `index` (from 0), where the route has one.
 
-    A lost packet of the plan's transfer.
+    A lost packet in the transfer of the plan.
     """
     return _rerouted(lambda points: (*points[:index], *points[index + 1 :]))
 

@@ -1,13 +1,13 @@
-"""What the reference stack believes, as the flight log records it."""
+"""The beliefs of the reference stack, as the flight log records them."""
 
 from __future__ import annotations
 
 from scaloft_fi.stack.belief import Belief, Mark
 
 MODES = ("takeoff", "offboard", "hold", "land", "level", "stopped")
-"""What flight control does, by the number that the belief `mode` has."""
+"""Modes of flight control; the belief `mode` is a place in this list."""
 NOBODY_M = 100.0
-"""Range of a person of whom the stack was not told."""
+"""The belief `told_range_m` while no person counts as reported."""
 
 BELIEFS = (
     Belief(

@@ -1,4 +1,4 @@
-"""The companion computer: perception, memory, mission, planner, and what they do when their inputs go stale.
+"""The companion computer: perception, memory, mission and planner, with time-outs for stale inputs.
 
 One call of `Companion.tick` runs its stages once, at 20 Hz, in the order of the data flow.  Every edge between two
 stages crosses the wire.
@@ -36,11 +36,11 @@ class CompanionConfig:
         depth_hover_s: depth older than this: hover (PX4-Avoidance timeout_critical 0.5 s).
         depth_land_s: depth older than this: land (PX4-Avoidance timeout_termination 15 s).
         pose_hover_s: pose older than this: hover.
-        pose_span_s: how long poses are kept for late frames [s].
-        pose_reach_s: how far poses are extrapolated for frames stamped ahead [s].
-        plan_every: ticks per plan (2 = 10 Hz).
-        hover_p: gain that holds the place of a hover [1/s].
-        told_s: a person counts as reported for so long after each message [s].
+        pose_span_s: how long poses are kept, for late frames [s].
+        pose_reach_s: how far poses are extrapolated, for frames with a stamp in the future [s].
+        plan_every: ticks from plan to plan (2 = 10 Hz).
+        hover_p: gain that holds the position of a hover [1/s].
+        told_s: how long a person counts as reported after each message [s].
     """
 
     depth_hover_s: float
@@ -68,15 +68,15 @@ class Stages:
 
 
 class Companion:
-    """Runs the stages; what it believes is in its public attributes.
+    """Runs the stages; its public attributes are its beliefs.
 
     Attributes:
         exposure: last order to the colour camera.
         limit: speed limit in force.
-        told_until_s, told_range_m: until when a person counts as reported, and how far it was.
+        told_until_s, told_range_m: until when a person counts as reported, and the person's range.
         flagged: whether the collision flag arrived at this tick.
-        map_points: occupied cells the planner was last told of.
-        order: last velocity command that was sent.
+        map_points: occupied cells in the planner's last map.
+        order: last velocity command that flight control received.
     """
 
     def __init__(self, config: CompanionConfig, stages: Stages, wire: Wire, route: Route, yaw_rad: float) -> None:
@@ -101,23 +101,24 @@ class Companion:
     def tick(self, now_s: float, frames: SensorFrames, pose: PoseEstimate, control: FlightControl) -> None:
         """Run every stage once."""
         cross = self._wire.cross
-        heard = cross("pose", now_s, pose)
-        if heard is not None:
-            self._poses.hear(heard)
+        delivered_pose = cross("pose", now_s, pose)
+        if delivered_pose is not None:
+            self._poses.add(delivered_pose)
             self._pose_s = now_s
         self._see(now_s, frames)
         self._look_for_people(now_s, frames)
         self._expose(now_s, frames)
 
         mission = self.stages.mission
-        mission.obey(cross("failsafe", now_s, self.stages.battery.hear(now_s, cross("battery", now_s, frames.battery))))
+        telemetry = cross("battery", now_s, frames.battery)
+        mission.follow(cross("failsafe", now_s, self.stages.battery.update(now_s, telemetry)))
         mission.plan(cross("route", now_s, self._route))
         self._route = None
         believed = self._poses.newest
         if believed is None:
             return
         mission.climb(now_s, believed)
-        mission.settle(cross("goal", now_s, mission.check(believed)))
+        mission.advance(cross("goal", now_s, mission.check(believed)))
         self._target = cross("target", now_s, mission.target())
         self._replan(now_s, believed)
         if mission.phase == "land" or now_s - self._depth_s > self.config.depth_land_s:
@@ -132,7 +133,7 @@ class Companion:
             )
 
     def _see(self, now_s: float, frames: SensorFrames) -> None:
-        """Depth into memory and proximity monitor."""
+        """Feed depth image and bumper into memory and proximity monitor."""
         cross, stages = self._wire.cross, self.stages
         frame = self._fresh(now_s, cross("depth", now_s, frames.depth))
         bumper = cross("bumper", now_s, frames.bumper)
@@ -150,23 +151,23 @@ class Companion:
         self.flagged = flag is not None
         believed = self._poses.newest
         if believed is not None and flying:
-            stages.recoil.hear(now_s, flag, believed)
+            stages.recoil.trigger(now_s, flag, believed)
 
     def _fresh(self, now_s: float, frame: DepthFrame | None) -> DepthFrame | None:
-        """The frame, unless its stamp says that it is too old or too far ahead to be used."""
+        """The frame; None when its stamp is too old or too far in the future."""
         if frame is None or not -self.config.pose_reach_s <= now_s - frame.stamp_s <= self.config.depth_hover_s:
             return None
         return frame
 
     def _near(self, frame: DepthFrame | None, pose: PoseEstimate | None, bumper: Bumper | None) -> Proximity | None:
-        """What the proximity monitor is told: the frame's sectors joined with the touch sensor."""
+        """Input of the proximity monitor: the frame's sectors joined with the touch sensor."""
         touched = bumper is not None and bumper.hull
         if frame is not None and pose is not None:
             return self.stages.proximity.sectors(frame, pose)._replace(touched=touched)
         return self.stages.proximity.blind(bumper.stamp_s, touched=True) if bumper is not None and touched else None
 
     def _look_for_people(self, now_s: float, frames: SensorFrames) -> None:
-        limit, person = self.stages.speed_limit.hear(now_s, self._wire.cross("person", now_s, frames.detections))
+        limit, person = self.stages.speed_limit.update(now_s, self._wire.cross("person", now_s, frames.detections))
         if person is not None:
             self.told_until_s, self.told_range_m = now_s + self.config.told_s, person.range_m
         delivered = self._wire.cross("speedlimit", now_s, limit)
@@ -203,7 +204,7 @@ class Companion:
         return VelocityCommand(now_s, velocity, self._yaw_rad)
 
     def _hover_order(self, now_s: float, pose: PoseEstimate) -> VelocityCommand:
-        """Stay where the hover began."""
+        """The command that holds the position at which the hover began."""
         if self._hover is None:
             self._hover = pose.position.copy()
         back = self.config.hover_p * (self._hover - pose.position)
@@ -213,7 +214,7 @@ class Companion:
         return VelocityCommand(now_s, back, self._yaw_rad)
 
     def beliefs(self, now_s: float) -> tuple[float, ...]:
-        """What the companion believes: told of a person, its range, limit, flag, leg, map points, command (4)."""
+        """The companion's beliefs: person reported, its range, speed limit, flag, leg, map points, command (4)."""
         told = now_s <= self.told_until_s
         order = self.order
         command = (0.0, 0.0, 0.0, 0.0) if order is None else (*order.velocity.tolist(), order.yaw_rad)

@@ -20,7 +20,7 @@ VELOCITY_MODE, HOLD_MODE, LAND_MODE, LEVEL_MODE = 0, 1, 2, 3
 # Layout of the controller's memory: slewed velocity setpoint, integrators, slewed heading setpoint.
 SETPOINT, INTEGRAL, HEADING, MEMORY_SIZE = 0, 3, 6, 7
 
-# Layout of what it is given and keeps: velocity, hold, memory, gains, allocation, thrust.
+# Layout of the numbers of flight control: velocity, hold, memory, gains, allocation, thrust.
 _HOLD, _MEMORY, _GAINS = 3, 6, 6 + MEMORY_SIZE
 _ALLOCATION = _GAINS + 19
 _THRUST, NUMBERS = _ALLOCATION + 16, _ALLOCATION + 20
@@ -28,7 +28,7 @@ _THRUST, NUMBERS = _ALLOCATION + 16, _ALLOCATION + 20
 
 @dataclass(frozen=True)
 class ControlConfig:
-    """What flight control believes of its vehicle, and its gains.
+    """The vehicle as flight control believes it to be, and the gains.
 
     Attributes:
         mass_kg: believed mass [kg].
@@ -43,7 +43,7 @@ class ControlConfig:
         attitude_p: roll and pitch, yaw [1/s].
         rate_p: roll and pitch, yaw [1/s].
         accel_mps2: greatest change of the velocity setpoint [m/s2].
-        tilt_accel_mps2: greatest horizontal acceleration asked for [m/s2].
+        tilt_accel_mps2: greatest horizontal acceleration setpoint [m/s2].
         yaw_rate_radps: greatest change of the heading setpoint [rad/s].
         hold_mps: greatest speed of position hold, horizontal, up [m/s].
         land_mps: sink rate of a landing [m/s].
@@ -67,7 +67,7 @@ class ControlConfig:
     land_mps: float
 
     def gains(self) -> Array:
-        """The numbers as the compiled loop reads them, (19,)."""
+        """(19,) masses, limits and gains in the order in which `control` reads them."""
         return np.array(
             [
                 self.mass_kg,
@@ -125,8 +125,8 @@ def control(
     Args:
         state: (16,) estimator state. r: (3, 3) its rotation matrix. rate: (3,) body rate [rad/s].
         mode: VELOCITY_MODE follows `velocity_sp` (3,) [m/s, world]; HOLD_MODE flies to and holds `hold` (3,)
-            [m, world]; LAND_MODE sinks above `hold` and LEVEL_MODE level, wherever
-            that drifts, both at the vertical velocity of `velocity_sp`.
+            [m, world]; LAND_MODE sinks above `hold`, LEVEL_MODE sinks level and
+            drifts, both at the vertical velocity of `velocity_sp`.
         yaw_sp: heading to take [rad]. accel_mps2: greatest change of the velocity setpoint [m/s2].
         thrust: (4,) receives the rotor thrusts [N].
 

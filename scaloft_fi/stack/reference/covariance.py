@@ -1,7 +1,7 @@
-"""The compiled work on the covariance of the estimator's error: what a step and a fix do to it.
+"""Compiled updates of the covariance of the estimator's error: prediction, and correction by a fix.
 
 Products of matrices are fused multiply-adds in the order of the terms, one rounding each, so that their bits are the
-same on every processor; those of a BLAS depend on which of its kernels the processor gets.
+same on every processor; the bits of a BLAS depend on the kernels that it chooses for the processor.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.kernel import jit
 
 SIZE = 15
-"""Parts of the error: position, velocity, attitude, rate bias, force bias, three each."""
+"""Components of the error: position, velocity, attitude, rate bias, force bias, three each."""
 MEASURED = (0, 1, 2, 8)
-"""What of the error a fix tells: position x, y, z and heading."""
-_TOLD = len(MEASURED)
-_BLOCK = 5  # columns whose sums are in the making at once, so that none waits for its own last term
+"""Components of the error that a fix measures: position x, y, z and heading."""
+_FIX = len(MEASURED)
+_BLOCK = 5  # columns that are summed at once: while one sum waits for its last term, the others go on
 
 
 def _emit_fused(_typing: Any, _a: Any, _b: Any, _c: Any) -> Any:
@@ -62,7 +62,7 @@ def _both_sides(f: Array, p: Array) -> Array:
 
 @jit
 def carried(f: Array, p: Array, noise: Array) -> Array:
-    """The covariance `p` a step later: f p f' + noise; all (SIZE, SIZE)."""
+    """The covariance after a step: f p f' + noise; all (SIZE, SIZE)."""
     out = _both_sides(f, p)
     for i in range(SIZE):
         for j in range(SIZE):
@@ -72,45 +72,45 @@ def carried(f: Array, p: Array, noise: Array) -> Array:
 
 @jit
 def innovation(p: Array, noise: Array) -> Array:
-    """Covariance (4, 4) of how far a fix is off the estimate: of the estimate's measured parts, and of the fix."""
-    s = np.empty((_TOLD, _TOLD))
-    for i in range(_TOLD):
-        for j in range(_TOLD):
+    """Covariance (4, 4) of the innovation: that of the estimate's measured components plus `noise`, that of the fix."""
+    s = np.empty((_FIX, _FIX))
+    for i in range(_FIX):
+        for j in range(_FIX):
             s[i, j] = p[MEASURED[i], MEASURED[j]] + noise[i, j]
     return s
 
 
 @jit
 def corrected(p: Array, noise: Array, inverse: Array, z: Array) -> tuple[Array, Array, Array]:
-    """What a fix tells: gain (SIZE, 4), error (SIZE,) and the covariance (SIZE, SIZE) that is left, in Joseph's form.
+    """Gain (SIZE, 4), error (SIZE,) and covariance (SIZE, SIZE) after a fix, in Joseph's form.
 
     Args:
-        p: (SIZE, SIZE) covariance before it.
+        p: (SIZE, SIZE) covariance before the fix.
         noise: (4, 4) covariance of a fix.
-        inverse: (4, 4) of the innovation's covariance.
-        z: (4,) how far the fix is off.
+        inverse: (4, 4) inverse of the innovation's covariance.
+        z: (4,) the innovation, fix minus estimate.
     """
-    gain, error, kept, spread = np.empty((SIZE, _TOLD)), np.empty(SIZE), np.zeros((SIZE, SIZE)), np.empty((SIZE, _TOLD))
+    gain, error, kept, spread = np.empty((SIZE, _FIX)), np.empty(SIZE), np.zeros((SIZE, SIZE)), np.empty((SIZE, _FIX))
     for i in range(SIZE):
         kept[i, i] = 1.0
-        for j in range(_TOLD):
+        for j in range(_FIX):
             total = 0.0
-            for k in range(_TOLD):
+            for k in range(_FIX):
                 total = fused(p[i, MEASURED[k]], inverse[k, j], total)
             gain[i, j] = total
             kept[i, MEASURED[j]] -= total
-        # in pairs, as numpy has it, and from +0 on, or nothing off would be an error of -0
+        # summed in pairs, as numpy does, and from +0: an innovation of 0 gives an error of +0, not of -0
         error[i] = 0.0 + ((gain[i, 0] * z[0] + gain[i, 2] * z[2]) + (gain[i, 1] * z[1] + gain[i, 3] * z[3]))
-        for j in range(_TOLD):
+        for j in range(_FIX):
             total = 0.0
-            for k in range(_TOLD):
+            for k in range(_FIX):
                 total = fused(gain[i, k], noise[k, j], total)
             spread[i, j] = total
     left = _both_sides(kept, p)
     for i in range(SIZE):
         for j in range(SIZE):
             total = 0.0
-            for k in range(_TOLD):
+            for k in range(_FIX):
                 total = fused(spread[i, k], gain[j, k], total)
             left[i, j] += total
     return gain, error, left

@@ -1,4 +1,4 @@
-"""The Kalman filter over the estimator's error, and what it is fed with.
+"""The Kalman filter over the estimator's error, its transition matrix and its gate.
 
 The error is of (position, velocity, attitude, rate bias, force bias); attitude errors are small rotation vectors in the
 world frame.  A fix measures position x, y, z and heading.
@@ -21,9 +21,9 @@ _IDENTITY = np.eye(len(MEASURED))
 
 
 class ErrorFilter(KalmanFilter):  # type: ignore[misc]
-    """`KalmanFilter` for an error that is zero before each correction and of which four parts are measured.
+    """`KalmanFilter` for an error that is zero before each correction and of which four components are measured.
 
-    filterpy's matrices without its copies for inspection, compiled.
+    It keeps filterpy's matrices, makes none of filterpy's copies for inspection, and computes in compiled kernels.
     """
 
     P: Array
@@ -33,7 +33,7 @@ class ErrorFilter(KalmanFilter):  # type: ignore[misc]
         self.P = carried(self.F, self.P, self.Q)
 
     def update(self, z: Array) -> None:
-        """Take in how far a fix is off, `z` (4,): x, y, z [m] and heading [rad].
+        """Correct by the innovation `z` (4,), fix minus estimate: x, y, z [m] and heading [rad].
 
         Raises:
             numpy.linalg.LinAlgError: the covariance of the innovation is singular.
@@ -71,10 +71,10 @@ def error_filter(
 
 @jit
 def transition(f: Array, dt_s: float, world_force: Array, r: Array) -> None:
-    """Write what `dt_s` does to an error into the transition matrix `f` (15, 15).
+    """Write the transition of the error over `dt_s` into the matrix `f` (15, 15).
 
     Args:
-        f: (15, 15) identity elsewhere.
+        f: (15, 15) the identity but for the entries that this function writes.
         dt_s: time since the last prediction [s].
         world_force: (3,) sum of specific force x dt in that time [m/s, world].
         r: (3, 3) attitude, body to world.
@@ -91,13 +91,13 @@ def transition(f: Array, dt_s: float, world_force: Array, r: Array) -> None:
 
 @jit
 def plausible(error: Array, covariance: Array, noise: Array, gate_sigma: float) -> bool:
-    """Whether each part of `error` (4,) is within `gate_sigma` standard deviations.
+    """Whether each component of `error` (4,) is within `gate_sigma` standard deviations.
 
     Args:
         error: (4,) fix minus estimate: position x, y, z [m] and heading [rad].
         covariance: (15, 15) of the estimator's error.
         noise: (4, 4) covariance of a fix.
-        gate_sigma: standard deviations that are let through.
+        gate_sigma: greatest accepted number of standard deviations.
     """
     for i in range(4):
         k = i if i < 3 else 8

@@ -1,7 +1,7 @@
 """State estimation: strapdown integration at the inertial rate, corrected by fixes in an error-state Kalman filter.
 
-The filter is `filterpy.kalman.KalmanFilter` over the error of the state.  A late fix is compared with the estimate of
-its own time.
+The filter is `filterpy.kalman.KalmanFilter` over the error of the state.  A late fix is compared with the estimate for
+the time of its stamp.
 """
 
 from __future__ import annotations
@@ -42,10 +42,10 @@ class EstimatorConfig:
         force_noise: white noise of the accelerometer [m/s2/sqrt(Hz)].
         rate_bias_walk: drift of the gyro bias [rad/s2/sqrt(Hz)].
         force_bias_walk: drift of the accelerometer bias [m/s3/sqrt(Hz)].
-        fix_sigma_m: standard deviation a fix is believed to have [m].
-        fix_yaw_sigma_rad: the same of its heading [rad].
-        gate_sigma: a fix farther off than this many standard deviations is refused.
-        reset_after_s: refused for so long, the next fix is taken over as it is [s].
+        fix_sigma_m: believed standard deviation of a fix's position [m].
+        fix_yaw_sigma_rad: believed standard deviation of a fix's heading [rad].
+        gate_sigma: a fix farther from the estimate than this number of standard deviations is refused.
+        reset_after_s: after this time of refused fixes the next fix replaces the estimate [s].
         stale_after_s: a fix older than this is refused [s].
         history_s: how long past estimates are kept for late fixes [s].
     """
@@ -66,12 +66,12 @@ class Estimator:
     """The running estimate.
 
     Attributes:
-        numbers: (33,) state, rotation, world_force, rate and two times in one piece; the first four are views of it.
+        numbers: (33,) state, rotation, world_force, rate and two times; the other arrays are views of it.
         state: (16,) nominal state, see `strapdown.propagate`.
         rate: (3,) last angular rate, bias removed [rad/s, body].
         rotation: (3, 3) attitude as a matrix, body to world.
         world_force: (3,) specific force integrated since the last prediction [m/s, world].
-        last_fix_s: own time at which a fix was last accepted [s].
+        last_fix_s: time by the stack's clock at which a fix was last accepted [s].
     """
 
     def __init__(self, config: EstimatorConfig, position: Array, yaw_rad: float) -> None:

@@ -9,7 +9,7 @@ from scaloft_fi.stack.messages import Exposure, Metering
 
 @dataclass(frozen=True)
 class ExposureConfig:
-    """The exposure loop.
+    """Settings of the exposure loop.
 
     Attributes:
         gain: share of the metered error corrected per tick.
@@ -30,7 +30,7 @@ class ExposureControl:
         self._ev = 0.0
 
     def meter(self, metering: Metering | None) -> Exposure:
-        """The order that follows from the light meter's word; without one it stays."""
+        """The order to the camera; without a message of the light meter the order stays."""
         config = self.config
         if metering is not None:
             self._ev = min(config.limit_ev, max(-config.limit_ev, self._ev + config.gain * metering.error_ev))

@@ -27,10 +27,11 @@ class FailsafeConfig:
     """Time-outs of the autopilot.
 
     Attributes:
-        command_hold_s: no command for so long: hold position (PX4 COM_OF_LOSS_T has 1 s; PX4-Avoidance 0.5 s).
-        command_land_s: no command for so long: land (PX4-Avoidance's termination, 15 s).
-        fix_level_s: no accepted fix for so long: sink level (PX4 EKF2_NOAID_TOUT, 5 s).
-        imu_stop_s: no inertial sample for so long: stop the rotors, attitude is lost.
+        command_hold_s: time without a command before it holds position [s] (PX4 COM_OF_LOSS_T 1 s; PX4-Avoidance
+            0.5 s).
+        command_land_s: time without a command before it lands [s] (PX4-Avoidance's termination, 15 s).
+        fix_level_s: time without an accepted fix before it sinks level [s] (PX4 EKF2_NOAID_TOUT, 5 s).
+        imu_stop_s: time without an inertial sample before it stops the rotors, because attitude is lost [s].
     """
 
     command_hold_s: float
@@ -40,12 +41,12 @@ class FailsafeConfig:
 
 
 class FlightControl:
-    """Follows velocity commands, holds, takes off, lands; falls back by itself when its inputs stop.
+    """Follows velocity commands, holds, takes off, lands; falls back to a fail-safe when its inputs stop.
 
     Attributes:
-        mode: what it does now, one of "takeoff", "offboard", "hold", "land", "level", "stopped".
-        kernel_mode, yaw_rad, accel_mps2: what `control` is given.
-        numbers: (52,) and all the rest of it, see `control.parts_of`.
+        mode: its present mode, one of "takeoff", "offboard", "hold", "land", "level", "stopped".
+        kernel_mode, yaw_rad, accel_mps2: arguments of the kernel `control`.
+        numbers: (52,) the other arguments of `control`, see `control.parts_of`.
     """
 
     def __init__(self, config: ControlConfig, failsafe: FailsafeConfig, estimator: Estimator, yaw_rad: float) -> None:
@@ -70,12 +71,12 @@ class FlightControl:
         self._hold[2] = altitude_m
 
     def land(self, limit_mps: float) -> None:
-        """Sink where it is, no faster than `limit_mps`."""
+        """Sink at the present position, no faster than `limit_mps`."""
         if self.mode not in ("land", "level", "stopped"):
             self._sink("land", LAND_MODE, limit_mps)
 
     def command(self, now_s: float, order: VelocityCommand, accel_mps2: float) -> None:
-        """Follow a velocity; ends take-off and hold, not a landing."""
+        """Follow a velocity command; a command ends take-off and hold, but not a landing."""
         if self.mode in ("land", "level", "stopped"):
             return
         self._commanded_s = now_s
@@ -95,7 +96,7 @@ class FlightControl:
             self._sink("level", LEVEL_MODE, self.config.land_mps)
 
     def step(self, now_s: float, imu: Imu | None, dt_s: float) -> Thrust:
-        """One 240 Hz step: integrate the inertial sample, if it came, and order thrust."""
+        """One 240 Hz step: integrate the inertial sample, if one arrived, and return the thrust."""
         estimator = self.estimator
         if imu is not None:
             estimator.inertial(now_s, imu)

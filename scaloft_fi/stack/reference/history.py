@@ -1,4 +1,4 @@
-"""The estimator's recent past: where it believed to be and when, for fixes that come late."""
+"""Recent estimates of position and heading by time, for fixes that arrive late."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class History:
         return self._end - self._first
 
     def add(self, now_s: float, position: Array, yaw_rad: float) -> None:
-        """Remember the estimate of `now_s`, and forget what is older than the span."""
+        """Add the estimate of `now_s` and drop estimates that are older than the span."""
         if self._end == len(self._rows):
             kept = self._rows[self._first :].copy()
             if 2 * len(kept) > len(self._rows):
@@ -35,7 +35,7 @@ class History:
         self._end += 1
 
     def at(self, stamp_s: float) -> tuple[Array, float]:
-        """Position (3,) and heading at `stamp_s`, interpolated; the newest (or oldest) ones outside the history."""
+        """Position (3,) and heading at `stamp_s`, interpolated; outside the history those of its last or first row."""
         position = np.empty(3)
         share, yaw_rad, later_rad = _at(self._rows, self._first, self._end, stamp_s, position)
         if share > 0.0:
@@ -43,13 +43,13 @@ class History:
         return position, yaw_rad
 
     def shift(self, position: Array, yaw_rad: float) -> None:
-        """A correction applies to the recent past as well, or late fixes would correct the same error twice."""
+        """Apply a correction to the recent past as well; otherwise late fixes would correct the same error twice."""
         _shift(self._rows, self._first, self._end, position, yaw_rad)
 
 
 @jit
 def _add(rows: Array, first: int, end: int, now_s: float, position: Array, yaw_rad: float, span_s: float) -> int:
-    """Write row `end`; returns the first row that is not older than the span."""
+    """Write row `end`; returns the number of the first row that is not older than the span."""
     rows[end, 0], rows[end, 4] = now_s, yaw_rad
     for k in range(3):
         rows[end, 1 + k] = position[k]

@@ -1,6 +1,6 @@
 """The autopilot's 240 Hz part as one compiled step: the fast path of the reference stack.
 
-The same kernels on the same numbers as `FlightControl.step`, in the same order.
+It calls the same kernels on the same numbers as `FlightControl.step`, in the same order.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class InnerLoop:
     """Estimator and flight control as one kernel.
 
     Attributes:
-        seams: the seams that it skips.
+        seams: the seams that the kernel skips.
         kernel: the compiled step.
     """
 
@@ -60,7 +60,7 @@ class InnerLoop:
         self._numbers = (estimator.numbers, flight_control.numbers, self._orders)
 
     def begin(self) -> Numbers:
-        """The numbers of estimator and flight control themselves, not copies, and the orders of this tick."""
+        """The arrays of estimator and flight control, not copies of them, and the orders of this tick."""
         control = self._control
         mode = STOPPED_MODE if control.mode == "stopped" else control.kernel_mode
         self._orders[:] = mode, control.yaw_rad, control.accel_mps2

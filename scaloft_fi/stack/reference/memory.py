@@ -1,4 +1,4 @@
-"""Obstacle memory: which cells of space were seen occupied, also where the camera does not look now.
+"""Obstacle memory: the cells of space that were seen occupied, also outside the present field of view.
 
 Like the local planner of PX4-Avoidance it keeps points outside the field of view up to a maximum age and trusts the
 newest frame inside it: a pixel that sees farther than a cell, or that sees nothing, clears that cell.
@@ -27,9 +27,9 @@ class MemoryConfig:
 
     Attributes:
         voxel_m: edge of a cell [m].
-        max_age_s: how long a cell outside the view is believed [s] (PX4-Avoidance max_point_age_s).
-        min_range_m: depths below are not used [m].
-        max_range_m: depths beyond are not used [m].
+        max_age_s: how long a cell outside the view is kept [s] (PX4-Avoidance max_point_age_s).
+        min_range_m: smaller depths are not used [m].
+        max_range_m: greater depths are not used [m].
         min_pixels: pixels of one frame that must fall into a cell to mark it.
         clear_margin_m: how much farther than a cell's centre a pixel must see to clear it [m].
         local_radius_m: the map holds the cells within this distance of the vehicle [m].
@@ -56,16 +56,16 @@ class ObstacleMemory:
         self._cells: Cells = np.empty(0, np.int64)
         self._seen_s: Array = np.empty(0)
         self._frame_s = -math.inf
-        self._fresh: Cells = np.empty(0, np.int64)  # what the newest frame marks
-        self._places: Cells = np.empty(0, np.int64)  # where these are in _cells, or -1
+        self._fresh: Cells = np.empty(0, np.int64)  # cells that the newest frame marks
+        self._places: Cells = np.empty(0, np.int64)  # their places in _cells, or -1
 
     def __len__(self) -> int:
         return len(self._cells)
 
     def observe(self, frame: DepthFrame, pose: PoseEstimate) -> Clearing:
-        """What would be forgotten after `frame`, seen from `pose`: cells it sees through, and cells too old.
+        """The cells to forget after `frame`, taken from `pose`: cells that it sees through, and cells that are too old.
 
-        Keeps the cells that the frame marks until `update`; a cell that the frame marks is not forgotten.
+        Keeps the cells that the frame marks until `update`; none of them is forgotten.
         """
         c, camera = self.config, self.camera
         self._fresh, self._places, forget = voxels.observe(
@@ -77,7 +77,7 @@ class ObstacleMemory:
         return Clearing(frame.stamp_s, forget, self._cells)
 
     def update(self, delivered: Clearing | None) -> None:
-        """Forget the cells that were `delivered` (None: forget nothing), then insert what the last frame marked."""
+        """Forget the cells that were `delivered` (None: no cell), then insert the cells that the last frame marked."""
         forget = np.ascontiguousarray(delivered.forget) if delivered is not None else _NOTHING
         self._cells, self._seen_s = voxels.update(
             self._cells, self._seen_s, forget, self._fresh, self._places, self._frame_s

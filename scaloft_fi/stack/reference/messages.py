@@ -1,4 +1,4 @@
-"""What travels between the stages of the reference stack.  Messages of sensors and rotors: `stack.messages`."""
+"""Messages between the stages of the reference stack.  Messages of sensors and rotors: `stack.messages`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from scaloft_fi.stack.fields import Array, Point, Stamp, Vector
 
 
 class PoseEstimate(NamedTuple):
-    """The estimator's word to the companion stages.
+    """The estimate that the companion's stages receive.
 
     position: (3,) [m, world]; velocity: (3,) [m/s, world]; yaw_rad: heading [rad]; attitude: (4,) x, y, z, w.
     """
@@ -39,7 +39,10 @@ class Proximity(NamedTuple):
 
 
 class CollisionFlag(NamedTuple):
-    """The stack's own collision flag; sent only while raised.  bearing_rad: where from [rad, body, left positive]."""
+    """The stack's own collision flag; sent only while raised.
+
+    bearing_rad: direction of the obstacle [rad, body, left positive].
+    """
 
     stamp_s: Stamp
     bearing_rad: float
@@ -50,7 +53,7 @@ class GoalCheck(NamedTuple):
 
     leg: place of the waypoint in the route; offset: (3,) waypoint minus position [m, world];
     axes: (3,) 1.0 for each axis that counts; speed_mps: closing speed [m/s];
-    verdict: None = by distance, else what a fault says.
+    verdict: None = the distance decides; a fault may set it.
     """
 
     leg: int
@@ -78,14 +81,14 @@ class Route(NamedTuple):
 
 
 class Target(NamedTuple):
-    """The waypoint the planner flies to: place in the route, position [m, world]."""
+    """The waypoint that the planner flies to: place in the route, position [m, world]."""
 
     leg: int
     point: Point
 
 
 class SpeedLimit(NamedTuple):
-    """Speed limit [m/s]; `norm` says of what: "euclidean" (the speed) or "per_axis" (each axis by itself)."""
+    """Speed limit [m/s]; `norm`: what it limits, "euclidean" (the speed) or "per_axis" (each component)."""
 
     stamp_s: Stamp
     limit_mps: float
@@ -93,7 +96,7 @@ class SpeedLimit(NamedTuple):
 
 
 class Clearing(NamedTuple):
-    """What the obstacle memory is about to forget.
+    """The cells that the obstacle memory is about to forget.
 
     forget: (N,) cells to erase; occupied: (M,) all occupied cells (indices of the memory's grid).
     """
@@ -104,10 +107,10 @@ class Clearing(NamedTuple):
 
 
 class ObstacleMap(NamedTuple):
-    """What the memory tells the planner.
+    """The obstacle map that the planner receives.
 
     points: (N, 3) centres of occupied cells [m, world]; inflation: factor on the planner's obstacle dilation;
-    origin: (3,) where the vehicle believes to be [m, world].
+    origin: (3,) believed position of the vehicle [m, world].
     """
 
     stamp_s: Stamp
@@ -125,7 +128,7 @@ class VelocityCommand(NamedTuple):
 
 
 class Failsafe(NamedTuple):
-    """What the battery monitor asks of the mission: "return" (fly home and land) or "land" (here and now)."""
+    """Request of the battery monitor to the mission: "return" (fly home and land) or "land" (here and now)."""
 
     stamp_s: Stamp
     action: str

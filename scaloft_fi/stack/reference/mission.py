@@ -1,4 +1,4 @@
-"""The mission: take off, fly the waypoints, come home, land.  It hands out one waypoint at a time."""
+"""The mission: take off, fly the waypoints, come home, land.  The planner gets one waypoint at a time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class MissionConfig:
     Attributes:
         goal_radius_m: a waypoint closer than this counts as reached [m]; published 0.15.
         goal_axes: which axes of the distance count (x, y, z); published: not z.
-        settled_m: take-off is over within this of the altitude [m].
+        settled_m: take-off ends within this distance of the altitude [m].
         dwell_s: pause after take-off before the first waypoint [s].
     """
 
@@ -29,9 +29,9 @@ class Mission:
     """State machine of the mission.
 
     Attributes:
-        home: where it takes off, at the height of flight [m, world].
+        home: position of take-off, at the altitude of the flight [m, world].
         phase: "takeoff", "fly" or "land".
-        index: place in the route of the waypoint flown to.
+        index: place in the route of the present waypoint.
     """
 
     def __init__(self, config: MissionConfig, home: Point) -> None:
@@ -43,12 +43,12 @@ class Mission:
         self._settled_s: float | None = None
 
     def plan(self, route: Route | None) -> None:
-        """Take the list of waypoints when it comes."""
+        """Replace the waypoints when a route arrives."""
         if route is not None:
             self._route = route.points
 
-    def obey(self, failsafe: Failsafe | None) -> None:
-        """Follow the battery monitor: give up the mission."""
+    def follow(self, failsafe: Failsafe | None) -> None:
+        """Follow a request of the battery monitor, which ends the mission."""
         if failsafe is None:
             return
         if failsafe.action == "land":
@@ -57,7 +57,7 @@ class Mission:
             self._route, self.index = (self.home,), 0
 
     def climb(self, now_s: float, pose: PoseEstimate) -> None:
-        """Leave the take-off once the altitude was held for the dwell."""
+        """End the take-off when the altitude was held for `dwell_s`."""
         if self.phase != "takeoff" or abs(pose.position[2] - self.home[2]) > self.config.settled_m:
             return
         if self._settled_s is None:
@@ -66,7 +66,7 @@ class Mission:
             self.phase = "fly"
 
     def check(self, pose: PoseEstimate) -> GoalCheck | None:
-        """The question whether the present waypoint is reached, if there is one."""
+        """Input of the goal test for the present waypoint; None when there is none."""
         if self.phase != "fly" or self.index >= len(self._route):
             return None
         point = self._route[self.index]
@@ -77,8 +77,8 @@ class Mission:
         closing_mps = (dx * vx + dy * vy) / distance_m if distance_m > 1e-6 else 0.0
         return GoalCheck(self.index, (dx, dy, dz), self.config.goal_axes, self.config.goal_radius_m, closing_mps)
 
-    def settle(self, check: GoalCheck | None) -> None:
-        """Go on to the next waypoint when the answer is yes; after the last one, land."""
+    def advance(self, check: GoalCheck | None) -> None:
+        """Go on to the next waypoint when `check` has the present one reached; after the last one, land."""
         if check is None or not check.reached:
             return
         self.index += 1
@@ -86,7 +86,7 @@ class Mission:
             self.phase = "land"
 
     def target(self) -> Target | None:
-        """The waypoint for the planner; None when there is none to fly to."""
+        """The waypoint for the planner; None when there is none."""
         if self.phase != "fly" or self.index >= len(self._route):
             return None
         return Target(self.index, self._route[self.index])

@@ -1,4 +1,4 @@
-"""The recent poses as the companion heard them, asked by time stamp."""
+"""Recent poses as the companion received them, looked up by time stamp."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from scaloft_fi.stack.reference.messages import PoseEstimate
 
 
 class PoseBuffer:
-    """Poses of the last `span_s` seconds; interpolates between them, extrapolates `reach_s` past the newest."""
+    """Poses of the last `span_s` seconds; interpolates between them, extrapolates up to `reach_s` past the newest."""
 
     def __init__(self, span_s: float, reach_s: float) -> None:
         self.span_s, self.reach_s = span_s, reach_s
         self._poses: deque[PoseEstimate] = deque()
 
-    def hear(self, pose: PoseEstimate) -> None:
-        """Take a pose; one that is not newer than the last is dropped, as transform buffers do."""
+    def add(self, pose: PoseEstimate) -> None:
+        """Add a pose; a pose that is not newer than the last one is dropped, as in transform buffers."""
         if self._poses and pose.stamp_s <= self._poses[-1].stamp_s:
             return
         self._poses.append(pose)
@@ -25,11 +25,11 @@ class PoseBuffer:
 
     @property
     def newest(self) -> PoseEstimate | None:
-        """The pose heard last."""
+        """The pose that was added last."""
         return self._poses[-1] if self._poses else None
 
     def at(self, stamp_s: float) -> PoseEstimate | None:
-        """The pose at `stamp_s`, or None when that lies outside what the buffer can answer."""
+        """The pose at `stamp_s`; None when that is older than the buffer or beyond its reach."""
         if not self._poses or stamp_s < self._poses[0].stamp_s or stamp_s > self._poses[-1].stamp_s + self.reach_s:
             return None
         after = self._poses[-1]

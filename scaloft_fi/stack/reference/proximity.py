@@ -22,7 +22,7 @@ class ProximityConfig:
         trigger_m: horizontal range from the vehicle's centre that raises the flag [m]; the hull's side is at 0.235 m
             and the camera is blind nearer than 0.4 m.
         band_m: half height of the band around the flight level that is watched [m]: half the hull and 0.1 m.
-        min_pixels: pixels of a sector that must be in the band to count; its range is that of the min_pixels-nearest.
+        min_pixels: pixels of a sector that must be in the band; the sector's range is that of the min_pixels-nearest.
     """
 
     sectors: int
@@ -32,7 +32,7 @@ class ProximityConfig:
 
 
 class ProximityMonitor:
-    """Least range per bearing sector, and the flag it raises; keeps nothing between frames."""
+    """Measures the least range of each bearing sector and raises the flag; it has no memory between frames."""
 
     def __init__(self, config: ProximityConfig, camera: DepthCamera) -> None:
         bearing = np.arctan(camera.rays[0, :, 1])
@@ -47,7 +47,7 @@ class ProximityMonitor:
             array.setflags(write=False)
 
     def sectors(self, frame: DepthFrame, pose: PoseEstimate) -> Proximity:
-        """Least range in each sector of `frame`, taken from `pose`; not touched."""
+        """Least range in each sector of `frame`, taken from `pose`, without a touch."""
         c, camera = self.config, self.camera
         least = _least(
             np.ascontiguousarray(frame.depth), self._left, self._up, camera.ahead_m, pose.attitude,
@@ -56,14 +56,15 @@ class ProximityMonitor:
         return Proximity(frame.stamp_s, least, self._watched, self._bearings, c.trigger_m, touched=False)
 
     def blind(self, stamp_s: float, *, touched: bool) -> Proximity:
-        """What the monitor is told without a frame."""
+        """Input of the monitor at a tick without a depth image."""
         nothing = np.full(self.config.sectors, np.inf)
         return Proximity(stamp_s, nothing, self._watched, self._bearings, self.config.trigger_m, touched)
 
     def flag(self, now_s: float, proximity: Proximity | None) -> CollisionFlag | None:
         """The flag that `proximity` raises.
 
-        Its bearing is that of the nearest triggered sector; of a mere touch, that of the nearest one seen, or ahead.
+        Its bearing is that of the nearest triggered sector.  After a touch without a triggered sector it is that of the
+        nearest sector that sees something, or straight ahead.
         """
         if proximity is None:
             return None

@@ -1,4 +1,4 @@
-"""What the stack does when its collision flag is raised: a short blind retreat, then a pause."""
+"""The stack's answer to its collision flag: a short blind retreat, then a pause."""
 
 from __future__ import annotations
 
@@ -13,13 +13,14 @@ from scaloft_fi.stack.reference.messages import CollisionFlag, PoseEstimate
 
 @dataclass(frozen=True)
 class RecoilConfig:
-    """The retreat.
+    """Settings of the retreat.
 
     Attributes:
         speed_mps: speed of the retreat, capped by the speed limit [m/s].
-        distance_m: how far [m]. timeout_s: or how long [s].
-        pause_s: hover after it [s].
-        refractory_s: flags are ignored for so long after the pause [s].
+        distance_m: greatest length of the retreat [m].
+        timeout_s: greatest duration of the retreat [s].
+        pause_s: duration of the hover after it [s].
+        refractory_s: how long flags are ignored after the pause [s].
         accel_mps2: greatest change of velocity while retreating [m/s2].
     """
 
@@ -32,18 +33,18 @@ class RecoilConfig:
 
 
 class Recoil:
-    """Backs off, away from where the flag says the obstacle is; nothing watches the way back."""
+    """Backs off from the obstacle that the flag reports; nothing watches the way back."""
 
     def __init__(self, config: RecoilConfig) -> None:
         self.config = config
         self._away = np.zeros(3)
         self._start = np.zeros(3)
-        self._until_s = self._pause_until_s = self._deaf_until_s = -1.0
+        self._until_s = self._pause_until_s = self._ignore_until_s = -1.0
         self._yaw_rad = 0.0
 
-    def hear(self, now_s: float, flag: CollisionFlag | None, pose: PoseEstimate) -> None:
-        """Begin a retreat if the flag is raised and none is under way."""
-        if flag is None or now_s < self._deaf_until_s:
+    def trigger(self, now_s: float, flag: CollisionFlag | None, pose: PoseEstimate) -> None:
+        """Begin a retreat if the flag is raised and flags are not ignored."""
+        if flag is None or now_s < self._ignore_until_s:
             return
         bearing_rad = pose.yaw_rad + flag.bearing_rad
         self._away[:] = -math.cos(bearing_rad), -math.sin(bearing_rad), 0.0
@@ -51,7 +52,7 @@ class Recoil:
         self._yaw_rad = pose.yaw_rad
         self._until_s = now_s + self.config.timeout_s
         self._pause_until_s = self._until_s + self.config.pause_s
-        self._deaf_until_s = self._pause_until_s + self.config.refractory_s
+        self._ignore_until_s = self._pause_until_s + self.config.refractory_s
 
     def order(self, now_s: float, pose: PoseEstimate, limit_mps: float) -> tuple[Array, float] | None:
         """Velocity [m/s, world] and heading [rad] of the retreat or the pause; None when neither is under way."""
@@ -63,5 +64,5 @@ class Recoil:
                 return self._away * min(self.config.speed_mps, limit_mps), self._yaw_rad
             self._until_s = now_s
             self._pause_until_s = now_s + self.config.pause_s
-            self._deaf_until_s = self._pause_until_s + self.config.refractory_s
+            self._ignore_until_s = self._pause_until_s + self.config.refractory_s
         return np.zeros(3), self._yaw_rad

@@ -10,7 +10,7 @@ from scaloft_fi.stack.reference.messages import SpeedLimit
 
 @dataclass(frozen=True)
 class SpeedLimitConfig:
-    """The rule of the published mission script, with the distance that requirement SR2 speaks of.
+    """The rule of the published mission script, with the distance of requirement SR2.
 
     Attributes:
         label: class of box that counts.
@@ -24,7 +24,7 @@ class SpeedLimitConfig:
 
 
 class SpeedLimitStage:
-    """Publishes the limit at the start and again with every message that shows a person.
+    """Publishes the limit at the start, and the slow limit with every message that shows a person.
 
     Attributes:
         cruise_mps: limit without a person [m/s].
@@ -34,20 +34,20 @@ class SpeedLimitStage:
     def __init__(self, config: SpeedLimitConfig, cruise_mps: float, slow_mps: float) -> None:
         self.config = config
         self.cruise_mps, self.slow_mps = cruise_mps, slow_mps
-        self._announced = False
+        self._published = False
 
-    def hear(self, now_s: float, detections: Detections | None) -> tuple[SpeedLimit | None, Person | None]:
-        """What to publish now, and the nearest person that counts."""
-        person = self._counts(detections) if detections is not None else None
+    def update(self, now_s: float, detections: Detections | None) -> tuple[SpeedLimit | None, Person | None]:
+        """The limit to publish at this tick, and the nearest person that counts; None for each that there is not."""
+        person = self._nearest(detections) if detections is not None else None
         if person is not None:
-            self._announced = True
+            self._published = True
             return SpeedLimit(now_s, self.slow_mps, "euclidean"), person
-        if not self._announced:
-            self._announced = True
+        if not self._published:
+            self._published = True
             return SpeedLimit(now_s, self.cruise_mps, "euclidean"), None
         return None, None
 
-    def _counts(self, detections: Detections) -> Person | None:
+    def _nearest(self, detections: Detections) -> Person | None:
         config = self.config
         near = [
             p

@@ -1,4 +1,4 @@
-"""The reference stack: all stages put together, as the flight loop drives them."""
+"""The reference stack: estimator, flight control and companion behind the contract `Stack`."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from scaloft_fi.stack.seam import Wire
 
 @dataclass(frozen=True)
 class ReferenceConfig:
-    """All settings of the reference stack, as `sim/stack.yaml` has them."""
+    """All settings of the reference stack, as in `sim/stack.yaml`."""
 
     estimator: EstimatorConfig
     control: ControlConfig
@@ -50,7 +50,7 @@ class ReferenceStack:
     """Estimator and flight control below, companion computer above.
 
     Attributes:
-        fast_path: the same as `step`, compiled, for steps whose seams nobody listens on.
+        fast_path: `step`, compiled, for steps in which the wire listens on neither `imu` nor `thrust`.
     """
 
     def __init__(self, task: Task, wire: Wire) -> None:
@@ -85,7 +85,7 @@ class ReferenceStack:
         return self._companion.exposure
 
     def stamps(self, now_s: float) -> Stamps:
-        """Read the sensors' clocks; a clock that says nothing keeps its last word."""
+        """Read the sensors' clocks; clocks without a new reading keep the last one."""
         self._last_stamps = self._wire.cross("stamps", now_s, Stamps(now_s, now_s, now_s)) or self._last_stamps
         return self._last_stamps
 

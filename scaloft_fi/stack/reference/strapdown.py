@@ -12,7 +12,7 @@ GRAVITY_MPS2 = 9.81
 # Layout of the nominal state.
 POSITION, VELOCITY, ATTITUDE, RATE_BIAS, FORCE_BIAS, STATE_SIZE = 0, 3, 6, 10, 13, 16
 
-# Layout of what a sample changes: the state, its rotation matrix, the integrated force, the last rate, two times.
+# Layout of the numbers that a sample changes: state, its rotation matrix, integrated force, last rate, two times.
 _ROTATION, _FORCE, _RATE, _TIMES = STATE_SIZE, STATE_SIZE + 9, STATE_SIZE + 12, STATE_SIZE + 15
 NUMBERS = STATE_SIZE + 17
 
@@ -20,7 +20,7 @@ NUMBERS = STATE_SIZE + 17
 STAMP_S, USED_S = 0, 1
 
 GAP_S = 0.1
-"""An inertial sample that comes later than this after the one before is not integrated [s]."""
+"""An inertial sample that is more than this later than the one before is not integrated [s]."""
 
 
 @jit
@@ -64,13 +64,15 @@ def turn(q: Array, dx: float, dy: float, dz: float, in_world: bool) -> None:
 
 @jit
 def integrate(now_s: float, stamp_s: float, rate: Array, force: Array, numbers: Array) -> None:
-    """Take in one inertial sample; one that comes too late after the one before, or before it, only sets the stamp.
+    """Integrate one inertial sample.
+
+    A sample that is not newer than the one before it, or newer by `GAP_S` or more, only sets the stamp.
 
     Args:
         now_s: own time [s].
         stamp_s: of the sample [s].
         rate, force: (3,) of the sample [rad/s, m/s2, body].
-        numbers: (33,) see `parts_of`; its times are the stamp of the last sample and when one was last used [s].
+        numbers: (33,) see `parts_of`; the times are the last sample's stamp and the time of the last integration [s].
     """
     state, r, world_force, body_rate, times = parts_of(numbers)
     dt_s = stamp_s - times[STAMP_S]
@@ -91,7 +93,7 @@ def propagate(
         rate: (3,) angular rate [rad/s, body].
         force: (3,) specific force [m/s2, body].
         dt_s: time since the last sample [s].
-        r: (3, 3) scratch for the rotation matrix, left at the new attitude.
+        r: (3, 3) receives the rotation matrix of the new attitude.
         world_force: (3,) sum of specific force x dt since it was last cleared [m/s, world].
         body_rate: (3,) receives the angular rate without its bias [rad/s, body].
     """

@@ -1,4 +1,4 @@
-"""A sparse voxel grid: cells as integers, and the compiled work of the obstacle memory on lists of them.
+"""A sparse voxel grid: cells as integers, and the compiled kernels of the obstacle memory.
 
 A cell is the index triple of a cube of edge `voxel_m`, aligned with the world's origin, packed into one integer.
 """
@@ -16,7 +16,7 @@ from scaloft_fi.stack.kernel import jit
 Cells = NDArray[np.int64]
 
 _HALF, _BITS = 1 << 20, 21  # a cell is three signed 21-bit indices in one integer
-_REACH_M = 1.0e5  # coordinates beyond this are those of a diverged estimate [m]
+_REACH_M = 1.0e5  # greater coordinates belong to a diverged estimate [m]
 _MIX = np.uint64(0x9E3779B97F4A7C15)  # Fibonacci hashing
 
 
@@ -29,7 +29,7 @@ def cells_at(points: Array, voxel_m: float) -> Cells:
 
 @jit
 def _centre(cell, voxel_m):  # type: ignore[no-untyped-def]
-    """Where the middle of `cell` is: x, y, z [m]."""
+    """Centre of `cell`: x, y, z [m]."""
     low = (1 << _BITS) - 1
     # Vector units before AVX-512 turn integers into floating point numbers only from 32 bits.
     i, j, k = np.int32(cell >> 2 * _BITS), np.int32((cell >> _BITS) & low), np.int32(cell & low)
@@ -96,7 +96,7 @@ def _pixel_cells(depth, column, row, eye, turn, voxel_m, near_m, far_m, out):  #
 
 @jit
 def _marked(hit, min_pixels):  # type: ignore[no-untyped-def]
-    """The distinct cells of `hit` that hold at least `min_pixels`, in the order in which they come to as many."""
+    """The distinct cells of `hit` that hold at least `min_pixels`, in the order in which they reach it."""
     mask = 64
     while mask <= len(hit):  # most pixels share their cells
         mask *= 2
@@ -119,7 +119,7 @@ def _marked(hit, min_pixels):  # type: ignore[no-untyped-def]
 
 @jit
 def _near_view(cells, eye, turn, column, row, shape, ranges, voxel_m):  # type: ignore[no-untyped-def]
-    """Places in `cells` of those of which any part may be in view (a loop without branches, which is vectorised)."""
+    """Places in `cells` of the cells that may be partly in view (a loop without branches, which is vectorised)."""
     a, b, c = turn
     left, right = column[0] - 0.5 * column[1], column[0] + (shape[1] - 0.5) * column[1]
     top, bottom = row[0] - 0.5 * row[1], row[0] + (shape[0] - 0.5) * row[1]
@@ -149,7 +149,7 @@ def _near_view(cells, eye, turn, column, row, shape, ranges, voxel_m):  # type: 
 
 @jit
 def _projected(cells, eye, turn, column, row, shape, ranges, voxel_m):  # type: ignore[no-untyped-def]
-    """Pixel that shows the centre of each of `cells`, row by row, or -1, and its depth [m] (vectorised as above)."""
+    """For each of `cells` the pixel that shows its centre, or -1, and the centre's depth [m] (vectorised as above)."""
     a, b, c = turn
     pixels, depths = np.empty(len(cells), np.int64), np.empty(len(cells))
     height, width = shape
@@ -207,7 +207,7 @@ def observe(  # type: ignore[no-untyped-def]
 
 @jit
 def _dropped(cells, forget):  # type: ignore[no-untyped-def]
-    """Which of `cells` are in `forget`; quick where these come in the same order."""
+    """Which of `cells` are in `forget`; fast when both have the same order."""
     out = np.zeros(len(cells), np.bool_)
     n = 0
     for i in range(len(cells)):

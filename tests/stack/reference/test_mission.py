@@ -34,11 +34,11 @@ def test_it_leaves_only_after_the_altitude_was_held_for_the_dwell():
 def test_it_hands_out_one_waypoint_at_a_time_and_lands_after_the_last():
     mission = flying()
     assert mission.target().point == ROUTE.points[0]
-    mission.settle(mission.check(pose(0, 6.8)))
+    mission.advance(mission.check(pose(0, 6.8)))
     assert mission.index == 0
-    mission.settle(mission.check(pose(0, 6.9)))
+    mission.advance(mission.check(pose(0, 6.9)))
     assert mission.target().point == ROUTE.points[1]
-    mission.settle(mission.check(pose(0, 0.1)))
+    mission.advance(mission.check(pose(0, 0.1)))
     assert mission.phase == "land"
     assert mission.target() is None
     assert mission.check(pose(0, 0)) is None
@@ -62,7 +62,7 @@ def test_without_a_route_it_has_no_target():
 
 def test_the_battery_monitor_sends_it_home_or_down():
     mission = flying()
-    mission.obey(Failsafe(1.0, "return"))
+    mission.follow(Failsafe(1.0, "return"))
     assert mission.target().point == (0.0, 0.0, 1.65)
-    mission.obey(Failsafe(2.0, "land"))
+    mission.follow(Failsafe(2.0, "land"))
     assert mission.phase == "land"

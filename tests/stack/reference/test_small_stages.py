@@ -33,10 +33,10 @@ def boxes(*persons):
 
 def test_cruise_is_announced_once_and_the_slow_limit_with_every_person():
     stage = SpeedLimitStage(LIMITS, 0.5, 0.2)
-    assert stage.hear(0.0, None)[0].limit_mps == 0.5
-    assert stage.hear(0.1, None) == (None, None)
+    assert stage.update(0.0, None)[0].limit_mps == 0.5
+    assert stage.update(0.1, None) == (None, None)
     for t in (0.2, 0.4):
-        limit, person = stage.hear(t, boxes(Person("person", 0.9, 0.0, 3.0)))
+        limit, person = stage.update(t, boxes(Person("person", 0.9, 0.0, 3.0)))
         assert limit.limit_mps == 0.2
         assert person.range_m == 3.0
 
@@ -46,8 +46,8 @@ def test_cruise_is_announced_once_and_the_slow_limit_with_every_person():
 )
 def test_other_classes_doubtful_boxes_and_far_persons_do_not_count(person):
     stage = SpeedLimitStage(LIMITS, 0.5, 0.2)
-    stage.hear(0.0, None)
-    assert stage.hear(0.1, boxes(person)) == (None, None)
+    stage.update(0.0, None)
+    assert stage.update(0.1, boxes(person)) == (None, None)
 
 
 def test_the_exposure_loop_removes_the_metered_error():
@@ -82,15 +82,15 @@ def battery_monitor():
     ],
 )
 def test_the_battery_monitor_asks_for_what_the_telemetry_calls_for(battery, action):
-    asked = battery_monitor().hear(0.0, battery)
+    asked = battery_monitor().update(0.0, battery)
     assert (asked.action if asked else None) == action
 
 
 def test_lost_telemetry_counts_as_an_empty_pack_and_each_action_is_asked_once():
     monitor = battery_monitor()
-    assert monitor.hear(5.0, None) is None
-    assert monitor.hear(5.05, None).action == "land"
-    assert monitor.hear(5.1, None) is None
+    assert monitor.update(5.0, None) is None
+    assert monitor.update(5.05, None).action == "land"
+    assert monitor.update(5.1, None) is None
 
 
 RECOIL = RecoilConfig(speed_mps=0.5, distance_m=0.8, timeout_s=3.0, pause_s=0.5, refractory_s=2.0, accel_mps2=4.0)
@@ -98,7 +98,7 @@ RECOIL = RecoilConfig(speed_mps=0.5, distance_m=0.8, timeout_s=3.0, pause_s=0.5,
 
 def test_the_recoil_goes_away_from_the_flag_then_pauses_then_ends():
     recoil = Recoil(RECOIL)
-    recoil.hear(0.0, CollisionFlag(0.0, 0.0), pose(yaw_rad=math.pi / 2))
+    recoil.trigger(0.0, CollisionFlag(0.0, 0.0), pose(yaw_rad=math.pi / 2))
     velocity, yaw_rad = recoil.order(0.0, pose(), 0.5)
     assert velocity == pytest.approx([0.0, -0.5, 0.0])
     assert yaw_rad == math.pi / 2
@@ -109,7 +109,7 @@ def test_the_recoil_goes_away_from_the_flag_then_pauses_then_ends():
 
 def test_the_recoil_obeys_the_speed_limit_and_its_time_out():
     recoil = Recoil(RECOIL)
-    recoil.hear(0.0, CollisionFlag(0.0, math.pi / 2), pose())
+    recoil.trigger(0.0, CollisionFlag(0.0, math.pi / 2), pose())
     assert recoil.order(0.0, pose(), 0.2)[0] == pytest.approx([0.0, -0.2, 0.0])
     assert recoil.order(3.1, pose(), 0.2)[0] == pytest.approx([0.0, 0.0, 0.0])
     assert recoil.order(3.6, pose(), 0.2) is None
@@ -117,10 +117,10 @@ def test_the_recoil_obeys_the_speed_limit_and_its_time_out():
 
 def test_flags_during_and_shortly_after_a_recoil_are_ignored():
     recoil = Recoil(RECOIL)
-    recoil.hear(0.0, CollisionFlag(0.0, 0.0), pose())
-    recoil.hear(4.0, CollisionFlag(4.0, 0.0), pose())
+    recoil.trigger(0.0, CollisionFlag(0.0, 0.0), pose())
+    recoil.trigger(4.0, CollisionFlag(4.0, 0.0), pose())
     assert recoil.order(4.0, pose(), 0.5) is None
-    recoil.hear(5.6, CollisionFlag(5.6, 0.0), pose())
+    recoil.trigger(5.6, CollisionFlag(5.6, 0.0), pose())
     assert recoil.order(5.6, pose(), 0.5) is not None
 
 
@@ -128,7 +128,7 @@ def test_flags_during_and_shortly_after_a_recoil_are_ignored():
 def test_a_pose_between_two_ticks_lies_on_the_line_between_them(stamp_s):
     buffer = PoseBuffer(span_s=1.0, reach_s=0.5)
     for k in range(20):
-        buffer.hear(pose(k * 0.05, x=k * 0.05, yaw_rad=0.1 * k))
+        buffer.add(pose(k * 0.05, x=k * 0.05, yaw_rad=0.1 * k))
     found = buffer.at(stamp_s)
     assert found.position[0] == pytest.approx(stamp_s, abs=1e-9)
     assert found.yaw_rad == pytest.approx(2.0 * stamp_s, abs=1e-9)
@@ -138,7 +138,7 @@ def test_the_pose_buffer_extrapolates_a_little_and_refuses_the_rest():
     buffer = PoseBuffer(span_s=1.0, reach_s=0.5)
     assert buffer.at(0.0) is None
     for k in range(41):
-        buffer.hear(pose(k * 0.05, x=k * 0.05, v=(1.0, 0.0, 0.0)))
+        buffer.add(pose(k * 0.05, x=k * 0.05, v=(1.0, 0.0, 0.0)))
     assert buffer.at(2.3).position[0] == pytest.approx(2.3)
     assert buffer.at(2.6) is None
     assert buffer.at(0.5) is None
@@ -146,8 +146,8 @@ def test_the_pose_buffer_extrapolates_a_little_and_refuses_the_rest():
 
 def test_the_pose_buffer_drops_what_is_not_newer():
     buffer = PoseBuffer(span_s=1.0, reach_s=0.5)
-    buffer.hear(pose(1.0, x=1.0))
-    buffer.hear(pose(0.5, x=7.0))
+    buffer.add(pose(1.0, x=1.0))
+    buffer.add(pose(0.5, x=7.0))
     assert buffer.newest.position[0] == 1.0
 
 

@@ -32,10 +32,10 @@ class PlannerConfig:
         beyond_goal_m: points farther away than the goal plus this are ignored [m].
         straight_in_m: inside this distance of the goal the vehicle flies straight to it [m].
         full_off_axis_rad: up to this angle off the camera's axis the vehicle flies at full speed [rad].
-        stop_off_axis_rad: from this angle on it only turns [rad].
-        slow_radius_m: inside this distance of the goal it slows down [m] (PX4-Avoidance: 1 m).
-        slow_gain_per_s: speed per metre to the goal there [1/s].
-        creep_mps: and it does not go slower than this [m/s], unless limited.
+        stop_off_axis_rad: from this angle on the vehicle only turns [rad].
+        slow_radius_m: inside this distance of the goal the vehicle slows down [m] (PX4-Avoidance: 1 m).
+        slow_gain_per_s: speed inside `slow_radius_m`, per metre to the goal [1/s].
+        creep_mps: least speed inside `slow_radius_m`, unless the speed limit is lower [m/s].
     """
 
     obstacle_cost: float

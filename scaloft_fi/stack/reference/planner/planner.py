@@ -19,7 +19,7 @@ from scaloft_fi.stack.reference.planner.search import MAX_DILATION, search
 
 
 class Plan(NamedTuple):
-    """Where to fly.
+    """The direction to fly.
 
     direction: (3,) unit vector [world], zero at the goal itself; distance_m: to the goal [m];
     blocked: the way starts towards an obstacle nearer than the planner's half-cost distance; expanded: tree nodes.
@@ -32,7 +32,7 @@ class Plan(NamedTuple):
 
 
 class Planner:
-    """Plans a direction; between plans it keeps only the direction it gave last, because turning away from it costs."""
+    """Plans a direction.  It remembers its last direction, because the cost of a turn is measured from there."""
 
     def __init__(self, config: PlannerConfig) -> None:
         self.config = config

@@ -1,7 +1,7 @@
 """The compiled planner: polar histogram, obstacle dilation, costs of directions, look-ahead tree.
 
-Everything is relative to the vehicle and in single precision: 6 deg bins need no more, and it doubles the width of the
-vector units.  Grids are (elevation, azimuth): row e covers -90 + 6 e to -84 + 6 e deg, column a -180 + 6 a to
+Positions are relative to the vehicle and in single precision, which suffices for bins of 6 deg and doubles the width
+of the vector units.  Grids are (elevation, azimuth): row e covers -90 + 6 e to -84 + 6 e deg, column a -180 + 6 a to
 -174 + 6 a.
 """
 
@@ -78,7 +78,7 @@ def histogram(x, y, z, node, near, far, nearest):  # type: ignore[no-untyped-def
         bins[i] = e * np.int32(COLUMNS) + a
         square[i] = s if (s >= low) & (s < high) else _FAR
     nearest[:] = _FAR
-    for i in range(len(x)):  # no branch here either: it would be guessed wrong too often
+    for i in range(len(x)):  # without a branch, too: processors would predict it wrong too often
         nearest[bins[i]] = min(nearest[bins[i]], square[i])
 
 

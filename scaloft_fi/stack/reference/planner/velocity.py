@@ -1,4 +1,4 @@
-"""From a plan to a velocity: turn first, then go; slow down at the goal; keep the speed limit."""
+"""From a plan to a velocity: turn before moving, slow down at the goal, keep the speed limit."""
 
 from __future__ import annotations
 

@@ -1,0 +1,105 @@
+"""Which situations a campaign flies, when not all, and how that is remembered."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from scaloft_fi.campaign.runs.strategy import STRATEGIES, Asked, Draws
+from scaloft_fi.campaign.store.folder import STORE_NAME, promising, writable
+from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.errors import InputError
+
+if TYPE_CHECKING:
+    from scaloft_fi.judge.space import Space
+    from scaloft_fi.sim.situation import Situation
+
+ALL = "all"
+NOTE = "choice"
+"""What the names of a choice begin with in the campaign's store."""
+
+
+def hint() -> str:
+    """What `--choose` takes, in words."""
+    forms = [strategy.form for strategy in STRATEGIES.values()]
+    return f"{', '.join(forms[:-1])} or {forms[-1]}"
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The test cases of a run.
+
+    Attributes:
+        text, seed: how they were chosen: the values of `--choose` and `--choose-seed`.
+        pool: how many situations there were to choose from.
+        draws: situation and seed of each test case, in the order in which they were chosen.
+    """
+
+    text: str
+    seed: int
+    pool: int
+    draws: Draws
+
+    @property
+    def situations(self) -> tuple[Situation, ...]:
+        """The situations, each once."""
+        return tuple(dict.fromkeys(situation for situation, _ in self.draws))
+
+
+def choose(text: str, pool: Sequence[Situation], seeds: Sequence[int], seed: int, space: Space) -> Choice:
+    """Choose test cases; the same for the same arguments on every platform.
+
+    Args:
+        text: as a declared strategy takes it, such as `random:8`.
+        pool: situations to choose from.
+        seeds: of the flights.
+        seed: of the choice.
+        space: the grid.
+
+    Raises:
+        InputError: no strategy takes the text, or the strategy refuses it.
+    """
+    for strategy in STRATEGIES.values():
+        match = strategy.pattern.fullmatch(text)
+        if match:
+            draws = strategy.draw(Asked(text, match, tuple(pool), tuple(seeds), seed, space))
+            return Choice(text, seed, len(pool), tuple(draws))
+    raise InputError(f"--choose={text!r} must be {hint()}")
+
+
+def remember(folder: Path, choice: Choice) -> None:
+    """Keep in the campaign's store how its situations were chosen; that all are flown is no choice.
+
+    Raises:
+        InputError: the store cannot be written.
+    """
+    if choice.text == ALL:
+        return
+    draws = [[situation.key, number] for situation, number in choice.draws]
+    content = json.dumps({"choose": choice.text, "seed": choice.seed, "pool": choice.pool, "draws": draws})
+    promising(folder)
+    with Store(writable(folder) / STORE_NAME) as store:
+        store.set_notes({f"{NOTE} {hashlib.sha256(content.encode()).hexdigest()[:16]}": content})
+
+
+@dataclass(frozen=True)
+class Remembered:
+    """A choice that was made for a campaign.  draws: situation key and seed of each, in the order chosen."""
+
+    text: str
+    seed: int
+    pool: int
+    draws: tuple[tuple[str, int], ...]
+
+
+def remembered(store: Store) -> tuple[Remembered, ...]:
+    """The choices of a campaign."""
+    notes = [json.loads(text) for name, text in store.notes().items() if name.startswith(f"{NOTE} ")]
+    return tuple(
+        Remembered(one["choose"], one["seed"], one["pool"], tuple((key, number) for key, number in one["draws"]))
+        for one in sorted(notes, key=lambda one: (one["choose"], one["seed"]))
+    )
