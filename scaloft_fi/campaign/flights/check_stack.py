@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from scaloft_fi.errors import ScaloftError
+from scaloft_fi.registry import in_one_line
 from scaloft_fi.stack.messages import Thrust
 
 if TYPE_CHECKING:
@@ -109,7 +110,7 @@ class _Inspection:
         except ScaloftError as error:
             self.failures.append(f"{flight} cannot be flown: {error}")
         except Exception as error:  # noqa: BLE001 - whatever the stack raises is what is asked for
-            self.failures.append(f"{flight} cannot be flown: {type(error).__name__}: {' '.join(str(error).split())}")
+            self.failures.append(f"{flight} cannot be flown: {in_one_line(error)}")
         return None
 
     def _takes_off(self, first: FlightLog) -> bool:
