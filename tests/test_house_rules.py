@@ -10,7 +10,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 LONGEST = 350
-FOLDERS = ("scaloft_fi", "tests", "benchmarks")
+FOLDERS = ("scaloft_fi", "tests", "benchmarks", "examples")
 
 COMMANDS = {
     "ruff finds nothing": ["-m", "ruff", "check"],

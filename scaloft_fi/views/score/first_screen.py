@@ -129,7 +129,7 @@ def _strong(text: str, bold: bool) -> str:
 
 def coverage_line(covered: Coverage) -> str:
     """The situations in a sentence."""
-    ways = ", ".join(f"{t}-way {100 * (r.value or 0):.0f} %" for t, r in covered.t_way if 2 <= t <= 3)
+    ways = ", ".join(f"{t}-way {100 * (r.value or 0):.0f} %" for t, r in covered.t_way if 2 <= t <= 3 and r.whole)
     return f"{covered.situations.short} flown, {ways} covered; in {covered.realised.short} every value came true."
 
 

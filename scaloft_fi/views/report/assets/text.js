@@ -60,7 +60,6 @@ const QUANTITIES = {
   person_m: "distance to the person",
   person_range_m: "distance to the person",
   elapsed_s: "time of flight",
-  told_range_m: "distance to the person as told",
 };
 const UNITS = { mps: "m/s", m: "m", s: "s", deg: "°", rad: "rad" };
 const unitOf = (column) => UNITS[column.split("_").at(-1)] ?? "";
