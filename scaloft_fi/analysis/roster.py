@@ -8,6 +8,7 @@ from functools import cached_property
 
 from scaloft_fi.hazop.cell import CellStatus
 from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.name import cell_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome, Subject
 
 
@@ -28,7 +29,7 @@ class Roster:
     @classmethod
     def of(cls, matrix: Matrix, ids: Iterable[str]) -> Roster:
         """The roster of a matrix and the ids of the catalogue derived from it."""
-        cells = [(cell, f"{cell.name}@{cell.default_magnitude}".removesuffix("@")) for cell in matrix]
+        cells = [(cell, cell.default_id) for cell in matrix]
         return cls(
             defaults={cell.name: id_ for cell, id_ in cells if cell.status is CellStatus.CREDIBLE},
             controls=frozenset(cell.name for cell, _ in cells if cell.status is CellStatus.CONTROL),
@@ -67,15 +68,6 @@ class Roster:
             return 1, 0, 0, ""
         end = len(self.ids)
         return 2, self._cells.get(cell_of(id_), end), self._places.get(id_, end), id_
-
-
-def cell_of(mutant: str) -> str:
-    """The cell's name in a mutant's id.
-
-    >>> cell_of("UNINTENDED-collision@20s#5s")
-    'UNINTENDED-collision'
-    """
-    return mutant.split("@", 1)[0].split("#", 1)[0]
 
 
 def by_mutant(outcomes: Iterable[Outcome], roster: Roster) -> dict[str, list[Outcome]]:

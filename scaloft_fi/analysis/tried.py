@@ -13,11 +13,11 @@ from scaloft_fi.analysis.scoring.mutant_score import MutantScore, Result
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.hazop.cell import Fault
 from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.name import parse, split_magnitude
 from scaloft_fi.judge.flights import apart
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.robustness import measured_rho
-from scaloft_fi.mutants.mutant import parse, split_magnitude
 
 
 class Reaction(StrEnum):

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from scaloft_fi.hazop.name import Name
+
 Value = float | str | bool
 Rung = float | str
 
@@ -123,6 +125,11 @@ class Fault:
         """The ladder; a single None when the fault has no ladder."""
         return self.magnitude.ladder if self.magnitude else (None,)
 
+    def phases_s(self, rung: Rung | None) -> tuple[float, ...]:
+        """The catalogue's phases at this magnitude [s], 0 first; only 0 for a fault without phases."""
+        period_s = self.period_s(rung)
+        return (0.0,) if period_s is None else tuple(share * period_s for share in PHASE_SHARES)
+
     def period_s(self, rung: Rung | None) -> float | None:
         """Return the period of the fault, or the moment of a fault that happens once [s]; None without phases."""
         if not self.phases:
@@ -180,6 +187,11 @@ class Cell:
         return self.deviation or self.reason
 
     @property
+    def default_id(self) -> str:
+        """Id of the mutant that the cell's bare name stands for."""
+        return str(Name(self.guideword, self.parameter, self.default_magnitude))
+
+    @property
     def default_magnitude(self) -> str:
         """The magnitude of the default mutant, as in its id; empty when the default fault has no ladder."""
         magnitude = self.faults[0].magnitude if self.faults else None
@@ -192,7 +204,5 @@ class Cell:
         >>> Cell("UNINTENDED", "collision", CellStatus.CREDIBLE).mutant_ids(pulse, 20.0)[:2]
         ('UNINTENDED-collision@20s', 'UNINTENDED-collision@20s#5s')
         """
-        stem = self.name if fault.magnitude is None or rung is None else f"{self.name}@{fault.magnitude.text(rung)}"
-        period_s = fault.period_s(rung)
-        shifts = () if period_s is None else tuple(share * period_s for share in PHASE_SHARES if share)
-        return (stem, *(f"{stem}#{shift_s:g}s" for shift_s in shifts))
+        magnitude = "" if fault.magnitude is None or rung is None else fault.magnitude.text(rung)
+        return tuple(str(Name(self.guideword, self.parameter, magnitude, phase)) for phase in fault.phases_s(rung))

@@ -8,12 +8,10 @@ from dataclasses import replace
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.cell import Cell, CellStatus, Expected, Fault, Rung
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.mutants.mutant import Mutant, Name, parse, split_magnitude
+from scaloft_fi.hazop.name import Name, parse, split_magnitude
+from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.operator import OperatorError
 from scaloft_fi.mutants.operators import OPERATORS
-
-PHASES = (0.0, 0.25, 0.5, 0.75)
-"""The catalogue's phases of a periodic fault, in shares of its period; fixed before anything was flown."""
 
 
 def derive(matrix: Matrix) -> tuple[Mutant, ...]:
@@ -94,11 +92,7 @@ def _chosen(cell: Cell, name: Name, text: str) -> tuple[Fault, Rung | None]:
 
 def _all_of(cell: Cell, fault: Fault) -> Iterator[Mutant]:
     for rung in fault.magnitude.ladder if fault.magnitude else (None,):
-        first = _patched(cell, fault, rung, 0.0)
-        yield first
-        period_s = fault.period_s(rung)
-        if period_s is not None:
-            yield from (_patched(cell, fault, rung, share * period_s) for share in PHASES[1:])
+        yield from (_patched(cell, fault, rung, phase_s) for phase_s in fault.phases_s(rung))
 
 
 def _patched(cell: Cell, fault: Fault, rung: Rung | None, phase_s: float, written: str = "") -> Mutant:

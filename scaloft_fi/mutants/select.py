@@ -8,8 +8,9 @@ from fnmatch import fnmatchcase
 
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.name import parse
 from scaloft_fi.mutants.derive import realise
-from scaloft_fi.mutants.mutant import Mutant, parse
+from scaloft_fi.mutants.mutant import Mutant
 
 _GLOB = re.compile(r"[*?\[]")
 

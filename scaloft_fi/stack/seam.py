@@ -18,7 +18,7 @@ class Wire(Protocol):
     """Carries samples over the seams."""
 
     def listens(self, seam: str) -> bool:
-        """Whether the wire counts or changes samples of `seam`; a stack need not send samples of other seams."""
+        """Whether the wire counts or changes samples of `seam`; a fast path may skip only other seams."""
         ...
 
     def cross(self, seam: str, t_s: float, sample: S | None) -> S | None:

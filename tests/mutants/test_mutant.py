@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.mutants.mutant import PLACEBO, Mutant, Name, parse, split_magnitude
+from scaloft_fi.hazop.name import Name, parse, split_magnitude
+from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 
 GUIDEWORDS = st.sampled_from(["NO", "MORE", "ASWELLAS", "UNINTENDED"])
 PARAMETERS = st.sampled_from(["human", "velcmd", "speedlimit"])

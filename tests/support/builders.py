@@ -10,7 +10,8 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.roster import Roster, cell_of
+from scaloft_fi.analysis.roster import Roster
+from scaloft_fi.hazop.name import cell_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.judge.space import Space

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.analysis.kills.kill_matrix import KillMatrix
 from scaloft_fi.analysis.ratio import Ratio
-from scaloft_fi.analysis.roster import cell_of
+from scaloft_fi.hazop.name import cell_of
 
 if TYPE_CHECKING:
     import networkx as nx

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 
-from scaloft_fi.analysis.roster import Roster, cell_of
+from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.campaign.runs.options import MOST_INVALID
 from scaloft_fi.errors import GateError
+from scaloft_fi.hazop.name import cell_of
 from scaloft_fi.judge.flights import JudgedFlight, baselines_of, flights_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.judge.requirement import Kind, Verdict

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from scaloft_fi.analysis.margin import Margin, Scale, margin_of
-from scaloft_fi.analysis.roster import cell_of
 from scaloft_fi.analysis.scoring.detection import Spending
 from scaloft_fi.analysis.scoring.pool import LEAST
 from scaloft_fi.analysis.scoring.score import Score, score
@@ -32,6 +31,7 @@ from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.cell import Fault
 from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.name import cell_of
 from scaloft_fi.hazop.severity import mild_to_severe
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind

@@ -15,7 +15,7 @@ class BatteryConfig:
     Attributes:
         low_charge: state of charge at which to return (PX4 BAT_LOW_THR 0.15).
         critical_charge: state of charge at which to land (PX4 BAT_CRIT_THR 0.07).
-        empty_cell_v: voltage of an empty cell [V]; below it the pack counts as empty, whatever the gauge says.
+        empty_cell_v: voltage of an empty cell [V]; below it the pack counts as empty, whatever the gauge reads.
         lost_s: after this time without telemetry the pack counts as empty [s].
     """
 

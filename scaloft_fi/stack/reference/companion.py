@@ -184,12 +184,14 @@ class Companion:
         due = self._ticks % self.config.plan_every == 0
         self._ticks += 1
         sent = self.stages.memory.map(pose) if due and self._target is not None else None
-        told = self._wire.cross("map", now_s, sent)
+        obstacles = self._wire.cross("map", now_s, sent)
         if self._target is None:
             self._plan = None
-        elif told is not None or self._plan is None:
-            self.map_points = len(told.points) if told is not None else 0
-            self._plan = self.stages.planner.plan(told, self._target.point, pose) if told is not None else None
+        elif obstacles is not None:
+            self.map_points = len(obstacles.points)
+            self._plan = self.stages.planner.plan(obstacles, self._target.point, pose)
+        elif self._plan is None:
+            self.map_points = 0
 
     def _command(self, now_s: float, pose: PoseEstimate) -> VelocityCommand:
         retreat = self.stages.recoil.order(now_s, pose, self.limit.limit_mps)
@@ -215,12 +217,12 @@ class Companion:
 
     def beliefs(self, now_s: float) -> tuple[float, ...]:
         """The companion's beliefs: person reported, its range, speed limit, flag, leg, map points, command (4)."""
-        told = now_s <= self.told_until_s
+        reported = now_s <= self.told_until_s
         order = self.order
         command = (0.0, 0.0, 0.0, 0.0) if order is None else (*order.velocity.tolist(), order.yaw_rad)
         return (
-            float(told),
-            self.told_range_m if told else NOBODY_M,
+            float(reported),
+            self.told_range_m if reported else NOBODY_M,
             self.limit.limit_mps,
             float(self.flagged),
             float(self.stages.mission.index),

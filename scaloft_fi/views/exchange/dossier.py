@@ -6,13 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from scaloft_fi.analysis.roster import Roster, cell_of
+from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.detection import Spending, Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.score import Score, score
 from scaloft_fi.analysis.situations.coverage import Coverage, coverage
 from scaloft_fi.hazop.cell import Cell
 from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.name import cell_of
 from scaloft_fi.judge.flights import flights_of
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Requirement

@@ -11,11 +11,12 @@ from scaloft_fi.analysis.kills.kill_matrix import KillMatrix
 from scaloft_fi.analysis.kills.minimal_suite import minimal_suite
 from scaloft_fi.analysis.kills.subsumption import subsumption
 from scaloft_fi.analysis.ratio import share_json
-from scaloft_fi.analysis.roster import Roster, cell_of
+from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.name import cell_of
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.views.kills.survivors import short_units, survivors
 from scaloft_fi.views.report.evidence import Evidence

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 from scaloft_fi.analysis.kills.gray import gray_order
 from scaloft_fi.analysis.kills.kill_matrix import Entry, KillMatrix
 from scaloft_fi.analysis.ratio import Ratio, share_json
-from scaloft_fi.analysis.roster import Roster, cell_of
+from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore, Result
 from scaloft_fi.analysis.scoring.pool import Pool
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.name import cell_of
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.rulings import Rulings, Situations
 from scaloft_fi.judge.space import Space
@@ -70,7 +71,7 @@ def cells(matrix: Matrix, flown: Iterable[str]) -> list[dict[str, Any]]:
             "reason": cell.reason,
             "predicted": cell.predicted,
             "expected": [fault.expected.reason for fault in cell.faults if fault.expected],
-            "default": f"{cell.name}@{cell.default_magnitude}".removesuffix("@") if cell.faults else "",
+            "default": cell.default_id if cell.faults else "",
             "mutants": by_cell.get(cell.name, []),
         }
         for cell in matrix

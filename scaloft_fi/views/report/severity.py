@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 from scaloft_fi.analysis.margin import Scale
-from scaloft_fi.analysis.roster import Roster, cell_of
+from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.mutants.mutant import parse, split_magnitude
+from scaloft_fi.hazop.name import cell_of, parse, split_magnitude
 
 
 def by_severity(cells: Matrix, roster: Roster) -> Callable[[str], tuple[int, int, float, float, str]]:

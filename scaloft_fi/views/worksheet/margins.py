@@ -13,9 +13,9 @@ from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.tried import PhasedFault, Reaction, Tried, detection_of, phased_fault
 from scaloft_fi.hazop.cell import Cell, CellStatus, Fault
 from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.name import parse
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Requirement
-from scaloft_fi.mutants.mutant import parse
 from scaloft_fi.views.tables.table import Table
 from scaloft_fi.views.worksheet.margin_text import UNKNOWN, magnitude_text, margin_text
 
