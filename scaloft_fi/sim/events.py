@@ -51,9 +51,9 @@ def _marks(mark: Mark, elapsed_s: Array, values: Array) -> Iterator[Event]:
     if mark.values:
         numbers = values.astype(int)
         for i in np.flatnonzero(np.diff(numbers)) + 1:
-            yield Event(float(elapsed_s[i]), mark.kind, mark.text.format(mark.values[numbers[i]]))
+            yield Event(float(elapsed_s[i]), mark.kind, mark.text.format(mark.values[numbers[i]]), mark.colour)
         return
     up = values > 0.5
     rises = np.flatnonzero(up & ~np.concatenate([[False], up[:-1]]))
     for i in rises[:1] if mark.first else rises:
-        yield Event(float(elapsed_s[i]), mark.kind, mark.text)
+        yield Event(float(elapsed_s[i]), mark.kind, mark.text, mark.colour)

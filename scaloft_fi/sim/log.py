@@ -40,11 +40,12 @@ class Ending(StrEnum):
 
 @dataclass(frozen=True)
 class Event:
-    """Something worth a mark on the map: when [s], of what kind, in words."""
+    """Something worth a mark: when [s], of what kind, in words; colour on the map, where a belief has one."""
 
     t_s: float
     kind: str
     text: str
+    colour: str = ""
 
 
 class Count(Protocol):

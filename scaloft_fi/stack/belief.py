@@ -8,19 +8,21 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Mark:
-    """When a belief puts a mark on the map of a flight.
+    """When a belief puts a mark into the recording of a flight, and on its map.
 
     Attributes:
         kind: one word for marks of this kind.
         text: label of the mark; `{}` stands for the value's name.
         first: whether only the first occurrence is marked.
         values: names of the values 0, 1, ...; with them each change is marked, without them each rise above 0.5.
+        colour: on the map; "" keeps it off the map.
     """
 
     kind: str
     text: str
     first: bool = False
     values: tuple[str, ...] = ()
+    colour: str = "#1d4ed8"
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from scaloft_fi.api import STEP_HZ, STEP_S, TICK_HZ, Belief, Seam, messages
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 FAR_M = 100.0
+LEGS = ("up", "out", "home", "down")
 MIX = np.array([[1, -1, -1, 1], [1, 1, 1, 1], [1, 1, -1, -1], [1, -1, 1, -1]])  # rotors from thrust, roll, pitch, yaw
 
 
@@ -106,7 +107,7 @@ api.declare_stack(
         beliefs=(
             *(Belief(f"reckoned_{axis}_m", "m", "dead-reckoned position, world") for axis in "xyz"),
             Belief("ahead_m", "m", "range ahead; 100 where nothing is seen", FAR_M, most=FAR_M),
-            Belief("leg", "", "place of the target in the mission"),
+            Belief("leg", "", "place of the target in the mission", mark=api.Mark("leg", "flies leg {}", values=LEGS)),
         ),
         make=Hopper,
         settings=lambda: Settings,

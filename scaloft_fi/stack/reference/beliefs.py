@@ -24,7 +24,7 @@ BELIEFS = (
         "",
         "1 while the stack's own collision flag is up",
         0.0,
-        Mark("flag", "the collision flag is raised"),
+        Mark("flag", "the collision flag is raised", colour="#b45309"),
     ),
     Belief("target_index", "", "place in the route of the waypoint flown to"),
     Belief("map_points", "", "occupied cells the planner knows of"),
@@ -38,5 +38,10 @@ BELIEFS = (
     Belief("est_vx_mps", "m/s", "estimated velocity, world"),
     Belief("est_vy_mps", "m/s", "estimated velocity, world"),
     Belief("est_vz_mps", "m/s", "estimated velocity, world"),
-    Belief("mode", "", "what flight control does, by number", mark=Mark("mode", "flight control: {}", values=MODES)),
+    Belief(
+        "mode",
+        "",
+        "what flight control does, by number",
+        mark=Mark("mode", "flight control: {}", values=MODES, colour=""),
+    ),
 )

@@ -15,7 +15,6 @@ from scaloft_fi.views.pictures.symbols import (
     HOLES,
     INK,
     LINE_STYLE,
-    MARK_COLOURS,
     RAMP,
     ROCK,
     THIN,
@@ -61,12 +60,12 @@ class MapScene:
 
 @dataclass(frozen=True)
 class Mark:
-    """Something that happened: when [s], where [m, world], what, and a key of `MARK_COLOURS`."""
+    """Something that happened: when [s], where [m, world], what, in which colour."""
 
     t_s: float
     at: Point
     text: str
-    kind: str
+    colour: str
 
 
 @dataclass(frozen=True)
@@ -233,7 +232,7 @@ def _marks(frame: Frame, track: Track) -> list[str]:
         inside = [(u, v) for u, v in spots if frame.left + 9 < u < frame.left + frame.width - 9]
         u, v = next((s for s in inside if all(hypot(s[0] - t[0], s[1] - t[1]) > 20 for t in taken)), spots[0])
         taken.append((u, v))
-        colour = MARK_COLOURS.get(mark.kind, INK)
+        colour = mark.colour
         parts += [
             f'<path d="M{x:.1f},{y:.1f}L{u:.1f},{v:.1f}" stroke="{colour}" stroke-width="1.2"/>',
             f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{colour}" stroke="#ffffff"/>',
@@ -253,7 +252,7 @@ def _list(frame: Frame, track: Track, top: float) -> list[str]:
     parts: list[str] = []
     for number, mark in enumerate(track.marks[:LONGEST_LIST], start=1):
         y = top + (number - 1) * LINE
-        parts += _disc(frame.left + 9, y, number, MARK_COLOURS.get(mark.kind, INK))
+        parts += _disc(frame.left + 9, y, number, mark.colour)
         parts += [text(frame.left + 80, y + 4.5, f"{mark.t_s:.2f} s", anchor="end", colour=FAINT)]
         parts += [text(frame.left + 90, y + 4.5, mark.text)]
     if len(track.marks) > LONGEST_LIST:

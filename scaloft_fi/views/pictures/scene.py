@@ -14,8 +14,9 @@ if TYPE_CHECKING:
     from scaloft_fi.sim.log import FlightLog
     from scaloft_fi.sim.world import World
 
-MARKED = {"person": "detection", "flag": "recoil", "infection": "infection", "contact": "violation", "error": "error"}
-"""Events of a log that the map marks, and as what; changes of mode are too many."""
+VIOLATED = "#c1121f"
+COLOURS = {"infection": "#b5179e", "contact": VIOLATED, "error": "#57534e"}
+"""Of the marks of every flight by kind of event; those of beliefs bring their own."""
 SAME_M = 1e-6
 """Corners of wall segments closer than this are one [m]."""
 
@@ -40,14 +41,14 @@ def track_of(log: FlightLog, outcome: Outcome, title: str) -> Track:
     counted = [violation for violation in outcome.violations if violation.kind is not Kind.REPORTED]
     struck_at_s = {round(v.t_s, 3) for v in counted if v.struck}
     marks = [
-        Mark(event.t_s, points[log.at(event.t_s)], event.text, MARKED[event.kind])
+        Mark(event.t_s, points[log.at(event.t_s)], event.text, colour)
         for event in log.events
-        if event.kind in MARKED and not (event.kind == "contact" and struck_at_s)
+        if (colour := event.colour or COLOURS.get(event.kind)) and not (event.kind == "contact" and struck_at_s)
     ]
     for violation in counted:
         struck = f", strikes {violation.struck}" if violation.struck else ""
         marks.append(
-            Mark(violation.t_s, (violation.x, violation.y), f"{violation.requirement} violated{struck}", "violation")
+            Mark(violation.t_s, (violation.x, violation.y), f"{violation.requirement} violated{struck}", VIOLATED)
         )
     return Track(
         title=title,

@@ -14,13 +14,6 @@ INK, FAINT, ROCK, FLOOR = "#22262b", "#6b727b", "#d5d1c9", "#fbfaf7"
 THIN = f'stroke="{INK}" stroke-width="1.3"'
 HOLES = 'fill-rule="evenodd"'
 LINE_STYLE = 'fill="none" stroke-linejoin="round" stroke-linecap="round"'
-MARK_COLOURS = {
-    "violation": "#c1121f",
-    "infection": "#b5179e",
-    "detection": "#1d4ed8",
-    "recoil": "#b45309",
-    "error": "#57534e",
-}
 
 
 def body_style(role: str) -> str:

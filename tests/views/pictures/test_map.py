@@ -30,7 +30,7 @@ TRACK = Track(
     times_s=tuple(i / 20 for i in range(80)),
     points=tuple((0.3 * math.sin(i / 20), i / 20) for i in range(80)),
     speeds_mps=tuple(0.5 if i < 40 else 0.2 for i in range(80)),
-    marks=(Mark(1.0, (0.1, 1.0), "SR2 violated", "violation"),),
+    marks=(Mark(1.0, (0.1, 1.0), "SR2 violated", "#c1121f"),),
 )
 
 
@@ -54,7 +54,7 @@ def test_a_map_names_flight_note_axes_and_events() -> None:
 
 
 def test_text_is_escaped() -> None:
-    nasty = replace(TRACK, title='<script>"&', marks=(Mark(0.5, (0, 0), "a < b & c", "error"),))
+    nasty = replace(TRACK, title='<script>"&', marks=(Mark(0.5, (0, 0), "a < b & c", "#57534e"),))
     svg = draw(SCENE, [nasty], title="<b>&</b>")
     assert "<script" not in svg
     assert {'<script>"&', "<b>&</b>", "a < b & c"} <= set(_texts(svg))
@@ -75,7 +75,7 @@ def test_a_steady_speed_keeps_one_colour() -> None:
 
 
 def test_more_events_than_fit_are_counted() -> None:
-    many = replace(TRACK, marks=tuple(Mark(i, (0, i / 5), "flag", "recoil") for i in range(14)))
+    many = replace(TRACK, marks=tuple(Mark(i, (0, i / 5), "flag", "#b45309") for i in range(14)))
     assert "and 4 more" in _texts(draw(SCENE, [many], title="t"))
 
 
