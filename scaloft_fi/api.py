@@ -27,6 +27,7 @@ from scaloft_fi.mutants.argument import (
 from scaloft_fi.mutants.facts import Facts
 from scaloft_fi.mutants.need import ANYTHING, IMAGE, NUMBERS, STAMP, Need, the
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
+from scaloft_fi.mutants.sample import on_each, within
 from scaloft_fi.mutants.window import Windows
 from scaloft_fi.sim.measures import signal
 from scaloft_fi.sim.stacks import declare_stack
@@ -118,10 +119,12 @@ __all__ = [
     "declare_stack",
     "export_format",
     "messages",
+    "on_each",
     "operator",
     "signal",
     "strategy",
     "the",
+    "within",
 ]
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from importlib import import_module
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
+from traceback import walk_tb
 from typing import Generic, TypeVar
 
 from scaloft_fi.errors import InputError, did_you_mean
@@ -76,12 +77,38 @@ def load_plugins() -> None:
     Raises:
         InputError: a plugin cannot be imported, or declares a name that is taken; it names plugin and package.
     """
-    for entry_point in entry_points(group=PLUGIN_GROUP):
+    for plugin in entry_points(group=PLUGIN_GROUP):
         try:
-            entry_point.load()
-        except Exception as error:
-            package = entry_point.dist.name if entry_point.dist else entry_point.module
-            reason = f"{type(error).__name__}: {' '.join(str(error).split())}"
+            plugin.load()
+        except (Exception, SystemExit) as error:
             raise InputError(
-                f"plugin {entry_point.name!r} of package {package!r} cannot be loaded: {reason}; mend or uninstall it"
+                f"{_named(plugin)} cannot be loaded: {in_one_line(error)}; mend or uninstall it"
             ) from error
+
+
+def in_one_line(error: BaseException) -> str:
+    r"""Type and message of an error.
+
+    >>> in_one_line(ValueError("odd\nvalue"))
+    'ValueError: odd value'
+    """
+    return f"{type(error).__name__}: {' '.join(str(error).split())}"
+
+
+def plugin_behind(error: BaseException) -> str:
+    """The plugin, and its package, in whose modules an error, or what caused it, was raised; "" where in none."""
+    plugins = {plugin.module: plugin for plugin in reversed([*entry_points(group=PLUGIN_GROUP)])}
+    packages = {module.partition(".")[0]: plugin for module, plugin in plugins.items()}
+    cause: BaseException | None = error
+    while cause is not None:
+        for frame, _ in walk_tb(cause.__traceback__):
+            module = str(frame.f_globals.get("__name__", ""))
+            plugin = plugins.get(module) or packages.get(module.partition(".")[0])
+            if plugin is not None:
+                return _named(plugin)
+        cause = cause.__cause__
+    return ""
+
+
+def _named(plugin: EntryPoint) -> str:
+    return f"plugin {plugin.name!r} of package {(plugin.dist.name if plugin.dist else plugin.module)!r}"

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.document import load
 from scaloft_fi.errors import InputError
+from scaloft_fi.registry import in_one_line
 from scaloft_fi.sim.stacks import STACKS
 from scaloft_fi.stack.declaration import Declaration
 
@@ -39,7 +40,7 @@ class Setup:
         """What the stack that `sim/stack.yaml` names declares; its own operators are declared with it.
 
         Raises:
-            InputError: there is no such stack.
+            InputError: there is no such stack, or its operators cannot be loaded.
         """
         name = load(self.folder / "sim" / "stack.yaml").need("name")
         try:
@@ -47,7 +48,11 @@ class Setup:
         except InputError as error:
             raise InputError(f"{name.place}: {error}") from None
         for module in declared.operators:
-            import_module(module)
+            try:
+                import_module(module)
+            except Exception as error:
+                sentence = f"stack {declared.name!r}: its operators in {module!r} cannot be loaded"
+                raise InputError(f"{sentence}: {in_one_line(error)}") from error
         return declared
 
     @cached_property

@@ -14,6 +14,7 @@ import click
 
 from scaloft_fi import __version__
 from scaloft_fi.errors import ScaloftError, did_you_mean
+from scaloft_fi.registry import in_one_line, plugin_behind
 
 # In the order of the pipeline: (where the verb is declared, what it does).
 VERBS: dict[str, tuple[str, str]] = {
@@ -97,7 +98,8 @@ class Pipeline(click.Group):
             _say(error.format_message())
             return USAGE
         except ScaloftError as error:
-            _say(str(error))
+            plugin = plugin_behind(error) if error.exit_code == INTERNAL else ""
+            _say(f"{plugin}: {error}" if plugin else str(error))
             return error.exit_code
         except (KeyboardInterrupt, click.Abort):
             _say("interrupted")
@@ -108,10 +110,11 @@ class Pipeline(click.Group):
 
 
 def _internal(error: Exception) -> int:
+    """Say whose error it is: a plugin's, by name, else ours.  Both are errors of a program, not of its input: 70."""
     if os.environ.get("SCALOFT_DEBUG"):
         traceback.print_exception(error)
-    reason = " ".join(str(error).split())
-    _say(f"internal error: {type(error).__name__}: {reason} (SCALOFT_DEBUG=1 shows where)")
+    whose = plugin_behind(error) or "internal error"
+    _say(f"{whose}: {in_one_line(error)} (SCALOFT_DEBUG=1 shows where)")
     return INTERNAL
 
 

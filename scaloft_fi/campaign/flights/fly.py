@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.registry import in_one_line, plugin_behind
 
 if TYPE_CHECKING:
     from scaloft_fi.mutants.facts import Facts
@@ -71,8 +72,9 @@ def facts(sim: SimConfig, scenario: Scenario) -> Facts:
 
 
 def reason_of(error: BaseException) -> str:
-    """An error in one line."""
-    return f"{type(error).__name__}: {' '.join(str(error).split())}"
+    """An error in one line, after the plugin that raised it."""
+    plugin = plugin_behind(error)
+    return f"{plugin}: {in_one_line(error)}" if plugin else in_one_line(error)
 
 
 def invalid(flight: Flight, reason: str) -> Outcome:

@@ -50,8 +50,11 @@ class ReferenceStack:
     """Estimator and flight control below, companion computer above.
 
     Attributes:
+        planner_kind: class of the planner; a stack with another planner derives from this one and names it here.
         fast_path: `step`, compiled, for steps in which the wire listens on neither `imu` nor `thrust`.
     """
+
+    planner_kind: type[Planner] = Planner
 
     def __init__(self, task: Task, wire: Wire) -> None:
         config: ReferenceConfig = task.settings
@@ -67,7 +70,7 @@ class ReferenceStack:
                 ExposureControl(config.exposure),
                 BatteryMonitor(config.battery),
                 Mission(config.mission, (task.home[0], task.home[1], task.altitude_m)),
-                Planner(config.planner),
+                self.planner_kind(config.planner),
                 Recoil(config.recoil),
             ),
             wire,

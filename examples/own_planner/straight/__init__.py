@@ -1,0 +1,1 @@
+"""The reference stack with another planner."""

@@ -1,0 +1,35 @@
+"""A stack named `straight`: the reference stack, but its planner knows only the straight line to the waypoint."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from scaloft_fi.api import declare_stack
+from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.stack.reference.planner import Plan, Planner
+from scaloft_fi.stack.reference.stack import ReferenceStack
+
+HALF_WIDTH_M, STOP_M = 0.4, 1.2
+
+
+class StraightPlanner(Planner):
+    """Flies straight to the waypoint, and stops where an obstacle is near on that line."""
+
+    def plan(self, obstacles, target, pose):
+        way = np.array(target) - pose.position
+        distance_m = float(np.linalg.norm(way))
+        direction = way / distance_m if distance_m > 0.0 else np.zeros(3)
+        seen = obstacles.points.reshape(-1, 3) - pose.position
+        along_m = seen @ direction
+        aside_m = np.linalg.norm(seen - np.outer(along_m, direction), axis=1)
+        blocked = bool(np.any((along_m > 0.0) & (along_m < min(STOP_M, distance_m)) & (aside_m < HALF_WIDTH_M)))
+        return Plan(np.zeros(3) if blocked else direction, distance_m, blocked, 0)
+
+
+class StraightStack(ReferenceStack):
+    """The reference stack with that planner."""
+
+    planner_kind = StraightPlanner
+
+
+declare_stack(replace(REFERENCE, name="straight", make=StraightStack))

@@ -1,0 +1,49 @@
+"""The example of another planner in the reference stack: installed, and flown in the reference study."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from plugins import ROOT, call, install_project
+
+EXAMPLE = ROOT / "examples" / "own_planner"
+WATCH = """
+from scaloft_fi.api import Study
+from scaloft_fi.sim.flight import fly
+from scaloft_fi.stack.seam import PlainWire
+
+study = Study.open(".")
+log = fly(study.sim, study.grid.situation("T0O1W0D0H0"), 0, PlainWire(), study.stack)
+print("flown", log.ending.value, round(max(log.signals["y_m"]), 1), repr(log.stack_error))
+"""
+
+
+@pytest.fixture
+def site(tmp_path: Path) -> Path:
+    folder = tmp_path / "site"
+    install_project(folder, EXAMPLE)
+    return folder
+
+
+@pytest.fixture
+def study(site: Path, tmp_path: Path) -> Path:
+    folder = tmp_path / "study"
+    done = call(site, EXAMPLE / "copy_study.py", folder, cwd=ROOT)
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+def test_the_catalogue_of_the_reference_study_serves_it(site: Path, study: Path) -> None:
+    done = call(site, "-m", "scaloft_fi", "mutants", "--check", "--study", study, cwd=study)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.flight
+def test_it_stops_before_the_obstacle_on_the_straight_line(site: Path, study: Path) -> None:
+    done = call(site, "-c", WATCH, cwd=study)
+    flown = re.search(r"flown (\w+) ([\d.]+) ''", done.stdout)
+    assert flown, done.stdout + done.stderr
+    assert flown[1] == "timed_out"
+    assert 3.0 < float(flown[2]) < 4.5

@@ -1,0 +1,82 @@
+"""The guides in `docs/` do what they say: their files are installed as a package, their commands run on a study."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import shutil
+from pathlib import Path
+
+import pytest
+from plugins import ROOT, call, install_project
+
+BLOCK = re.compile(r"^```(\w+) ?(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+GUIDES = ("stack", "operator", "sensor_or_signal", "export_format", "choice_of_situations")
+EXAMPLES = """
+from scaloft_fi.mutants.operators import OPERATORS
+from scaloft_fi.registry import load_plugins
+load_plugins()
+for name in ("clip", "fade"):
+    one = OPERATORS[name]
+    tap = one.tap(one.example.context(), one.example.arguments)
+    after = [tap(i / one.example.rate_hz, sample) for i, sample in enumerate(one.example.before)]
+    assert repr(after) == repr(list(one.example.after)), name
+"""
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Path:
+    folder = tmp_path / "study"
+    for name in ("hazop", "mutants", "sim"):
+        shutil.copytree(ROOT / name, folder / name)
+    return folder
+
+
+def _entries(text: str) -> dict[str, str]:
+    """The top-level entries of a YAML file, each as it stands, by key."""
+    return {entry.split(":")[0]: f"{entry.rstrip()}\n" for entry in re.split(r"^(?=\w+:)", text, flags=re.MULTILINE)}
+
+
+def _follow(guide: str, tmp_path: Path, study: Path) -> tuple[Path, list[str]]:
+    """Do what the guide says up to its commands; returns the folder with its package installed, and the commands."""
+    project, commands = tmp_path / "project", list[str]()
+    for language, mark, text in BLOCK.findall((ROOT / "docs" / f"{guide}.md").read_text()):
+        how, _, name = mark.partition("=")
+        if language == "console":
+            commands += [line.removeprefix("$ ") for line in text.splitlines()]
+        elif how == "update":
+            (study / name).write_text("".join((_entries((study / name).read_text()) | _entries(text)).values()))
+        else:
+            assert how == "file", f"a block of {guide}.md says not where it goes"
+            path = (study if language == "yaml" else project) / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+            if language == "python":
+                (path.parent / "__init__.py").touch()
+    install_project(tmp_path / "site", project)
+    return tmp_path / "site", commands
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("guide", GUIDES)
+def test_its_commands_run(guide: str, tmp_path: Path, study: Path) -> None:
+    site, commands = _follow(guide, tmp_path, study)
+    assert commands
+    for command in commands:
+        program, *words = shlex.split(command)
+        verb = ("-m", "scaloft_fi") if program == "scaloft-fi" else ()
+        done = call(site, *verb, *words, cwd=study)
+        assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
+        if guide == "stack":
+            assert "it keeps its contract" in done.stdout, done.stdout
+
+
+def test_the_operators_of_the_guide_do_what_their_examples_say(tmp_path: Path, study: Path) -> None:
+    site, _ = _follow("operator", tmp_path, study)
+    done = call(site, "-c", EXAMPLES, cwd=study)
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_guide_is_one_page() -> None:
+    lengths = {guide: len((ROOT / "docs" / f"{guide}.md").read_text().splitlines()) for guide in GUIDES}
+    assert {guide: lines for guide, lines in lengths.items() if lines > 120} == {}
