@@ -33,7 +33,7 @@ from scaloft_fi.sim.airframe import Airframe, spawn
 from scaloft_fi.sim.build import build
 from scaloft_fi.sim.compiled_stepper import CompiledStepper
 from scaloft_fi.sim.contact import Feeler
-from scaloft_fi.sim.flight import Flight, fly, physics_server
+from scaloft_fi.sim.flight import FlightLoop, fly, physics_server
 from scaloft_fi.sim.observer import Observer
 from scaloft_fi.sim.sensors import suite
 from scaloft_fi.sim.sensors.camera import DepthSensor
@@ -60,7 +60,7 @@ PROBES: tuple[tuple[Any, str, str], ...] = (
     (ProximityMonitor, "flag", "perception"),
     (Planner, "plan", "planner"),
     (companion, "shape_velocity", "planner"),
-    (Flight, "_drive", "inertial sensor, control, rotors"),
+    (FlightLoop, "_drive", "inertial sensor, control, rotors"),
     (CompiledStepper, "advance", "free flight"),
     (Estimator, "tick", "estimator"),
     (Observer, "step", "oracle"),

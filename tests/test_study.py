@@ -199,7 +199,7 @@ from scaloft_fi.sim import flight
 from scaloft_fi.mutants import watch
 planned = Planned(PLACEBO, setup.grid.situations[0], 0)
 with flight.physics_server() as client:
-    short = flight.Flight(client, setup.sim, setup.scenario(planned.situation), 0, wire_of(setup, planned))
+    short = flight.FlightLoop(client, setup.sim, setup.scenario(planned.situation), 0, wire_of(setup, planned))
     for _ in range(5):
         short.tick()
         short.advance()

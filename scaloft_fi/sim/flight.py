@@ -67,7 +67,7 @@ def fly(
     """
     scenario = config.scenario(situation)
     with physics_server() as client:
-        flight = Flight(client, config, scenario, seed, wire, declared)
+        flight = FlightLoop(client, config, scenario, seed, wire, declared)
         while flight.tick():
             flight.advance()
         return flight.log()
@@ -122,7 +122,7 @@ def stack_settings(choice: StackChoice, declared: Declaration) -> Any:
         raise InputError(f"{choice.place_of(error.path)}: {error}") from error
 
 
-class Flight:
+class FlightLoop:
     """A flight under way.
 
     Attributes:

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from scaloft_fi.sim import flight as flight_module
 from scaloft_fi.sim.airframe import Airframe
 from scaloft_fi.sim.compiled_stepper import CompiledStepper
-from scaloft_fi.sim.flight import Flight, fly, physics_server
+from scaloft_fi.sim.flight import FlightLoop, fly, physics_server
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.stack.messages import Imu
@@ -50,7 +50,7 @@ def flown(key, seed, wire, ticks):
     """Digests, state, estimate and controller after so many ticks, but for the thrust, which a step writes anew."""
     config = reference()
     with physics_server() as client:
-        flight = Flight(client, config, config.scenario(config.grid.situation(key)), seed, wire)
+        flight = FlightLoop(client, config, config.scenario(config.grid.situation(key)), seed, wire)
         for wire.now in range(ticks):
             if not flight.tick():
                 break

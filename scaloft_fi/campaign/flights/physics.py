@@ -48,7 +48,7 @@ class Physics:
         try:
             first = study.grid.situations[0]
             with flight.physics_server() as client:
-                trial = flight.Flight(client, study.sim, study.scenario(first), 0, PlainWire())
+                trial = flight.FlightLoop(client, study.sim, study.scenario(first), 0, PlainWire())
                 trial.step()
                 for _ in range(round(KERNELS_S * TICK_HZ)):
                     trial.tick()

@@ -35,7 +35,7 @@ def fly_in_window(study: Study, flight: Flight) -> FlightLog:
     pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_GUI, 0, physicsClientId=client)
     try:
         wire = wire_of(study, flight)
-        under_way = flying.Flight(client, study.sim, study.scenario(flight.situation), flight.seed, wire)
+        under_way = flying.FlightLoop(client, study.sim, study.scenario(flight.situation), flight.seed, wire)
         due_s = time.monotonic()
         while under_way.tick():
             follow = under_way.airframe.state[:3].tolist()

@@ -20,7 +20,7 @@ from scaloft_fi.stack.reference.flight_control import FlightControl
 from scaloft_fi.stack.reference.memory import ObstacleMemory
 from scaloft_fi.stack.reference.messages import PoseEstimate, Proximity, Route, SpeedLimit, Target, VelocityCommand
 from scaloft_fi.stack.reference.mission import Mission
-from scaloft_fi.stack.reference.planner import Plan, Planner, shape_velocity
+from scaloft_fi.stack.reference.planner import LocalPlan, Planner, shape_velocity
 from scaloft_fi.stack.reference.pose_buffer import PoseBuffer
 from scaloft_fi.stack.reference.proximity import ProximityMonitor
 from scaloft_fi.stack.reference.recoil import Recoil
@@ -92,7 +92,7 @@ class Companion:
         self._route: Route | None = route
         self._poses = PoseBuffer(config.pose_span_s, config.pose_reach_s)
         self._pose_s = self._depth_s = 0.0
-        self._plan: Plan | None = None
+        self._plan: LocalPlan | None = None
         self._target: Target | None = None
         self._hover: Array | None = None
         self._yaw_rad = yaw_rad

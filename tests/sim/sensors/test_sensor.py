@@ -7,7 +7,7 @@ from typing import NamedTuple
 import pytest
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.flight import Flight, physics_server
+from scaloft_fi.sim.flight import FlightLoop, physics_server
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.sensors.sensor import SENSORS, SensorKind
 from scaloft_fi.stack.seam import PlainWire
@@ -51,7 +51,7 @@ def flown(config, ticks=12):
     """Digest of so many ticks, and what the stack got at each."""
     frames = []
     with physics_server() as client:
-        flight = Flight(client, config, config.scenario(config.grid.situation("T0O0W0D0H0")), 0, PlainWire())
+        flight = FlightLoop(client, config, config.scenario(config.grid.situation("T0O0W0D0H0")), 0, PlainWire())
         companion = flight.stack.companion
         flight.stack.companion = lambda now_s, frame: frames.append(frame) or companion(now_s, frame)
         for _ in range(ticks):

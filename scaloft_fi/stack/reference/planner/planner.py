@@ -18,7 +18,7 @@ from scaloft_fi.stack.reference.planner.config import PlannerConfig, settings
 from scaloft_fi.stack.reference.planner.search import MAX_DILATION, search
 
 
-class Plan(NamedTuple):
+class LocalPlan(NamedTuple):
     """The direction to fly.
 
     direction: (3,) unit vector [world], zero at the goal itself; distance_m: to the goal [m];
@@ -39,23 +39,23 @@ class Planner:
         self._settings = settings(config)
         self._previous = np.zeros(3)
 
-    def plan(self, obstacles: ObstacleMap, target: Point, pose: PoseEstimate) -> Plan:
+    def plan(self, obstacles: ObstacleMap, target: Point, pose: PoseEstimate) -> LocalPlan:
         """Plan from `pose` to `target` [m, world] past `obstacles`."""
         c = self.config
         goal = np.array(target, dtype=np.float64)
         offset = goal - pose.position
         distance = math.sqrt(float(offset @ offset))
         if not math.isfinite(distance):
-            return Plan(np.zeros(3), distance, blocked=True, expanded=0)
+            return LocalPlan(np.zeros(3), distance, blocked=True, expanded=0)
         if distance <= c.straight_in_m:
             direction = offset / distance if distance > 0.0 else np.zeros(3)
-            return Plan(direction, distance, blocked=False, expanded=0)
+            return LocalPlan(direction, distance, blocked=False, expanded=0)
         radius = dilation_bins(c.dilation_bins, obstacles.inflation)
         direction, cost, expanded = search(
             np.ascontiguousarray(obstacles.points), pose.position, goal, self._previous, radius, self._settings
         )
         self._previous = direction
-        return Plan(direction, distance, cost >= c.obstacle_cost * c.obstacle_weight, expanded)
+        return LocalPlan(direction, distance, cost >= c.obstacle_cost * c.obstacle_weight, expanded)
 
 
 def dilation_bins(bins: int, inflation: float) -> int:

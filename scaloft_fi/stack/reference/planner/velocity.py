@@ -9,7 +9,7 @@ import numpy as np
 from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.reference.messages import PoseEstimate, SpeedLimit
 from scaloft_fi.stack.reference.planner.config import PlannerConfig
-from scaloft_fi.stack.reference.planner.planner import Plan
+from scaloft_fi.stack.reference.planner.planner import LocalPlan
 
 _STEEP = 0.2  # a direction with less than this share in the plane has no bearing
 
@@ -21,7 +21,9 @@ def permitted_mps(direction: Array, limit: SpeedLimit) -> float:
     return limit.limit_mps
 
 
-def shape_velocity(plan: Plan, pose: PoseEstimate, limit: SpeedLimit, config: PlannerConfig) -> tuple[Array, float]:
+def shape_velocity(
+    plan: LocalPlan, pose: PoseEstimate, limit: SpeedLimit, config: PlannerConfig
+) -> tuple[Array, float]:
     """Velocity (3,) [m/s, world] and heading to take [rad, world] to follow `plan`.
 
     The speed falls to zero with the angle between the plan's bearing and the camera's axis, and near the goal.  The

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaloft_fi.stack.reference.messages import SpeedLimit
-from scaloft_fi.stack.reference.planner import Plan, shape_velocity
+from scaloft_fi.stack.reference.planner import LocalPlan, shape_velocity
 
 angles = st.floats(-math.pi, math.pi)
 slopes = st.floats(-1.2, 1.2)
@@ -17,7 +17,7 @@ limits = st.floats(0.01, 2.0)
 def plan_along(azimuth, slope, distance):
     level = math.cos(slope)
     direction = np.array([level * math.cos(azimuth), level * math.sin(azimuth), math.sin(slope)])
-    return Plan(direction, distance, blocked=False, expanded=1)
+    return LocalPlan(direction, distance, blocked=False, expanded=1)
 
 
 @given(angles, slopes, distances, angles, limits)
@@ -84,14 +84,14 @@ def test_a_limit_below_creeping_holds_at_the_goal_too(planner_config, pose_at):
 
 
 def test_straight_up_it_keeps_its_heading_and_goes(planner_config, pose_at):
-    plan = Plan(np.array([0.0, 0.0, 1.0]), 3.0, blocked=False, expanded=1)
+    plan = LocalPlan(np.array([0.0, 0.0, 1.0]), 3.0, blocked=False, expanded=1)
     velocity, heading = shape_velocity(plan, pose_at(yaw=1.0), SpeedLimit(0.0, 0.5, "euclidean"), planner_config)
     assert velocity.tolist() == [0.0, 0.0, 0.5]
     assert heading == 1.0
 
 
 def test_without_a_direction_it_stays(planner_config, pose_at):
-    plan = Plan(np.zeros(3), 0.0, blocked=False, expanded=0)
+    plan = LocalPlan(np.zeros(3), 0.0, blocked=False, expanded=0)
     velocity, heading = shape_velocity(plan, pose_at(yaw=0.3), SpeedLimit(0.0, 0.5, "per_axis"), planner_config)
     assert not velocity.any()
     assert heading == 0.3
