@@ -111,7 +111,7 @@ class SimConfig:
 def load(
     folder: Path, overrides: Mapping[str, float | str | bool] | None = None, *, grid: Grid | None = None
 ) -> SimConfig:
-    """Read a study's `sim` folder.
+    """Read a study's `sim` folder; it need not have a `sources.yaml`.
 
     Args:
         folder: the folder.

@@ -114,7 +114,12 @@ def test_bad_input_is_refused_in_one_sentence_with_file_and_line(edited, file, o
     assert int(line) >= 1
 
 
-@pytest.mark.parametrize("file", ["world", "vehicle", "sensors", "situations", "stack", "sources"])
+def test_a_study_need_not_name_the_sources_of_its_numbers(study):
+    (study / "sources.yaml").unlink()
+    assert load(study).sources == {}
+
+
+@pytest.mark.parametrize("file", ["world", "vehicle", "sensors", "situations", "stack"])
 def test_a_missing_file_is_named(study, file):
     (study / f"{file}.yaml").unlink()
     with pytest.raises(InputError, match=rf"{file}.yaml: cannot be read: No such file"):
