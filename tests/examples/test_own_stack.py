@@ -46,7 +46,7 @@ print("told", json.dumps(told))
 
 TOGETHER = """
 from scaloft_fi.api import PlainWire, Study
-from scaloft_fi.sim.flight import Flight, physics_server
+from scaloft_fi.sim.flight import FlightLoop, physics_server
 
 def ticks(*flights):
     for _ in range(60):
@@ -56,7 +56,7 @@ def ticks(*flights):
     return [flight.log().digest for flight in flights]
 
 def flight(client, study):
-    return Flight(client, study.sim, study.scenario(study.grid.situations[0]), 0, PlainWire(), study.stack)
+    return FlightLoop(client, study.sim, study.scenario(study.grid.situations[0]), 0, PlainWire(), study.stack)
 
 studies = [Study.open("."), Study.open("examples/own_stack/study")]
 alone = []

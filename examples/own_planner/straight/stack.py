@@ -6,7 +6,7 @@ import numpy as np
 
 from scaloft_fi.api import declare_stack
 from scaloft_fi.stack.reference.declaration import REFERENCE
-from scaloft_fi.stack.reference.planner import Plan, Planner
+from scaloft_fi.stack.reference.planner import LocalPlan, Planner
 from scaloft_fi.stack.reference.stack import ReferenceStack
 
 HALF_WIDTH_M, STOP_M = 0.4, 1.2
@@ -23,7 +23,7 @@ class StraightPlanner(Planner):
         along_m = seen @ direction
         aside_m = np.linalg.norm(seen - np.outer(along_m, direction), axis=1)
         blocked = bool(np.any((along_m > 0.0) & (along_m < min(STOP_M, distance_m)) & (aside_m < HALF_WIDTH_M)))
-        return Plan(np.zeros(3) if blocked else direction, distance_m, blocked, 0)
+        return LocalPlan(np.zeros(3) if blocked else direction, distance_m, blocked, 0)
 
 
 class StraightStack(ReferenceStack):
