@@ -177,24 +177,25 @@ def _json(
     from scaloft_fi.analysis.kills.minimal_suite import minimal_suite
     from scaloft_fi.analysis.kills.situation_kills import chosen_kills, situation_kills
     from scaloft_fi.analysis.kills.subsumption import redundancies
+    from scaloft_fi.analysis.plain import plain
 
-    plain: dict[str, Any] = {"matrix": matrix.to_json(), "detected_without_kill": list(matrix.scattered)}
+    content: dict[str, Any] = {"matrix": matrix.to_json(), "detected_without_kill": list(matrix.scattered)}
     if chosen:
-        plain["chosen"] = chosen_kills(matrix, chosen).to_json()
+        content["chosen"] = plain(chosen_kills(matrix, chosen))
     if "conditions" in wanted:
         listed = interactions(matrix)
-        plain["conditions"] = [entry.to_json() for entry in listed]
-        plain["orders"] = orders(listed, matrix.space).to_json()
+        content["conditions"] = plain(listed)
+        content["orders"] = orders(listed, matrix.space).to_json()
     if "situations" in wanted:
-        plain["situations"] = [entry.to_json() for entry in situation_kills(matrix)]
+        content["situations"] = plain(situation_kills(matrix))
     if "suite" in wanted:
-        plain["suite"] = minimal_suite(matrix.kills, matrix.flown).to_json()
+        content["suite"] = plain(minimal_suite(matrix.kills, matrix.flown))
     if "subsumption" in wanted:
-        plain["subsumption"] = graph.to_json()
-        plain["redundancies"] = [entry.to_json() for entry in redundancies(graph)]
+        content["subsumption"] = graph.to_json()
+        content["redundancies"] = plain(redundancies(graph))
     if "survivors" in wanted:
-        plain["survivors"] = [entry.to_json() for entry in cases]
-    return plain
+        content["survivors"] = [entry.to_json() for entry in cases]
+    return content
 
 
 def _draw(graph: Subsumption, output: Path) -> None:
