@@ -32,8 +32,3 @@ class Ratio:
 
     def __str__(self) -> str:
         return f"{self.short} = " + ("n/a" if self.value is None else f"{100 * self.value:.0f} %")
-
-
-def share_json(ratio: Ratio) -> dict[str, int]:
-    """Part and whole."""
-    return {"part": ratio.part, "whole": ratio.whole}

@@ -19,11 +19,12 @@ def diff_command(first: str, second: str, study_folder: Path | None, style: str)
 
     What was flown with other data or code counts too, unless the campaign has the flight as the study describes it now.
     """
-    from scaloft_fi.campaign.store.held import latest
     from scaloft_fi.study import Study
     from scaloft_fi.views.flights.compare import compare, comparison_table
+    from scaloft_fi.views.snapshot import snapshot
     from scaloft_fi.views.tables.table import Format, render
 
     study = Study.open(study_folder)
-    compared = compare(latest(study, first), latest(study, second), study.roster, study.space)
+    with snapshot(study, first) as here, snapshot(study, second) as there:
+        compared = compare(here.latest, there.latest, study.roster, study.space)
     click.echo(render((comparison_table(compared, first, second),), Format(style)), nl=False)

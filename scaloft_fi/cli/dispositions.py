@@ -41,7 +41,6 @@ def dispositions_command(
 
     `scaloft-fi score --ratchet` makes a gate of it.
     """
-    from scaloft_fi.analysis.scoring.score import score_of
     from scaloft_fi.study import Study
     from scaloft_fi.views.dispositions import disposition_table
     from scaloft_fi.views.snapshot import snapshot
@@ -49,8 +48,7 @@ def dispositions_command(
 
     study = Study.open(study_folder)
     with snapshot(study, campaign) as now:
-        scored = score_of(now.rulings, study.roster, study.space, now.spending)
-    judged = _judged(study, scored, today)
+        judged = _judged(study, now.score, today)
     click.echo(render((disposition_table(judged),), Format(style)), nl=False)
     if writing:
         _append(study, judged)

@@ -15,7 +15,6 @@ from scaloft_fi.errors import InputError
 if TYPE_CHECKING:
     from scaloft_fi.analysis.kills.kill_matrix import KillMatrix
     from scaloft_fi.analysis.kills.subsumption import Subsumption
-    from scaloft_fi.analysis.scoring.score import Score
     from scaloft_fi.study import Study
     from scaloft_fi.views.kills.survivors import Survivor
     from scaloft_fi.views.snapshot import Snapshot
@@ -71,7 +70,6 @@ def kills_command(
         raise InputError(f"--output={str(output)!r} must end in .svg, .png or .dot")
     check_writable(output)
     from scaloft_fi.analysis.kills.kill_matrix import kill_matrix
-    from scaloft_fi.analysis.scoring.score import score
     from scaloft_fi.study import Study
     from scaloft_fi.views.snapshot import snapshot
     from scaloft_fi.views.tables.table import Format
@@ -79,9 +77,8 @@ def kills_command(
     study = Study.open(study_folder)
     wanted = parts or PARTS
     with snapshot(study, campaign) as now:
-        scored = score(now.outcomes, study.roster, study.space, now.spending)
-        matrix = _chosen(study, kill_matrix(scored, study.roster, study.space), mutants)
-        cases = _survivors(now, scored, matrix) if "survivors" in wanted and output is None else ()
+        matrix = _chosen(study, kill_matrix(now.score, study.roster, study.space), mutants)
+        cases = _survivors(now, matrix) if "survivors" in wanted and output is None else ()
     if output is not None:
         _draw(_graph(matrix, by_requirement), output)
         return
@@ -121,7 +118,7 @@ def _graph(matrix: KillMatrix, by_requirement: bool) -> Subsumption:
     return subsumption(kills_by_requirement(matrix) if by_requirement else matrix.kills)
 
 
-def _survivors(now: Snapshot, scored: Score, matrix: KillMatrix) -> tuple[Survivor, ...]:
+def _survivors(now: Snapshot, matrix: KillMatrix) -> tuple[Survivor, ...]:
     """The survivors among `matrix`, judged beside all that the campaign holds."""
     from scaloft_fi.analysis.kills.background import backgrounds
     from scaloft_fi.analysis.scoring.detection import Verdict
@@ -131,8 +128,8 @@ def _survivors(now: Snapshot, scored: Score, matrix: KillMatrix) -> tuple[Surviv
     ids = {row.id for row in matrix.mutants if row.verdict is not Verdict.DETECTED}
     seeds = sorted({outcome.seed for outcome in now.outcomes if outcome.mutant in ids})
     tracked = now.with_tracks(now.outcomes, [BASELINE, *ids], seeds[:1])
-    known = backgrounds(now.study.matrix, [mutant.subject.id for mutant in scored.mutants])
-    return survivors(tracked, scored, matrix, known, short_units(now.study.requirements))
+    known = backgrounds(now.study.matrix, [mutant.subject.id for mutant in now.score.mutants])
+    return survivors(tracked, now.score, matrix, known, short_units(now.study.requirements))
 
 
 def _tables(
@@ -180,24 +177,25 @@ def _json(
     from scaloft_fi.analysis.kills.minimal_suite import minimal_suite
     from scaloft_fi.analysis.kills.situation_kills import chosen_kills, situation_kills
     from scaloft_fi.analysis.kills.subsumption import redundancies
+    from scaloft_fi.analysis.plain import plain
 
-    plain: dict[str, Any] = {"matrix": matrix.to_json(), "detected_without_kill": list(matrix.scattered)}
+    content: dict[str, Any] = {"matrix": matrix.to_json(), "detected_without_kill": list(matrix.scattered)}
     if chosen:
-        plain["chosen"] = chosen_kills(matrix, chosen).to_json()
+        content["chosen"] = plain(chosen_kills(matrix, chosen))
     if "conditions" in wanted:
         listed = interactions(matrix)
-        plain["conditions"] = [entry.to_json() for entry in listed]
-        plain["orders"] = orders(listed, matrix.space).to_json()
+        content["conditions"] = plain(listed)
+        content["orders"] = orders(listed, matrix.space).to_json()
     if "situations" in wanted:
-        plain["situations"] = [entry.to_json() for entry in situation_kills(matrix)]
+        content["situations"] = plain(situation_kills(matrix))
     if "suite" in wanted:
-        plain["suite"] = minimal_suite(matrix.kills, matrix.flown).to_json()
+        content["suite"] = plain(minimal_suite(matrix.kills, matrix.flown))
     if "subsumption" in wanted:
-        plain["subsumption"] = graph.to_json()
-        plain["redundancies"] = [entry.to_json() for entry in redundancies(graph)]
+        content["subsumption"] = graph.to_json()
+        content["redundancies"] = plain(redundancies(graph))
     if "survivors" in wanted:
-        plain["survivors"] = [entry.to_json() for entry in cases]
-    return plain
+        content["survivors"] = [entry.to_json() for entry in cases]
+    return content
 
 
 def _draw(graph: Subsumption, output: Path) -> None:

@@ -81,7 +81,6 @@ def _grid(matrix: Matrix, style: str) -> str:
 
 def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: str, *, operability: bool) -> str:
     # a campaign needs numpy, the matrix alone does not
-    from scaloft_fi.analysis.scoring.score import score
     from scaloft_fi.judge.requirement import Kind
     from scaloft_fi.study import Study
     from scaloft_fi.views.snapshot import snapshot
@@ -90,9 +89,7 @@ def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: st
     study = Study.open(study_folder)
     kind = Kind.OPERABILITY if operability else Kind.SAFETY
     with snapshot(study, campaign) as now:
-        outcomes, spending = now.outcomes, now.spending
-    scored = score(outcomes, study.roster, study.space, spending)
-    by_cell = cell_margins(outcomes, scored, study.matrix, kind)
+        by_cell = cell_margins(now.outcomes, now.score, study.matrix, kind)
     if style == "json":
         return json.dumps([{**record(cell), "margin": by_cell[cell.name]} for cell in matrix], indent=1)
     header = ["parameter", *(word.id for word in matrix.guidewords)]

@@ -20,16 +20,17 @@ WAITING = "waiting for their baseline"
 @format_option
 def status_command(study_folder: Path | None, campaign: str, style: str) -> None:
     """Print how many flights a campaign holds, by status, and why those are stale that do not count any more."""
-    from scaloft_fi.campaign.store.held import held
     from scaloft_fi.judge.flights import flights_of
     from scaloft_fi.judge.outcome import BASELINE
     from scaloft_fi.judge.status import baseline_status
     from scaloft_fi.study import Study
     from scaloft_fi.views.flights.export import ordered
+    from scaloft_fi.views.snapshot import snapshot
     from scaloft_fi.views.tables.table import Format, Table, render
 
     study = Study.open(study_folder)
-    content = held(study, campaign)
+    with snapshot(study, campaign) as now:
+        content = now.held
     flown = ordered(content.current, study.roster, study.space)
     clean = [outcome for outcome in flown if outcome.mutant == BASELINE]
     baselines = Counter(f"{BASELINE} {baseline_status(outcome)}" for outcome in clean)

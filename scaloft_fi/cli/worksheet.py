@@ -37,16 +37,13 @@ def worksheet_command(study_folder: Path | None, campaign: str, style: str, outp
     if style == "xlsx" and output is None:
         raise click.UsageError("--format xlsx goes into a file: name it with --output")
     check_writable(output)
-    from scaloft_fi.analysis.scoring.score import score
     from scaloft_fi.study import Study
     from scaloft_fi.views.snapshot import snapshot
     from scaloft_fi.views.worksheet.worksheet import worksheet
 
     study = Study.open(study_folder)
     with snapshot(study, campaign) as now:
-        outcomes, spending = now.outcomes, now.spending
-    scored = score(outcomes, study.roster, study.space, spending)
-    rows = worksheet(study.matrix, outcomes, scored, study.space, study.dispositions)
+        rows = worksheet(study.matrix, now.outcomes, now.score, study.space, study.dispositions)
     content = _content(rows, style)
     if output is None:
         click.echo(content.decode(), nl=False)

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from scaloft_fi.judge.outcome import BASELINE, Outcome
-from scaloft_fi.judge.status import INVALID, Ruling, Status, counting, rule
+from scaloft_fi.judge.status import INVALID, Baseline, Ruling, Status, counting, rule
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,35 +41,24 @@ class JudgedFlight:
 
 def flight_of(outcome: Outcome, baseline: Outcome | None) -> JudgedFlight:
     """Judge a mutant's flight by the baseline of the same situation and seed; without one that counts it is invalid."""
-    ruling = rule(outcome, counting(baseline))
-    return JudgedFlight(outcome, None if ruling is INVALID else baseline, ruling)
+    return _beside(outcome, counting(baseline))
 
 
 def flights_of(outcomes: Iterable[Outcome]) -> list[JudgedFlight]:
     """Every flight of a mutant (PLACEBO among them) beside its baseline, in the order given."""
     baselines, flown = apart(outcomes)
     known = {(baseline.situation, baseline.seed): counting(baseline) for baseline in baselines}
-    beside = [known.get((outcome.situation, outcome.seed)) for outcome in flown]
-    rulings = list(map(rule, flown, beside))
-    counted = [
-        None if baseline is None or ruling is INVALID else baseline.outcome
-        for baseline, ruling in zip(beside, rulings, strict=True)
-    ]
-    return list(map(JudgedFlight, flown, counted, rulings))
+    return [_beside(outcome, known.get((outcome.situation, outcome.seed))) for outcome in flown]
+
+
+def _beside(outcome: Outcome, baseline: Baseline | None) -> JudgedFlight:
+    ruling = rule(outcome, baseline)
+    return JudgedFlight(outcome, None if baseline is None or ruling is INVALID else baseline.outcome, ruling)
 
 
 def baselines_of(outcomes: Iterable[Outcome]) -> dict[tuple[str, int], Outcome]:
     """The baseline of each situation and seed."""
     return {(outcome.situation, outcome.seed): outcome for outcome in outcomes if outcome.subject.id == BASELINE}
-
-
-def baseline_pool(outcomes: Iterable[Outcome]) -> dict[str, list[Outcome]]:
-    """The baselines of each situation, over all seeds."""
-    found: dict[str, list[Outcome]] = {}
-    for outcome in outcomes:
-        if outcome.subject.id == BASELINE:
-            found.setdefault(outcome.situation, []).append(outcome)
-    return found
 
 
 def apart(outcomes: Iterable[Outcome]) -> tuple[list[Outcome], list[Outcome]]:

@@ -9,13 +9,14 @@ from functools import cached_property
 from pathlib import Path
 
 from scaloft_fi.analysis.scoring.detection import Spending
+from scaloft_fi.analysis.scoring.score import Score, score_of
 from scaloft_fi.campaign.runs.choice import Remembered, remembered
 from scaloft_fi.campaign.runs.spending import spending_of
 from scaloft_fi.campaign.store.folder import campaign_folder, existing
-from scaloft_fi.campaign.store.held import Held, current_in, held_in, nothing_to_show
+from scaloft_fi.campaign.store.held import Held, current_in, held_in, latest_in, nothing_to_show
 from scaloft_fi.campaign.store.platforms import warning_for
 from scaloft_fi.campaign.store.store import Store
-from scaloft_fi.campaign.store.tracks import tracks_in
+from scaloft_fi.campaign.store.tracks import with_tracks
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.rulings import Rulings, rulings_of
 from scaloft_fi.study import Study
@@ -59,6 +60,20 @@ class Snapshot:
         return held_in(self.study, self.store, self.folder)
 
     @cached_property
+    def latest(self) -> tuple[Outcome, ...]:
+        """One outcome of each flight: the one that counts, else one that the study has outgrown."""
+        return latest_in(self.study, self.store)
+
+    @cached_property
+    def score(self) -> Score:
+        """The campaign's score.
+
+        Raises:
+            InputError: it has no outcome that counts.
+        """
+        return score_of(self.rulings, self.study.roster, self.study.space, self.spending)
+
+    @cached_property
     def spending(self) -> Spending:
         """How alpha is spent on the campaign's mutants."""
         return spending_of(self.study, self.store)
@@ -82,7 +97,7 @@ class Snapshot:
         self, outcomes: Iterable[Outcome], mutants: Collection[str], seeds: Collection[int] | None = None
     ) -> tuple[Outcome, ...]:
         """The same outcomes, those of `mutants` (`baseline` among the ids) and `seeds` (None: all) with tracks."""
-        return tracks_in(self.study, self.store, outcomes, mutants, seeds)
+        return with_tracks(self.study, self.store, outcomes, mutants, seeds)
 
 
 @contextmanager

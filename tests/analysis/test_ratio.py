@@ -4,14 +4,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.ratio import Ratio, share_json
+from scaloft_fi.analysis.plain import plain
+from scaloft_fi.analysis.ratio import Ratio
 
 
 @given(st.integers(0, 100), st.integers(1, 100))
 def test_a_ratio_prints_part_whole_and_share(part: int, whole: int) -> None:
     part = min(part, whole)
     assert str(Ratio(part, whole)) == f"{part}/{whole} = {100 * part / whole:.0f} %"
-    assert share_json(Ratio(part, whole)) == {"part": part, "whole": whole}
+    assert plain(Ratio(part, whole)) == {"part": part, "whole": whole}
 
 
 def test_nothing_of_nothing_is_not_a_number() -> None:

@@ -15,6 +15,7 @@ from typing import Any
 
 from scaloft_fi.analysis.condition import condition
 from scaloft_fi.analysis.kills.kill_matrix import KillMatrix, KillRow
+from scaloft_fi.analysis.plain import plain
 from scaloft_fi.judge.space import Space
 
 NIST = {
@@ -42,7 +43,7 @@ class Interaction:
         counted: whether the ratios count it.
         condition: the shortest condition, as `human & light`.
         order: fewest axes that have to be right; 0 when it dies wherever it is tested.
-        at_most: the same if it survived in every situation that does not say: there the order may rest on nothing.
+        order_at_most: the same if it survived in every situation that does not say: there an order may rest on nothing.
         killing: situations where it is killed.
         unknown: situations that say nothing: not flown, or it infects there and no safety requirement is steady.
     """
@@ -51,21 +52,9 @@ class Interaction:
     counted: bool
     condition: str
     order: int
-    at_most: int
+    order_at_most: int
     killing: int
     unknown: int
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain JSON values."""
-        return {
-            "mutant": self.mutant,
-            "counted": self.counted,
-            "condition": self.condition,
-            "order": self.order,
-            "order_at_most": self.at_most,
-            "killing": self.killing,
-            "unknown": self.unknown,
-        }
 
 
 @dataclass(frozen=True)
@@ -74,11 +63,11 @@ class Orders:
 
     Attributes:
         counts: mutants of each order, from 0 to the number of axes.
-        at_most: the same of the orders where nothing unknown helps.
+        counts_at_most: the same of the orders where nothing unknown helps.
     """
 
     counts: tuple[int, ...]
-    at_most: tuple[int, ...]
+    counts_at_most: tuple[int, ...]
 
     def cumulative(self) -> tuple[float | None, ...]:
         """Share of the killed mutants with at most this order [%], per order; None where none was killed."""
@@ -88,10 +77,9 @@ class Orders:
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values, NIST's published shares beside them."""
         return {
-            "counts": list(self.counts),
-            "counts_at_most": list(self.at_most),
-            "cumulative_percent": list(self.cumulative()),
-            "nist_cumulative_percent": {name: list(shares) for name, shares in NIST.items()},
+            **plain(self),
+            "cumulative_percent": plain(self.cumulative()),
+            "nist_cumulative_percent": plain(NIST),
             "nist_source": NIST_SOURCE,
         }
 
@@ -114,7 +102,7 @@ def interaction(space: Space, row: KillRow) -> Interaction:
         counted=row.counted,
         condition=condition(space, killing, surviving),
         order=order(space, killing, surviving),
-        at_most=order(space, killing, others),
+        order_at_most=order(space, killing, others),
         killing=len(killing),
         unknown=len(space.points) - len(killing) - len(surviving),
     )
@@ -124,7 +112,7 @@ def orders(interactions: Iterable[Interaction], space: Space) -> Orders:
     """The histogram over the mutants that the ratios count: ladders would count one fault several times."""
     counted = [entry for entry in interactions if entry.counted]
     sizes = range(len(space.axes) + 1)
-    least, most = Counter(entry.order for entry in counted), Counter(entry.at_most for entry in counted)
+    least, most = Counter(entry.order for entry in counted), Counter(entry.order_at_most for entry in counted)
     return Orders(tuple(least[size] for size in sizes), tuple(most[size] for size in sizes))
 
 

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from scaloft_fi.analysis.kills.gray import gray_order
+from scaloft_fi.analysis.plain import plain
 from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.detection import Verdict
@@ -197,7 +198,7 @@ def _row_json(row: KillRow) -> dict[str, Any]:
         "counted": row.counted,
         "status": row.status.value,
         "verdict": row.verdict.value,
-        "kill_rate": {"part": row.kill_rate.part, "whole": row.kill_rate.whole},
+        "kill_rate": plain(row.kill_rate),
         "entries": [
             {
                 "state": entry.state,

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 MOST_ENTRIES = 10_000_000
 """Entries of the matrix looked at in one search, over all branches (some ten seconds); beyond, the answer is greedy."""
@@ -35,15 +34,6 @@ class Suite:
     exact: bool
     alternatives: int | None
     needed: tuple[str, ...]
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain JSON values."""
-        return {
-            "situations": list(self.situations),
-            "exact": self.exact,
-            "alternatives": self.alternatives,
-            "needed": list(self.needed),
-        }
 
 
 def minimal_suite(

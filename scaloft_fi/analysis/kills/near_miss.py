@@ -6,6 +6,7 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
+from scaloft_fi.analysis.plain import plain
 from scaloft_fi.judge.flights import JudgedFlight
 from scaloft_fi.judge.requirement import Reading, Verdict
 from scaloft_fi.judge.track import TRACK_COLUMNS, unpack_track
@@ -39,14 +40,7 @@ class Loss:
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
-        return {
-            "requirement": self.requirement,
-            "situation": self.situation,
-            "seed": self.seed,
-            "baseline": self.baseline,
-            "flown": self.flown,
-            "share": self.share,
-        }
+        return {**plain(self), "share": self.share}
 
 
 def losses(flight: JudgedFlight, steady: Collection[str]) -> tuple[Loss, ...]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
 
 from scaloft_fi.analysis.kills.kill_matrix import KillMatrix
 from scaloft_fi.analysis.kills.subsumption import subsumption
@@ -29,16 +28,6 @@ class SituationKills:
     tested: int
     alone: tuple[str, ...]
     minimal: Ratio
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain JSON values."""
-        return {
-            "situation": self.situation,
-            "killed": list(self.killed),
-            "tested": self.tested,
-            "alone": list(self.alone),
-            "minimal": {"part": self.minimal.part, "whole": self.minimal.whole},
-        }
 
 
 def situation_kills(matrix: KillMatrix) -> tuple[SituationKills, ...]:
@@ -64,23 +53,14 @@ class ChosenKills:
     Attributes:
         situations: keys.
         killed: mutants they kill, of those that any situation flown kills.
-        dominator: the same among the minimal mutants: the dominator score (`Subsumption.dominator_score`).
+        dominator_score: the same among the minimal mutants: the dominator score (`Subsumption.dominator_score`).
         lost: ids of the mutants that only other situations kill.
     """
 
     situations: tuple[str, ...]
     killed: Ratio
-    dominator: Ratio
+    dominator_score: Ratio
     lost: tuple[str, ...]
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain JSON values."""
-        return {
-            "situations": list(self.situations),
-            "killed": {"part": self.killed.part, "whole": self.killed.whole},
-            "dominator_score": {"part": self.dominator.part, "whole": self.dominator.whole},
-            "lost": list(self.lost),
-        }
 
 
 def chosen_kills(matrix: KillMatrix, situations: Iterable[str]) -> ChosenKills:

@@ -163,10 +163,6 @@ class Redundancy:
         """Mutants that could be left out without losing a kill set of the cell, of those killed."""
         return Ratio(sum(len(group) - 1 for group in self.duplicates), self.killed)
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain JSON values."""
-        return {"cell": self.cell, "killed": self.killed, "duplicates": [list(group) for group in self.duplicates]}
-
 
 def redundancies(graph: Subsumption) -> tuple[Redundancy, ...]:
     """The redundancy within each cell that has two or more killed mutants, in the order of the nodes."""

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
 
-from scaloft_fi.analysis.ratio import Ratio, share_json
+from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore, Result
 from scaloft_fi.analysis.scoring.score import Score
@@ -38,10 +37,6 @@ class Group:
     name: str
     tested: Ratio
     flown: Ratio
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain JSON values."""
-        return {"name": self.name, "tested": share_json(self.tested), "flown": share_json(self.flown)}
 
 
 def groups(scored: Score, by: By, roster: Roster, space: Space) -> tuple[Group, ...]:

@@ -8,6 +8,7 @@ from enum import StrEnum
 from functools import cached_property
 from typing import Any
 
+from scaloft_fi.analysis.plain import plain
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind
 
@@ -77,14 +78,7 @@ class Pair:
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
-        counts = {name: getattr(self, name) for name in ("violated", "flights", "open", "triggered")}
-        return {
-            "situation": self.situation,
-            "requirement": self.requirement,
-            "kind": self.kind.value,
-            **counts,
-            "state": self.state.value,
-        }
+        return {**plain(self), "state": self.state.value}
 
 
 @dataclass(frozen=True)

@@ -10,12 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scaloft_fi.analysis.ratio import Ratio, share_json
+from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.scoring.detection import Sample, adjusted
 from scaloft_fi.analysis.scoring.pool import LEAST, Pair, Pool
 from scaloft_fi.judge.outcome import BASELINE, Outcome
@@ -43,10 +42,6 @@ class Redraw:
     seeds: int = 0
     safety: Ratio = NONE
     operability: Ratio = NONE
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain JSON values."""
-        return {"seeds": self.seeds, "safety": share_json(self.safety), "operability": share_json(self.operability)}
 
 
 def redraw(baselines: Iterable[Outcome], seeds: int, alpha: float, redraws: int = REDRAWS) -> Redraw:

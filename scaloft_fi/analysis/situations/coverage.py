@@ -7,7 +7,8 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.analysis.ratio import Ratio, share_json
+from scaloft_fi.analysis.plain import plain
+from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.judge.flights import apart
 from scaloft_fi.judge.outcome import Outcome
@@ -111,19 +112,19 @@ def _requirements(baselines: Iterable[Outcome], judged: int) -> tuple[tuple[str,
 def coverage_json(covered: Coverage) -> dict[str, Any]:
     """Every number of the coverage as plain JSON values; `t_way` per strength, with its (p, t)-completeness."""
     return {
-        "situations": share_json(covered.situations),
+        "situations": plain(covered.situations),
         "draws": covered.draws,
         "pool": covered.pool,
         "t_way": {
             str(one.strength): {
-                **share_json(one.total),
-                "complete": {f"{share:g}": share_json(one.complete(share)) for share in SHARES},
+                **plain(one.total),
+                "complete": {f"{share:g}": plain(one.complete(share)) for share in SHARES},
             }
             for one in covered.combinations
         },
-        "realised": share_json(covered.realised),
-        "realised_by_axis": {axis: share_json(ratio) for axis, ratio in covered.by_axis},
-        "steady": share_json(covered.steady),
-        "states": {state.value: count for state, count in covered.states.items()},
-        "requirements": {name: share_json(ratio) for name, ratio in covered.requirements},
+        "realised": plain(covered.realised),
+        "realised_by_axis": plain(dict(covered.by_axis)),
+        "steady": plain(covered.steady),
+        "states": plain(covered.states),
+        "requirements": plain(dict(covered.requirements)),
     }

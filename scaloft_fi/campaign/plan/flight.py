@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from scaloft_fi.judge.outcome import BASELINE, Subject
+from scaloft_fi.judge.outcome import Subject
 from scaloft_fi.mutants.mutant import Mutant
 
 if TYPE_CHECKING:
@@ -28,16 +28,9 @@ class Flight:
     @property
     def subject(self) -> Subject:
         """What is flown, as results name it."""
-        return subject_of(self.mutant)
+        return Subject.of(self.mutant)
 
     @property
     def name(self) -> str:
         """`MUTANT/SITUATION/SEED`, as `replay` takes it."""
         return f"{self.subject.id}/{self.situation.key}/{self.seed}"
-
-
-def subject_of(mutant: Mutant | None) -> Subject:
-    """What results keep of a mutant; None = the baseline."""
-    if mutant is None:
-        return Subject(BASELINE)
-    return Subject(mutant.id, mutant.guideword, mutant.parameter, mutant.magnitude)

@@ -11,7 +11,6 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from scaloft_fi.analysis.scoring.detection import Spending
-from scaloft_fi.campaign.store.folder import campaign_folder, existing
 from scaloft_fi.campaign.store.store import Store
 
 if TYPE_CHECKING:
@@ -48,13 +47,3 @@ def _asked(store: Store) -> dict[str, set[frozenset[int]]]:
             for mutant in content["mutants"]:
                 asked.setdefault(mutant, set()).add(frozenset(content["seeds"]))
     return asked
-
-
-def spending(study: Study, campaign: str) -> Spending:
-    """The same of a campaign.
-
-    Raises:
-        InputError: there is no campaign.
-    """
-    with Store(existing(campaign_folder(study, campaign)), create=False) as store:
-        return spending_of(study, store)

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.store.folder import campaign_folder, existing
 from scaloft_fi.campaign.store.key import Keys
 from scaloft_fi.campaign.store.origin import Origin
 from scaloft_fi.campaign.store.selection import Flown
@@ -46,19 +45,8 @@ class Held:
         return sum(self.why.values())
 
 
-def held(study: Study, campaign: str) -> Held:
-    """What a campaign holds, read without flying.
-
-    Raises:
-        InputError: there is no campaign.
-    """
-    folder = campaign_folder(study, campaign)
-    with Store(existing(folder), create=False) as store:
-        return held_in(study, store, folder)
-
-
 def held_in(study: Study, store: Store, folder: Path) -> Held:
-    """The same of an open store."""
+    """What an open store holds."""
     with store.snapshot():
         now = _Now(study, store)
         flights = store.flights()
@@ -86,17 +74,6 @@ def counting_flights(study: Study, store: Store) -> list[Flown]:
         return [standing[key] for key in sorted(store.known(standing))]
 
 
-def current(study: Study, campaign: str) -> tuple[Outcome, ...]:
-    """The outcomes of a campaign that count.
-
-    Raises:
-        InputError: there are none.
-    """
-    folder = campaign_folder(study, campaign)
-    with Store(existing(folder), create=False) as store, store.snapshot():
-        return store.standing(_Now(study, store).stands) or nothing_to_show(store, folder)
-
-
 def nothing_to_show(store: Store, folder: Path) -> NoReturn:
     """Say why a campaign has nothing that counts."""
     flights = store.flights()
@@ -106,14 +83,9 @@ def nothing_to_show(store: Store, folder: Path) -> NoReturn:
     raise InputError(f"{folder}: nothing to show: {stale}; `scaloft-fi run` flies again")
 
 
-def latest(study: Study, campaign: str) -> tuple[Outcome, ...]:
-    """One outcome of each flight of a campaign: the current one, else one that the study has outgrown.
-
-    Raises:
-        InputError: there is no campaign.
-    """
-    folder = campaign_folder(study, campaign)
-    with Store(existing(folder), create=False) as store, store.snapshot():
+def latest_in(study: Study, store: Store) -> tuple[Outcome, ...]:
+    """One outcome of each flight of an open store: the current one, else one that the study has outgrown."""
+    with store.snapshot():
         stand_last = sorted(store.flights(), key=_Now(study, store).stands)
         chosen = {(flight.mutant, flight.situation, flight.seed): flight.key for flight in stand_last}
         return tuple(store.outcomes(chosen.values()))

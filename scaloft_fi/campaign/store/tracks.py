@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 
-from scaloft_fi.campaign.store.folder import campaign_folder, existing
 from scaloft_fi.campaign.store.held import flight_named
 from scaloft_fi.campaign.store.key import Keys
 from scaloft_fi.campaign.store.store import Store
@@ -14,7 +13,7 @@ from scaloft_fi.study import Study
 
 def with_tracks(
     study: Study,
-    campaign: str,
+    store: Store,
     outcomes: Iterable[Outcome],
     mutants: Collection[str],
     seeds: Collection[int] | None = None,
@@ -23,26 +22,11 @@ def with_tracks(
 
     Args:
         study: whose flights they are, as it is now.
-        campaign: where they are stored.
+        store: where they are.
         outcomes: current ones.
         mutants: ids whose trajectories are wanted.
         seeds: of which they are wanted; None means all.
-
-    Raises:
-        InputError: there is no campaign.
     """
-    with Store(existing(campaign_folder(study, campaign)), create=False) as store:
-        return tracks_in(study, store, outcomes, mutants, seeds)
-
-
-def tracks_in(
-    study: Study,
-    store: Store,
-    outcomes: Iterable[Outcome],
-    mutants: Collection[str],
-    seeds: Collection[int] | None = None,
-) -> tuple[Outcome, ...]:
-    """The same from an open store."""
     wanted, keys = set(mutants), Keys(study)
 
     def tracked(outcome: Outcome) -> Outcome:

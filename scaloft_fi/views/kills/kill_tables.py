@@ -47,7 +47,7 @@ def interaction_table(listed: Sequence[Interaction]) -> Table:
 
 
 def _order(entry: Interaction) -> str:
-    return str(entry.order) if entry.order == entry.at_most else f"{entry.order}-{entry.at_most}"
+    return str(entry.order) if entry.order == entry.order_at_most else f"{entry.order}-{entry.order_at_most}"
 
 
 def order_table(orders: Orders) -> Table:
@@ -107,7 +107,7 @@ def suite_table(suite: Suite, matrix: KillMatrix) -> Table:
         so_far, own = chosen_kills(matrix, suite.situations[:number]), chosen_kills(matrix, [key])
         needed = "yes" if key in suite.needed else ""
         words = _words(matrix.space, key)
-        rows.append((key, words, needed, own.killed.part, str(so_far.killed), str(so_far.dominator)))
+        rows.append((key, words, needed, own.killed.part, str(so_far.killed), str(so_far.dominator_score)))
     size = len(suite.situations)
     if suite.exact:
         others = "an unknown number" if suite.alternatives is None else str(suite.alternatives)
@@ -122,7 +122,11 @@ def chosen_table(chosen: ChosenKills) -> Table:
     """What some situations kill together."""
     rows = (
         ("killed", str(chosen.killed), "of the mutants killed in any situation flown"),
-        ("dominator score", str(chosen.dominator), "minimal mutants killed, of all: redundant mutants do not count"),
+        (
+            "dominator score",
+            str(chosen.dominator_score),
+            "minimal mutants killed, of all: redundant mutants do not count",
+        ),
         ("lost", str(len(chosen.lost)), ", ".join(chosen.lost)),
     )
     note = "Dominator score: Kurtz et al., FSE 2016; of every situation flown together it is 1 by construction."

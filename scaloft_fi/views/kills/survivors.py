@@ -17,6 +17,7 @@ from scaloft_fi.analysis.kills.background import Background
 from scaloft_fi.analysis.kills.kill_matrix import KillMatrix
 from scaloft_fi.analysis.kills.near_miss import Loss
 from scaloft_fi.analysis.kills.survivor_case import Campaign, Case
+from scaloft_fi.analysis.plain import plain
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.pool import LEAST, State
 from scaloft_fi.analysis.scoring.score import Score
@@ -96,15 +97,7 @@ class Survivor:
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
-        return {
-            "mutant": self.mutant,
-            "verdict": self.verdict.value,
-            "rung": self.rung.value,
-            "next": self.next.value,
-            "why": self.why,
-            "loss": self.loss.to_json() if self.loss else None,
-            "off_path_m": self.off_path_m,
-        }
+        return {**plain(self), "loss": self.loss.to_json() if self.loss else None}
 
 
 def survivors(

@@ -10,7 +10,7 @@ from scaloft_fi.analysis.kills.interaction import interactions, orders
 from scaloft_fi.analysis.kills.kill_matrix import KillMatrix
 from scaloft_fi.analysis.kills.minimal_suite import minimal_suite
 from scaloft_fi.analysis.kills.subsumption import subsumption
-from scaloft_fi.analysis.ratio import share_json
+from scaloft_fi.analysis.plain import plain
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
@@ -42,9 +42,9 @@ def analyses(evidence: Evidence, scored: Score, matrix: KillMatrix) -> dict[str,
         "margins": margin_texts(outcomes, scored, study.matrix),
         "ladders": ladders(scored, study.matrix, roster),
         "thresholds": thresholds(outcomes, scored, study.matrix, study.requirements),
-        "interactions": [entry.to_json() for entry in listed],
+        "interactions": plain(listed),
         "orders": orders(listed, matrix.space).to_json(),
-        "suite": minimal_suite(kills, [key for key, _ in matrix.space.points]).to_json(),
+        "suite": plain(minimal_suite(kills, [key for key, _ in matrix.space.points])),
         "subsumption": subsumption(kills).to_json(),
         "survivors": [
             entry.to_json() for entry in survivors(outcomes, scored, matrix, known, short_units(study.requirements))
@@ -81,7 +81,7 @@ def ladders(scored: Score, cells: Matrix, roster: Roster) -> list[dict[str, Any]
                     "magnitude": rung.subject.magnitude,
                     "default": roster.counts(rung.subject),
                     "verdict": rung.verdict.value,
-                    "kill_rate": share_json(rung.kill_rate),
+                    "kill_rate": plain(rung.kill_rate),
                 }
                 for rung in sorted(by_cell[cell.name], key=lambda one: order(one.subject.id))
             ],

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict
 from typing import Any
 
 from scaloft_fi import __version__
 from scaloft_fi.analysis.kills.kill_matrix import kill_matrix
-from scaloft_fi.analysis.scoring.baseline import Finding, Tally, findings, tallies
+from scaloft_fi.analysis.plain import plain
+from scaloft_fi.analysis.scoring.baseline import Finding, findings, tallies
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.score import Score, score_of
 from scaloft_fi.analysis.situations.coverage import coverage_of
@@ -71,7 +71,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "stale": evidence.stale,
         "owed": evidence.owed,
         "fingerprint": dict(evidence.fingerprint or {}),
-        "answers": [answer._asdict() for answer in answers(scored, roster, evidence.campaign)],
+        "answers": plain(answers(scored, roster, evidence.campaign)),
         "besides": [
             {"name": "Situations", "text": coverage_line(covered)},
             {"name": "Unmutated drone", "text": baseline_line(scored.pool)},
@@ -89,16 +89,16 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "karnaugh": folding(space),
         "situations": order,
         "by_situation": matrices.by_situation(scored, roster, keys),
-        "guidewords": [asdict(word) for word in study.matrix.guidewords],
-        "parameters": [asdict(parameter) for parameter in study.matrix.parameters],
+        "guidewords": plain(study.matrix.guidewords),
+        "parameters": plain(study.matrix.parameters),
         "cells": matrices.cells(study.matrix, [mutant["id"] for mutant in mutants]),
         "mutants": mutants,
-        "requirements": [asdict(requirement) | {"kind": requirement.kind.value} for requirement in study.requirements],
+        "requirements": plain(study.requirements),
         "limits": limits(study.requirements, TRACK_COLUMNS),
         "bounds": bounds_of(study.requirements),
         "pairs": record["pairs"],
         "firsts": [_first(finding) for finding in findings(outcomes, space) if finding.first],
-        "tallies": [_tally(tally) for tally in tallies(outcomes)],
+        "tallies": [{**plain(tally), "verdicts": plain(dict(tally.verdicts))} for tally in tallies(outcomes)],
         "accepted": accepted(scored, roster, study.dispositions, evidence.today),
         **analyses(evidence, scored, kills),
         "far": FAR,
@@ -132,9 +132,4 @@ def _first(finding: Finding) -> dict[str, Any]:
     """The earliest safety violation of the unmutated drone in a situation."""
     assert finding.first
     violation, seed = finding.first
-    return asdict(violation) | {"kind": violation.kind.value, "seed": seed, "situation": finding.situation}
-
-
-def _tally(tally: Tally) -> dict[str, Any]:
-    verdicts = {verdict.value: count for verdict, count in tally.verdicts}
-    return asdict(tally) | {"kind": tally.kind.value, "verdicts": verdicts}
+    return {**plain(violation), "seed": seed, "situation": finding.situation}

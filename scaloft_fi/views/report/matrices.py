@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.analysis.kills.gray import gray_order
 from scaloft_fi.analysis.kills.kill_matrix import Entry, KillMatrix
-from scaloft_fi.analysis.ratio import Ratio, share_json
+from scaloft_fi.analysis.plain import plain
+from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore, Result
 from scaloft_fi.analysis.scoring.pool import Pool
@@ -153,9 +154,9 @@ def _tests(scored: MutantScore, pool: Pool) -> list[dict[str, Any]]:
             {
                 "requirement": name,
                 "p": p[name],
-                "kills": share_json(Ratio(kills, len(tests))),
-                "flights": share_json(Ratio(violated, sum(result.flown for result in tests))),
-                "baseline": share_json(Ratio(sum(own.violated for own in pairs), sum(own.judged for own in pairs))),
+                "kills": plain(Ratio(kills, len(tests))),
+                "flights": plain(Ratio(violated, sum(result.flown for result in tests))),
+                "baseline": plain(Ratio(sum(own.violated for own in pairs), sum(own.judged for own in pairs))),
             }
         )
     return records

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from scaloft_fi.analysis.ratio import share_json
+from scaloft_fi.analysis.plain import plain
 from scaloft_fi.analysis.scoring.detection import Detection
 from scaloft_fi.analysis.scoring.grouping import Group
 from scaloft_fi.analysis.scoring.mutant_score import Kill, Moment, MutantScore
@@ -32,16 +32,16 @@ def score_json(
         "version": VERSION,
         "alpha": scored.alpha,
         "pooled": scored.pooled,
-        "ratios": {name: share_json(getattr(scored, name)) for name in RATIOS},
+        "ratios": {name: plain(getattr(scored, name)) for name in RATIOS},
         "expected_false": scored.expected_false,
-        "redraw": scored.redraw.to_json(),
+        "redraw": plain(scored.redraw),
         "mutants": [_mutant(mutant) for mutant in scored.mutants],
         "controls": [_mutant(mutant) for mutant in scored.controls],
         "pairs": [pair.to_json() for pair in scored.pool.pairs.values()],
         "lacking": list(scored.lacking),
         "coverage": _coverage(covered),
         "baseline": [{"situation": key, "violated": list(violated)} for key, violated in baselines],
-        **({"groups": [group.to_json() for group in groups]} if groups else {}),
+        **({"groups": plain(groups)} if groups else {}),
     }
 
 
@@ -49,7 +49,7 @@ def _coverage(covered: Coverage) -> dict[str, Any]:
     """`t_way` with parts and wholes alone, `complete` with its (p, t)-completeness."""
     values = coverage_json(covered)
     complete = {strength: ratio["complete"] for strength, ratio in values["t_way"].items()}
-    t_way = {str(strength): share_json(ratio) for strength, ratio in covered.t_way}
+    t_way = {str(strength): plain(ratio) for strength, ratio in covered.t_way}
     return values | {"t_way": t_way, "complete": complete}
 
 
@@ -62,10 +62,10 @@ def _mutant(mutant: MutantScore) -> dict[str, Any]:
         "status": mutant.status.value,
         "verdict": mutant.verdict.value,
         "p": dict(mutant.safety.p),
-        "kill_rate": share_json(mutant.kill_rate),
-        "kill_rate_flown": share_json(mutant.kill_rate_flown),
+        "kill_rate": plain(mutant.kill_rate),
+        "kill_rate_flown": plain(mutant.kill_rate_flown),
         "kills": [_kill(kill) for kill in mutant.kills],
-        "requirements": {name: share_json(ratio) for name, ratio in mutant.requirements},
+        "requirements": plain(dict(mutant.requirements)),
         "first": _moment(mutant.first),
         "decided_at": _look(mutant.safety),
         "operability": {

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from scaloft_fi.analysis.disposition import Disposition
-from scaloft_fi.analysis.ratio import share_json
+from scaloft_fi.analysis.plain import plain
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.score import Score
@@ -214,9 +214,9 @@ def _record(row: SheetRow) -> dict[str, Any]:
             "verdict": score.verdict.value,
             "operability": score.operability.verdict.value,
             "p": dict(_p(score)),
-            "kill_rate": share_json(score.kill_rate),
-            "kill_rate_flown": share_json(score.kill_rate_flown),
-            "requirements": {name: share_json(ratio) for name, ratio in score.requirements},
+            "kill_rate": plain(score.kill_rate),
+            "kill_rate_flown": plain(score.kill_rate_flown),
+            "requirements": plain(dict(score.requirements)),
             "killing": list(score.killing),
         }
     besides = {key: values[key] for key in ("node", "design_intent", "margin", "disposition")}

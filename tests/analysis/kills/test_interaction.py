@@ -69,7 +69,7 @@ def test_what_is_not_known_makes_the_order_a_range() -> None:
     flights = [*pool(human, nobody), *thrice(late, human, violated={"SR2": 9.0}), *thrice(late, nobody)]
     scored = score(flights, ROSTER, GRID)
     assert interactions(kill_matrix(scored, ROSTER, GRID)) == (
-        Interaction(late, True, "human", order=1, at_most=5, killing=1, unknown=30),
+        Interaction(late, True, "human", order=1, order_at_most=5, killing=1, unknown=30),
     )
 
 

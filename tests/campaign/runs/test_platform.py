@@ -18,7 +18,7 @@ from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.platform import BASELINES, MUTANTS, sample_of
 from scaloft_fi.campaign.runs.run import Report, run
 from scaloft_fi.campaign.store.folder import STORE_NAME
-from scaloft_fi.campaign.store.held import held
+from scaloft_fi.campaign.store.held import Held, held_in
 from scaloft_fi.campaign.store.platforms import warning_for
 from scaloft_fi.campaign.store.selection import Flown
 from scaloft_fi.campaign.store.store import Store
@@ -48,6 +48,11 @@ def move(monkeypatch: pytest.MonkeyPatch) -> Move:
 def _warning(path: Path) -> str:
     with Store(path, create=False) as store:
         return warning_for(store)
+
+
+def _held(study: Any) -> Held:
+    with Store(study.folder / "c" / STORE_NAME, create=False) as store:
+        return held_in(study, store, study.folder / "c")
 
 
 def _plan(study: Any, seeds: tuple[int, ...] = (0,)) -> Plan:
@@ -105,7 +110,7 @@ def test_where_a_digest_differs_the_stored_flights_are_outgrown_with_the_reason_
     assert len(log.flown) == before + BASELINES + MUTANTS + FLIGHTS + 1  # one flight of a run is repeated
     assert f"came out with another digest: {FLIGHTS} stored flights of the earlier platform do not count" in said
     assert all(outcome.digest.endswith("last bit other") for outcome in report.outcomes)
-    now = held(study, f"{study.folder}/c")
+    now = _held(study)
     assert len(now.current) == FLIGHTS
     assert now.why == {"flown on a platform with other digests: numpy 2 here, 1 there": FLIGHTS}
     assert now.owed == 0
@@ -117,7 +122,7 @@ def test_what_is_outgrown_and_not_asked_for_is_not_flown_again(study: Any, log: 
     log.change = _otherwise
     report, _ = _run(study, log, plan(study.grid[:1], (0,), [realise(study.matrix, CONTROL)], None))
     assert report.flown == 3
-    assert held(study, f"{study.folder}/c").stale == FLIGHTS
+    assert _held(study).stale == FLIGHTS
 
 
 def test_there_and_back_again_loses_no_flight_and_doubles_none(study: Any, log: Any, move: Move) -> None:
@@ -127,7 +132,7 @@ def test_there_and_back_again_loses_no_flight_and_doubles_none(study: Any, log: 
         log.change = change
         report, _ = _run(study, log)
         assert report.flown == FLIGHTS
-    now = held(study, f"{study.folder}/c")
+    now = _held(study)
     assert len(now.current) == FLIGHTS
     assert sorted(now.why.values()) == [FLIGHTS, FLIGHTS]
 
@@ -140,7 +145,7 @@ def test_flights_that_do_not_count_anyway_are_set_apart_without_a_sample(study: 
     report, _ = _run(changed, log)
     assert report.flown == FLIGHTS
     assert len(log.flown) == before + FLIGHTS + 1
-    assert held(study, f"{study.folder}/c").current == ()
+    assert _held(study).current == ()
 
 
 def test_a_sample_that_the_harness_cannot_fly_decides_nothing(study: Any, log: Any, move: Move) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import operator
 import shutil
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,17 +17,19 @@ from scaloft_fi.campaign.progress.progress import Silence
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import run
 from scaloft_fi.campaign.store.folder import STORE_NAME
-from scaloft_fi.campaign.store.held import Held, current, current_in, held, held_in, latest
+from scaloft_fi.campaign.store.held import Held, current_in, held_in
 from scaloft_fi.campaign.store.key import Keys
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.views.snapshot import Snapshot, snapshot
 
 CONTROL, LATE, MORE = "REVERSE-velcmd", "LATE-human@3s", "MORE-goal@1m"
 HAZOP = Path(__file__).parents[3] / "hazop"
 CODE = "the code that flies and judges"
+HELD, LATEST, CURRENT = (operator.attrgetter(name) for name in ("held", "latest", "outcomes"))
 
 
 @pytest.fixture
@@ -44,7 +47,7 @@ def fly(study: Any, log: Any) -> Callable[..., Held]:
             progress=Silence(stream=io.StringIO()),
             flyer=log,
         )
-        return held(now, f"{now.folder}/c")
+        return _read(now, HELD)
 
     return flying
 
@@ -53,8 +56,13 @@ def _inputs(study: Any, **changes: str) -> Any:
     return replace(study, inputs={**study.inputs, **changes})
 
 
+def _read(study: Any, what: Callable[[Snapshot], Any]) -> Any:
+    with snapshot(study, f"{study.folder}/c") as now:
+        return what(now)
+
+
 def _why(study: Any) -> dict[str, int]:
-    return dict(held(study, f"{study.folder}/c").why)
+    return dict(_read(study, HELD).why)
 
 
 def test_of_an_unchanged_study_nothing_is_stale_or_owed(fly: Callable[..., Held]) -> None:
@@ -118,36 +126,36 @@ def test_what_is_owed_is_planned_as_the_study_is_now(study: Any, fly: Callable[.
     fly()
     with Store(study.folder / "c" / STORE_NAME) as store:
         store._connection.execute("DELETE FROM outcomes WHERE mutant = ?", (LATE,))
-    assert held(study, f"{study.folder}/c").owed == 4
-    assert held(_inputs(study, sim="x"), f"{study.folder}/c").owed == 0
+    assert _read(study, HELD).owed == 4
+    assert _read(_inputs(study, sim="x"), HELD).owed == 0
 
 
 def test_the_latest_are_the_current_ones_else_the_stale(study: Any, fly: Callable[..., Held], log: Any) -> None:
     before = fly().current
-    assert latest(_inputs(study, sim="x"), f"{study.folder}/c") == before
+    assert _read(_inputs(study, sim="x"), LATEST) == before
     log.change = lambda _flight, outcome: replace(outcome, perceived_digest="now")
     now = _inputs(study, sim="x")
     after = fly(now).current
     assert after != before
-    assert latest(now, f"{study.folder}/c") == after == current(now, f"{study.folder}/c")
-    assert latest(study, f"{study.folder}/c") == before == current(study, f"{study.folder}/c")
+    assert _read(now, LATEST) == after == _read(now, CURRENT)
+    assert _read(study, LATEST) == before == _read(study, CURRENT)
 
 
 def test_a_campaign_without_a_flight_that_counts_is_one_sentence(study: Any, fly: Callable[..., Held]) -> None:
     fly()
     with pytest.raises(InputError, match=r"nothing to show: all 16 flights are stale \(`scaloft-fi status`\)"):
-        current(_inputs(study, sim="x"), f"{study.folder}/c")
+        _read(_inputs(study, sim="x"), CURRENT)
     with Store(study.folder / "c" / STORE_NAME) as store:
         store._connection.execute("DELETE FROM outcomes")
     with pytest.raises(InputError, match="it holds no flight"):
-        current(study, f"{study.folder}/c")
+        _read(study, CURRENT)
 
 
 def test_what_a_run_writes_meanwhile_is_read_the_next_time(
     study: Any, fly: Callable[..., Held], log: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     there = len(fly().current)
-    campaign, path, read, keys = f"{study.folder}/c", study.folder / "c" / STORE_NAME, Store.origins, Keys(study)
+    path, read, keys = study.folder / "c" / STORE_NAME, Store.origins, Keys(study)
     planned = [plan(study.grid, (seed,), [realise(study.matrix, CONTROL)], None) for seed in range(1, 5)]
     meanwhile: list[Any] = []
     added = len(planned[0].baselines) + len(planned[0].mutants)
@@ -168,14 +176,14 @@ def test_what_a_run_writes_meanwhile_is_read_the_next_time(
             return len(current_in(study, store))
 
     def told() -> int:
-        found = held(study, campaign)
+        found = _read(study, HELD)
         assert (found.stale, found.owed) == (0, 0)
         return len(found.current)
 
     # the first of these meets origins that were not there when it began
     monkeypatch.setattr(Store, "origins", origins)
-    for reader in (told, opened, lambda: len(current(study, campaign)), lambda: len(latest(study, campaign))):
+    for reader in (told, opened, lambda: len(_read(study, CURRENT)), lambda: len(_read(study, LATEST))):
         meanwhile.append(planned.pop())
         assert reader() == there
         there += added
-    assert len(current(study, campaign)) == there
+    assert len(_read(study, CURRENT)) == there

@@ -3,7 +3,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from scaloft_fi.campaign.store.folder import STORE_NAME
-from scaloft_fi.campaign.store.held import current, flight_named
+from scaloft_fi.campaign.store.held import current_in, flight_named
 from scaloft_fi.campaign.store.key import Keys
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.store.tracks import with_tracks
@@ -24,10 +24,10 @@ def test_only_the_trajectories_asked_for_are_read(tmp_path: Path) -> None:
             planned = keys.planned(flight := flight_named(study, mutant, HERE, seed))
             store.plan([planned])
             store.put(planned.key, Outcome(flight.subject, HERE, seed, ending="landed", track=track))
-    known = current(study, f"{tmp_path}/")
+        known = current_in(study, store)
+        found = with_tracks(study, store, known, ["baseline", "LATE-human@3s"])
+        first = with_tracks(study, store, known, ["baseline"], [1])
     assert not any(outcome.track for outcome in known)
-    found = with_tracks(study, f"{tmp_path}/", known, ["baseline", "LATE-human@3s"])
     assert {o.name for o in found if o.track} == {f"baseline/{HERE}/0", f"baseline/{HERE}/1", f"LATE-human@3s/{HERE}/0"}
-    first = with_tracks(study, f"{tmp_path}/", known, ["baseline"], [1])
     assert {outcome.name for outcome in first if outcome.track} == {f"baseline/{HERE}/1"}
     assert [outcome.name for outcome in first] == [outcome.name for outcome in known]

@@ -63,10 +63,10 @@ def test_a_situation_tells_what_it_alone_kills() -> None:
 
 def test_some_situations_are_scored_with_and_without_redundant_mutants() -> None:
     found = chosen_kills(matrix_of(CAMPAIGN), [HUMAN, DARK])
-    assert (str(found.killed), str(found.dominator)) == ("2/3 = 67 %", "1/2 = 50 %")
+    assert (str(found.killed), str(found.dominator_score)) == ("2/3 = 67 %", "1/2 = 50 %")
     assert found.lost == (GOAL,)
     whole = chosen_kills(matrix_of(CAMPAIGN), GRID.point)
-    assert (whole.killed.value, whole.dominator.value, whole.lost) == (1.0, 1.0, ())
+    assert (whole.killed.value, whole.dominator_score.value, whole.lost) == (1.0, 1.0, ())
 
 
 def test_the_tables_say_it_in_words() -> None:
