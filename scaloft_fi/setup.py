@@ -111,7 +111,7 @@ class Setup:
         from scaloft_fi.judge.requirement import load_requirements
         from scaloft_fi.judge.stl import Formula
 
-        return load_requirements(self._requirements_path, self.signals, within_caps(Formula.spelt, self.caps))
+        return load_requirements(self._requirements_path, self.signals, within_caps(Formula.unparsed, self.caps))
 
     @property
     def _requirements_path(self) -> Path:
