@@ -1,4 +1,4 @@
-"""The file of accepted survivors, `hazop/dispositions.yaml`: read, and drafted for people to fill in."""
+"""The file of accepted survivors, `hazop/dispositions.yaml`: read it, and draft entries for people to complete."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.mutants.derive import realise
 
 HEADER = """\
-# Survivors that were looked at and accepted; `scaloft-fi score --ratchet` fails on any other.
-# Each says who answers for it (owner), why it may survive (reason) and until which day that holds (expires);
-# `situations`, if given, limits it to those: a survival elsewhere is to be looked at again.
+# Accepted survivors; `scaloft-fi score --ratchet` fails on any other survivor.
+# Each entry names the person responsible (owner), the reason, and the last day of its validity (expires);
+# optional `situations` limit the entry: a survival in another situation is not accepted.
 """
 
 
 def load_dispositions(path: Path, matrix: Matrix, situations: Collection[str]) -> tuple[Disposition, ...]:
-    """The dispositions of a study; none where it has no such file.
+    """Read the dispositions of a study; a study without the file has none.
 
     Args:
         path: `hazop/dispositions.yaml`.
-        matrix: of the study.
+        matrix: matrix of the study.
         situations: keys of its grid.
 
     Raises:
-        InputError: naming the place of a mutant, a situation or a date that does not exist, of a key that is missing,
-            empty or unknown, of a mutant that stands twice.
+        InputError: a mutant, a situation or a date does not exist, a key is missing, empty or unknown, or a mutant
+            occurs twice; the message names the place.
     """
     if not path.exists():
         return ()
@@ -39,9 +39,7 @@ def load_dispositions(path: Path, matrix: Matrix, situations: Collection[str]) -
         disposition = _disposition(name, item, matrix, situations)
         if disposition.mutant in dispositions:
             first = dispositions[disposition.mutant].place
-            raise InputError(
-                f"{item.place}: mutant {name!r} is {disposition.mutant!r}, which stands at {first} already"
-            )
+            raise InputError(f"{item.place}: mutant {name!r} is {disposition.mutant!r}, which is already at {first}")
         dispositions[disposition.mutant] = disposition
     return tuple(dispositions.values())
 
@@ -82,7 +80,7 @@ def _date(item: Item) -> date:
 
 
 def parse_date(text: str) -> date | None:
-    """A date as ISO 8601 writes it, YYYY-MM-DD; None for anything else.
+    """Parse a date in the form YYYY-MM-DD of ISO 8601; None for any other text.
 
     >>> parse_date("2027-01-31"), parse_date("2027-02-30"), parse_date("20270131")
     (datetime.date(2027, 1, 31), None, None)
@@ -96,9 +94,9 @@ def parse_date(text: str) -> date | None:
 
 
 def draft(mutants: Iterable[str]) -> str:
-    """YAML to append for survivors that nobody has accepted.
+    """Draft the YAML entries of survivors that are not accepted yet.
 
-    What a person has to decide is left empty, so that the file is refused until somebody has.
+    The keys that need a decision are empty; the file is refused until a person has filled them in.
 
     Args:
         mutants: canonical ids.

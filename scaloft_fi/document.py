@@ -1,4 +1,4 @@
-"""YAML that remembers where each value stands, so that an error can name file, line, key and the nearest valid key."""
+"""YAML documents that keep the place of each value; an error names file, line, key and the nearest valid key."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ class Item:
 
     @property
     def place(self) -> str:
-        """`file:line` as every error sentence begins."""
+        """`file:line`, the beginning of every error message."""
         return f"{self.path}:{self.line}"
 
     def error(self, allowed: str) -> InputError:
-        """The sentence for a value that is not allowed here."""
+        """The error for a value that is not allowed here."""
         shown = (
             "{...}" if isinstance(self.value, dict) else "[...]" if isinstance(self.value, tuple) else repr(self.value)
         )
@@ -104,7 +104,7 @@ class Item:
         return self.value
 
     def get(self, key: str) -> Item | None:
-        """The entry of a mapping under `key`, or None; the key counts as known."""
+        """The entry of a mapping under `key`, or None; from now on the key counts as known."""
         self._taken.add(key)
         return self.mapping().get(key)
 
@@ -123,10 +123,10 @@ class Item:
         return found
 
     def close(self) -> None:
-        """Refuse the keys that nobody asked for.
+        """Refuse unknown keys: the keys that no call of `get` or `need` has read.
 
         Raises:
-            InputError: naming the first unknown key and the nearest known one.
+            InputError: a key is unknown; the message names the first unknown key and the nearest known key.
         """
         for key, item in self.mapping().items():
             if key not in self._taken:
@@ -161,7 +161,7 @@ def load(path: Path) -> Item:
 
 
 def _item(loader: Any, node: yaml.Node, path: Path, name: str, key_line: int = 0, inside: tuple[int, ...] = ()) -> Item:
-    """The item of a node; a mapping or list under a key stands where the key does."""
+    """The item of a node; the place of a mapping or list under a key is the place of the key."""
     if id(node) in inside:
         raise InputError(f"{path}:{node.start_mark.line + 1}: {name} contains itself")
     inside = (*inside, id(node))
@@ -172,10 +172,10 @@ def _item(loader: Any, node: yaml.Node, path: Path, name: str, key_line: int = 0
             place = key_node.start_mark.line + 1
             if not isinstance(key_node, yaml.ScalarNode):
                 raise InputError(f"{path}:{place}: a key of {name} must be a single word")
-            # The text itself: YAML would read a bare NO as false.
+            # Keys are the text of the node, because YAML would read a bare NO as false.
             key = key_node.value
             if key in entries:
-                raise InputError(f"{path}:{place}: key {key!r} stands twice in {name}")
+                raise InputError(f"{path}:{place}: key {key!r} occurs twice in {name}")
             entries[key] = _item(loader, value_node, path, key, place, inside)
         return Item(path, line, name, entries)
     if isinstance(node, yaml.SequenceNode):
@@ -183,7 +183,7 @@ def _item(loader: Any, node: yaml.Node, path: Path, name: str, key_line: int = 0
         return Item(path, line, name, tuple(items))
     try:
         value = loader.construct_object(node)
-    except ValueError as error:  # looks like a date and is none
+    except ValueError as error:  # a value that looks like a date but is none
         raise InputError(f"{path}:{node.start_mark.line + 1}: {name}={node.value!r} cannot be read: {error}") from error
     if value is not None and not isinstance(value, str | int | float | bool):
         value = str(getattr(node, "value", value))

@@ -1,4 +1,4 @@
-"""What can go wrong, one class per exit code.  Every message is one sentence a user can act on."""
+"""Errors, one class per exit code.  Every message is one sentence that tells the user what to change."""
 
 from __future__ import annotations
 
@@ -7,29 +7,29 @@ from collections.abc import Iterable
 
 
 class ScaloftError(Exception):
-    """Base of every error this package raises on purpose."""
+    """Base class of the errors that this package raises."""
 
     exit_code = 70
 
 
 class InputError(ScaloftError):
-    """The user's input cannot be used: place, name=value, what is allowed, the nearest valid name."""
+    """The user's input is invalid; the message gives place, name=value, allowed values, the nearest valid name."""
 
     exit_code = 2
 
 
 class GateError(ScaloftError):
-    """A gate failed, so that no score can be believed.
+    """A gate failed, so the campaign gives no valid score.
 
-    PLACEBO or a repeat differs, too many flights are invalid, a control survives, no baseline is green, or without any
-    fault the stack raises or the drone never leaves the ground.
+    PLACEBO or a repeated flight differs, too many flights are invalid, a control survives, no baseline is green, or in
+    a baseline the stack raises or the drone never leaves the ground.
     """
 
     exit_code = 4
 
 
 def did_you_mean(name: str, allowed: Iterable[str]) -> str:
-    """The tail of a miss: the nearest allowed name, or all of them when none is near and they are few.
+    """The hint after an unknown name: the nearest allowed name, else all allowed names if they are few.
 
     >>> did_you_mean("LATE-humna", ["LATE-human", "MORE-goal"])
     "; did you mean 'LATE-human'?"

@@ -1,4 +1,4 @@
-"""The part of a study that a flight is flown in and judged by: world, vehicle, sensors, situations, requirements."""
+"""The part of a study that decides a flight and its judgement: world, vehicle, sensors, situations, requirements."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Setup:
-    """What flights are flown in; each part is read when it is first asked for.
+    """The setup of flights; each part is read at its first use.
 
     Attributes:
-        folder: of the study; its `sim/` is read.
+        folder: folder of the study; its `sim/` is read.
     """
 
     folder: Path
 
     @cached_property
     def stack(self) -> Declaration:
-        """What the stack that `sim/stack.yaml` names declares; its own operators are declared with it.
+        """The declaration of the stack that `sim/stack.yaml` names; its own operators are declared with it.
 
         Raises:
             InputError: there is no such stack, or its operators cannot be loaded.
@@ -64,10 +64,10 @@ class Setup:
 
     @cached_property
     def grid(self) -> Grid:
-        """The situations; whoever reads results needs no more of `sim`, which brings the compiler.
+        """The situations.  Verbs that only read results need no other part of `sim`, whose import needs the compiler.
 
         Raises:
-            InputError: a predicate of an axis asks for more of a signal than is measured.
+            InputError: a predicate of an axis compares a signal with a threshold beyond its cap.
         """
         from scaloft_fi.judge.caps import check_caps
         from scaloft_fi.judge.stl import FormulaError
@@ -86,13 +86,13 @@ class Setup:
         return grid
 
     def _place(self, axis: str, value: int) -> str:
-        """File and line of the predicate of a value of an axis."""
+        """`file:line` of the predicate of an axis value."""
         axes = load(self.folder / "sim" / "situations.yaml").need("axes")
         return axes.need(axis).need("values").items()[value].need("realised").place
 
     @cached_property
     def signals(self) -> tuple[str, ...]:
-        """Names of the signals that requirements and situations may speak of."""
+        """Names of the signals that requirements and situations may use."""
         from scaloft_fi.sim.signals import signal_names
 
         world = self.grid.world(())
@@ -100,23 +100,23 @@ class Setup:
 
     @cached_property
     def caps(self) -> Mapping[str, float]:
-        """The greatest value of each belief and each declared signal that has one."""
+        """The cap of each belief and each optional signal that has one."""
         return self._caps(self.grid)
 
     def _caps(self, grid: Grid) -> Mapping[str, float]:
         from scaloft_fi.sim.measures import SIGNALS
 
-        asked = (SIGNALS[name] for name in grid.world(()).signals)
-        return {**self.stack.caps, **{one.name: one.most for one in asked if math.isfinite(one.most)}}
+        optional = (SIGNALS[name] for name in grid.world(()).signals)
+        return {**self.stack.caps, **{signal.name: signal.most for signal in optional if math.isfinite(signal.most)}}
 
     @cached_property
     def requirements(self) -> tuple[Requirement, ...]:
-        """What flights are judged by, as it is written; that every formula is one is for `check` to say."""
+        """The requirements; their formulas are not parsed here, which is the task of `check`."""
         from scaloft_fi.judge.caps import within_caps
         from scaloft_fi.judge.requirement import load_requirements
         from scaloft_fi.judge.stl import Formula
 
-        return load_requirements(self._requirements_path, self.signals, within_caps(Formula.spelt, self.caps))
+        return load_requirements(self._requirements_path, self.signals, within_caps(Formula.unparsed, self.caps))
 
     @property
     def _requirements_path(self) -> Path:
@@ -124,7 +124,7 @@ class Setup:
 
     @cached_property
     def space(self) -> Space:
-        """The situations as scores and coverage see them."""
+        """The situation space for scores and coverage."""
         from scaloft_fi.judge.space import Space
 
         axes = self.grid.axes
@@ -140,7 +140,7 @@ class Setup:
         """Judges whether a flight met its situation.
 
         Raises:
-            InputError: a predicate of an axis is no formula over the log.
+            InputError: a predicate of an axis is no formula over the signals of the log.
         """
         from scaloft_fi.judge.space import Realisation
         from scaloft_fi.judge.stl import Formula, FormulaError
@@ -156,19 +156,19 @@ class Setup:
         return Realisation(self.space, tuple(map(tuple, predicates)))
 
     def scenario(self, situation: Situation) -> Scenario:
-        """What stands before a flight in the situation."""
+        """The scenario of the situation."""
         return self.sim.scenario(situation)
 
     def expected_s(self, situation: Situation) -> float:
-        """How long a flight in the situation is expected to last: its nominal mission time [s]."""
+        """Expected duration of a flight in the situation: its nominal mission time [s]."""
         return self.scenario(situation).nominal_s
 
     def changes(self, situation: Situation) -> dict[str, Any]:
-        """What the situation changes in the world's document, by dotted path."""
+        """The values that the situation sets in the world's document, by dotted path."""
         values = [axis.value(situation[axis.id]) for axis in self.grid.axes]
         return {path: item.plain() for value in values for path, item in value.changes.items()}
 
     def realised(self, situation: Situation) -> dict[str, Any]:
-        """By which formulas the situation's values come true: per axis its value's, else those of the others."""
+        """The predicates of the situation's values by axis; for a benign value, the predicates of the other values."""
         values = [(axis, axis.value(situation[axis.id])) for axis in self.grid.axes]
         return {axis.id: value.realised or [other.realised for other in axis.values] for axis, value in values}

@@ -1,4 +1,4 @@
-"""What sources say to the interpreter: the modules that a module imports, and a hash of them all."""
+"""Source files of the package: the modules that a module imports, and a hash of their code."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ class Source:
     """A source file.
 
     Attributes:
-        path: of the file.
-        meaning: a hash of what it does: comments, docstrings and layout do not enter.
-        imports: names that it may import, relative ones with their dots.
+        path: path of the file.
+        meaning: hash of the code without comments, docstrings and layout.
+        imports: names that the file may import; relative names keep their dots.
     """
 
     path: Path
@@ -32,22 +32,22 @@ class Source:
 
 
 def digest_of(entries: Iterable[str]) -> str:
-    """A hash of what `entries` do and of all that they import."""
+    """A hash of the code of `entries` and of all modules that they import."""
     meanings = {name: source.meaning for name, source in closure(entries).items()}
     return hashlib.sha256(json.dumps(meanings, sort_keys=True).encode()).hexdigest()
 
 
 def closure(entries: Iterable[str]) -> Mapping[str, Source]:
-    """The modules of this package that `entries` import, at the top or inside a function, and the entries themselves.
+    """The entries and the modules of this package that they import, at the top of a file or inside a function.
 
-    Of an entry in another package every module of that package counts, because any of them can be imported by name.
-    What is imported for type checkers only is left out.  So is the `__init__` of this package, which has the version.
+    An entry in another package includes every module of that package, because code may import any of them by name.
+    Imports for type checkers are excluded.  The `__init__` of this package, which holds the version, is excluded too.
 
     Args:
         entries: names of modules, such as `scaloft_fi.sim.flight`.
 
     Returns:
-        Sources by names of modules.
+        Sources by name of the module.
 
     Raises:
         ModuleNotFoundError: there is no such entry.
@@ -92,7 +92,7 @@ def _own(name: str) -> Path | None:
 
 
 def _imported(name: str, source: Source) -> Iterator[str]:
-    """The names that a module imports, and the packages around each, whose `__init__` runs first."""
+    """The names that a module imports, and their parent packages, whose `__init__` runs first."""
     package = name if source.path.name == "__init__.py" else name.rpartition(".")[0]
     for imported in (name, *source.imports):
         parts = _absolute(imported, package).split(".")
@@ -101,7 +101,7 @@ def _imported(name: str, source: Source) -> Iterator[str]:
 
 
 def _absolute(name: str, package: str) -> str:
-    """A name as it is without the dots that a relative import begins with, seen from `package`."""
+    """The absolute name of a relative import in `package`."""
     rest = name.lstrip(".")
     dots = len(name) - len(rest)
     above = package.split(".")[: -dots + 1 or None] if dots else []
@@ -109,7 +109,7 @@ def _absolute(name: str, package: str) -> str:
 
 
 def read(path: Path) -> Source:
-    """Read a source; the same bytes are parsed once."""
+    """Read a source file; equal bytes are parsed once."""
     return _parsed(path, path.read_bytes())
 
 
@@ -118,9 +118,9 @@ def _parsed(path: Path, text: bytes) -> Source:
     tree = ast.parse(text, path)
     imports: list[str] = []
     blocks: list[Any] = [tree]
-    while blocks:  # not `ast.walk`, which looks into every expression too
+    while blocks:  # not `ast.walk`, which also visits every expression
         block = blocks.pop()
-        if hasattr(block, "body"):  # a string that stands alone does nothing, wherever it stands
+        if hasattr(block, "body"):  # a string as a statement has no effect
             block.body = [entry for entry in block.body if not _is_text(entry)]
         if isinstance(block, ast.Import):
             imports += [alias.name for alias in block.names]
@@ -133,7 +133,7 @@ def _parsed(path: Path, text: bytes) -> Source:
 
 
 _BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")
-"""Where statements have statements in them."""
+"""Fields of a statement that hold statements."""
 
 
 def _is_text(statement: ast.stmt) -> bool:

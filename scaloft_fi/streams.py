@@ -1,6 +1,6 @@
-"""Noise that depends on nothing but the names of its stream and the number of the sample, not on earlier draws.
+"""Streams of noise: a sample depends only on the name of its stream and on its index, not on earlier draws.
 
-A sensor's stream is named by (situation, seed, channel), a tap's by (mutant, situation, seed, seam).
+The name of a sensor's stream is (situation, seed, channel), the name of a tap's stream (mutant, situation, seed, seam).
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 CHUNK: Final = 1024
-"""Rows drawn at once."""
+"""Number of rows that are drawn at once."""
 
 
 def key_words(*parts: object) -> tuple[int, int]:
-    """Two 64-bit words that identify a stream: the head of SHA-256 over the parts, separated by a newline.
+    """Two 64-bit words that identify a stream: the first 16 bytes of SHA-256 over the parts, joined by newlines.
 
     >>> key_words("T0O0W0D0H0", 0, "imu") == key_words("T0O0W0D0H0", 0, "imu")
     True
@@ -37,8 +37,8 @@ class Table:
 
     Args:
         width: numbers in a row.
-        parts: what names the stream.
-        uniform: numbers from 0 to 1 instead of standard normal ones.
+        parts: name of the stream.
+        uniform: draw numbers from 0 to 1 instead of standard normal numbers.
 
     >>> rows = Table(3, "T0O0W0D0H0", 0, "imu")
     >>> late, early = rows.row(5000).copy(), rows.row(1)
@@ -54,13 +54,13 @@ class Table:
         self._chunk: Array = np.empty((0, width))
 
     def row(self, index: int) -> Array:
-        """Row `index` (width,) of the table; not to be written to."""
+        """Row `index` (width,) of the table; read only."""
         chunk, offset = self.place(index)
         row: Array = chunk[offset]
         return row
 
     def place(self, index: int) -> tuple[Array, int]:
-        """The chunk (CHUNK, width) that has row `index`, not to be written to, and which of its rows that is."""
+        """The chunk (CHUNK, width) that holds row `index`, read only, and the position of the row in the chunk."""
         block, offset = divmod(index, CHUNK)
         if block != self._block:
             draw = generator(*self._parts, block=block)

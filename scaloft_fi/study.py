@@ -1,4 +1,4 @@
-"""A study: the folder of everything a user edits, opened part by part, with the checks only the whole can make."""
+"""A study: the folder that a user edits, read part by part, and the checks across its parts."""
 
 from __future__ import annotations
 
@@ -28,18 +28,18 @@ if TYPE_CHECKING:
 
 PACKAGE = Path(__file__).resolve().parent
 FLYING = ("scaloft_fi.campaign.flights.share", "scaloft_fi.setup")
-"""The modules that fly and judge: they and all that they import can change an outcome."""
+"""The modules that fly and judge; these modules and all that they import can change an outcome."""
 FLYING_DATA = ("world", "vehicle", "sensors", "stack")
-"""The documents of `sim/` that enter every flight; of `situations.yaml` only the situation's own values do."""
+"""The documents of `sim/` that decide every flight; of `situations.yaml` only the values of the situation do."""
 
 
 _APART = (".yaml", ".md")
-"""Files of `sim/` that do not enter a flight as they are: documents enter as they are parsed, words for readers not."""
+"""Files of `sim/` whose bytes do not decide a flight: YAML counts as parsed data, Markdown does not count."""
 
 
 @dataclass(frozen=True)
 class Study(Setup):
-    """A study; each part is read when it is first asked for.
+    """A study; each part is read at its first use.
 
     Attributes:
         folder: holds `hazop/`, `mutants/` and `sim/`.
@@ -47,22 +47,22 @@ class Study(Setup):
 
     @classmethod
     def open(cls, folder: Path | str | None = None) -> Study:
-        """The study in `folder`, else the nearest one upwards, else the packaged one.
+        """Open the study in `folder`; by default the nearest study upwards from here, else the packaged study.
 
         Raises:
-            InputError: it is none.
+            InputError: `folder` is no study.
         """
         load_plugins()
         return cls(find_study(folder))
 
     @property
     def packaged(self) -> bool:
-        """Whether it is the one that came with the installed package, where no results can be written."""
+        """Whether this is the study of the installed package, whose folder takes no results."""
         return self.folder.resolve() == PACKAGE / "_study"
 
     @property
     def results_folder(self) -> Path:
-        """Where campaigns are."""
+        """Folder of the campaigns."""
         return (Path.cwd() if self.packaged else self.folder) / "results"
 
     @cached_property
@@ -72,14 +72,14 @@ class Study(Setup):
 
     @cached_property
     def catalogue(self) -> tuple[Mutant, ...]:
-        """Every mutant, proved to be what the matrix gives."""
+        """Every mutant; checked to equal the mutants derived from the matrix."""
         from scaloft_fi.mutants.catalogue import check
 
         return check(self.folder / "mutants", self.matrix)
 
     @cached_property
     def roster(self) -> Roster:
-        """The mutants as scores count them."""
+        """The mutants for scores."""
         from scaloft_fi.analysis.roster import Roster
         from scaloft_fi.hazop.cell import CellStatus
         from scaloft_fi.mutants.derive import default_of
@@ -91,10 +91,10 @@ class Study(Setup):
 
     @cached_property
     def alpha(self) -> float:
-        """Accepted chance that a fault which does nothing is called detected: `hazop/score.yaml`, else 0.01.
+        """Accepted chance that a fault without effect is called detected: `hazop/score.yaml`, else 0.01.
 
         Raises:
-            InputError: naming the place of a number that is not above 0 and at most 0.1.
+            InputError: the number is not above 0 and at most 0.1; the message names its place.
         """
         from scaloft_fi.analysis.scoring.detection import ALPHA, MOST_ALPHA
 
@@ -108,7 +108,7 @@ class Study(Setup):
 
     @property
     def dispositions_path(self) -> Path:
-        """Where the accepted survivors are; the file need not exist."""
+        """Path of the accepted survivors; the file need not exist."""
         return self.folder / "hazop" / "dispositions.yaml"
 
     @cached_property
@@ -120,7 +120,7 @@ class Study(Setup):
 
     @cached_property
     def inputs(self) -> Mapping[str, str]:
-        """Content hashes of what decides an outcome, by part; comments and the order of keys are no content."""
+        """Hashes of everything that decides an outcome, by part; comments and the order of keys do not count."""
         sim = self.folder / "sim"
         documents = {name: load(sim / f"{name}.yaml").plain() for name in FLYING_DATA}
         others = {path.relative_to(sim).as_posix(): _bytes(path) for path in _files(sim) if path.suffix not in _APART}
@@ -133,9 +133,9 @@ class Study(Setup):
 
     @property
     def flying_modules(self) -> tuple[str, ...]:
-        """The modules that fly and judge, those of all that the study names in a registry among them.
+        """The modules that fly and judge, and the modules of the stack, sensors, signals and operators in the study.
 
-        They and all that they import can change an outcome; a plugin that the study does not use cannot.
+        These modules and all that they import can change an outcome; a plugin that the study does not use cannot.
         """
         from scaloft_fi.mutants.operators import OPERATORS
         from scaloft_fi.sim.measures import SIGNALS
@@ -154,13 +154,13 @@ class Study(Setup):
         return *FLYING, *dict.fromkeys(make.__module__ for make in makers)
 
     def check(self, situations: Iterable[Situation] | None = None) -> None:
-        """Read every part and hold it against the others.
+        """Read every part, and check the parts against each other.
 
         Args:
-            situations: those whose worlds are made as well; all when None.
+            situations: situations whose worlds are checked; None = all.
 
         Raises:
-            InputError: naming the place of the first thing that does not fit.
+            InputError: parts contradict each other; the message names the place of the first contradiction.
         """
         from scaloft_fi.judge.caps import within_caps
         from scaloft_fi.judge.requirement import load_requirements
@@ -173,7 +173,7 @@ class Study(Setup):
                 if name not in known:
                     hint = did_you_mean(name, known)
                     raise InputError(f"{cell.requirements_place}: {name!r} of {cell.name} is no requirement{hint}")
-        # each of these reads a part, and refuses what is wrong with it
+        # reading a part checks it
         _ = (
             self.catalogue,
             self.realisation,

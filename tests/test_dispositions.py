@@ -71,7 +71,7 @@ def test_what_it_does_not_understand_it_refuses_with_the_place(tmp_path: Path, o
 
 @pytest.mark.parametrize("again", ["LATE-human", "LATE-human@3s", "LATE-human@3.0s"])
 def test_a_mutant_that_stands_twice_is_refused_however_it_is_written(tmp_path: Path, again: str) -> None:
-    with pytest.raises(InputError, match=r"twice|stands at"):
+    with pytest.raises(InputError, match=r"twice|already at"):
         loaded(tmp_path, GOOD + GOOD.replace("LATE-human", again))
 
 

@@ -1,7 +1,7 @@
-"""Reads a study's `hazop/` folder.  Whatever it does not understand it refuses, with file and line.
+"""Read a study's `hazop/` folder, and refuse every unknown or invalid entry with file and line.
 
-Names of operators and the range of their arguments are judged where the operators are declared, requirements where the
-requirements are: both with the places that are kept here.
+Operators and their arguments are checked in `mutants`, names of requirements in `study`; both use the places that this
+module keeps.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from scaloft_fi.hazop.severity import Worse, worse
 
 
 class Carrier(Protocol):
-    """What the matrix has to know of a seam."""
+    """The part of a seam that the matrix needs."""
 
     @property
     def message(self) -> type:
-        """Type of its samples."""
+        """Type of the seam's samples."""
         ...
 
 
@@ -40,11 +40,11 @@ def load_matrix(hazop: Path, seams: Seams | None = None) -> Matrix:
     """Read the matrix of a study folder's `hazop/`.
 
     Args:
-        hazop: holds `guidewords.yaml`, `parameters.yaml` and `matrix/<parameter>.yaml`.
-        seams: where the stack can be patched, by name; None leaves the faults' seams unchecked.
+        hazop: folder with `guidewords.yaml`, `parameters.yaml` and `matrix/<parameter>.yaml`.
+        seams: seams of the stack by name; None leaves the seams of the faults unchecked.
 
     Raises:
-        InputError: naming file and line of the first thing that is not allowed.
+        InputError: an entry is not allowed; the message names file and line.
     """
     guidewords = load_guidewords(hazop / "guidewords.yaml")
     parameters, places = load_parameters(hazop / "parameters.yaml")
@@ -63,10 +63,10 @@ def load_matrix(hazop: Path, seams: Seams | None = None) -> Matrix:
 
 
 def load_guidewords(path: Path) -> tuple[Guideword, ...]:
-    """Read the guidewords of one file, in its order.
+    """Read the guidewords of one file, in the order of the file.
 
     Raises:
-        InputError: a word is not in capitals, an extension gives no reason, ...
+        InputError: a guideword is not in capitals, an extension gives no reason, a key is missing or unknown.
     """
     words = []
     for name, item in load(path).mapping().items():
@@ -86,10 +86,10 @@ def load_guidewords(path: Path) -> tuple[Guideword, ...]:
 
 
 def load_parameters(path: Path) -> tuple[tuple[Parameter, ...], dict[str, str]]:
-    """Read the parameters of one file, in its order, and the place of each by id.
+    """Read the parameters of one file, in the order of the file, and the place of each by id.
 
     Raises:
-        InputError: a key is missing or unknown, ...
+        InputError: an id is not in small letters, a key is missing or unknown.
     """
     parameters, places = [], {}
     for name, item in load(path).mapping().items():
@@ -102,10 +102,10 @@ def load_parameters(path: Path) -> tuple[tuple[Parameter, ...], dict[str, str]]:
 
 
 def load_cells(path: Path, guidewords: tuple[Guideword, ...], seams: Seams | None = None) -> tuple[Cell, ...]:
-    """Read the cells of one parameter, one for each guideword; the file is called after the parameter.
+    """Read the cells of one parameter, one for each guideword; the parameter names the file.
 
     Raises:
-        InputError: a guideword is unknown or its cell is blank, ...
+        InputError: a guideword is unknown, a guideword has no cell, a key of a cell is missing or not allowed.
     """
     sheet, ids = load(path), [word.id for word in guidewords]
     for name, item in sheet.mapping().items():
@@ -134,10 +134,10 @@ def _cell(item: Item, guideword: str, parameter: str, seams: Seams | None) -> Ce
             parameter,
             status,
             deviation=item.need("deviation").text(),
-            causes=tuple(cause.text() for cause in _some(item.need("causes"))),
+            causes=tuple(cause.text() for cause in _nonempty(item.need("causes"))),
             effect=item.need("effect").text(),
-            requirements=tuple(name.text() for name in _some(requirements)),
-            faults=tuple(_fault(fault, seams) for fault in _some(item.need("faults"))),
+            requirements=tuple(name.text() for name in _nonempty(requirements)),
+            faults=tuple(_fault(fault, seams) for fault in _nonempty(item.need("faults"))),
             predicted=predicted.text() if (predicted := item.get("predicted")) else "",
             place=item.place,
             requirements_place=requirements.place,
@@ -150,7 +150,7 @@ def _cell(item: Item, guideword: str, parameter: str, seams: Seams | None) -> Ce
 def _fault(item: Item, seams: Seams | None) -> Fault:
     seam, operator = item.need("seam"), item.need("operator")
     arguments = given.mapping() if (given := item.get("arguments")) else {}
-    magnitude = _magnitude(found) if (found := item.get("magnitude")) else None
+    magnitude = _magnitude(entry) if (entry := item.get("magnitude")) else None
     if magnitude is not None and magnitude.argument in arguments:
         place = arguments[magnitude.argument].place
         raise InputError(f"{place}: {magnitude.argument!r} is set by the magnitude and cannot be a fixed argument too")
@@ -165,27 +165,27 @@ def _fault(item: Item, seams: Seams | None) -> Fault:
         phases=phases is not None and phases.flag(),
         expected=_expected(known, magnitude) if known else None,
         place=item.place,
-        places={name: found.place for name, found in named.items()},
+        places={name: entry.place for name, entry in named.items()},
     )
     item.close()
     if fault.phases and not any(
         name in PERIODS for name in (*fault.arguments, magnitude.argument if magnitude else "")
     ):
         raise InputError(
-            f"{item.place}: a fault with phases must say its {' or '.join(PERIODS)}, of which a phase is a share"
+            f"{item.place}: a fault with phases must have its {' or '.join(PERIODS)}, of which a phase is a share"
         )
     return fault
 
 
 def _magnitude(item: Item) -> Magnitude:
     ladder, default = item.need("ladder"), item.need("default")
-    rungs = tuple(_rung(rung) for rung in _some(ladder))
+    rungs = tuple(_rung(rung) for rung in _nonempty(ladder))
     if len({type(rung) for rung in rungs}) > 1:
         raise ladder.error("all numbers or all names")
     if len(set(rungs)) < len(rungs):
         raise ladder.error("different magnitudes")
     if (chosen := _rung(default)) not in rungs:
-        raise default.error(f"on the ladder: {', '.join(map(_said, rungs))}")
+        raise default.error(f"on the ladder: {', '.join(map(_written, rungs))}")
     named = isinstance(rungs[0], str)
     unit = item.get("unit")
     factor = item.get("scale")
@@ -214,12 +214,12 @@ def _magnitude(item: Item) -> Magnitude:
 
 def _expected(item: Item, magnitude: Magnitude | None) -> Expected:
     status, reason, only = item.need("status"), item.need("reason"), item.get("magnitudes")
-    rungs = tuple(_rung(rung) for rung in _some(only)) if only else ()
+    rungs = tuple(_rung(rung) for rung in _nonempty(only)) if only else ()
     for rung in rungs:
         if magnitude is None or rung not in magnitude.ladder:
             assert only is not None
-            ladder = ", ".join(map(_said, magnitude.ladder)) if magnitude else "none, the fault has no magnitude"
-            raise InputError(f"{only.place}: magnitudes: {_said(rung)} must be on the ladder: {ladder}")
+            ladder = ", ".join(map(_written, magnitude.ladder)) if magnitude else "none, the fault has no magnitude"
+            raise InputError(f"{only.place}: magnitudes: {_written(rung)} must be on the ladder: {ladder}")
     item.close()
     return Expected(reason.text(), rungs, status.choice(("not_infected",)), item.place)
 
@@ -230,16 +230,16 @@ def _guard_name(item: Item, name: str, pattern: str, allowed: str) -> None:
 
 
 def _guard_units(cell: Cell) -> None:
-    """Refuse two faults of a cell whose magnitudes share a unit: the unit in an id picks the fault."""
+    """Refuse two faults of a cell whose magnitudes have the same unit: the unit in an id selects the fault."""
     units: list[str] = []
     for fault in cell.faults:
         if len(cell.faults) > 1 and (fault.magnitude is None or fault.magnitude.unit in units):
-            allowed = "a magnitude in a unit of its own; the unit in an id picks the fault"
+            allowed = "a magnitude in a unit of its own; the unit in an id selects the fault"
             raise InputError(f"{fault.place}: each fault of {cell.name} must have {allowed}")
         units.append(fault.magnitude.unit if fault.magnitude else "")
 
 
-def _some(item: Item) -> tuple[Item, ...]:
+def _nonempty(item: Item) -> tuple[Item, ...]:
     entries = item.items()
     if not entries:
         raise item.error("a list of at least one")
@@ -260,7 +260,7 @@ def _rung(item: Item) -> Rung:
     return item.number()
 
 
-def _said(rung: Rung) -> str:
+def _written(rung: Rung) -> str:
     return rung if isinstance(rung, str) else f"{rung:g}"
 
 

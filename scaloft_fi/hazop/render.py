@@ -1,4 +1,4 @@
-"""The matrix as text for a terminal: the grid, every cell in a line, one cell with everything that is known of it."""
+"""Render the matrix for a terminal: the grid, a list of all cells, the sheet of one cell."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ COLUMNS = 120
 LEGEND = (
     "3s       credible: can happen, and is flown at this default magnitude",
     "yes      credible: can happen in one form only, no magnitude",
-    "CONTROL  a fault so crude that it must be seen; if it survives, the test bench is broken",
+    "CONTROL  a crude fault that the tests must detect; if it survives, the test bench is broken",
     "-        not meaningful: the guideword makes no new deviation of this parameter",
 )
 
@@ -44,7 +44,7 @@ def grid_table(matrix: Matrix) -> tuple[list[str], list[list[str]]]:
 
 
 def grid(matrix: Matrix, columns: int = COLUMNS) -> str:
-    """Draw the grid; a grid that is too wide has short marks, and its columns in several blocks."""
+    """Draw the grid; a grid that is too wide gets short marks and is split into blocks of columns."""
     header, rows = grid_table(matrix)
     for gap in (2, 1):
         lines = aligned([header, *rows], gap)
@@ -59,7 +59,7 @@ def grid(matrix: Matrix, columns: int = COLUMNS) -> str:
 
 
 def blocks(header: Sequence[str], rows: Sequence[Sequence[str]], columns: int = COLUMNS) -> str:
-    """Align a table; one that is too wide becomes blocks one below the other, each with the first column."""
+    """Align a table; a table that is too wide is split into blocks of columns, each with the first column."""
     table = [list(header), *map(list, rows)]
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
     parts: list[list[int]] = [[]]
@@ -81,8 +81,7 @@ def cells(matrix: Matrix, columns: int = COLUMNS) -> str:
             cell = matrix.cells[word.id, parameter.id]
             tag = (cell.guideword, mark(cell), " ".join(cell.requirements))
             head = "  " + "  ".join(text.ljust(width) for text, width in zip(tag, widths, strict=True)) + "  "
-            told = cell.deviation or f"not meaningful: {cell.reason}"
-            lines += _wrapped(head, told, columns)
+            lines += _wrapped(head, cell.deviation or f"not meaningful: {cell.reason}", columns)
         blocks.append("\n".join(lines))
     return "\n\n".join(blocks)
 
@@ -93,10 +92,10 @@ def overview(matrix: Matrix, columns: int = COLUMNS) -> str:
 
 
 def sheet(matrix: Matrix, cell: Cell, edges: Mapping[str, str], columns: int = COLUMNS) -> str:
-    """Write everything that the study has of one cell.
+    """Write all entries of one cell.
 
     Args:
-        matrix: where the cell stands.
+        matrix: the matrix of the cell.
         cell: the cell.
         edges: the stages that each seam connects, by the name of the seam.
         columns: width of the text [characters].
@@ -117,7 +116,7 @@ def sheet(matrix: Matrix, cell: Cell, edges: Mapping[str, str], columns: int = C
     ]
     for fault in cell.faults:
         edge = f" ({edges[fault.seam]})" if fault.seam in edges else ""
-        fixed = ", ".join(f"{name} = {said(value)}" for name, value in fault.arguments.items())
+        fixed = ", ".join(f"{name} = {yaml_text(value)}" for name, value in fault.arguments.items())
         entries += [
             ("seam", [f"{fault.seam}{edge}"]),
             ("operator", [f"{fault.operator}, {fixed}" if fixed else fault.operator]),
@@ -146,16 +145,16 @@ def ladder(fault: Fault) -> str:
     if magnitude is None:
         return ""
     unit = f" {magnitude.unit}" if magnitude.unit else ""
-    rungs = ", ".join(f"{said(rung)}{unit}{'*' if rung == magnitude.default else ''}" for rung in magnitude.ladder)
+    rungs = ", ".join(f"{yaml_text(rung)}{unit}{'*' if rung == magnitude.default else ''}" for rung in magnitude.ladder)
     scale = f"times {magnitude.scale:g}; " if magnitude.scale != 1.0 else ""
     return f"{magnitude.argument} = {rungs}  ({scale}* default)"
 
 
 def expectation(fault: Fault) -> str:
-    """Write the expectation about a fault; empty when there is none."""
+    """Write the expectation about a fault; empty without one."""
     if fault.expected is None:
         return ""
-    rungs = ", ".join(map(said, fault.expected.magnitudes))
+    rungs = ", ".join(map(yaml_text, fault.expected.magnitudes))
     return f"{fault.expected.status}{' at ' + rungs if rungs else ''}: {fault.expected.reason}"
 
 
@@ -172,10 +171,10 @@ def _starred(cell: Cell, fault: Fault, rung: Rung | None) -> str:
     return f"{first}{star}" + (f" and {', '.join('#' + name.split('#')[1] for name in shifted)}" if shifted else "")
 
 
-def said(value: object) -> str:
-    """Write a value as YAML would.
+def yaml_text(value: object) -> str:
+    """Write a value in the form of YAML.
 
-    >>> said(0.5), said(True), said("y")
+    >>> yaml_text(0.5), yaml_text(True), yaml_text("y")
     ('0.5', 'true', 'y')
     """
     if isinstance(value, bool):

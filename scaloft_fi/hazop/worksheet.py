@@ -6,7 +6,7 @@ from typing import Any
 
 from scaloft_fi.hazop.cell import Cell, Fault
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.hazop.render import expectation, ladder, mark, said
+from scaloft_fi.hazop.render import expectation, ladder, mark, yaml_text
 
 HEADER = (
     "cell",
@@ -65,7 +65,8 @@ def rows(matrix: Matrix) -> list[list[str]]:
             "; ".join(fault.seam for fault in cell.faults),
             "; ".join(fault.operator for fault in cell.faults),
             "; ".join(
-                " ".join(f"{name}={said(value)}" for name, value in fault.arguments.items()) for fault in cell.faults
+                " ".join(f"{name}={yaml_text(value)}" for name, value in fault.arguments.items())
+                for fault in cell.faults
             ),
             "; ".join(filter(None, map(ladder, cell.faults))),
             "; ".join(filter(None, map(expectation, cell.faults))),

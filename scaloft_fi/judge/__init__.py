@@ -1,1 +1,1 @@
-"""From a flight log to readings, an outcome and a status."""
+"""Judge a flight log: readings of the requirements, an outcome, a status."""

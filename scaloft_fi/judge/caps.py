@@ -1,7 +1,7 @@
-"""How far signals of the flight log are measured, and formulas that ask for more.
+"""Caps of signals, and the check that no formula compares a signal with a threshold beyond its cap.
 
-Beyond its cap a signal says the same whatever the drone does.  A comparison with a threshold there is true, or false,
-in every flight, or says no more than one with the cap: `person_sight_m < 8` is `person_sight_m < 6`.
+Beyond its cap a signal is constant.  A comparison with a threshold there is true in every flight, or false in every
+flight, or equals the comparison with the cap: `person_sight_m < 8` equals `person_sight_m < 6`.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from scaloft_fi.judge.stl import ARITHMETIC, WORDS, Formula, FormulaError, token
 from scaloft_fi.sim.signals import CLEARANCE_CAP_M, FAR_M
 
 SIGHT_M = 6.0
-"""A person is in sight no farther than this [m]; as `sim/observer.py`, which brings the compiler, has it."""
+"""Greatest distance of a person in sight [m]; equals `SIGHT_M` of `sim/observer.py`, which imports the compiler."""
 
 
 @dataclass(frozen=True)
 class Cap:
-    """How far a signal is measured.
+    """The cap of a signal.
 
     Attributes:
-        most_m: so far [m].
-        beyond: what it reads beyond, in words.
-        itself: whether a comparison with `most_m` itself still tells one from the other.
+        most_m: greatest measured value [m].
+        beyond: the value beyond the cap, in words.
+        itself: whether a threshold may equal `most_m`.
     """
 
     most_m: float
@@ -35,7 +35,7 @@ class Cap:
     itself: bool = False
 
     def allows(self, threshold_m: float) -> bool:
-        """Whether a comparison with `threshold_m` [m] says what it seems to."""
+        """Whether a formula may compare the signal with `threshold_m` [m]."""
         return threshold_m < self.most_m or (self.itself and threshold_m == self.most_m)
 
 
@@ -51,11 +51,11 @@ _CAPS: Mapping[str, Cap] = {
 
 
 def cap_of(signal: str, beliefs: Mapping[str, float] = NO_BELIEFS) -> Cap | None:
-    """The cap of a signal, None where it is measured however large it gets.
+    """The cap of a signal; None for a signal without a cap.
 
     Args:
-        signal: its name.
-        beliefs: the greatest value of each belief that has one (`stack.belief.Belief.most`).
+        signal: name of the signal.
+        beliefs: cap of each belief that has one (`stack.belief.Belief.most`).
 
     >>> cap_of("clearance_wall_m").most_m
     1.0
@@ -66,7 +66,7 @@ def cap_of(signal: str, beliefs: Mapping[str, float] = NO_BELIEFS) -> Cap | None
 
 
 def within_caps(check: Check, beliefs: Mapping[str, float] = NO_BELIEFS) -> Check:
-    """What `check` does, after the thresholds of the text were held against the caps of its signals."""
+    """Extend `check`: first compare the thresholds of the text with the caps of its signals."""
 
     def checked(text: str, signals: Collection[str]) -> Formula:
         check_caps(text, beliefs)
@@ -76,10 +76,10 @@ def within_caps(check: Check, beliefs: Mapping[str, float] = NO_BELIEFS) -> Chec
 
 
 def check_caps(text: str, beliefs: Mapping[str, float] = NO_BELIEFS) -> None:
-    """Hold each comparison of a signal with a number against the signal's cap; others are let pass.
+    """Check each comparison of a signal with a number against the cap of the signal; other comparisons pass.
 
     Raises:
-        FormulaError: a threshold is where the signal is not measured, or a character belongs to no word.
+        FormulaError: a threshold lies beyond the cap, or a character belongs to no word.
     """
     for written, signal, threshold in comparisons(text):
         cap = cap_of(signal, beliefs)
@@ -92,7 +92,7 @@ def check_caps(text: str, beliefs: Mapping[str, float] = NO_BELIEFS) -> None:
 
 
 def comparisons(text: str) -> Iterator[tuple[str, str, float]]:
-    """Each comparison of one signal with a number: how it is written, the signal, the threshold in the signal's unit.
+    """Yield each comparison of one signal with a number: its text, the signal, the threshold in the signal's unit.
 
     >>> list(comparisons("always(a / 3 <= 1 and 2 > b - 0.5)"))
     [('a / 3 <= 1', 'a', 3.0), ('2 > b - 0.5', 'b', 2.5)]
@@ -114,7 +114,7 @@ def comparisons(text: str) -> Iterator[tuple[str, str, float]]:
 
 
 def _operand(tokens: Sequence[str], opens: str, closes: str) -> list[str]:
-    """The leading tokens that are arithmetic, or in brackets."""
+    """The leading tokens that are arithmetic or stand in brackets."""
     depth = 0
 
     def belongs(token: str) -> bool:
@@ -134,13 +134,13 @@ def _is_name(token: str) -> bool:
 
 
 _MARKS = "-+/*"
-"""From the loosest to the tightest, as RTAMT binds them: `6 / 3 * a` is `6 / (3 * a)`."""
+"""Operators from the lowest to the highest precedence in RTAMT: `6 / 3 * a` is `6 / (3 * a)`."""
 _Line = tuple[Mapping[str, float], float]
-"""A sum: the factor of each signal, and a number."""
+"""A linear expression: factor of each signal, and a constant."""
 
 
 def _line(tokens: Sequence[str]) -> _Line | None:
-    """Arithmetic as a sum of signals with factors, None where it is something else."""
+    """Parse a linear expression; None for any other arithmetic."""
     for mark in _MARKS:
         place = _last(tokens, mark)
         if place:
@@ -158,13 +158,13 @@ def _number(token: str, sign: float = 1.0) -> _Line | None:
 
 
 def _last(tokens: Sequence[str], mark: str) -> int:
-    """Where the last `mark` between two operands stands outside brackets; 0 = nowhere."""
-    depth, found = 0, 0
+    """Index of the last `mark` between two operands outside brackets; 0 = none."""
+    depth, last = 0, 0
     for place, token in enumerate(tokens):
         depth += (token == "(") - (token == ")")
         if token == mark and depth == 0 and place and tokens[place - 1] not in _MARKS:
-            found = place
-    return found
+            last = place
+    return last
 
 
 def _joined(mark: str, left: _Line | None, right: _Line | None) -> _Line | None:

@@ -1,4 +1,4 @@
-"""Mutants' flights beside their baselines, and outcomes sorted for that."""
+"""Compare flights of mutants with their baselines, and group outcomes for that."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from scaloft_fi.judge.status import INVALID, Baseline, Ruling, Status, counting,
 
 @dataclass(frozen=True, slots=True)
 class JudgedFlight:
-    """A flight beside its baseline.
+    """A mutant's flight, compared with its baseline.
 
     Attributes:
-        outcome: the flight.
-        baseline: of the same situation and seed; None when there is none that counts.
-        ruling: what it comes to.
+        outcome: outcome of the flight.
+        baseline: baseline of the same situation and seed; None without a valid one.
+        ruling: result of the comparison.
     """
 
     outcome: Outcome
@@ -25,27 +25,27 @@ class JudgedFlight:
 
     @property
     def status(self) -> Status:
-        """Where the fault stopped."""
+        """Highest rung that the fault reached."""
         return self.ruling.status
 
     @property
     def revealed(self) -> tuple[str, ...]:
-        """Safety requirements that it violates and its baseline held up to that moment, earliest first."""
+        """Safety requirements that the flight violates and the baseline held until then, earliest first."""
         return self.ruling.revealed
 
     @property
     def operability_revealed(self) -> tuple[str, ...]:
-        """The same of operability requirements."""
+        """Operability requirements that the flight violates and the baseline held until then, earliest first."""
         return self.ruling.operability_revealed
 
 
 def flight_of(outcome: Outcome, baseline: Outcome | None) -> JudgedFlight:
-    """Judge a mutant's flight by the baseline of the same situation and seed; without one that counts it is invalid."""
+    """Compare a mutant's flight with the baseline of its situation and seed; invalid without a valid baseline."""
     return _beside(outcome, counting(baseline))
 
 
 def flights_of(outcomes: Iterable[Outcome]) -> list[JudgedFlight]:
-    """Every flight of a mutant (PLACEBO among them) beside its baseline, in the order given."""
+    """Compare every flight of a mutant (PLACEBO included) with its baseline, in the given order."""
     baselines, flown = apart(outcomes)
     known = {(baseline.situation, baseline.seed): counting(baseline) for baseline in baselines}
     return [_beside(outcome, known.get((outcome.situation, outcome.seed))) for outcome in flown]
@@ -57,12 +57,12 @@ def _beside(outcome: Outcome, baseline: Baseline | None) -> JudgedFlight:
 
 
 def baselines_of(outcomes: Iterable[Outcome]) -> dict[tuple[str, int], Outcome]:
-    """The baseline of each situation and seed."""
+    """The baselines by situation and seed."""
     return {(outcome.situation, outcome.seed): outcome for outcome in outcomes if outcome.subject.id == BASELINE}
 
 
 def apart(outcomes: Iterable[Outcome]) -> tuple[list[Outcome], list[Outcome]]:
-    """The baselines and the flights of mutants (PLACEBO among them), each in the order given."""
+    """Split outcomes into baselines and flights of mutants (PLACEBO included), each in the given order."""
     clean: list[Outcome] = []
     flown: list[Outcome] = []
     for outcome in outcomes:

@@ -1,4 +1,4 @@
-"""Outcome: all that is kept of one flight, pure data.  Statuses and scores follow from it."""
+"""The stored outcome of one flight, pure data; statuses and scores follow from outcomes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ BASELINE, PLACEBO = "baseline", "PLACEBO"
 
 @dataclass(frozen=True)
 class Subject:
-    """What was flown: the baseline, PLACEBO or a mutant by its canonical id; magnitude as written in the id."""
+    """The subject of a flight: the baseline, PLACEBO or a mutant.  id: canonical; magnitude: as written in the id."""
 
     id: str
     guideword: str = ""
@@ -37,7 +37,7 @@ class Subject:
 
 @dataclass(frozen=True, slots=True)
 class Violation:
-    """First violation of a requirement in a flight: when [s], where [m, world], and the body struck at that moment."""
+    """First violation of a requirement in a flight: time [s], position [m, world], body struck at that moment."""
 
     requirement: str
     kind: Kind
@@ -50,22 +50,22 @@ class Violation:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """One flight.
+    """The outcome of one flight.
 
     Attributes:
-        subject, situation, seed: what was flown, where.
-        ending: how the flight stopped; empty when invalid.
-        invalid: why the harness failed; empty for a flight that counts.
-        readings: one per requirement, in the study's order.
-        violations: the first of each violated requirement.
-        carried: samples that crossed the patched seams; altered: how many were changed there.
-        infected_at_s: when the first sample differed [s].
+        subject, situation, seed: subject, key of the situation and seed of the flight.
+        ending: how the flight ended; empty when invalid.
+        invalid: why the harness failed; empty for a valid flight.
+        readings: one reading per requirement, in the study's order.
+        violations: first violation of each violated requirement.
+        carried, altered: number of samples that crossed the patched seams, and that the fault altered there.
+        infected_at_s: time of the first altered sample [s].
         struck: body of the contact that ended the flight.
         duration_s: simulated time [s].
-        digest, perceived_digest: of the log's ground truth and of what the stack believed.
-        stack_error: what the stack raised; the fail-safe took over.
-        realised: for a baseline, per axis whether the situation's value came true in flight.
-        track: trajectory at 5 Hz, as `results/track.py` packs it.
+        digest, perceived_digest: digests of the log's ground truth and of the stack's beliefs.
+        stack_error: exception of the stack, after which the fail-safe flew.
+        realised: for a baseline, by axis whether the flight met the situation's value.
+        track: trajectory at 5 Hz, packed by `judge/track.py`.
     """
 
     subject: Subject
@@ -93,11 +93,11 @@ class Outcome:
 
     @property
     def name(self) -> str:
-        """`MUTANT/SITUATION/SEED`, as `replay` takes it."""
+        """`MUTANT/SITUATION/SEED`, the argument of `replay`."""
         return f"{self.subject.id}/{self.situation}/{self.seed}"
 
     def reading(self, requirement: str) -> Reading | None:
-        """The reading of a requirement, None when the flight was not judged by it."""
+        """The reading of a requirement; None without one."""
         return next((reading for reading in self.readings if reading.requirement == requirement), None)
 
     @property
@@ -119,15 +119,15 @@ def outcome_of(
     """Judge a flight log.
 
     Args:
-        log: the recorded flight; it counts the samples of the seams that were patched.
-        subject: what was flown.
+        log: the recorded flight, with the counts of the patched seams.
+        subject: the subject of the flight.
         situation: key of the situation.
-        seed: of the noise.
-        requirements: of the study.
-        realisation: the grid's predicates, to judge a baseline by.
+        seed: seed of the noise.
+        requirements: requirements of the study.
+        realisation: predicates of the grid, for a baseline.
 
     Raises:
-        ValueError: the log holds a sample that is not finite.
+        ValueError: a sample of the log is not finite.
     """
     signals = log.signals
     readings, violations = [], []

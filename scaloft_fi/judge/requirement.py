@@ -1,8 +1,7 @@
-"""Requirements: a formula over the flight log, read from the study, judged to a reading per flight.
+"""Requirements: formulas over the flight log, read from the study; each gives one reading per flight.
 
-A requirement is `always( ... )` over the present and the past, so a violation is final at the sample where it happens
-and its moment is exact.  Nothing of it looks into the future: an obligation still open when a flight is cut short would
-otherwise count as broken.
+A requirement is `always( ... )` over the present and the past, so a violation is final and its time is exact.  No
+formula may refer to the future: an obligation that is pending when a flight is cut short would count as violated.
 """
 
 from __future__ import annotations
@@ -21,28 +20,28 @@ if TYPE_CHECKING:
     from scaloft_fi.sim.log import FlightLog
 
 TRIGGER = "trigger"
-"""The name under which a formula speaks of its own trigger."""
+"""The name of its own trigger in a formula."""
 
 
 class Kind(StrEnum):
-    """What a violation of the requirement means."""
+    """The meaning of a violation of the requirement."""
 
     SAFETY = "safety"
-    """It can kill a mutant."""
+    """A violation can kill a mutant."""
     OPERABILITY = "operability"
-    """It has a score of its own."""
+    """A violation counts in the operability score."""
     REPORTED = "reported"
-    """It is evaluated and shown, and decides nothing."""
+    """A violation is shown and decides nothing."""
 
 
 class Verdict(StrEnum):
-    """What a flight says about a requirement."""
+    """The verdict of a flight on a requirement."""
 
     VIOLATED = "violated"
     OPEN = "open"
     """Not violated, but the flight was cut short."""
     VACUOUS = "vacuous"
-    """Its trigger never came true: nothing was tested."""
+    """The trigger never came true, so the flight did not test the requirement."""
     HELD = "held"
 
 
@@ -51,13 +50,13 @@ class Requirement:
     """A requirement of the study.
 
     Attributes:
-        name: `SR1`.
-        kind: what a violation means.
+        name: such as `SR1`.
+        kind: meaning of a violation.
         text: the formula, `always( ... )`.
-        trigger: what makes it count; empty = it always does.
-        definitions: names the formula and the trigger share, in order, each a formula.
-        unit: of the robustness.
-        title, source: for the reader.
+        trigger: condition under which the requirement applies; empty = always.
+        definitions: name and formula of each definition that the formula or the trigger uses, in order.
+        unit: unit of the robustness.
+        title, source: title and source for the reader.
     """
 
     name: str
@@ -72,14 +71,14 @@ class Requirement:
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What a flight says about a requirement.
+    """The result of a requirement in a flight.
 
     Attributes:
-        requirement, kind: of the requirement.
-        rho: robustness of the flight, in the requirement's unit; below 0 it is violated.
-        violated_at_s: time of the first violation [s from take-off], None when there is none.
-        triggered: how often its trigger came true (distinct episodes); 1 for a requirement without one.
-        open: not violated, but the flight was cut short.
+        requirement, kind: name and kind of the requirement.
+        rho: robustness of the flight in the requirement's unit; below 0 the flight violates the requirement.
+        violated_at_s: time of the first violation [s from take-off]; None without one.
+        triggered: number of episodes in which the trigger was true; 1 for a requirement without a trigger.
+        open: whether the flight was cut short without a violation.
     """
 
     requirement: str
@@ -91,12 +90,12 @@ class Reading:
 
     @property
     def violated(self) -> bool:
-        """Whether the flight violates it."""
+        """Whether the flight violates the requirement."""
         return self.violated_at_s is not None
 
     @property
     def verdict(self) -> Verdict:
-        """The reading in a word."""
+        """The verdict of the reading."""
         if self.violated:
             return Verdict.VIOLATED
         if self.open:
@@ -106,7 +105,7 @@ class Reading:
 
 @dataclass(frozen=True)
 class Judgement:
-    """A reading and the sample of the first violation (None without one)."""
+    """A reading, and the index of the first violated sample (None without one)."""
 
     reading: Reading
     sample: int | None
@@ -122,7 +121,7 @@ def judge(requirement: Requirement, log: FlightLog) -> Reading:
 
 
 def judge_signals(requirement: Requirement, signals: Signals, *, cut_short: bool) -> Judgement:
-    """Judge recorded signals, (T,) each at 20 Hz, `elapsed_s` among them.
+    """Judge recorded signals, (T,) each at 20 Hz, `elapsed_s` included.
 
     Raises:
         ValueError: a signal is not finite.
@@ -144,29 +143,30 @@ def judge_signals(requirement: Requirement, signals: Signals, *, cut_short: bool
 
 
 def episodes(robustness: Sequence[float]) -> int:
-    """How often a condition came true: samples at or above 0 whose predecessor is below.
+    """Count the episodes of a condition: samples at or above 0 whose predecessor is below 0.
 
     >>> episodes([-1, 0, 2, -1, 3])
     2
     """
-    holds = bytes(map((0.0).__le__, robustness))  # which are searched sooner than numbers are compared in pairs
+    holds = bytes(map((0.0).__le__, robustness))  # a search in bytes is faster than comparing numbers in pairs
     return holds.startswith(b"\1") + holds.count(b"\0\1")
 
 
 Check = Callable[[str, Collection[str]], Formula]
-"""`Formula.parse`, or `Formula.spelt`, which does not start RTAMT."""
+"""`Formula.parse`, or `Formula.unparsed`, which does not start RTAMT."""
 
 
 def load_requirements(path: Path, signals: Collection[str], check: Check = Formula.parse) -> tuple[Requirement, ...]:
-    """Read the study's requirements, checked against the names of the log's signals.
+    """Read the study's requirements, and check them against the names of the log's signals.
 
     Args:
         path: the file.
         signals: names of the log's signals.
-        check: what each formula is held against.
+        check: check of each formula.
 
     Raises:
-        InputError: naming file and line: not YAML, an unknown key or signal, a bad formula, nothing of kind safety.
+        InputError: the file is not YAML, a key or signal is unknown, a formula is wrong, no requirement is of kind
+            safety; the message names file and line.
     """
     document = load(path)
     definitions = document.get("definitions")
@@ -224,23 +224,23 @@ def _optional(item: Item | None) -> str:
 
 
 def _needed(definitions: Mapping[str, str], texts: Sequence[str]) -> tuple[tuple[str, str], ...]:
-    """The definitions that the texts use, themselves or through others, in the order they stand."""
+    """The definitions that the texts use, directly or through other definitions, in the order of the file."""
     used: set[str] = set()
     waiting = list(texts)
     while waiting:
         words = set(tokenize(waiting.pop()))
-        found = words & definitions.keys() - used
-        used |= found
-        waiting += [definitions[name] for name in found]
+        fresh = words & definitions.keys() - used
+        used |= fresh
+        waiting += [definitions[name] for name in fresh]
     return tuple((name, text) for name, text in definitions.items() if name in used)
 
 
 def _check(item: Item, text: str, names: Collection[str], check: Check) -> None:
-    """Whether `text` is a formula over the present and the past."""
+    """Refuse a `text` that is no formula over the present and the past."""
     try:
         future = [token for token in tokenize(text) if token in FUTURE]
         if future:
-            raise FormulaError(f"looks into the future with {future[0]!r}; say it with historically, once or since")
+            raise FormulaError(f"refers to the future with {future[0]!r}; use historically, once or since")
         check(text, names)
     except FormulaError as error:
         raise InputError(f"{item.place}: {item.name} {error}") from error
@@ -251,7 +251,7 @@ _PARSED: dict[tuple[Requirement, frozenset[str]], _Parsed] = {}
 
 
 def _parsed(requirement: Requirement, signals: frozenset[str]) -> _Parsed:
-    """The formulas of a requirement, parsed once a process."""
+    """Parse the formulas of a requirement, once per process."""
     key = (requirement, signals)
     if key not in _PARSED:
         names = set(signals)

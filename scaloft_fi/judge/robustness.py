@@ -1,4 +1,4 @@
-"""Robustness for tables and records: only of what was put to the test."""
+"""Robustness for tables and records, only where a flight tested the requirement."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ from scaloft_fi.judge.requirement import Reading
 
 
 def measured_rho(reading: Reading) -> float | None:
-    """The robustness of a reading, in the requirement's unit; None where the flight put nothing to the test.
+    """The robustness of a reading in the requirement's unit; None where the flight did not test the requirement.
 
-    Where no trigger came true and nothing was violated the number says how far the trigger was from coming true, or
-    where a signal ends, in the unit of something else.  That is so of vacuous readings, and of those that are `open`
-    only because the flight was cut short before its first trigger.
+    Without a trigger and without a violation the number measures the distance to the trigger, or the cap of a signal,
+    in another unit.  This holds for vacuous readings, and for `open` readings of a flight that was cut short before its
+    first trigger.
     """
     return reading.rho if reading.triggered or reading.violated else None
 
 
 def rho_text(rho: float | None) -> str:
-    """A robustness as tables have it.
+    """Format a robustness for tables.
 
     >>> rho_text(0.25), rho_text(None)
     ('0.250', 'n/a')

@@ -1,4 +1,4 @@
-"""Rulings: what the flights of a campaign came to, as scores count them."""
+"""The rulings of a campaign's flights, the input of scores."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from scaloft_fi.judge.status import INVALID, Ruling, counting, rule
 
 
 class Ruled(NamedTuple):
-    """A mutant's flight.
+    """A mutant's flight with its ruling.
 
     Attributes:
-        seed: of the noise.
-        ruling: what it came to beside its baseline.
-        violations: the first of each requirement that it violates.
+        seed: seed of the noise.
+        ruling: result of the comparison with the baseline.
+        violations: first violation of each violated requirement.
     """
 
     seed: int
@@ -28,7 +28,7 @@ class Ruled(NamedTuple):
 
 
 Situations = Mapping[str, Sequence[Ruled]]
-"""A mutant's flights by situation, in the order of their seeds."""
+"""Flights of a mutant by situation, in the order of their seeds."""
 
 
 @dataclass(frozen=True)
@@ -36,9 +36,9 @@ class Rulings:
     """The flights of a campaign.
 
     Attributes:
-        baselines: outcomes of the unmutated drone.
-        mutants: of each mutant (PLACEBO among them) its flights.
-        draws: situations and seeds in which the harness flew a mutant without failing.
+        baselines: outcomes of the drone without a fault.
+        mutants: flights by mutant (PLACEBO included).
+        draws: situations and seeds with a valid flight of a mutant.
     """
 
     baselines: tuple[Outcome, ...]
@@ -47,7 +47,7 @@ class Rulings:
 
     @property
     def situations(self) -> set[str]:
-        """Keys of those flown."""
+        """Keys of the flown situations."""
         return {outcome.situation for outcome in self.baselines}.union(*self.mutants.values())
 
     def __bool__(self) -> bool:
@@ -56,7 +56,7 @@ class Rulings:
 
 
 def rulings_of(outcomes: Iterable[Outcome]) -> Rulings:
-    """The rulings of outcomes in any order."""
+    """The rulings of outcomes, which may be in any order."""
     baselines, flown = apart(outcomes)
     counted = {(baseline.situation, baseline.seed): counting(baseline) for baseline in baselines}
     subjects = {outcome.subject.id: outcome.subject for outcome in flown}

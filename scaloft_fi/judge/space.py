@@ -1,4 +1,4 @@
-"""The situation space as results need it: axes, their values with short words, the points of the grid."""
+"""The situation space for results: axes, their values with short names, the points of the grid."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ class Space:
     Attributes:
         axes: names of the axes.
         values: per axis its values, the benign one first.
-        words: per axis a short word for each value, as `light`, `dark`.
-        points: each situation's key and point, in the grid's order.
+        words: per axis a short name of each value, such as `light`, `dark`.
+        points: key and point of each situation, in the grid's order.
     """
 
     axes: tuple[str, ...]
@@ -38,7 +38,7 @@ class Space:
 
     @classmethod
     def of(cls, grid: Grid) -> Space:
-        """The space of the study's grid; the words are the titles of the values."""
+        """The space of a grid; the short names are the titles of the values."""
         return cls(
             axes=tuple(axis.id for axis in grid.axes),
             values=tuple(tuple(str(value.id) for value in axis.values) for axis in grid.axes),
@@ -48,30 +48,30 @@ class Space:
 
     @cached_property
     def point(self) -> Mapping[str, Point]:
-        """The point of each situation key."""
+        """Point by key of the situation."""
         return dict(self.points)
 
     @cached_property
     def order(self) -> Mapping[str, int]:
-        """Place of each situation key in the grid."""
+        """Index in the grid by key of the situation."""
         return {key: place for place, (key, _) in enumerate(self.points)}
 
     def word(self, axis: int, value: str) -> str:
-        """The short word for a value of the axis with this index."""
+        """The short name of a value of the axis with this index."""
         return self.words[axis][self.values[axis].index(value)]
 
     def rank(self, key: str) -> tuple[int, str]:
-        """Sort key of a situation: the grid's order, unknown ones last."""
+        """Sort key of a situation: the grid's order; unknown situations are last."""
         return self.order.get(key, len(self.points)), key
 
 
 @dataclass(frozen=True)
 class Realisation:
-    """Judges whether the values of a situation came true in a flight.
+    """Judges whether a flight met the values of its situation.
 
     Attributes:
         space: the grid.
-        predicates: per axis and value a formula over the log; None for the benign value, true when no other is.
+        predicates: by axis and value a formula over the log; None for the benign value, which is met if no other is.
     """
 
     space: Space
@@ -79,15 +79,15 @@ class Realisation:
 
     @classmethod
     def read(cls, grid: Grid, path: Path, signals: Collection[str]) -> Realisation:
-        """The predicates of the grid's values, checked against the names of the log's signals.
+        """Read the predicates of the grid's values, and check them against the names of the log's signals.
 
         Args:
-            grid: of the study.
-            path: the file it was read from, for the place of an error.
+            grid: grid of the study.
+            path: file of the grid, for the place of an error.
             signals: names of the log's signals.
 
         Raises:
-            InputError: naming file and line of a text that is no formula over them.
+            InputError: a predicate is no formula over these signals; the message names file and line.
         """
         predicates = tuple(
             tuple(_predicate(axis.id, value, path, signals) for value in axis.values) for axis in grid.axes
@@ -95,7 +95,7 @@ class Realisation:
         return cls(Space.of(grid), predicates)
 
     def of(self, situation: str, signals: Signals) -> tuple[tuple[str, bool], ...]:
-        """Per axis, whether the situation's value came true in a flight with these signals, (T,) each at 20 Hz.
+        """By axis, whether a flight with these signals, (T,) each at 20 Hz, met the situation's value.
 
         Raises:
             ValueError: a signal is not finite.

@@ -1,4 +1,4 @@
-"""What a flight's status says: the rung of reach, infect, propagate, reveal where the fault stopped."""
+"""The status of a flight: the highest rung of reach, infect, propagate, reveal that the fault reached."""
 
 from __future__ import annotations
 
@@ -15,31 +15,31 @@ from scaloft_fi.judge.requirement import Kind, Reading
 
 
 class Status(StrEnum):
-    """Status of a flight: the rung where the fault stopped; `rung` orders them."""
+    """Status of a flight: the highest rung that the fault reached; `rung` orders the statuses."""
 
     INVALID = "invalid"
-    """The harness failed: never a kill, never a survivor."""
+    """The harness failed; the flight is never a kill and never a survivor."""
     NOT_REACHED = "not_reached"
     """The seam carried no sample."""
     NOT_INFECTED = "not_infected"
     """Every mutated sample equalled the original."""
     MASKED = "masked"
-    """Samples differed, the ground truth is the baseline's to the bit."""
+    """Samples differed; the ground truth equals the baseline's to the bit."""
     BASELINE_RED = "baseline_red"
-    """It violates only what the baseline violates too (the same requirement, on the same body), or only later than a
-    cut-short baseline's end."""
+    """The flight violates only requirements that the baseline violates too (on the same body), or violates only after
+    the end of a baseline that was cut short."""
     SURVIVED = "survived"
-    """The rest."""
+    """Samples and ground truth differed, without a violation of a safety requirement."""
     REVEALED = "revealed"
-    """A safety requirement is violated that the baseline of the same situation and seed held up to that moment: an
+    """The flight violates a safety requirement that the baseline of its situation and seed held until then: an
     observation, which another seed may not repeat."""
 
     __hash__ = str.__hash__
-    """As that of its text; statuses are counted by the hundred thousand."""
+    """The hash of the text, because it is faster than that of an enumeration."""
 
     @property
     def rung(self) -> int:
-        """Height on the ladder."""
+        """Rank of the status."""
         return _RUNGS[self]
 
     @property
@@ -54,13 +54,13 @@ _INFECTED = frozenset(status for status, rung in _RUNGS.items() if rung >= _RUNG
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ruling:
-    """What a flight beside its baseline comes to.  Few differ, and equal ones are one object, so they can be counted.
+    """Result of the comparison of a flight with its baseline.  Equal rulings are one object, so counting is fast.
 
     Attributes:
-        status: where the fault stopped.
-        revealed: safety requirements that it violates and the baseline held up to that moment, earliest first.
-        operability_revealed: the same of operability requirements.
-        violated: requirements that the flight violates, whatever the baseline does; of a flight that counts.
+        status: highest rung that the fault reached.
+        revealed: safety requirements that the flight violates and the baseline held until then, earliest first.
+        operability_revealed: operability requirements of the same kind, earliest first.
+        violated: all requirements that a valid flight violates.
     """
 
     status: Status
@@ -71,16 +71,16 @@ class Ruling:
 
 _ruling = cache(Ruling)
 INVALID = _ruling(Status.INVALID)
-"""Of a flight that does not count."""
+"""Ruling of an invalid flight."""
 _PLAIN = {status: _ruling(status) for status in Status}
-"""Of flights that violate nothing."""
+"""Rulings of flights without a violation, by status."""
 
 
 class Baseline:
-    """What there is to know of a baseline that counts, found once for all the flights beside it.
+    """A valid baseline, prepared for the comparison with many flights.
 
     Args:
-        outcome: of the baseline.
+        outcome: outcome of the baseline.
     """
 
     def __init__(self, outcome: Outcome) -> None:
@@ -88,7 +88,7 @@ class Baseline:
         self._limits = {reading.requirement: _limit(reading, outcome) for reading in outcome.readings}
 
     def rule(self, carried: int, altered: int, digest: str, violations: Sequence[Violation]) -> Ruling:
-        """What a flight that counts comes to, by what an outcome has of these names."""
+        """The ruling of a valid flight; the arguments are attributes of its outcome."""
         if altered == 0:
             status = Status.NOT_INFECTED if carried else Status.NOT_REACHED
         else:
@@ -98,37 +98,37 @@ class Baseline:
         violated = tuple([violation.requirement for violation in violations])
         if status is not Status.SURVIVED:
             return _ruling(status, (), (), violated)
-        told = self.told(violations)
-        revealed, operability = named(told, Kind.SAFETY), named(told, Kind.OPERABILITY)
+        new = self._new_violations(violations)
+        revealed, operability = _requirements(new, Kind.SAFETY), _requirements(new, Kind.OPERABILITY)
         if revealed:
             status = Status.REVEALED
         elif any(violation.kind is Kind.SAFETY for violation in violations):
             status = Status.BASELINE_RED
         return _ruling(status, revealed, operability, violated)
 
-    def told(self, violations: Iterable[Violation]) -> list[Violation]:
-        """The violations by which a flight is told from the baseline, earliest first.
+    def _new_violations(self, violations: Iterable[Violation]) -> list[Violation]:
+        """The violations that the baseline does not have, earliest first.
 
-        To violate sooner what the baseline violates too, on the same body, proves nothing: any change of the flight
-        moves that moment.  Of a baseline that was cut short only what it flew counts.
+        An earlier violation of a requirement that the baseline violates too, on the same body, is not new: any change
+        of the flight moves its time.  After the end of a baseline that was cut short no violation is new.
         """
         limits = self._limits
-        found = [
+        new = [
             violation
             for violation in violations
             if (limit := limits.get(violation.requirement))
             and violation.t_s <= limit.last_s
             and violation.struck != limit.struck
         ]
-        if len(found) > 1:
-            found.sort(key=_time)
-        return found
+        if len(new) > 1:
+            new.sort(key=_time)
+        return new
 
 
 class _Limit(NamedTuple):
-    """By which violations of a requirement a flight is told from its baseline.
+    """Condition for a new violation of a requirement.
 
-    last_s: those until then [s]; struck: but not those on this body, None for on whichever.
+    last_s: its time is at most this [s]; struck: it is not on this body; None = it may be on any body.
     """
 
     last_s: float
@@ -136,7 +136,7 @@ class _Limit(NamedTuple):
 
 
 def _limit(reading: Reading, baseline: Outcome) -> _Limit:
-    """What the baseline's reading of a requirement leaves to tell by."""
+    """The condition that follows from the baseline's reading of a requirement."""
     if reading.violated_at_s is not None:
         struck = next((v.struck for v in baseline.violations if v.requirement == reading.requirement), "")
         return _Limit(math.nextafter(reading.violated_at_s, -math.inf), struck)
@@ -146,18 +146,18 @@ def _limit(reading: Reading, baseline: Outcome) -> _Limit:
 _time = attrgetter("t_s")
 
 
-def named(told: Sequence[Violation], kind: Kind) -> tuple[str, ...]:
-    """The requirements of violations, of one kind."""
-    return tuple([violation.requirement for violation in told if violation.kind is kind]) if told else ()
+def _requirements(violations: Sequence[Violation], kind: Kind) -> tuple[str, ...]:
+    """The violated requirements of one kind."""
+    return tuple([violation.requirement for violation in violations if violation.kind is kind]) if violations else ()
 
 
 def counting(baseline: Outcome | None) -> Baseline | None:
-    """A baseline to rule by, None when there is none that counts."""
+    """The prepared baseline; None without a valid one."""
     return None if baseline is None or baseline.invalid else Baseline(baseline)
 
 
 def rule(outcome: Outcome, baseline: Baseline | None) -> Ruling:
-    """What a mutant's flight comes to beside the baseline of its situation and seed; without one it is invalid."""
+    """The ruling of a mutant's flight beside the baseline of its situation and seed; invalid without a baseline."""
     if outcome.invalid or baseline is None:
         return INVALID
     return baseline.rule(outcome.carried, outcome.altered, outcome.digest, outcome.violations)
@@ -171,5 +171,5 @@ def baseline_status(baseline: Outcome) -> str:
 
 
 def highest(statuses: Iterable[Status]) -> Status:
-    """The highest rung of the ladder that flights reached; invalid when there is none."""
+    """The highest of the statuses; invalid without any."""
     return max(statuses, key=_RUNGS.__getitem__, default=Status.INVALID)

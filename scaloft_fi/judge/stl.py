@@ -1,8 +1,8 @@
-"""Signal temporal logic over sampled signals: text is checked here word by word and evaluated to robustness by RTAMT.
+"""Signal temporal logic over sampled signals: this module checks the words of a formula, RTAMT evaluates robustness.
 
-RTAMT (discrete time, 20 Hz) parses and evaluates.  What it lets pass in silence is refused here first: text after a
-complete formula (it drops it), names nobody declared (it invents them), `a/3` without spaces (it reads one name),
-intervals that run backwards (they evaluate to infinity).
+RTAMT (discrete time, 20 Hz) parses and evaluates.  Some errors pass RTAMT in silence; this module refuses them first:
+text after a complete formula (RTAMT drops it), undeclared names (RTAMT declares them), `a/3` without spaces (RTAMT
+reads one name), intervals that end before they begin (RTAMT evaluates them to infinity).
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ WORDS = PAST | FUTURE | LOGIC | ARITHMETIC
 """The words of a formula; every other name is a signal or a definition."""
 
 LARGEST = 1e9
-"""Robustness is cut off here: an infinite one (nothing was in the window) is no number of JSON."""
+"""Greatest absolute robustness: the robustness of an empty window is infinite, which JSON cannot hold."""
 
 _TOKEN = re.compile(
     r"\s*(?:(?P<name>[A-Za-z_]\w*)|(?P<number>\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)|(?P<mark>->|<=|>=|[-+*/()<>\[\]:]))"
@@ -47,28 +47,28 @@ class Samples(Protocol):
 
 
 Signals = Mapping[str, Samples]
-"""Samples by name of the signal, all of one length, 20 Hz."""
+"""Samples by name of the signal, all of the same length, 20 Hz."""
 
 
 class FormulaError(ValueError):
-    """The text is not a formula of the language; the message completes the sentence `file:line: name ...`."""
+    """The text is not a formula of the language; the message continues `file:line: name ...`."""
 
 
 @dataclass(frozen=True)
 class Formula:
-    """A formula and what its names stand for.
+    """A formula over signals.
 
     Attributes:
-        text: the formula, as `person_range_m <= 3 and historically[0:2](speed_mps > 0.25)`.
-        names: the signals it reads, sorted.
+        text: the formula, such as `person_range_m <= 3 and historically[0:2](speed_mps > 0.25)`.
+        names: names of the signals in the formula, sorted.
     """
 
     text: str
     names: tuple[str, ...]
 
     @classmethod
-    def spelt(cls, text: str, signals: Collection[str]) -> Formula:
-        """Check the words of `text` and the names in `signals`, and not how they are put together.
+    def unparsed(cls, text: str, signals: Collection[str]) -> Formula:
+        """Check words, names, brackets and intervals of `text`, but not its grammar, which would start RTAMT.
 
         Raises:
             FormulaError: a word, a name, a bracket or an interval is wrong; the message says which.
@@ -87,12 +87,12 @@ class Formula:
 
     @classmethod
     def parse(cls, text: str, signals: Collection[str]) -> Formula:
-        """Check `text` against the language and the names in `signals`.
+        """Parse `text` as a formula over `signals`.
 
         Raises:
-            FormulaError: it is not a formula over those signals; the message says what is wrong.
+            FormulaError: the text is not a formula over these signals; the message says what is wrong.
         """
-        formula = cls.spelt(text, signals)
+        formula = cls.unparsed(text, signals)
         try:
             _specification(formula.text, formula.names)
         except Exception as error:
@@ -101,10 +101,10 @@ class Formula:
         return formula
 
     def robustness(self, signals: Signals) -> list[float]:
-        """Robustness at each sample, (T,); below 0 the formula is violated there.
+        """Robustness at each sample, (T,); a sample below 0 violates the formula.
 
         Args:
-            signals: (T,) samples of at least the signals named, 20 Hz.
+            signals: (T,) samples of at least the signals in `names`, 20 Hz.
 
         Raises:
             ValueError: a sample is not finite, or the lengths differ.
@@ -114,7 +114,7 @@ class Formula:
         if len(lengths) != 1:
             raise ValueError(f"signals of one formula differ in length: {sorted(lengths)}")
         (length,) = lengths
-        if length < 2:  # RTAMT needs two samples; one is as good as the same one twice
+        if length < 2:  # RTAMT needs at least two samples, so a single sample is repeated
             columns = {name: column * 2 for name, column in columns.items()}
         times = _times_s(max(2, length))
         pairs = _specification(self.text, self.names).evaluate({"time": times, **columns})[:length]
@@ -131,7 +131,7 @@ def tokenize(text: str) -> list[str]:
     ['always', '(', 'a', '/', '3', '<=', '1', ')']
 
     Raises:
-        FormulaError: a character belongs to none of them.
+        FormulaError: a character belongs to no name, number or mark.
     """
     tokens, at = [], 0
     text = text.strip()
@@ -148,7 +148,7 @@ def tokenize(text: str) -> list[str]:
 
 
 def inside_always(text: str) -> str | None:
-    """What stands in the brackets of `always( ... )`, or None when the text is not of that shape.
+    """The text in the brackets of `always( ... )`; None if the text has another form.
 
     >>> inside_always("always((a > 0) and (b > 0))")
     '( a > 0 ) and ( b > 0 )'
@@ -202,13 +202,13 @@ def _column(name: str, samples: Any) -> list[float]:
 
 @lru_cache(maxsize=8)
 def _times_s(length: int) -> tuple[float, ...]:
-    """Times of the samples [s]: the same for all formulas of a flight."""
+    """Times of the samples [s], shared by all formulas of a flight."""
     return tuple(SAMPLE_MS / 1000 * place for place in range(length))
 
 
 @contextmanager
 def _silence() -> Iterator[None]:
-    """RTAMT's parser logs to the root logger, which is no concern of the user's."""
+    """Silence the root logger, to which RTAMT's parser writes."""
     previous = logging.root.manager.disable
     logging.disable(logging.WARNING)
     try:
@@ -219,7 +219,7 @@ def _silence() -> Iterator[None]:
 
 @lru_cache(maxsize=256)
 def _specification(text: str, names: tuple[str, ...]) -> Any:
-    """The parsed formula, once a process."""
+    """The parsed formula, once per process."""
     with _silence():
         from scaloft_fi.judge import monitor
 

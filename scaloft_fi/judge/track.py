@@ -1,4 +1,4 @@
-"""The decimated trajectory that is kept of a flight: where it went, how fast, how near to things."""
+"""The stored trajectory of a flight, decimated to 5 Hz: position, speed, clearances."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ TRACK: Mapping[str, Callable[[Sequence[float]], float]] = {
     "clearance_m": min,
     "person_sight_m": min,
 }
-"""The signals kept, and what stands for the samples since the last one kept: the worst, or the present one."""
+"""The stored signals; each with the function that reduces the samples since the last stored one to one value."""
 TRACK_COLUMNS = tuple(TRACK)
 TRACK_EVERY = 4
-"""Every fourth sample of 20 Hz is kept: 5 Hz."""
+"""Every fourth sample of 20 Hz is stored: 5 Hz."""
 
 
 def pack_track(signals: Signals) -> bytes:
-    """The trajectory at 5 Hz as packed single floats, the first and the last sample always among them.
+    """Pack the trajectory at 5 Hz as single floats; it always includes the first and the last sample.
 
     Args:
-        signals: (T,) each at 20 Hz, those of `TRACK_COLUMNS` among them.
+        signals: (T,) samples at 20 Hz of at least the signals in `TRACK_COLUMNS`.
     """
     columns = [list(map(float, signals[name])) for name in TRACK_COLUMNS]
     length = len(columns[0])
@@ -42,7 +42,7 @@ def _pairs(columns: list[list[float]]) -> list[tuple[list[float], Callable[[Sequ
 
 
 def unpack_track(track: bytes) -> list[tuple[float, ...]]:
-    """Rows of `TRACK_COLUMNS` that `pack_track` kept; none for an empty track."""
+    """Unpack the rows of `TRACK_COLUMNS`; an empty track has no rows."""
     if not track:
         return []
     values = array("f")

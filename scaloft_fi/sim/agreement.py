@@ -1,7 +1,7 @@
-"""Whether compiled free flight and the physics server compute the same bits on this machine: tested once a process.
+"""Whether compiled free flight and the physics server compute the same bits on this machine; tested once per process.
 
-They may differ on a processor that fuses multiplication and addition, or with another version of the server; then the
-server makes every step.
+The bits may differ on a processor that fuses multiplication and addition, or with another version of the server.  Then
+the server makes every step.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from scaloft_fi.sim.free_flight import free_step
 from scaloft_fi.sim.vehicle import Vehicle
 
 STEPS = 240
-"""How many steps are compared: those of a second."""
+"""Number of steps that are compared: one second."""
 BLOCK = Vehicle(
     mass_kg=1.3,
     inertia=(0.011, 0.017, 0.023),
@@ -29,12 +29,12 @@ BLOCK = Vehicle(
     spin_down_s=0.05,
     drag=0.0,
 )
-"""What is thrown, with no two moments alike."""
+"""The body of the test; no two of its moments of inertia are equal."""
 
 
 @cache
 def agrees() -> bool:
-    """Whether a block that tumbles under changing forces does so to the same bits in both."""
+    """Whether a block that tumbles under changing forces has the same state, to the bit, in both."""
     import pybullet
 
     client = connect()

@@ -1,6 +1,6 @@
-"""The vehicle in the physics server: pushed by its rotors, stepped, and read.
+"""The vehicle in the physics server: apply the forces of its rotors, step it, read its state.
 
-Steps in which it can touch nothing may be computed outside the server, which then gets the state they lead to.
+Steps in which the vehicle can touch nothing may be computed outside the server; the server then gets the final state.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ _pack = struct.Struct(f"{STATE_SIZE}d").pack_into
 
 
 KEPT_RATES = 1200
-"""Rates of steps, at most, that `inverse_attitude` has not been advanced by: those of 5 s."""
+"""Greatest number of angular rates that wait to be integrated by `inverse_attitude`: 5 s of steps."""
 
 Drive = Callable[[int], None]
-"""Sets force and torque of the physics step whose number it gets, before that step."""
+"""Called with the number of a physics step before that step; sets its force and torque."""
 
 
 class Airframe:
@@ -32,23 +32,23 @@ class Airframe:
     Args:
         client: physics server.
         vehicle: what flies.
-        position: of its centre [m, world], where it is put at rest.
-        yaw_rad: its heading [rad].
+        position: where the centre of the vehicle starts, at rest [m, world].
+        yaw_rad: heading at the start [rad].
 
     Attributes:
-        number: of the body in the server.
-        truth: the 13 numbers of the state after the last step, laid out as `sim.vehicle` says.
-        state: (13,) the same as an array, which the next step overwrites.
+        number: number of the body in the server.
+        truth: the 13 numbers of the state after the last step, in the layout of `sim.vehicle`.
+        state: (13,) the same numbers as an array, which the next step overwrites.
         thrusts: (4,) thrust of each rotor [N].
         pushed: (6,) force [N, world] and torque [N m, world] of the next step.
-        numbers: (46,) state, thrusts and what `actuate` works on, see `vehicle.parts_of`.
-        inertia: (5,) what `free_step` reads.
+        numbers: (46,) state, thrusts and the arguments of `actuate`, see `vehicle.parts_of`.
+        inertia: (5,) argument of `free_step`.
     """
 
     def __init__(self, client: int, vehicle: Vehicle, position: Point, yaw_rad: float) -> None:
         import pybullet
 
-        # A flight makes these calls 240 times a second: bound once, arguments by place.
+        # A flight makes these calls 240 times a second, so they are bound once and take positional arguments.
         self._simulate = pybullet.stepSimulation
         self._pose, self._motion = pybullet.getBasePositionAndOrientation, pybullet.getBaseVelocity
         self._push, self._turn = pybullet.applyExternalForce, pybullet.applyExternalTorque
@@ -67,16 +67,16 @@ class Airframe:
         self.read()
 
     def actuate(self, order: Array) -> None:
-        """Turn the rotors towards thrusts `order` (4,) [N]: the force and torque of the next step."""
+        """Move the thrusts towards `order` (4,) [N], and set force and torque of the next step."""
         actuate(self.thrusts, order, self._lag, self._effect, self.state, self.pushed)
 
     def step(self, drive: Drive, first: int, count: int) -> float:
-        """Let the server make physics steps, each under the force and torque that `pushed` has then.
+        """Let the server make physics steps, each under the current force and torque in `pushed`.
 
         Args:
-            drive: sets them before each step.
+            drive: sets `pushed` before each step.
             first: number of the first step.
-            count: of steps.
+            count: number of steps.
 
         Returns:
             The greatest square of the speed after a step [m2/s2].
@@ -106,14 +106,14 @@ class Airframe:
         return top_square
 
     def inverse_attitude(self) -> Array:
-        """The quaternion from world to body (4,) that the server keeps, to the bit; it tells only a rounded inverse."""
+        """The quaternion from world to body (4,) as the server keeps it, to the bit; it returns a rounded inverse."""
         if self._rates:
             turn_through(self._inverse, np.array(self._rates))
             self._rates.clear()
         return self._inverse
 
     def update_server(self) -> None:
-        """Put the server's body where `state` and `inverse_attitude` are, which were advanced outside the server."""
+        """Set the body in the server to `state` and `inverse_attitude`, which were advanced outside the server."""
         number, client = self.number, self._client
         x, y, z, w = self._inverse.tolist()
         self.truth = truth = tuple(self.state.tolist())
@@ -122,7 +122,7 @@ class Airframe:
         self._throw(number, truth[7:10], truth[10:], client)
 
     def read(self) -> None:
-        """Read the true state."""
+        """Read the true state from the server."""
         number, client = self.number, self._client
         self._position, attitude = self._pose(number, client)
         velocity, rate = self._motion(number, client)
@@ -131,9 +131,9 @@ class Airframe:
 
 
 def inverse_at(yaw_rad: float) -> Array:
-    """The quaternion from world to body (4,) that the server keeps of a body put upright at `yaw_rad`."""
+    """The quaternion from world to body (4,) that the server keeps for an upright body with heading `yaw_rad`."""
     inverse, attitude = np.array([0.0, 0.0, -math.sin(0.5 * yaw_rad), math.cos(0.5 * yaw_rad)]), np.empty(4)
-    attitude_of(inverse, attitude)  # the server converts by way of a matrix, in both directions
+    attitude_of(inverse, attitude)  # the server converts through a matrix, in both directions
     inverse[:3], inverse[3] = -attitude[:3], attitude[3]
     return inverse
 

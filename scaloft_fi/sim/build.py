@@ -15,12 +15,12 @@ from scaloft_fi.stack.rates import STEP_S
 GRAVITY_MPS2 = 9.81
 
 RAY_GROUP, VEHICLE_GROUP, WORLD_GROUP = 1, 2, 4
-"""Collision groups: the vehicle meets the world, rays meet the world only."""
+"""Collision groups: the vehicle collides with the world; rays hit only the world."""
 
 
 @dataclass(frozen=True)
 class BodyIds:
-    """Numbers of the world's bodies in the physics server.  by_name: of each surface that is there."""
+    """Numbers of the bodies in the physics server.  by_name: the number of each surface that is present."""
 
     by_name: Mapping[str, int]
 
@@ -38,7 +38,7 @@ def connect() -> int:
 
 
 def set_up(client: int) -> None:
-    """Gravity, step and a fixed order of pairs, in an empty physics server."""
+    """Set gravity, time step and a fixed order of contact pairs in an empty physics server."""
     import pybullet
 
     pybullet.setGravity(0.0, 0.0, -GRAVITY_MPS2, physicsClientId=client)
@@ -48,8 +48,8 @@ def set_up(client: int) -> None:
 def build(client: int, world: World) -> BodyIds:
     """Put the world into an empty physics server.
 
-    The rock is the very triangles that the camera sees; Bullet keeps 1 mm of margin about them, so distances to rock
-    are short by that much.  Bodies are convex hulls that with Bullet's margin have the surface that the camera sees.
+    The rock consists of the triangles that the camera sees.  Bullet adds a margin of 1 mm to them, so distances to rock
+    are 1 mm too short.  Bodies are convex hulls; with Bullet's margin they have the surface that the camera sees.
     A level floor is a solid box under the same triangles.
     """
     import pybullet

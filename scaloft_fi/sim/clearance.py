@@ -1,7 +1,7 @@
-"""How far the hull is from each surface, as the physics server measures it.
+"""Distance of the hull from each surface, measured by the physics server.
 
-The server looks at every triangle within the distance that it is asked for, so it is asked for no more than needed:
-a clearance grows by no more than the hull has moved.
+The server examines every triangle within the search distance, so the search distance is kept small: a clearance grows
+by at most the distance that the hull has moved.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from scaloft_fi.sim.vehicle import Array, Vehicle
 from scaloft_fi.sim.world import GROUND, WALL, World
 
 SLACK_M = 1e-3
-"""Far more than the rounding of poses and distances [m]."""
+"""Added to the search distance; far more than the rounding of poses and distances [m]."""
 
 
 class Clearances:
@@ -26,13 +26,14 @@ class Clearances:
 
     Args:
         client: physics server.
-        ids: of the surfaces.
-        body: the vehicle's number.
+        ids: numbers of the surfaces.
+        body: number of the vehicle.
         vehicle: what flies.
-        world: with the surfaces.
+        world: holds the surfaces.
 
     Attributes:
-        gaps_m: by name, from a ball about the hull to the surface's bounding box: no clearance is smaller [m].
+        gaps_m: by name of the surface, a lower bound of its clearance: the distance from a ball around the hull to the
+            bounding box of the surface [m].
     """
 
     def __init__(self, client: int, ids: BodyIds, body: int, vehicle: Vehicle, world: World) -> None:
@@ -49,7 +50,7 @@ class Clearances:
         self._measured: dict[str, float] = {}
 
     def look(self, pose: Sequence[float]) -> None:
-        """Take the vehicle to be at `pose`, the first 7 numbers of its state, from now on."""
+        """Set the pose of the vehicle, the first 7 numbers of its state."""
         distances = np.empty(len(self._boxes))
         outside(self._boxes, pose[0], pose[1], pose[2], distances)
         radius_m = self._radius_m
@@ -59,14 +60,14 @@ class Clearances:
         self._pose = pose
 
     def measure(self, name: str) -> float:
-        """From the hull to the surface `name` [m], at most 1; a little below 0 where Bullet's margins overlap."""
+        """Distance from the hull to surface `name` [m], at most 1; slightly below 0 where Bullet's margins overlap."""
         if self.gaps_m.get(name, math.inf) >= CLEARANCE_CAP_M:
             return CLEARANCE_CAP_M
         known_m = self._before.get(name, math.inf) + self._moved_m + SLACK_M
         for within_m in {min(CLEARANCE_CAP_M, known_m): None, CLEARANCE_CAP_M: None}:
             points = self._closest(self._body, self._ids[name], within_m, physicsClientId=self._client)
             clearance_m = min((point[8] for point in points), default=CLEARANCE_CAP_M)
-            # How deep bodies overlap depends on how far the server is asked to look.
+            # The depth of an overlap depends on the search distance.
             if points and clearance_m > 0.0:
                 break
         self._measured[name] = clearance_m
@@ -74,11 +75,11 @@ class Clearances:
 
 
 def moved_m(before: Sequence[float], after: Sequence[float], radius_m: float) -> float:
-    """How far at most a point moved that is within `radius_m` of the centre, between two poses [m].
+    """Upper bound of the distance that a point within `radius_m` of the centre moves between two poses [m].
 
     Args:
         before, after: position [m] and attitude quaternion, 7 numbers.
-        radius_m: [m].
+        radius_m: greatest distance of the point from the centre [m].
     """
     x, y, z, qx, qy, qz, qw = before
     u, v, w, rx, ry, rz, rw = after
@@ -88,5 +89,5 @@ def moved_m(before: Sequence[float], after: Sequence[float], radius_m: float) ->
 
 
 def _bounds(vertices: Array) -> tuple[float, ...]:
-    """Least x, y, z, then greatest [m]."""
+    """Bounding box: least x, y, z, then greatest x, y, z [m]."""
     return tuple(map(float, (*vertices.min(axis=0), *vertices.max(axis=0))))

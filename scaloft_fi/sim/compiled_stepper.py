@@ -1,4 +1,4 @@
-"""Physics steps in one compiled call: inertial sensor, the stack's fast path, rotors and free flight."""
+"""Make physics steps in one compiled call: inertial sensor, fast path of the stack, rotors and free flight."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ Loop = Callable[[Array, int, int, int, Array, Array, Array, Array, Numbers], flo
 
 
 class CompiledStepper:
-    """Makes steps in which nothing can be touched, without the physics server, which then gets the last state.
+    """Makes steps without contact outside the physics server; the server then gets the last state.
 
     Args:
-        fast_path: of the stack.
+        fast_path: fast path of the stack.
         sensor: the inertial sensor.
         airframe: the vehicle.
     """
@@ -33,11 +33,11 @@ class CompiledStepper:
         self._numbers: Numbers = ()
 
     def begin(self) -> None:
-        """Get the stack ready for `advance`; whatever this raises is the stack's failure, before any step."""
+        """Prepare the stack for `advance`; any exception here is a failure of the stack before the first step."""
         self._numbers = self._fast_path.begin()
 
     def advance(self, first: int, count: int) -> float:
-        """Make the steps; valid only where the vehicle can touch nothing and nobody listens on the skipped seams."""
+        """Make the steps; valid only where the vehicle can touch nothing and no wire listens on the skipped seams."""
         sensor, airframe, numbers, top_square = self._sensor, self._airframe, self._numbers, 0.0
         sensor.begin(airframe.state)
         inverse, last = airframe.inverse_attitude(), first + count
@@ -56,7 +56,7 @@ class CompiledStepper:
 
 @cache
 def loop_with(kernel: Kernel) -> Loop:
-    """`_loop`, compiled with the stack's kernel."""
+    """Compile `_loop` with the kernel of the stack."""
     return jit(joined(inertial, actuate, free_step)(with_globals(_loop, kernel=kernel)))
 
 
@@ -64,13 +64,15 @@ def _loop(
     noise: Array, row: int, first: int, count: int,
     sensor: Array, airframe: Array, inverse: Array, inertia: Array, numbers: Numbers,
 ) -> float:  # fmt: skip
-    """Make `count` steps from number `first` on; returns the greatest square of the speed after a step [m2/s2].
+    """Make `count` steps, beginning with number `first`; returns the greatest square of the speed [m2/s2].
 
     Args:
-        noise, row: (N, 6), and which row is the first inertial sample's.
-        sensor, airframe: (21,), (46,) numbers of inertial sensor and vehicle.
-        inverse, inertia: (4,), (5,) of `free_step`.
-        numbers: of the stack's kernel.
+        noise: (N, 6) noise of the inertial samples.
+        row: row of `noise` for the first sample.
+        sensor: (21,) numbers of the inertial sensor.
+        airframe: (46,) numbers of the vehicle.
+        inverse, inertia: (4,), (5,) arguments of `free_step`.
+        numbers: numbers of the stack's kernel.
     """
     before, errors, reading = imu.parts_of(sensor)
     state, thrusts, pushed, lag, effect = vehicle.parts_of(airframe)

@@ -1,4 +1,4 @@
-"""Constraints over the axes: combinations of values that no situation has, each with its reason."""
+"""Constraints on the axes: combinations of values that the grid excludes, each with its reason."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from scaloft_fi.sim.situation import Axis
 
 @dataclass(frozen=True)
 class Constraint:
-    """A combination of axis values that cannot be, or is of no interest.
+    """A combination of axis values that is impossible or of no interest.
 
     Attributes:
-        excluded: per axis named, the values that make up the combination together.
-        reason: why no situation has it.
-        place: `file:line` where it stands.
+        excluded: the excluded values by axis; a point is excluded if it has an excluded value on each of these axes.
+        reason: why no situation has the combination.
+        place: `file:line` of the constraint.
     """
 
     excluded: Mapping[str, frozenset[int]]
@@ -25,7 +25,7 @@ class Constraint:
     place: str
 
     def forbids(self, levels: Mapping[str, int]) -> bool:
-        """Whether a point with these values has the combination.
+        """Whether the constraint excludes a point with these values.
 
         >>> Constraint({"T": frozenset({0}), "W": frozenset({1, 2})}, "no room", "").forbids({"T": 0, "W": 2, "H": 0})
         True
@@ -34,10 +34,10 @@ class Constraint:
 
 
 def read_constraints(item: Item | None, axes: Iterable[Axis]) -> tuple[Constraint, ...]:
-    """Read the list under `constraints`; none when there is none.
+    """Read the list under `constraints`; an absent list gives no constraints.
 
     Raises:
-        InputError: a constraint names an unknown axis or value, or no two axes, or lacks its reason.
+        InputError: a constraint names an unknown axis or value, names fewer than two axes, or lacks its reason.
     """
     known = {axis.id: axis for axis in axes}
     return tuple(_constraint(entry, known) for entry in item) if item else ()
@@ -49,7 +49,7 @@ def _constraint(item: Item, axes: Mapping[str, Axis]) -> Constraint:
     if len(excluded) < 2:
         raise InputError(
             f"{excluded_item.place}: exclude must name the values of at least 2 axes; "
-            "leave a value out of its axis to be rid of it alone"
+            "to exclude a single value, remove it from its axis"
         )
     constraint = Constraint(excluded, item.need("reason").text(), item.place)
     item.close()
@@ -57,7 +57,7 @@ def _constraint(item: Item, axes: Mapping[str, Axis]) -> Constraint:
 
 
 def _values(name: str, item: Item, axes: Mapping[str, Axis]) -> frozenset[int]:
-    """The value or the list of values of one axis in an `exclude`."""
+    """The values of one axis in an `exclude`: one value or a list."""
     if name not in axes:
         raise InputError(f"{item.place}: exclude names the unknown axis {name!r}{did_you_mean(name, axes)}")
     last = len(axes[name].values) - 1

@@ -9,13 +9,13 @@ from scaloft_fi.sim.reach import Reach
 from scaloft_fi.sim.vehicle import Array, Vehicle
 
 GEAR_SHARE = 0.8
-"""A touch below this share of the hull's half height is one of the landing gear, not of the hull."""
+"""A contact lower than this share of the half height below the centre touches the landing gear, not the hull."""
 SPARE_M = 0.05
-"""More than Bullet's margins, and than a step's way between detecting a touch and telling it [m]."""
+"""More than Bullet's margins plus the motion in the step between detecting and reporting a contact [m]."""
 
 
 class Contact(NamedTuple):
-    """One touch.  struck: name of what is touched; gear: whether the vehicle's underside touches it."""
+    """A contact of the vehicle.  struck: name of the touched body; gear: whether the landing gear touches it."""
 
     struck: str
     gear: bool
@@ -24,14 +24,14 @@ class Contact(NamedTuple):
 def contacts(
     client: int, vehicle: int, name_of: Mapping[int, str], state: Array, half_height_m: float
 ) -> tuple[Contact, ...]:
-    """The touches of the last physics step.
+    """The contacts of the last physics step.
 
     Args:
         client: physics server.
-        vehicle: the vehicle's body number.
-        name_of: names of the world's bodies by number.
+        vehicle: body number of the vehicle.
+        name_of: names of the bodies of the world by number.
         state: (13,) state of the vehicle.
-        half_height_m: of the hull [m].
+        half_height_m: half the height of the hull [m].
     """
     import pybullet
 
@@ -40,27 +40,27 @@ def contacts(
         return ()
     x, y, z, w = state[3], state[4], state[5], state[6]
     ux, uy, uz = 2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y)
-    found = set()
+    touched = set()
     for point in points:
-        # Bullet also lists near points; a touch overlaps or pushes.
+        # Bullet also lists near points; in a contact the bodies overlap or a force acts.
         if point[8] <= 0.0 or point[9] > 0.0:
             px, py, pz = point[5]
             height_m = ux * (px - state[0]) + uy * (py - state[1]) + uz * (pz - state[2])
-            found.add(Contact(name_of[point[2]], bool(height_m < -GEAR_SHARE * half_height_m)))
-    return tuple(sorted(found))
+            touched.add(Contact(name_of[point[2]], bool(height_m < -GEAR_SHARE * half_height_m)))
+    return tuple(sorted(touched))
 
 
 class Feeler:
-    """Finds touches, and asks the physics server only where there can be one.
+    """Finds contacts; calls the physics server only where a contact is possible.
 
     Args:
         client: physics server.
-        number: the vehicle's body number.
+        number: body number of the vehicle.
         vehicle: what flies.
-        name_of: names of the world's bodies by number.
+        name_of: names of the bodies of the world by number.
 
     Attributes:
-        out_of_reach: whether nothing can be touched in the tick after `look`.
+        out_of_reach: whether the vehicle can touch nothing in the tick after `look`.
     """
 
     def __init__(self, client: int, number: int, vehicle: Vehicle, name_of: Mapping[int, str]) -> None:
@@ -72,11 +72,11 @@ class Feeler:
         self._free_square = -1.0
 
     def look(self, truth: Sequence[float], room_m: float) -> None:
-        """Before a tick, take note that nothing is nearer to the hull than `room_m` [m].
+        """Set the free distance around the hull; called before a tick.
 
         Args:
             truth: the 13 numbers of the vehicle's state.
-            room_m: may be too small.
+            room_m: lower bound of the distance from the hull to any surface [m].
         """
         self._x, self._y, self._z = truth[:3]
         spare_m = room_m - SPARE_M
@@ -85,11 +85,11 @@ class Feeler:
         self._free_square = free_m * free_m if free_m > 0.0 else -1.0
 
     def feel(self, truth: Sequence[float], state: Array) -> tuple[Contact, ...]:
-        """The touches of the last physics step.
+        """The contacts of the last physics step.
 
         Args:
             truth: the 13 numbers of the vehicle's state.
-            state: (13,) the same as an array.
+            state: (13,) the same numbers as an array.
         """
         dx, dy, dz = truth[0] - self._x, truth[1] - self._y, truth[2] - self._z
         if dx * dx + dy * dy + dz * dz < self._free_square:

@@ -1,4 +1,4 @@
-"""The moments of a flight that deserve a mark on its map."""
+"""The events of a flight that the map marks."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ def events_of(
     struck_at_s: float,
     error: str,
 ) -> tuple[Event, ...]:
-    """Events in order of time: what the stack's beliefs mark, infection, contact, error.
+    """Events in order of time: marked beliefs of the stack, infection, contact, error of the stack.
 
     Args:
         elapsed_s: (T,) times of the samples [s].
         declared: the beliefs of the stack.
-        believed: (T,) per name, what the stack believed.
-        counts: per seam what the wire counted.
+        believed: (T,) values of each belief by name.
+        counts: counts of the wire by seam.
         struck: body of the contact that ended the flight; "" without one.
-        struck_at_s: when [s].
-        error: what the stack raised, "" when nothing.
+        struck_at_s: time of that contact [s].
+        error: the exception of the stack; "" without one.
     """
     events = [
         event
@@ -47,7 +47,7 @@ def events_of(
 
 
 def _marks(mark: Mark, elapsed_s: Array, values: Array) -> Iterator[Event]:
-    """The samples at which a belief is marked."""
+    """The events of one marked belief."""
     if mark.values:
         numbers = values.astype(int)
         for i in np.flatnonzero(np.diff(numbers)) + 1:

@@ -1,6 +1,6 @@
-"""One flight: the vehicle, its sensors and the stack under test in the physics of a situation, until it ends.
+"""One flight: simulate the vehicle, its sensors and the stack under test in a situation until the flight ends.
 
-Physics, inertial sensor and flight control run at 240 Hz; the other sensors, the companion and the log at 20 Hz.
+Physics, inertial sensor and flight control run at 240 Hz; the other sensors, the companion and the log run at 20 Hz.
 """
 
 from __future__ import annotations
@@ -41,29 +41,29 @@ NO_THRUST = np.zeros(4)
 
 
 class StackError(ScaloftError):
-    """A stack is not as it declares; the harness cannot go on."""
+    """A stack breaks its declaration, so the flight cannot continue."""
 
 
 HARNESS = (TapError, StackError, MemoryError)
-"""What is no fact about the drone, wherever it is raised."""
+"""Exceptions that are faults of the harness, never of the drone."""
 
 
 def fly(
     config: SimConfig, situation: Situation, seed: int, wire: Wire, declared: Declaration | None = None
 ) -> FlightLog:
-    """Fly once; a pure function of its arguments, and the wire is used up.
+    """Fly once; a pure function of its arguments.  A wire serves one flight only.
 
     Args:
-        config: of the study.
-        situation: where.
-        seed: of the noise.
+        config: simulation part of the study.
+        situation: the situation of the flight.
+        seed: seed of the noise.
         wire: carries the samples between the stages.
         declared: the stack; by default the one that the study names.
 
     Raises:
-        InputError: the study names no known stack, or its settings do not fit.
+        InputError: the study names an unknown stack, or the settings of the stack do not fit.
         TapError: a fault could not be injected.
-        StackError: the stack's beliefs are not as it declares.
+        StackError: the beliefs of the stack differ from its declaration.
     """
     scenario = config.scenario(situation)
     with physics_server() as client:
@@ -75,7 +75,7 @@ def fly(
 
 @contextmanager
 def physics_server() -> Iterator[int]:
-    """A physics server of its own, closed afterwards."""
+    """Start a physics server, and close it at the end of the context."""
     import pybullet
 
     client = connect()
@@ -86,10 +86,10 @@ def physics_server() -> Iterator[int]:
 
 
 def make_stack(config: SimConfig, declared: Declaration, scenario: Scenario, wire: Wire) -> Stack:
-    """The stack, ready for take-off.
+    """Build the stack, ready for take-off.
 
     Raises:
-        InputError: its settings do not fit.
+        InputError: the settings of the stack do not fit.
     """
     mission, camera = scenario.world.mission, config.sensors.depth.camera
     task = Task(
@@ -109,10 +109,10 @@ def make_stack(config: SimConfig, declared: Declaration, scenario: Scenario, wir
 
 
 def stack_settings(choice: StackChoice, declared: Declaration) -> Any:
-    """The settings of `sim/stack.yaml`, built into the schema that the stack declares.
+    """The settings of `sim/stack.yaml` in the schema that the stack declares.
 
     Raises:
-        InputError: they do not fit; it names the place.
+        InputError: the settings do not fit; the message names the place.
     """
     if declared.settings is None:
         return choice.parameters
@@ -126,10 +126,10 @@ class FlightLoop:
     """A flight under way.
 
     Attributes:
-        stack, sensors, airframe: the system under test, what it senses with, the vehicle.
-        ticks: samples recorded after which it went on.
+        stack, sensors, airframe: the system under test, its sensors, the vehicle.
+        ticks: number of completed ticks.
 
-    Whatever the stack under test raises is a fact about the drone: when its companion fails, the autopilot flies on
+    An exception of the stack under test is a fact about the drone: when its companion fails, the autopilot flies on
     with its own fail-safes; when the autopilot fails, the rotors stop.
     """
 
@@ -164,7 +164,7 @@ class FlightLoop:
         self._stack_error = ""
 
     def tick(self) -> bool:
-        """Record a sample; unless the flight is over, let sensors and companion work.  Returns whether it goes on."""
+        """Record a sample; unless the flight is over, run sensors and companion.  Returns whether it continues."""
         now_s = self.ticks / TICK_HZ
         self._truth.add(self._observer.sample(now_s, self.airframe.state, self.sensors.view))
         self._feeler.look(self.airframe.truth, self._observer.room_m)
@@ -181,7 +181,7 @@ class FlightLoop:
         """The stack's beliefs.
 
         Raises:
-            StackError: they cannot be had, or are not as many as declared.
+            StackError: `beliefs` raised, or returned another number of values than declared.
         """
         name, due = self._declared.name, len(self._declared.beliefs)
         try:
@@ -193,7 +193,7 @@ class FlightLoop:
         return values
 
     def advance(self) -> None:
-        """Step up to the next sample."""
+        """Make the physics steps up to the next sample."""
         if not self._feeler.out_of_reach:
             for _ in range(STEPS_PER_TICK):
                 self.step()
@@ -203,15 +203,16 @@ class FlightLoop:
         self._observer.pass_by(top_square, self.airframe.truth)
 
     def step(self) -> None:
-        """Let the server make one physics step, and look what it touched."""
+        """Let the server make one physics step, and find its contacts."""
         self._server.advance(self._steps, 1)
         self._steps += 1
         self._watch()
 
     def _stepper(self) -> Stepper:
-        """Who makes the steps where nothing can be touched.
+        """The stepper for a tick in which the vehicle can touch nothing.
 
-        PLACEBO listens on every seam and so has the server's steps: it compares both steppers on every campaign.
+        The wire of PLACEBO listens on every seam, so PLACEBO flies with the server's steps: its flights compare both
+        steppers in every campaign.
         """
         fast_path = self.stack.fast_path
         if self._compiled is None or fast_path is None or not self._autopilot_alive or not agrees():
@@ -228,7 +229,7 @@ class FlightLoop:
         return self._compiled
 
     def _drive(self, step: int) -> None:
-        """Let flight control order the thrust of physics step number `step`."""
+        """Let flight control set the thrust of physics step number `step`."""
         order = NO_THRUST
         if self._autopilot_alive:
             now_s = step / STEP_HZ
@@ -242,7 +243,7 @@ class FlightLoop:
         self.airframe.actuate(order)
 
     def _watch(self) -> None:
-        """Let touch sensor and observer look at the step just made."""
+        """Pass the last step to touch sensor and observer."""
         airframe = self.airframe
         touched = self._feeler.feel(airframe.truth, airframe.state)
         if touched:
@@ -250,7 +251,7 @@ class FlightLoop:
         self._observer.step(self._steps * STEP_S, airframe.truth, touched)
 
     def log(self) -> FlightLog:
-        """What happened so far."""
+        """The log of the flight so far."""
         truth, beliefs = self._truth.signals(), self._beliefs.signals()
         counts: Mapping[str, Count] = getattr(self._wire, "counts", {})
         observer = self._observer
@@ -282,7 +283,7 @@ class FlightLoop:
         return Ending.TIMED_OUT if now_s >= self._scenario.t_max_s else None
 
     def _sense(self, now_s: float) -> SensorFrames | None:
-        """Measure, with the clocks and the exposure that the stack gives; without them when it is dead."""
+        """Measure with the stack's clocks and exposure; with the true time once the autopilot has failed."""
         stamps = None
         if self._autopilot_alive:
             try:

@@ -1,10 +1,10 @@
-"""One physics step of a body that touches nothing: the arithmetic of Bullet, operation by operation.
+"""One physics step of a body without contact: the arithmetic of Bullet, operation by operation.
 
-PyBullet is the physics; this is what its step comes to for a single free body, compiled, so that steps in which nothing
-can be touched need no call of the server.  Bullet 3.2.7 keeps a body as a multibody without links:
-`btMultiBody::computeAccelerationsArticulatedBodyAlgorithmMultiDof` and `stepPositionsMultiDof` have the formulas
+PyBullet defines the physics.  This module compiles its step for a single free body, so that steps without contact need
+no call of the server.  Bullet 3.2.7 keeps a body as a multibody without links:
+`btMultiBody::computeAccelerationsArticulatedBodyAlgorithmMultiDof` and `stepPositionsMultiDof` hold the formulas
 (Featherstone, Rigid Body Dynamics Algorithms, 2008), `btMatrix3x3` those between quaternion and matrix.
-`sim/agreement.py` sees whether the bits are the server's.
+`sim/agreement.py` checks that the bits equal the server's.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.rates import STEP_S
 
 _LARGEST_MPS = 100.0
-"""Bullet keeps every coordinate of velocity and rate within this [m/s, rad/s]."""
+"""Bullet limits every component of velocity and angular rate to this [m/s, rad/s]."""
 _LARGEST_TURN = 0.25 * math.pi
-"""A step turns by no more than this [rad]."""
+"""Greatest rotation in one step [rad]."""
 _SMALL_RATE = 0.001
-"""Below, the sine of the half turn is a Taylor expansion [rad/s]."""
+"""Below this rate Bullet expands the sine of half the rotation in a Taylor series [rad/s]."""
 
 
 def inertia_of(vehicle: Vehicle) -> Array:
-    """What `free_step` reads, (5,): moments of inertia x, y, z [kg m2], mass [kg], its reciprocal."""
+    """Argument of `free_step`, (5,): moments of inertia x, y, z [kg m2], mass [kg], 1 / mass [1/kg]."""
     return np.array([*vehicle.inertia, vehicle.mass_kg, 1.0 / vehicle.mass_kg])
 
 
@@ -36,10 +36,10 @@ def free_step(state: Array, inverse: Array, pushed: Array, inertia: Array) -> fl
     """Advance `state` and `inverse` by one step, in place; returns the square of the speed after it [m2/s2].
 
     Args:
-        state: (13,) of the body, as `sim.vehicle` lays it out.
-        inverse: (4,) x, y, z, w from world to body: what Bullet keeps; `state` has a rounded inverse of it.
+        state: (13,) state of the body in the layout of `sim.vehicle`.
+        inverse: (4,) quaternion x, y, z, w from world to body, which Bullet keeps; `state` holds its rounded inverse.
         pushed: (6,) force at the centre [N, world], torque [N m, world], without weight.
-        inertia: (5,) as `inertia_of`.
+        inertia: (5,) from `inertia_of`.
     """
     r = np.empty((3, 3))
     matrix_of(inverse[0], inverse[1], inverse[2], inverse[3], r)
@@ -48,7 +48,7 @@ def free_step(state: Array, inverse: Array, pushed: Array, inertia: Array) -> fl
     fx, fy, fz = pushed[0], pushed[1], pushed[2] + -GRAVITY_MPS2 * mass
     tx, ty, tz = pushed[3], pushed[4], pushed[5]
 
-    # In the body's frame: rate w, velocity v, then the force and torque that would hold both.
+    # In the body frame: angular rate w, velocity v, then the force and torque that would keep both constant.
     wx = r[0, 0] * ox + r[0, 1] * oy + r[0, 2] * oz
     wy = r[1, 0] * ox + r[1, 1] * oy + r[1, 2] * oz
     wz = r[2, 0] * ox + r[2, 1] * oy + r[2, 2] * oz
@@ -78,7 +78,7 @@ def free_step(state: Array, inverse: Array, pushed: Array, inertia: Array) -> fl
 
 @jit
 def _kept(speed):  # type: ignore[no-untyped-def]
-    """Within the server's limits; adding nothing, as it does, makes -0.0 to 0.0."""
+    """Limit a component as the server does; adding 0.0, as the server does, turns -0.0 into 0.0."""
     if speed < -_LARGEST_MPS:
         speed = -_LARGEST_MPS
     elif speed > _LARGEST_MPS:
@@ -88,7 +88,7 @@ def _kept(speed):  # type: ignore[no-untyped-def]
 
 @jit
 def turn_on(inverse: Array, rate: Array) -> None:
-    """Advance `inverse` (4,), world to body, by one step at `rate` (3,) [rad/s, world], in place."""
+    """Advance `inverse` (4,), world to body, by one step at angular rate `rate` (3,) [rad/s, world], in place."""
     x, y, z = rate[0], rate[1], rate[2]
     size = math.sqrt(x * x + y * y + z * z)
     if size * STEP_S > _LARGEST_TURN:
@@ -109,7 +109,7 @@ def turn_on(inverse: Array, rate: Array) -> None:
 
 @jit
 def turn_through(inverse: Array, rates: Array) -> None:
-    """`turn_on` once for each row of `rates` (N, 3)."""
+    """Apply `turn_on` for each row of `rates` (N, 3)."""
     for i in range(len(rates)):
         turn_on(inverse, rates[i])
 
@@ -129,7 +129,7 @@ def matrix_of(x, y, z, w, r):  # type: ignore[no-untyped-def]
 
 @jit
 def attitude_of(inverse: Array, attitude: Array) -> None:
-    """Write into `attitude` (4,), body to world, what the server tells of `inverse` (4,): by way of a matrix."""
+    """Write the attitude (4,), body to world, that the server returns for `inverse` (4,), through a matrix."""
     m = np.empty((3, 3))
     matrix_of(-inverse[0], -inverse[1], -inverse[2], inverse[3], m)
     trace = m[0, 0] + m[1, 1] + m[2, 2]

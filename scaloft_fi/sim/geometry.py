@@ -1,4 +1,4 @@
-"""Compiled geometry of the ground truth: nearest point of a surface, and whether anything stands in a line."""
+"""Compiled geometry of the ground truth: nearest point of a surface, line of sight, distance to boxes."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ Segments = NDArray[np.int16]
 
 
 @jit
-def nearest(vertices: Array, faces: Faces, owner: Segments, body: int, point: Array, found: Array) -> float:
-    """Distance from `point` (3,) to the triangles that `body` owns [m]; writes the nearest point into `found` (3,).
+def nearest(vertices: Array, faces: Faces, owner: Segments, body: int, point: Array, foot: Array) -> float:
+    """Distance from `point` (3,) to the triangles of `body` [m]; writes the nearest point into `foot` (3,).
 
     Regions of the triangle after Ericson, Real-Time Collision Detection (2005), section 5.1.5.
     """
@@ -56,13 +56,13 @@ def nearest(vertices: Array, faces: Faces, owner: Segments, body: int, point: Ar
         if square < best:
             best = square
             for k in range(3):
-                found[k] = a[k] + v * (b[k] - a[k]) + w * (c[k] - a[k])
+                foot[k] = a[k] + v * (b[k] - a[k]) + w * (c[k] - a[k])
     return math.sqrt(best)
 
 
 @jit
 def blocked(vertices: Array, faces: Faces, owner: Segments, spared: int, start: Array, end: Array) -> bool:
-    """Whether a triangle, of any body but `spared`, lies across the line from `start` to `end` (3,) [m, world].
+    """Whether a triangle of any body except `spared` intersects the line from `start` to `end` (3,) [m, world].
 
     Intersection after Moeller and Trumbore (1997), both sides.
     """
@@ -93,7 +93,7 @@ def blocked(vertices: Array, faces: Faces, owner: Segments, spared: int, start: 
 
 @jit
 def outside(boxes: Array, x: float, y: float, z: float, distances: Array) -> None:
-    """Write the distance from (x, y, z) to each of `boxes` (N, 6) [least x, y, z, then greatest], 0 inside it."""
+    """Write the distance from (x, y, z) to each of `boxes` (N, 6) [least x, y, z, then greatest]; 0 inside a box."""
     for i in range(boxes.shape[0]):
         dx = max(boxes[i, 0] - x, 0.0, x - boxes[i, 3])
         dy = max(boxes[i, 1] - y, 0.0, y - boxes[i, 4])

@@ -1,4 +1,4 @@
-"""The situation grid: the product of the axes without what is excluded, and the world of each point."""
+"""The situation grid: the product of the axes without the excluded points, and the world of each situation."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from scaloft_fi.sim.situation import Axis, Situation, read_axis
 from scaloft_fi.sim.world import World, read_world
 
 MOST_POINTS = 1_000_000
-"""Largest product of the axes: every point is held in memory, by its key."""
+"""Largest product of the axes; all points are held in memory."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,10 +27,10 @@ class Grid:
     """All situations.
 
     Attributes:
-        axes: in the order of the key.
-        aliases: keys by other names, as the numbers of the paper.
-        document: the world's document that the axes change.
-        constraints: combinations that no situation has.
+        axes: the axes in the order of the key.
+        aliases: keys by other names, such as the numbers of the paper.
+        document: the document of the world, which the axes change.
+        constraints: combinations of values that the grid excludes.
     """
 
     axes: tuple[Axis, ...]
@@ -40,17 +40,17 @@ class Grid:
 
     @cached_property
     def situations(self) -> tuple[Situation, ...]:
-        """Every situation, the last axis counting fastest."""
+        """Every situation; the last axis varies fastest."""
         return self._feasible(itertools.product(*([value.id for value in axis.values] for axis in self.axes)))
 
     def _feasible(self, points: Iterable[tuple[int, ...]]) -> tuple[Situation, ...]:
-        """The situations of those points that no constraint forbids."""
+        """The situations of the points that no constraint excludes."""
         names = [axis.id for axis in self.axes]
         every = (dict(zip(names, point, strict=True)) for point in points)
-        return tuple(Situation.of(levels) for levels in every if self._why_not(levels) is None)
+        return tuple(Situation.of(levels) for levels in every if self._excluding(levels) is None)
 
-    def _why_not(self, levels: Mapping[str, int]) -> Constraint | None:
-        """The constraint that forbids a point; None when it is a situation."""
+    def _excluding(self, levels: Mapping[str, int]) -> Constraint | None:
+        """The constraint that excludes a point; None when the point is a situation."""
         return next((constraint for constraint in self.constraints if constraint.forbids(levels)), None)
 
     @cached_property
@@ -65,18 +65,20 @@ class Grid:
         """The situation of a key or an alias.
 
         Raises:
-            InputError: there is none; names the nearest.
+            InputError: there is no such situation; the message names the nearest key.
         """
-        found = self.by_key.get(self.aliases.get(name, name))
-        if found is None:
+        situation = self.by_key.get(self.aliases.get(name, name))
+        if situation is None:
             raise InputError(self.miss(name))
-        return found
+        return situation
 
     def select(self, patterns: Iterable[str]) -> tuple[Situation, ...]:
-        """The situations that a key, an alias or a glob such as `T1*H?` names, in the grid's order; without any, all.
+        """The situations that match a pattern (key, alias or glob such as `T1*H?`), in the grid's order.
+
+        Without patterns, all situations.
 
         Raises:
-            InputError: a pattern matches nothing; names the nearest key.
+            InputError: a pattern matches nothing; the message names the nearest key.
         """
         wanted: set[str] = set()
         patterns = tuple(patterns)
@@ -91,9 +93,9 @@ class Grid:
         return tuple(situation for situation in self.situations if not patterns or situation.key in wanted)
 
     def gray_order(self) -> tuple[Situation, ...]:
-        """Every situation once, each differing from the one before in one axis by one step (reflected Gray code).
+        """Every situation once; each differs from its predecessor in one axis by one step (reflected Gray code).
 
-        Where constraints leave points out the step is longer.
+        Where constraints exclude points, the step is longer.
         """
         walks: list[tuple[int, ...]] = [()]
         for axis in self.axes:
@@ -102,7 +104,7 @@ class Grid:
         return self._feasible(walks)
 
     def titles(self, situation: Situation) -> tuple[str, ...]:
-        """The situation in words, one for each axis."""
+        """The titles of the situation's values, one for each axis."""
         return tuple(axis.value(situation[axis.id]).title for axis in self.axes)
 
     def aliases_of(self, situation: Situation) -> tuple[str, ...]:
@@ -123,19 +125,19 @@ class Grid:
         return read_world(document)
 
     def miss(self, name: str) -> str:
-        """The sentence for a name that is none of a situation: why it is excluded, or the nearest key."""
-        said = {axis.lower(): int(level) for axis, level in re.findall(r"([A-Za-z][a-z]*)(\d+)", name)}
-        levels = {axis.id: said.get(axis.id.lower(), -1) for axis in self.axes}
-        why = self._why_not(levels) if Situation.of(levels).key == name else None
+        """The error message for a name without a situation: the constraint that excludes it, or the nearest key."""
+        written = {axis.lower(): int(level) for axis, level in re.findall(r"([A-Za-z][a-z]*)(\d+)", name)}
+        levels = {axis.id: written.get(axis.id.lower(), -1) for axis in self.axes}
+        why = self._excluding(levels) if Situation.of(levels).key == name else None
         if why is not None:
             return f"situation {name!r} is excluded by {why.place}: {why.reason}"
-        near = min(self.situations, key=lambda found: sum(levels[axis] != level for axis, level in found.levels))
+        near = min(self.situations, key=lambda other: sum(levels[axis] != level for axis, level in other.levels))
         shape = "".join(f"{axis.id}0" for axis in self.axes)
         return f"no situation {name!r} in keys like {shape!r}; did you mean {near.key!r}?"
 
 
 def load_grid(folder: Path) -> Grid:
-    """Read the situations of a study's `sim` folder, and of the rest only the world that they change.
+    """Read the situations of a study's `sim` folder and the world that they change, no other file.
 
     Raises:
         InputError: as `read_grid`, or a file cannot be read.
@@ -144,11 +146,11 @@ def load_grid(folder: Path) -> Grid:
 
 
 def read_grid(item: Item, world_document: Item) -> Grid:
-    """Read the axes and check each of their values by itself.
+    """Read the axes, and check the world of each single value.
 
     Raises:
-        InputError: a value is not allowed, a key or path unknown, a value makes a world that cannot be, or the
-            constraints leave a value without a situation.
+        InputError: a value is not allowed, a key or path is unknown, a value makes an impossible world, or the
+            constraints exclude every situation of a value.
     """
     axes_item = item.need("axes")
     axes = tuple(read_axis(name, entry) for name, entry in axes_item.mapping().items())
@@ -174,7 +176,7 @@ def read_grid(item: Item, world_document: Item) -> Grid:
 
 
 def _check_values(grid: Grid) -> None:
-    """Refuse constraints that leave a value without a situation."""
+    """Refuse constraints that exclude every situation of a value."""
     if not grid.constraints:
         return
     left = {level for situation in grid.situations for level in situation.levels}
@@ -186,7 +188,7 @@ def _check_values(grid: Grid) -> None:
 
 
 def _completed(key: str, axes: Iterable[Axis]) -> str:
-    """The key with the benign value of every axis that it leaves out, so that aliases outlive a new axis."""
+    """Add the benign value of every axis that the key lacks, so that aliases stay valid after an axis is added."""
     levels = dict(re.findall(r"([A-Z][a-z]*)(\d+)", key))
     known = {axis.id for axis in axes}
     if "".join(f"{axis}{level}" for axis, level in levels.items()) != key or not known.issuperset(levels):

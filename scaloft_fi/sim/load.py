@@ -1,4 +1,4 @@
-"""Reading the simulation's part of a study: world, vehicle, sensors, situations, stack, sources of the numbers."""
+"""Read the simulation part of a study: world, vehicle, sensors, situations, stack, sources of the numbers."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ KINDS = ("published", "datasheet", "derived", "assumption")
 
 @dataclass(frozen=True)
 class Source:
-    """Where a number comes from.  kind: one of `KINDS`; text: the source, or the reason of an assumption."""
+    """The source of a number.  kind: one of `KINDS`; text: the source, or the reason of an assumption."""
 
     kind: str
     text: str
@@ -32,12 +32,12 @@ class Source:
 
 @dataclass(frozen=True, eq=False)
 class StackChoice:
-    """Which stack flies.
+    """The choice of the stack.
 
     Attributes:
-        name: in the registry of stacks.
-        parameters: its settings, plain data.
-        document: where they were read, for the places of errors.
+        name: name in the registry of stacks.
+        parameters: settings of the stack, plain data.
+        document: the document of the settings, for the places of errors.
     """
 
     name: str
@@ -45,7 +45,7 @@ class StackChoice:
     document: Item
 
     def place_of(self, path: str) -> str:
-        """`file:line` of the setting at `path`, as `stack.mission.goal_radius_m`, or of what is nearest above it."""
+        """`file:line` of the setting at `path`, such as `stack.mission.goal_radius_m`, or of its nearest parent."""
         item = self.document
         for key in path.replace("[", ".").split(".")[1:]:
             inner = item.value.get(key) if isinstance(item.value, dict) else None
@@ -57,15 +57,15 @@ class StackChoice:
 
 @dataclass(frozen=True, eq=False)
 class SimConfig:
-    """The simulation's part of a study.
+    """The simulation part of a study.
 
     Attributes:
-        world: with every axis at its benign value.
-        vehicle: what flies.
-        sensors: what it senses with.
+        world: the world with every axis at its benign value.
+        vehicle: the vehicle.
+        sensors: settings of the sensors.
         grid: the situations.
-        stack: what is under test.
-        sources: by dotted path; a path covers all below it.
+        stack: the stack under test.
+        sources: source by dotted path; a path covers all paths below it.
         numbers: every number of the study's `sim/` by dotted path.
     """
 
@@ -79,10 +79,10 @@ class SimConfig:
     _scenarios: dict[str, Scenario] = field(default_factory=dict, repr=False)
 
     def scenario(self, situation: Situation) -> Scenario:
-        """All that stands before a flight in the situation, made once.
+        """The scenario of a situation, made once.
 
         Raises:
-            InputError: the values of the axes do not go together.
+            InputError: the values of the axes contradict each other.
         """
         if situation.key not in self._scenarios:
             world = self.grid.world(situation.levels)
@@ -90,17 +90,17 @@ class SimConfig:
         return self._scenarios[situation.key]
 
     def source_of(self, path: str) -> Source | None:
-        """The source of the number at `path`: of the nearest path above it that has one."""
+        """The source of the number at `path`, or of its nearest parent with a source."""
         parts = path.split(".")
         for length in range(len(parts), 0, -1):
-            found = self.sources.get(".".join(parts[:length]))
-            if found is not None:
-                return found
+            source = self.sources.get(".".join(parts[:length]))
+            if source is not None:
+                return source
         return None
 
     @property
     def assumptions(self) -> dict[str, float]:
-        """The numbers that are assumptions, by path."""
+        """The assumed numbers by path."""
         return {
             path: value
             for path, value in self.numbers.items()
@@ -115,11 +115,11 @@ def load(
 
     Args:
         folder: the folder.
-        overrides: values by dotted path that replace those of the files, as `{"sensors.depth.latency_s": 0.13}`.
-        grid: the situations, where they were read already without overrides.
+        overrides: values by dotted path that replace values of the files, such as `{"sensors.depth.latency_s": 0.13}`.
+        grid: the situations, if they were already read without overrides.
 
     Raises:
-        InputError: a file cannot be read, a value is not allowed, a key or path unknown.
+        InputError: a file cannot be read, a value is not allowed, a key or path is unknown.
     """
     documents = {name: load_document(folder / f"{name}.yaml") for name in DOCUMENTS}
     documents = overridden(documents, overrides or {})
@@ -150,10 +150,10 @@ def _numbers(documents: Mapping[str, Item]) -> dict[str, float]:
 
 
 def _sources(item: Item, documents: Mapping[str, Item]) -> dict[str, Source]:
-    """The sources.
+    """Read the sources.
 
     Raises:
-        InputError: a kind is unknown, or a path begins with no document's name.
+        InputError: a kind is unknown, or a path does not begin with the name of a document.
     """
     sources = {}
     for path, entry in item.mapping().items():

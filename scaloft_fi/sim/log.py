@@ -1,4 +1,4 @@
-"""The flight log: what happened, recorded first and judged afterwards."""
+"""The flight log: signals and events of a flight, recorded during the flight and judged afterwards."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 
 class Ending(StrEnum):
-    """How a flight stopped; not a verdict."""
+    """How a flight ended; not a verdict."""
 
     LANDED = "landed"
     STRUCK = "struck"
@@ -25,12 +25,12 @@ class Ending(StrEnum):
 
     @property
     def cut_short(self) -> bool:
-        """Whether the flight was ended before its time, so that what it did not violate is open."""
+        """Whether the flight ended early, so that a requirement without violation stays open."""
         return self is Ending.STRUCK
 
     @property
     def sentence(self) -> str:
-        """In words."""
+        """The ending in words."""
         return {
             Ending.LANDED: "touched down",
             Ending.STRUCK: "struck something",
@@ -40,7 +40,7 @@ class Ending(StrEnum):
 
 @dataclass(frozen=True)
 class Event:
-    """Something worth a mark: when [s], of what kind, in words; colour on the map, where a belief has one."""
+    """An event that the map marks: time [s], kind, text; colour of the mark, where a belief has one."""
 
     t_s: float
     kind: str
@@ -49,26 +49,26 @@ class Event:
 
 
 class Count(Protocol):
-    """What a wire counted on one seam: samples carried, samples altered, when first [s]."""
+    """Counts of a wire on one seam: samples carried, samples altered, time of the first altered sample [s]."""
 
     @property
     def carried(self) -> int:
-        """Samples that the seam carried."""
+        """Number of samples that the seam carried."""
         ...
 
     @property
     def altered(self) -> int:
-        """Samples that arrived altered."""
+        """Number of samples that a fault altered."""
         ...
 
     @property
     def first_altered_s(self) -> float | None:
-        """When the first altered one arrived [s]."""
+        """Time of the first altered sample [s]; None without one."""
         ...
 
 
 class Recorder:
-    """Collects rows of numbers under fixed names."""
+    """Collects rows of numbers for columns with fixed names."""
 
     def __init__(self, names: Sequence[str]) -> None:
         self.names = tuple(names)
@@ -79,7 +79,7 @@ class Recorder:
         return self._count
 
     def add(self, row: Sequence[float] | Array) -> None:
-        """Append one sample, in the order of the names."""
+        """Append one sample; its values are in the order of the names."""
         if self._count == len(self._rows):
             self._rows = np.concatenate([self._rows, np.empty_like(self._rows)])
         self._rows[self._count] = row
@@ -97,15 +97,15 @@ class FlightLog:
     """One flight.
 
     Attributes:
-        signals: (T,) per name of `sim.signals`, sampled at 20 Hz; the last sample is the flight's end.
-        ending: how it stopped.
-        struck: name of the body of the first contact that is not excused; "" without one.
-        struck_at_s: when [s]; NaN without one.
-        stack_error: what the stack under test raised; "" when nothing.
-        counts: per seam what the wire counted.
-        events: in order of time.
+        signals: (T,) values by signal name, sampled at 20 Hz; the last sample is the end of the flight.
+        ending: how the flight ended.
+        struck: name of the body of the first collision; "" without one.  Excused contacts are no collisions.
+        struck_at_s: time of the collision [s]; NaN without one.
+        stack_error: exception of the stack under test; "" without one.
+        counts: counts of the wire by seam.
+        events: events in order of time.
         t_max_s: time limit of the situation [s].
-        beliefs: names of the signals that are the stack's beliefs; the others are ground truth.
+        beliefs: names of the signals that are beliefs of the stack; the others are ground truth.
     """
 
     signals: Mapping[str, Array]
@@ -125,17 +125,17 @@ class FlightLog:
 
     @cached_property
     def digest(self) -> str:
-        """SHA-256 over the ground truth: names and bits of its signals, ending and what was struck."""
+        """SHA-256 over the ground truth: names and bits of its signals, ending, and body struck."""
         names = sorted(set(self.signals) - set(self.beliefs))
         return _digest(self.signals, names, (self.ending, self.struck))
 
     @cached_property
     def perceived_digest(self) -> str:
-        """SHA-256 over what the stack believed."""
+        """SHA-256 over the beliefs of the stack and its exception."""
         return _digest(self.signals, sorted(self.beliefs), (self.stack_error,))
 
     def at(self, t_s: float) -> int:
-        """Index of the sample at `t_s`, or the last one before it."""
+        """Index of the last sample at or before `t_s`."""
         return max(0, int(np.searchsorted(self.signals["elapsed_s"], t_s + 1e-9, side="right")) - 1)
 
 
@@ -150,4 +150,4 @@ def _digest(signals: Mapping[str, Array], names: Iterable[str], words: Iterable[
 
 
 NEVER_S = math.nan
-"""Time of what did not happen."""
+"""Time of an event that did not happen."""

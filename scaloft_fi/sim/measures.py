@@ -1,14 +1,14 @@
-"""Signals of the ground truth that a study may ask for, beside those that every flight has.
+"""Optional signals of the ground truth: a study chooses them in addition to the signals that every flight has.
 
-A signal of another author's package is one function and one declaration, in a module that the package's entry point in
-the group `scaloft_fi.plugins` names:
+A plugin declares a signal with one decorated function, in a module that its entry point in the group
+`scaloft_fi.plugins` names:
 
     @signal("tilt_deg", "deg", "angle between body z and the vertical")
     def tilt(scenario):
         return lambda state: math.degrees(math.acos(1.0 - 2.0 * (state[3] ** 2 + state[4] ** 2)))
 
-A study whose `world.yaml` lists it under `signals` has it in its flight logs; its requirements and its predicates may
-speak of it, and the digest of a flight covers it.
+A study that lists the signal under `signals` in `world.yaml` has it in its flight logs.  Requirements and predicates of
+the study may use it, and the digest of a flight covers it.
 """
 
 from __future__ import annotations
@@ -24,19 +24,19 @@ from scaloft_fi.stack.fields import Array
 Maker = Callable[[Any], "Measure"]
 """Called with the `sim.scenario.Scenario` of the flight: situation, world, route, camera."""
 Measure = Callable[[Array], float]
-"""(13,) true state of the vehicle, laid out as `sim.vehicle` says -> the signal's value; called at 20 Hz."""
+"""Called at 20 Hz with the true state (13,) of the vehicle in the layout of `sim.vehicle`; returns the value."""
 
 
 @dataclass(frozen=True)
 class DeclaredSignal:
-    """A signal that a study may ask for.
+    """A signal that a study can choose.
 
     Attributes:
-        name: unique name, with its unit at the end.
-        unit: "" for a plain number.
-        meaning: in words.
-        make: the measure of a flight, made once from all that stands before the flight begins.
-        most: the value is never greater; a formula may not compare it with more.
+        name: unique name, with the unit at the end.
+        unit: unit; "" for a dimensionless number.
+        meaning: the meaning in words.
+        make: makes the measure of a flight from its scenario; called once before the flight.
+        most: greatest value; a formula may not compare the signal with a greater number.
     """
 
     name: str
@@ -50,7 +50,7 @@ SIGNALS = Registry[DeclaredSignal]("signal")
 
 
 def signal(name: str, unit: str, meaning: str, *, most: float = math.inf) -> Callable[[Maker], Maker]:
-    """Declare the decorated factory (scenario) -> measure as signal `name`.
+    """Declare the decorated function (scenario) -> measure as the signal `name`.
 
     Raises:
         ValueError: the name is taken.

@@ -31,17 +31,17 @@ class Mesh:
         return self.vertices[self.faces]
 
     def moved(self, offset: Sequence[float]) -> Mesh:
-        """The same shape elsewhere."""
+        """The mesh, translated by `offset` (3,) [m]."""
         return Mesh(self.vertices + np.asarray(offset, np.float64), self.faces)
 
     def part(self, keep: NDArray[np.bool_]) -> Mesh:
-        """Only the faces in `keep` (F,), with the vertices they use."""
+        """The faces in `keep` (F,) and their vertices."""
         used, faces = np.unique(self.faces[keep], return_inverse=True)
         return Mesh(self.vertices[used], faces.reshape(-1, 3).astype(np.int64))
 
 
 def join(meshes: Sequence[Mesh]) -> Mesh:
-    """All of them as one."""
+    """Join meshes into one."""
     starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
     return Mesh(
         np.concatenate([mesh.vertices for mesh in meshes]),
@@ -57,7 +57,7 @@ def box(size: Sequence[float]) -> Mesh:
 
 
 def lathe(profile: Sequence[tuple[float, float]], sides: int = ROUND_SIDES) -> Mesh:
-    """Body of revolution about z through (radius, z) [m] from bottom to top; a radius of 0 makes a point."""
+    """Body of revolution about z; `profile` has (radius, z) [m] from bottom to top, a radius of 0 makes a point."""
     angles = 2.0 * math.pi * np.arange(sides) / sides
     rings: list[range] = []
     vertices: list[tuple[float, float, float]] = []
@@ -82,7 +82,7 @@ def cylinder(radius_m: float, height_m: float) -> Mesh:
 
 
 def capsule(radius_m: float, height_m: float) -> Mesh:
-    """Upright capsule about the origin, `height_m` over all."""
+    """Upright capsule about the origin; `height_m` includes the caps."""
     waist = max(0.5 * height_m - radius_m, 0.0)
     cap = [(radius_m * math.sin(a), radius_m * math.cos(a)) for a in (0.0, math.pi / 6, math.pi / 3, math.pi / 2)]
     bottom = [(r, -waist - z) for r, z in cap]
@@ -95,11 +95,11 @@ def read_obj(path: Path, place: str, scale: float) -> tuple[Mesh, tuple[str, ...
 
     Args:
         path: the file.
-        place: `file:line` of the key that names it, for the error sentence.
+        place: `file:line` of the key that names the file, for error messages.
         scale: metres per unit of the file.
 
     Returns:
-        The mesh, and per face the name of the object or group it belongs to ("" before the first).
+        The mesh, and for each face the name of its object or group ("" before the first name).
 
     Raises:
         InputError: the file cannot be read or is not a mesh.
@@ -140,7 +140,7 @@ def read_obj(path: Path, place: str, scale: float) -> tuple[Mesh, tuple[str, ...
 
 
 def _corner(text: str, count: int) -> int:
-    """Index of a face's corner: OBJ counts from 1, or back from the end with negative numbers."""
+    """Index of the vertex at a corner of a face: OBJ counts from 1, or from the end with negative numbers."""
     index = int(text.split("/", 1)[0])
     place = index - 1 if index > 0 else count + index
     if index == 0 or not 0 <= place < count:
@@ -149,13 +149,13 @@ def _corner(text: str, count: int) -> int:
 
 
 def split_floor(mesh: Mesh, names: Sequence[str], floor: Sequence[str], place: str) -> tuple[Mesh, Mesh]:
-    """Part a mine into (rock, floor).
+    """Split a mine into (rock, floor).
 
-    The floor are the faces of the objects or groups called as in `floor`; without any, each face no steeper than
-    45 degrees that has nothing of the mesh beneath it.
+    The floor consists of the faces of the objects or groups named in `floor`.  Without names it consists of the faces
+    that are no steeper than 45 degrees and have no other face of the mesh beneath them.
 
     Raises:
-        InputError: no face belongs to a name in `floor`, or the mesh is all floor or has none.
+        InputError: no face belongs to a name in `floor`, or the mesh has only floor or no floor.
     """
     for name in floor:
         if name not in names:
@@ -169,21 +169,21 @@ def split_floor(mesh: Mesh, names: Sequence[str], floor: Sequence[str], place: s
 
 
 def _lowest(triangles: Array) -> NDArray[np.bool_]:
-    """(F,) which faces are no steeper than 45 degrees and have no other face beneath their centre."""
+    """(F,) whether each face is no steeper than 45 degrees and has no other face beneath its centre."""
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
     normal = np.cross(b - a, c - a)
     flat = np.abs(normal[:, 2]) >= math.sqrt(0.5) * np.linalg.norm(normal, axis=1)
     flat &= np.abs(normal[:, 2]) > 0
-    found = np.zeros(len(triangles), np.bool_)
+    is_lowest = np.zeros(len(triangles), np.bool_)
     for i in np.flatnonzero(flat):
         centre = triangles[i].mean(axis=0)
         below = heights_at(triangles, centre[0], centre[1])
-        found[i] = not (below < centre[2] - 1e-6).any()
-    return found
+        is_lowest[i] = not (below < centre[2] - 1e-6).any()
+    return is_lowest
 
 
 def heights_at(triangles: Array, x: float, y: float) -> Array:
-    """(N,) heights at which the upright line through (x, y) meets the triangles [m]."""
+    """(N,) heights at which the vertical line through (x, y) intersects the triangles [m]."""
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
     area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -194,7 +194,7 @@ def heights_at(triangles: Array, x: float, y: float) -> Array:
 
 
 def winding(triangles: Array, point: Sequence[float]) -> float:
-    """How often the surface winds about `point`: near 0 outside, +-1 inside, also where the surface has small gaps.
+    """Winding number of the surface about `point`: near 0 outside, near +-1 inside, even if the surface has small gaps.
 
     Solid angle of each triangle after Van Oosterom and Strackee (1983).
     """
@@ -206,7 +206,7 @@ def winding(triangles: Array, point: Sequence[float]) -> float:
 
 
 def section(triangles: Array, z_m: float) -> list[tuple[tuple[float, float], tuple[float, float]]]:
-    """Segments (x, y) [m] along which the level plane at height `z_m` cuts the triangles."""
+    """Segments (x, y) [m] in which the horizontal plane at height `z_m` intersects the triangles."""
     segments = []
     for triangle in triangles:
         cuts = []

@@ -17,14 +17,14 @@ from scaloft_fi.sim.mesh import Array, Faces, Mesh, heights_at, join, read_obj, 
 from scaloft_fi.streams import generator
 
 SLAB_M = 0.5
-"""How far floor and ceiling reach beyond the footprint, behind the walls [m]."""
+"""Floor and ceiling extend beyond the footprint by this [m]."""
 
 Corner = tuple[float, float]
 Ring = tuple[Corner, ...]
 
 
 class WallPoint(NamedTuple):
-    """A point of the wall.  place: (2,) [m, world]; inward: (2,) unit normal into the open space."""
+    """A point on the wall.  place: (2,) [m, world]; inward: (2,) unit normal into the open space."""
 
     place: Corner
     inward: Corner
@@ -35,10 +35,10 @@ class Mine:
     """The rock.
 
     Attributes:
-        wall: walls and ceiling, wound inwards.
-        ground: floor.
+        wall: walls and ceiling; the faces are wound inwards.
+        ground: the floor.
         ground_is_slab: whether the floor may become a solid slab in the physics.
-        wall_reflectivity, ground_reflectivity: share of infrared light returned, 0..1.
+        wall_reflectivity, ground_reflectivity: reflected share of infrared light, 0..1.
         footprint: rings (outer first, then pillars) of an extruded mine [m, world]; empty for a mesh.
         height_m: height of the ceiling of an extruded mine [m].
     """
@@ -59,10 +59,10 @@ class Mine:
         return 0.0 < z < self.height_m and inside(section(self.wall.triangles, z), x, y)
 
     def wall_towards(self, point: Sequence[float], direction: Corner) -> WallPoint | None:
-        """Where the wall is nearest to `point` (3,) [m, world], of the piece of wall that lies in a level direction.
+        """The nearest point to `point` (3,) [m, world] on the wall segment in a horizontal direction.
 
-        Of an extruded mine the wall is its footprint, without roughness; of a mesh the section at the point's height.
-        None where no wall lies in that direction.
+        The wall of an extruded mine is its footprint without roughness; the wall of a mesh is its section at the height
+        of the point.  None where no wall lies in that direction.
         """
         x, y, z = point
         rings = [side for ring in self.footprint for side in zip(ring, ring[1:] + ring[:1], strict=True)]
@@ -79,7 +79,7 @@ class Mine:
         return WallPoint(foot, (-along_y * side, along_x * side))
 
     def floor_m(self, x: float, y: float) -> float:
-        """Height of the floor at (x, y) [m, world], NaN where there is none."""
+        """Height of the floor at (x, y) [m, world]; NaN where there is no floor."""
         heights = heights_at(self.ground.triangles, x, y)
         return float(heights.max()) if len(heights) else math.nan
 
@@ -88,7 +88,7 @@ def read_mine(item: Item) -> Mine:
     """Read the `mine` of a world: an extruded footprint or a mesh.
 
     Raises:
-        InputError: a value is not allowed, a key unknown, a mesh unreadable.
+        InputError: a value is not allowed, a key is unknown, a mesh is unreadable.
     """
     wall_reflectivity = item.need("wall_reflectivity").number(least=0.0, most=1.0)
     ground_reflectivity = item.need("ground_reflectivity").number(least=0.0, most=1.0)
@@ -117,7 +117,7 @@ def read_mine(item: Item) -> Mine:
 
 
 def _beside(item: Item) -> Path:
-    """The file that a YAML text names, relative to the folder of the YAML."""
+    """The path that a YAML text names, relative to the folder of the YAML file."""
     return item.path.parent / item.text()
 
 
@@ -139,7 +139,7 @@ def _cross(a: Corner, b: Corner, c: Corner, d: Corner) -> bool:
 
 
 def _reach(origin: Corner, direction: Corner, a: Corner, b: Corner) -> float | None:
-    """How far a ray goes before it crosses the segment a-b, in lengths of `direction`; None where it does not."""
+    """Length of a ray up to the segment a-b, in units of `direction`; None where the ray misses the segment."""
     dx, dy = direction
     sx, sy = b[0] - a[0], b[1] - a[1]
     across = dx * sy - dy * sx
@@ -155,12 +155,12 @@ def _area(ring: Ring) -> float:
 
 
 def _oriented(ring: Ring, sign: float) -> Ring:
-    """The ring run counter-clockwise (+1) or clockwise (-1): the open space is to the left."""
+    """The ring in counter-clockwise (+1) or clockwise (-1) order: the open space is to the left."""
     return ring if _area(ring) * sign > 0 else ring[::-1]
 
 
 def inside(outline: Iterable[tuple[Corner, Corner]], x: float, y: float) -> bool:
-    """Whether (x, y) is inside closed outlines, by counting how many of their segments lie towards +x."""
+    """Whether (x, y) is inside closed outlines: the parity of their segments in direction +x decides."""
     crossings = sum(
         (y0 > y) != (y1 > y) and x < x0 + (y - y0) * (x1 - x0) / (y1 - y0) for (x0, y0), (x1, y1) in outline
     )
@@ -174,7 +174,7 @@ def _plate(low: Array, high: Array, z_m: float, *, upward: bool) -> Mesh:
 
 
 def _wall(ring: Ring, number: int, height_m: float, cell_m: float, roughness_m: float) -> Mesh:
-    """The wall along a ring as a strip of triangles, its grid points pushed in or out by up to `roughness_m`."""
+    """The wall along a ring as a strip of triangles; its grid points are displaced by up to `roughness_m`."""
     columns: list[tuple[float, float, float, float]] = []
     for before, (x0, y0), (x1, y1) in zip(ring[-1:] + ring[:-1], ring, ring[1:] + ring[:1], strict=True):
         inward = _inward((x0, y0), (x1, y1))
@@ -198,13 +198,13 @@ def _wall(ring: Ring, number: int, height_m: float, cell_m: float, roughness_m: 
 
 
 def _inward(p: Corner, q: Corner) -> Corner:
-    """Unit normal to the left of p -> q."""
+    """Unit normal on the left side of p -> q."""
     dx, dy = q[0] - p[0], q[1] - p[1]
     length = math.hypot(dx, dy)
     return -dy / length, dx / length
 
 
 def _bisector(a: Corner, b: Corner) -> Corner:
-    """Where a corner moves when both its walls move inwards by one."""
+    """Displacement of a corner when both its walls move inwards by 1 m."""
     scale = 1.0 + a[0] * b[0] + a[1] * b[1]
     return ((a[0] + b[0]) / scale, (a[1] + b[1]) / scale) if scale > 0.2 else b

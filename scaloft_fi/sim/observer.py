@@ -1,6 +1,6 @@
-"""The oracle's eyes: reads the simulator's ground truth and turns it into the truth signals of the flight log.
+"""The observer computes the truth signals of the flight log from the simulator's ground truth.
 
-Nothing here reaches the stack under test.
+The stack under test gets none of these signals.
 """
 
 from __future__ import annotations
@@ -23,26 +23,26 @@ from scaloft_fi.sim.vehicle import STATE_SIZE, Array, Vehicle
 from scaloft_fi.sim.world import GROUND, WALL
 
 PASS_M = 0.5
-"""A waypoint counts as passed, and home as near, within this level distance [m]."""
+"""A waypoint counts as passed, and home as near, within this horizontal distance [m]."""
 LANDING_MPS, LANDING_TILT_COS = 0.7, math.cos(math.radians(10.0))
-"""A landing sinks slower and tilts less."""
+"""A landing has a lower sink rate and a smaller tilt than these."""
 AIRBORNE_M = 0.3
-"""Only after the centre was this high above the floor can the vehicle touch down [m]."""
+"""A touchdown counts only after the vehicle's centre has been this high above the floor [m]."""
 SIGHT_M = 6.0
-"""The line of sight to a person is looked at within this range [m]."""
+"""The line of sight to a person is tested within this range [m]."""
 BODY_SHARES = (0.1, 0.5, 0.9)
-"""Heights on a person's axis to which a free line makes the person seen, beside the nearest point."""
+"""A person is in sight if the line to the nearest point, or to a point at one of these heights on the axis, is free."""
 
 
 class Observer:
     """Watches one flight.
 
     Attributes:
-        names: of the values of `sample`, in order.
-        struck: name of the first thing struck without excuse; "" so far without one.
-        struck_at_s: when [s]; NaN so far without one.
-        landed: whether it touched down.
-        room_m: at the last sample nothing was nearer to the hull than this [m]; may be too small.
+        names: names of the values of `sample`, in order.
+        struck: name of the first body struck, excused contacts apart; "" before that.
+        struck_at_s: time of that contact [s]; NaN before that.
+        landed: whether the vehicle has touched down.
+        room_m: lower bound of the distance from the hull to any surface at the last sample [m].
     """
 
     def __init__(
@@ -72,12 +72,12 @@ class Observer:
         self._before: Sequence[float] = (0.0,) * STATE_SIZE
 
     def step(self, t_s: float, state: Sequence[float], contacts: Iterable[Contact]) -> None:
-        """Watch one physics step (240 Hz).
+        """Observe one physics step (240 Hz).
 
         Args:
             t_s: time at the end of the step [s].
-            state: the 13 numbers of the vehicle's state at the end of the step; kept.
-            contacts: touches during the step.
+            state: the 13 numbers of the vehicle's state at the end of the step; the observer keeps the reference.
+            contacts: contacts during the step.
         """
         vx, vy, vz = state[7:10]
         square = vx * vx + vy * vy + vz * vz
@@ -90,33 +90,33 @@ class Observer:
                 self._touched.add(contact.struck)
                 if not self.struck:
                     self.struck, self.struck_at_s = contact.struck, t_s
-        # How it moved before the next step's contacts stop it.
+        # The motion before the contacts of the next step stop the vehicle.
         self._before = state
 
     def pass_by(self, top_square: float, state: Sequence[float]) -> None:
-        """The same for a tick in which nothing can be touched.
+        """Observe the steps of a tick in which the vehicle can touch nothing.
 
         Args:
             top_square: greatest square of the speed after a step [m2/s2].
-            state: as `step` has it, after the last one.
+            state: the 13 numbers of the vehicle's state after the last step; the observer keeps the reference.
         """
         self._top_square = max(self._top_square, top_square)
         self._before = state
 
     def _excused(self, x: float, y: float) -> bool:
-        """Whether touching the ground at (x, y) is no collision: near home, or in a landing."""
+        """Whether contact with the ground at (x, y) is excused: near home, or in a landing."""
         if math.hypot(x - self._home[0], y - self._home[1]) <= PASS_M:
             return True
         qx, qy, sink_mps = self._before[3], self._before[4], -self._before[9]
         return sink_mps < LANDING_MPS and 1.0 - 2.0 * (qx * qx + qy * qy) > LANDING_TILT_COS
 
     def sample(self, t_s: float, state: Array, view: View | None) -> list[float]:
-        """The truth signals at `t_s`, in the order of `names`; maxima and minima start anew.
+        """The truth signals at `t_s`, in the order of `names`; resets the maxima and minima since the last sample.
 
         Args:
             t_s: time [s].
             state: (13,) state of the vehicle.
-            view: what the depth camera looks at, None before the first picture.
+            view: view of the depth camera; None before the first picture.
         """
         scenario = self._scenario
         x, y, z, qx, qy, qz, qw, vx, vy, vz = state[:10].tolist()
@@ -156,20 +156,20 @@ class Observer:
         return any(math.hypot(x - wx, y - wy) <= PASS_M for wx, wy in self._waypoints)
 
     def _clearance(self, name: str, excused: bool) -> float:
-        """Hull to a surface [m], at most 1; a contact since the last sample makes it negative.
+        """Distance from the hull to a surface [m], at most 1; negative after a contact since the last sample.
 
-        Ground that may be touched as things stand counts as far, or every landing would end at clearance 0.
+        Ground whose contact is excused counts as 1 m away, or every landing would end at clearance 0.
         """
         if name == GROUND and excused:
             return CLEARANCE_CAP_M if name not in self._touched else TOUCH_M
         clearance_m = self._clearances.measure(name)
         if name in self._touched:
             return min(clearance_m, TOUCH_M)
-        # Bullet's margin may overlap by less than it takes for a touch; only a touch counts.
+        # Bullet's margins may overlap slightly without a contact; only a contact counts.
         return max(clearance_m, -TOUCH_M)
 
     def _person(self, state: Array) -> tuple[float, float]:
-        """Range of the nearest person's surface, and of the nearest one in sight [m]."""
+        """Range of the nearest person's surface, and of the nearest person in sight [m]."""
         scene, centre, found = self._scene, state[:3], np.empty(3)
         range_m, sight_m = FAR_M, FAR_M
         for owner, axis in self._persons:
@@ -196,7 +196,7 @@ class Observer:
 
 
 def _axis_points(vertices: Array) -> list[Array]:
-    """Points on the upright middle line of a body."""
+    """Points on the vertical axis of a body."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     middle = 0.5 * (low + high)
     return [np.array([middle[0], middle[1], low[2] + share * (high[2] - low[2])]) for share in BODY_SHARES]

@@ -1,4 +1,4 @@
-"""What a picture is made of, plain data: the camera, the triangles ahead of it, what it sees."""
+"""Plain data of rendering: the camera, the triangles of the scene, the rendered view."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Segments = NDArray[np.int16]
 
 @dataclass(frozen=True)
 class Camera:
-    """A level pinhole camera ahead of the vehicle's centre.
+    """A pinhole camera that looks along body x.
 
     Attributes:
         width, height: size of the picture [pixels].
@@ -30,12 +30,12 @@ class Camera:
 
     @property
     def pitch(self) -> float:
-        """Slope from one pixel to the next."""
+        """Distance of neighbouring pixels at depth 1 m [m]."""
         return 2.0 * math.tan(0.5 * self.fov_rad) / self.width
 
     @property
     def rays(self) -> Array:
-        """(H, W, 3) per pixel the point at depth 1 m, (1, left, up) [m, body axes at the camera]."""
+        """(H, W, 3) point of each pixel's ray at depth 1 m, (1, left, up) [m, body axes at the camera]."""
         rays = np.ones((self.height, self.width, 3))
         rays[:, :, 1] = (0.5 * self.width - 0.5 - np.arange(self.width)) * self.pitch
         rays[:, :, 2] = ((0.5 * self.height - 0.5 - np.arange(self.height)) * self.pitch)[:, None]
@@ -49,9 +49,9 @@ class Scene:
     Attributes:
         vertices: (V, 3) [m, world].
         faces: (F, 3) indices of vertices.
-        owner: (F,) index of the body each face belongs to.
-        names: of the bodies.
-        reflectivity: (B,) of the bodies, 0..1.
+        owner: (F,) index of the body of each face.
+        names: names of the bodies.
+        reflectivity: (B,) reflectivity of the bodies, 0..1.
     """
 
     vertices: Array
@@ -63,11 +63,11 @@ class Scene:
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """What the camera looks at.
+    """A rendered picture without sensor errors.
 
     Attributes:
-        depth: (H, W) along the optical axis [m], inf where there is nothing.
-        segments: (H, W) index of the body in the scene's names, -1 where there is nothing.
+        depth: (H, W) depth along the optical axis [m]; inf where no triangle is.
+        segments: (H, W) index of the body in the names of the scene; -1 where no triangle is.
     """
 
     depth: Array

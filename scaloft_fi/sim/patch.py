@@ -1,4 +1,4 @@
-"""Changing single values of a YAML document by dotted path, keeping the place where the new value was written."""
+"""Replace single values of a YAML document by dotted path; the new value keeps its own place."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from scaloft_fi.errors import InputError, did_you_mean
 
 
 def patched(item: Item, path: str, value: Item) -> Item:
-    """The document with the value at dotted `path` replaced; list entries go by number.
+    """Replace the value at dotted `path` of a document; an entry of a list is addressed by its index.
 
     Raises:
-        InputError: there is no such path; the sentence begins with the place of `value`.
+        InputError: there is no such path; the message begins with the place of `value`.
     """
     found = _replaced(item, path.split("."), value)
     if found is None:
@@ -25,7 +25,7 @@ def _replaced(item: Item, parts: Sequence[str], value: Item) -> Item | None:
     if not parts:
         return Item(value.path, value.line, item.name, value.value)
     if isinstance(item.value, dict):
-        # A key may itself contain dots: the longest one that fits is meant.
+        # A key may contain dots; the longest matching key wins.
         for length in range(len(parts), 0, -1):
             key = ".".join(parts[:length])
             if key in item.value:
@@ -39,7 +39,7 @@ def _replaced(item: Item, parts: Sequence[str], value: Item) -> Item | None:
 
 
 def leaves(item: Item, path: str = "") -> Iterator[tuple[str, Item]]:
-    """Every scalar of the document with its dotted path."""
+    """Yield the dotted path and the item of every scalar in a document."""
     if isinstance(item.value, dict):
         for key, entry in item.value.items():
             yield from leaves(entry, f"{path}.{key}" if path else key)
@@ -51,7 +51,7 @@ def leaves(item: Item, path: str = "") -> Iterator[tuple[str, Item]]:
 
 
 def overridden(documents: Mapping[str, Item], overrides: Mapping[str, float | str | bool]) -> dict[str, Item]:
-    """The documents with single values replaced; a path begins with the document's name, as `sensors.depth.latency_s`.
+    """Replace single values of documents; a path such as `sensors.depth.latency_s` begins with the document's name.
 
     Raises:
         InputError: there is no such path.

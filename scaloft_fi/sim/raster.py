@@ -1,12 +1,12 @@
-"""The depth camera's picture: a compiled z-buffer that gives, per pixel, what ray casting would give.
+"""Renderer of the depth camera: a compiled z-buffer with the same result per pixel as ray casting.
 
-Pixel (row j, column i) is the ray through the pixel's centre; in body axes at the camera (x along the optical axis,
-y left, z up) its point at depth 1 m is (1, (W/2 - i - 0.5) pitch, (H/2 - j - 0.5) pitch) with
+The ray of pixel (row j, column i) passes through the pixel's centre.  In body axes at the camera (x along the optical
+axis, y left, z up) its point at depth 1 m is (1, (W/2 - i - 0.5) pitch, (H/2 - j - 0.5) pitch) with
 pitch = 2 tan(fov/2) / W.  Depth is measured along the optical axis, not along the ray.
 
-Each triangle is tested by the signs of its three edge planes at the ray (homogeneous rasterisation after Olano and
-Greer, 1997), so nothing has to be clipped; both sides of a triangle are seen.  The inverse of depth is linear over the
-picture, so the z-buffer keeps the inverse.
+The signs of a triangle's three edge planes decide whether a ray hits it (homogeneous rasterisation after Olano and
+Greer, 1997), so no triangle needs clipping; both sides of a triangle are visible.  The inverse of depth is linear over
+the picture, so the z-buffer keeps the inverse.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ NEAR_M = 0.01
 
 
 def look(scene: Scene, camera: Camera, position: Array, attitude: Array) -> View:
-    """The picture from the vehicle's pose.
+    """Render the picture from the vehicle's pose.
 
     Args:
-        scene: what there is to see.
-        camera: what it is seen with.
+        scene: the triangles of the world.
+        camera: the camera.
         position: (3,) vehicle centre [m, world].
         attitude: (4,) quaternion x, y, z, w, body to world.
     """
@@ -122,7 +122,7 @@ def draw(
         body = owner[f]
         t0, t1, t2 = -1.0 / b0, -1.0 / b1, -1.0 / b2
         for j in range(first_j, last_j + 1):
-            # The span of columns in which no edge function is negative.
+            # The range of columns in which no edge function is negative.
             e0, e1, e2 = a0 + c0 * j, a1 + c1 * j, a2 + c2 * j
             low, high = float(first_i), float(last_i)
             for e, b, t in ((e0, b0, t0), (e1, b1, t1), (e2, b2, t2)):
@@ -149,12 +149,12 @@ def draw(
 
 @jit
 def pixels_of(segments: Segments, depth: Array, wanted: NDArray[np.bool_], range_m: float) -> int:
-    """How many pixels show a wanted body within range.
+    """Count the pixels that show a wanted body within range.
 
     Args:
-        segments: (H, W) index of the body seen, -1 for none.
+        segments: (H, W) index of the visible body; -1 for none.
         depth: (H, W) [m].
-        wanted: (B,) which bodies count.
+        wanted: (B,) whether each body counts.
         range_m: greatest depth that counts [m].
     """
     count = 0

@@ -1,10 +1,10 @@
-"""What a body in the mine is to those who look at it: one declared role for each kind of body.
+"""Roles of the bodies in the mine: detector, observer and map treat a body by its role.
 
-A package of another author declares a role in a module that its entry point in the group `scaloft_fi.plugins` names:
+A plugin declares a role in a module that its entry point in the group `scaloft_fi.plugins` names:
 
     ROLES.declare("dog", Role("an animal that may stand in the way", label="dog", fill="#d6d3d1"))
 
-and a study's `world.yaml` gives it to a body with `role: dog`.
+A body in a study's `world.yaml` gets the role with `role: dog`.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ class Role:
     """A role of bodies.
 
     Attributes:
-        meaning: what such a body is, in a few words.
-        label: class label of its boxes from the person detector; "" when the detector does not find it.
-        is_person: whether `person_range_m` and `person_sight_m` measure the distance to it, and whether the nominal
-            mission is flown slowly where it stands.
-        is_obstacle: whether `obstacle_pixels` counts its pixels.
-        fill, stroke: its colours on a map.
-        stroke_px: width of its outline on a map [px].
+        meaning: the role in a few words.
+        label: class label of the detector's boxes for such a body; "" if the detector ignores it.
+        is_person: whether `person_range_m` and `person_sight_m` measure the distance to the body, and whether the
+            nominal flight uses the slow speed if such a body is present.
+        is_obstacle: whether `obstacle_pixels` counts the pixels of the body.
+        fill, stroke: colours of the body on a map.
+        stroke_px: width of the body's outline on a map [px].
     """
 
     meaning: str

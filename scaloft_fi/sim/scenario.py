@@ -1,4 +1,4 @@
-"""What stands before a flight begins: the world of the situation, the mission, and the times that follow from them."""
+"""The scenario of a flight: the world of the situation, the mission, and the times derived from them."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ TIME_LIMIT_S, TIME_LIMIT_FACTOR = 20.0, 1.5
 """A flight may last 20 s + 1.5 x the nominal mission time (definition of OP1)."""
 
 NEAR_HOME_M = 0.5
-"""A waypoint closer to home than this is home [m]."""
+"""A waypoint closer to home than this counts as home [m]."""
 SIGHTED_PIXELS = 25
-"""So many pixels of a person count as a person in view."""
+"""A person with at least this number of pixels is in view."""
 LOOK_EVERY_S = 0.2
 
 
 class Leg(NamedTuple):
-    """A piece of the nominal flight, flown evenly.  start, end: position (3,) [m, world] and heading [rad]."""
+    """A piece of the nominal flight at constant speed.  start, end: position (3,) [m, world] and heading [rad]."""
 
     duration_s: float
     start: tuple[float, float, float, float]
@@ -36,7 +36,7 @@ class Leg(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Scenario:
-    """A situation made concrete.
+    """The world and the nominal flight of a situation.
 
     Attributes:
         situation: the point of the grid.
@@ -50,45 +50,45 @@ class Scenario:
 
     @property
     def key(self) -> str:
-        """The situation's key."""
+        """Key of the situation."""
         return self.situation.key
 
     @cached_property
     def home(self) -> Point:
-        """Where the mission starts and ends, on the floor [m, world]."""
+        """Start and end of the mission, on the floor [m, world]."""
         return (*self.world.mission.home, self.world.floor_m)
 
     @property
     def route(self) -> tuple[Point, ...]:
-        """The waypoints of the mission in order, the last one home [m, world]."""
+        """The waypoints of the mission in order; the last one is home [m, world]."""
         return self.world.route
 
     @property
     def persons(self) -> tuple[str, ...]:
-        """Names of the persons that are there."""
+        """Names of the persons that are present."""
         return self.world.bodies_with(lambda role: role.is_person)
 
     @cached_property
     def labels(self) -> Mapping[str, str]:
-        """Names of the bodies that the person detector finds, and the class labels of their boxes."""
+        """Class label of each body that the person detector finds, by the body's name."""
         bodies = self.world.bodies
         return {name: ROLES[bodies[name].role].label for name in self.world.bodies_with(lambda role: role.label)}
 
     def start(self, half_height_m: float) -> Point:
-        """The vehicle's centre when it stands at home [m, world]."""
+        """Centre of the vehicle when it stands at home [m, world]."""
         x, y, floor_m = self.home
         return x, y, floor_m + half_height_m
 
     @cached_property
     def wall_right(self) -> WallPoint | None:
-        """Where the wall on the right of the first leg is nearest to the leg's middle; None without such a wall."""
+        """The point on the wall right of the first leg that is nearest to the leg's middle; None without a wall."""
         x0, y0 = self.world.mission.home
         x1, y1, z = next((p for p in self.route if math.hypot(p[0] - x0, p[1] - y0) > NEAR_HOME_M), self.route[0])
         return self.world.mine.wall_towards(((x0 + x1) / 2, (y0 + y1) / 2, z), (y1 - y0, x0 - x1))
 
     @cached_property
     def nominal_s(self) -> float:
-        """Nominal mission time [s]: climb, turns, legs at cruise speed (slow ones where there is a person), landing."""
+        """Nominal mission time [s]: climb, turns, legs at cruise speed (slow speed with a person present), landing."""
         mission = self.world.mission
         return sum(leg.duration_s for leg in self._legs(mission.slow_mps if self.persons else mission.cruise_mps))
 
@@ -99,8 +99,8 @@ class Scenario:
 
     @cached_property
     def sighting_s(self) -> float | None:
-        """When the nominal flight first has a person in view [s]; None without a person, or when it never has."""
-        from scaloft_fi.sim.raster import look  # compiled: nobody who only reads results waits for the compiler
+        """Time at which the nominal flight first has a person in view [s]; None if it never has."""
+        from scaloft_fi.sim.raster import look  # starts the compiler, which verbs that only read results do not need
 
         scene, persons = self.world.scene, [self.world.scene.names.index(name) for name in self.persons]
         begun_s = 0.0
@@ -116,7 +116,7 @@ class Scenario:
         return None
 
     def _legs(self, speed_mps: float) -> Iterator[Leg]:
-        """The nominal flight: straight up, then turn on the spot and fly straight, waypoint by waypoint, then down."""
+        """The nominal flight: climb; for each waypoint turn on the spot and fly straight; descend."""
         mission = self.world.mission
         nominal = mission.nominal
         x, y, floor_m = self.home

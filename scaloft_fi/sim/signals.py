@@ -1,4 +1,4 @@
-"""Names, units and meanings of what the flight log records at 20 Hz."""
+"""Names, units and meanings of the signals that the flight log records at 20 Hz."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from scaloft_fi.stack.belief import Belief
 
 SAMPLE_HZ = 20.0
 FAR_M = 100.0
-"""Stands for "not there" in distances."""
+"""Value of a distance to something absent [m]."""
 CLEARANCE_CAP_M = 1.0
-"""Clearances are measured up to here."""
+"""Greatest measured clearance [m]."""
 TOUCH_M = -0.001
-"""A contact makes the clearance at most this."""
+"""Greatest clearance during a contact [m]."""
 
 
 class Side(StrEnum):
-    """Whose word a signal is."""
+    """Whether a signal is ground truth or a belief of the stack."""
 
     TRUTH = "truth"
     PERCEIVED = "perceived"
@@ -27,7 +27,7 @@ class Side(StrEnum):
 
 @dataclass(frozen=True)
 class Signal:
-    """One column of the log.  unit: "" for a plain number."""
+    """One column of the log.  unit: "" for a dimensionless number."""
 
     name: str
     unit: str
@@ -85,8 +85,8 @@ def truth_signals(surfaces: Iterable[str], declared: Iterable[str] = ()) -> tupl
     """The signals of the ground truth.
 
     Args:
-        surfaces: of the world (`World.surfaces`); each has a clearance.
-        declared: names of the declared signals that the world asks for (`World.signals`).
+        surfaces: surfaces of the world (`World.surfaces`); each has a clearance.
+        declared: names of the optional signals that the world lists (`World.signals`).
     """
     clearances = tuple(
         Signal(clearance_name(name), "m", f"hull to {name}, at most 1; 1 where it is not there or excused", Side.TRUTH)
@@ -97,10 +97,10 @@ def truth_signals(surfaces: Iterable[str], declared: Iterable[str] = ()) -> tupl
 
 
 def signal_names(surfaces: Iterable[str], beliefs: Iterable[Belief], declared: Iterable[str] = ()) -> tuple[str, ...]:
-    """Every name of a flight log: ground truth, then beliefs; arguments as `truth_signals` and `belief_signals`."""
+    """The signal names of a flight log: ground truth, then beliefs; see `truth_signals` and `belief_signals`."""
     return tuple(signal.name for signal in (*truth_signals(surfaces, declared), *belief_signals(beliefs)))
 
 
 def belief_signals(beliefs: Iterable[Belief]) -> tuple[Signal, ...]:
-    """The signals of what a stack believes."""
+    """The signals of a stack's beliefs."""
     return tuple(Signal(belief.name, belief.unit, belief.meaning, Side.PERCEIVED) for belief in beliefs)

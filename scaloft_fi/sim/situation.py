@@ -1,4 +1,4 @@
-"""Situation axes and their points."""
+"""Situations and the axes that span their grid."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ class AxisValue:
     """One value of an axis.
 
     Attributes:
-        id: number in the key; 0 is the benign one.
-        title: in words, as tables print it.
-        changes: new values by dotted path of the world's document.
-        realised: STL text over the flight log that says whether the flight met this value; "" for the benign one.
+        id: number in the key; 0 is the benign value.
+        title: name of the value in tables.
+        changes: new values by dotted path in the world's document.
+        realised: STL formula over the flight log: whether the flight met this value; "" for the benign value.
     """
 
     id: int
@@ -31,13 +31,13 @@ class AxisValue:
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """One question about the situation.
+    """One axis of the situation grid.
 
     Attributes:
-        id: capital letter, then small ones, as in the key.
-        title: in words.
-        category: its category in the operational domain model.
-        values: the benign one first.
+        id: a capital letter, then small letters, as in the key.
+        title: name of the axis in tables.
+        category: category of the axis in the operational domain model.
+        values: values of the axis; the benign value is first.
     """
 
     id: str
@@ -46,18 +46,18 @@ class Axis:
     values: tuple[AxisValue, ...]
 
     def value(self, number: int) -> AxisValue:
-        """The value with that id."""
+        """The value with this id."""
         return next(value for value in self.values if value.id == number)
 
     def predicate(self, number: int) -> str:
-        """STL text that a flight realised the value: for the benign one, that it realised none of the others."""
+        """STL formula: whether a flight met the value; a flight meets the benign value if it meets no other."""
         own = self.value(number).realised
         return own or " and ".join(f"(not ({value.realised}))" for value in self.values if value.realised)
 
 
 @dataclass(frozen=True)
 class Situation:
-    """A point of the grid.  key: as `T0O0W0D0H0`; levels: value id by axis, in the order of the axes."""
+    """A point of the grid.  key: such as `T0O0W0D0H0`; levels: value id by axis, in the order of the axes."""
 
     key: str
     levels: tuple[tuple[str, int], ...]
@@ -82,7 +82,7 @@ def read_axis(name: str, item: Item) -> Axis:
     """Read one axis.
 
     Raises:
-        InputError: a value is not allowed, a key unknown, the benign value missing.
+        InputError: a value is not allowed, a key is unknown, the benign value is missing.
     """
     if not AXIS_ID.fullmatch(name):
         raise InputError(f"{item.place}: axis {name!r} must be named by a capital letter, then small ones")

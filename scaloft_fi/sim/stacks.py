@@ -1,4 +1,4 @@
-"""The stacks that can be put under test, by the name that `sim/stack.yaml` gives."""
+"""Registry of the stacks that can be put under test, by the name in `sim/stack.yaml`."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ STACKS.promise("reference", "scaloft_fi.stack.reference.declaration:REFERENCE")
 
 
 def declare_stack(declared: Declaration) -> None:
-    """Declare a stack: `sim/stack.yaml` can name it.
+    """Declare a stack, so that `sim/stack.yaml` can name it.
 
     Raises:
         ValueError: the name is taken.

@@ -1,6 +1,6 @@
-"""Who makes the physics steps of a flight: the physics server, or compiled code where nothing can be touched.
+"""Steppers make the physics steps of a flight: in the physics server, or in compiled code where no contact is possible.
 
-A flight has the same bits either way.
+Both steppers compute the same bits.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ from scaloft_fi.sim.airframe import Airframe, Drive
 
 
 class Stepper(Protocol):
-    """Makes physics steps, each with inertial sensor, flight control and rotors."""
+    """Makes physics steps; each step includes inertial sensor, flight control and rotors."""
 
     def advance(self, first: int, count: int) -> float:
-        """Make `count` steps from number `first` on.
+        """Make `count` steps, beginning with number `first`.
 
         Returns:
             The greatest square of the speed after a step [m2/s2].
@@ -23,16 +23,16 @@ class Stepper(Protocol):
 
 
 class ServerStepper:
-    """The physics server makes the steps, and Python calls sensor, stack and rotors before each.
+    """Lets the physics server make the steps; Python calls sensor, stack and rotors before each step.
 
     Args:
         airframe: the vehicle.
-        drive: sets its force and torque before a step.
+        drive: sets force and torque of the vehicle before a step.
     """
 
     def __init__(self, airframe: Airframe, drive: Drive) -> None:
         self._airframe, self._drive = airframe, drive
 
     def advance(self, first: int, count: int) -> float:
-        """Let the server make the steps; the vehicle may touch anything."""
+        """Make the steps in the server; contacts are allowed."""
         return self._airframe.step(self._drive, first, count)

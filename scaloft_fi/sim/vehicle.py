@@ -1,4 +1,4 @@
-"""The vehicle: a rigid hull with four rotors, and what they do to it."""
+"""The vehicle: a rigid hull with four rotors, and the force and torque of the rotors."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ POSITION, ATTITUDE, VELOCITY, RATE = slice(0, 3), slice(3, 7), slice(7, 10), sli
 velocity [m/s, world], angular rate [rad/s, world]."""
 STATE_SIZE = 13
 
-# Layout of what a step changes and depends on: state, thrusts, force and torque, lag, effect.
+# Layout of the numbers of a step: state, thrusts, force and torque, lag, effect.
 _THRUSTS, _PUSHED, _LAG, _EFFECT, NUMBERS = 13, 17, 23, 26, 46
 
 
 @dataclass(frozen=True, eq=False)
 class Vehicle:
-    """What flies.
+    """A quadrotor.
 
     Attributes:
         mass_kg: mass [kg].
         inertia: (3,) principal moments of inertia [kg m2, body].
         hull_m: (3,) edges of the hull, a box about the centre [m, body].
-        rotors: (4, 2) places of the rotors (x, y) [m, body].
+        rotors: (4, 2) positions of the rotors (x, y) [m, body].
         spins: (4,) direction of each rotor's torque, +1 or -1 about body z.
         moment_m: rotor torque per thrust [m].
         max_thrust_n: greatest thrust of one rotor [N].
         spin_up_s, spin_down_s: time constants of the thrust [s].
-        drag: force against the motion per speed [N s/m].
+        drag: drag force per speed [N s/m].
     """
 
     mass_kg: float
@@ -54,17 +54,17 @@ class Vehicle:
 
     @property
     def half_height_m(self) -> float:
-        """Height of the centre when it stands on a floor [m]."""
+        """Height of the centre above the floor on which the vehicle stands [m]."""
         return 0.5 * self.hull_m[2]
 
     def lag(self) -> Array:
-        """What `rotor_step` reads, (3,): share gained per step upwards, downwards; greatest thrust [N]."""
+        """Argument of `rotor_step`, (3,): share of the thrust error removed per step, up and down; greatest thrust."""
         return np.array(
             [1.0 - math.exp(-STEP_S / self.spin_up_s), 1.0 - math.exp(-STEP_S / self.spin_down_s), self.max_thrust_n]
         )
 
     def effect(self) -> Array:
-        """What `wrench` reads, (5, 4): force z and torques x, y, z per rotor thrust [1, m, m, m]; drag at [4, 0]."""
+        """Argument of `wrench`, (5, 4): force z and torques x, y, z per rotor thrust [1, m, m, m]; drag at [4, 0]."""
         effect = np.zeros((5, 4))
         effect[0] = 1.0
         effect[1] = self.rotors[:, 1]
@@ -78,7 +78,7 @@ def read_vehicle(item: Item) -> Vehicle:
     """Read a vehicle.
 
     Raises:
-        InputError: a value is not allowed, or a key unknown.
+        InputError: a value is not allowed, or a key is unknown.
     """
     inertia_item, hull_item, rotors_item, spins_item = (
         item.need(k) for k in ("inertia_kgm2", "hull_m", "rotors_m", "spins")
@@ -129,8 +129,8 @@ def rotor_step(thrusts: Array, command: Array, lag: Array) -> None:
 
     Args:
         thrusts: (4,) thrust of each rotor [N].
-        command: (4,) ordered thrust [N]; what is not finite stops the rotor.
-        lag: (3,) as `Vehicle.lag`.
+        command: (4,) commanded thrust [N]; a value that is not finite stops the rotor.
+        lag: (3,) from `Vehicle.lag`.
     """
     for i in range(4):
         wanted = command[i] if np.isfinite(command[i]) else 0.0
@@ -140,12 +140,12 @@ def rotor_step(thrusts: Array, command: Array, lag: Array) -> None:
 
 @jit
 def wrench(thrusts: Array, state: Array, effect: Array, force: Array, torque: Array) -> None:
-    """Force and torque that rotors and air put on the vehicle.
+    """Compute force and torque of rotors and air on the vehicle.
 
     Args:
         thrusts: (4,) thrust of each rotor [N].
         state: (13,) state of the vehicle.
-        effect: (5, 4) as `Vehicle.effect`.
+        effect: (5, 4) from `Vehicle.effect`.
         force: (3,) receives the force [N, world].
         torque: (3,) receives the torque [N m, world].
     """
@@ -168,6 +168,6 @@ def wrench(thrusts: Array, state: Array, effect: Array, force: Array, torque: Ar
 
 @jit
 def actuate(thrusts: Array, order: Array, lag: Array, effect: Array, state: Array, pushed: Array) -> None:
-    """`rotor_step` and `wrench` at once; `pushed` (6,) receives force, then torque."""
+    """Apply `rotor_step`, then `wrench`; `pushed` (6,) receives force, then torque."""
     rotor_step(thrusts, order, lag)
     wrench(thrusts, state, effect, pushed[:3], pushed[3:])

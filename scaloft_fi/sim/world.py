@@ -22,30 +22,30 @@ from scaloft_fi.sim.signals import truth_signals
 WALL, GROUND = "wall", "ground"
 
 MARGIN_M = 0.001
-"""Bullet surrounds a convex mesh by this."""
+"""Bullet's margin around a convex mesh [m]."""
 
 LEAST_M = 0.005
-"""No body is thinner than this."""
+"""Least thickness of a body [m]."""
 
 SHAPES = ("box", "cylinder", "capsule")
 
 ON_FLOOR_M = 0.05
-"""Where a standing vehicle is, roughly."""
+"""Approximate height of a standing vehicle's centre [m]."""
 
 Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A thing that stands in the mine.
+    """A body in the mine.
 
     Attributes:
-        name: unique name; what is struck is called so.
-        role: its name in `ROLES`.
+        name: unique name, also in `struck`.
+        role: name of its role in `ROLES`.
         mesh: its triangles [m, world].
-        core: the same shape, smaller by `MARGIN_M` all round: what the physics keeps, which adds that margin.
-        reflectivity: share of infrared light returned, 0..1.
-        present: whether it is there.
+        core: the same shape, smaller by `MARGIN_M` on all sides; the physics server adds that margin to it.
+        reflectivity: reflected share of infrared light, 0..1.
+        present: whether the body is in the mine.
     """
 
     name: str
@@ -58,11 +58,11 @@ class Body:
 
 @dataclass(frozen=True)
 class Nominal:
-    """How fast the nominal flight is, from which the time limit follows.
+    """Speeds of the nominal flight; the time limit follows from them.
 
     Attributes:
-        climb_mps, sink_mps: upwards at the start, downwards at the end [m/s].
-        turn_radps: turning on the spot [rad/s].
+        climb_mps, sink_mps: speed of climb at the start, speed of descent at the end [m/s].
+        turn_radps: rate of a turn on the spot [rad/s].
         dwell_s: pause after take-off [s].
     """
 
@@ -74,15 +74,15 @@ class Nominal:
 
 @dataclass(frozen=True)
 class MissionPlan:
-    """What the vehicle is sent to do.
+    """The mission of the vehicle.
 
     Attributes:
-        home: (x, y) where it takes off and lands [m, world].
-        yaw_rad: its heading at the start [rad].
-        route: names of the waypoints in order, the last one `home`.
-        altitude_m: height of flight [m].
-        cruise_mps, slow_mps: speed, and speed once a person was detected [m/s].
-        nominal: the rest of the nominal flight.
+        home: (x, y) of take-off and landing [m, world].
+        yaw_rad: heading at the start [rad].
+        route: names of the waypoints in order; the last one is `home`.
+        altitude_m: altitude of flight [m].
+        cruise_mps, slow_mps: speed before and after the first detection of a person [m/s].
+        nominal: other speeds of the nominal flight.
     """
 
     home: tuple[float, float]
@@ -96,15 +96,15 @@ class MissionPlan:
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """All that is there before the vehicle is.
+    """The world of a flight without the vehicle.
 
     Attributes:
         mine: the rock.
-        bodies: by name, the absent ones too.
-        waypoints: (x, y) by name [m, world]; `home` is the mission's.
-        mission: what to do.
+        bodies: bodies by name, absent bodies included.
+        waypoints: (x, y) by name [m, world]; `home` comes from the mission.
+        mission: the mission.
         light: brightness of visible light, 0..1.
-        signals: names of the declared signals that its flights record besides.
+        signals: names of the optional signals that flights in this world record.
     """
 
     mine: Mine
@@ -116,21 +116,21 @@ class World:
 
     @cached_property
     def present(self) -> tuple[Body, ...]:
-        """The bodies that are there."""
+        """The bodies that are present."""
         return tuple(body for body in self.bodies.values() if body.present)
 
     @property
     def surfaces(self) -> tuple[str, ...]:
-        """Names of all that can be struck, absent bodies too: wall, ground, then the bodies."""
+        """Names of all surfaces: wall, ground, then the bodies, absent bodies included."""
         return (WALL, GROUND, *self.bodies)
 
     def bodies_with(self, trait: Callable[[Role], object]) -> tuple[str, ...]:
-        """Names of the bodies that are there and whose role has that trait."""
+        """Names of the present bodies whose role has the trait."""
         return tuple(body.name for body in self.present if trait(ROLES[body.role]))
 
     @cached_property
     def route(self) -> tuple[Point, ...]:
-        """The waypoints of the mission in order, the last one home [m, world]."""
+        """The waypoints of the mission in order; the last one is home [m, world]."""
         return tuple((*self.waypoints[name], self.mission.altitude_m) for name in self.mission.route)
 
     @cached_property
@@ -140,7 +140,7 @@ class World:
 
     @cached_property
     def scene(self) -> Scene:
-        """Every triangle that can be seen or struck."""
+        """All triangles of the world."""
         mine = self.mine
         meshes = [mine.wall, mine.ground, *(body.mesh for body in self.present)]
         whole = mesh.join(meshes)
@@ -159,7 +159,7 @@ def read_world(item: Item) -> World:
     """Read and check a world.
 
     Raises:
-        InputError: a value is not allowed, a key unknown, a waypoint where the vehicle cannot be.
+        InputError: a value is not allowed, a key is unknown, a waypoint is not in open space.
     """
     mine = read_mine(item.need("mine"))
     bodies = {name: _body(name, body) for name, body in item.need("bodies").mapping().items()}
@@ -186,10 +186,10 @@ def read_world(item: Item) -> World:
 
 
 def _signals(item: Item | None, surfaces: Iterable[str]) -> tuple[str, ...]:
-    """The declared signals that the world asks for.
+    """Read the names of the optional signals.
 
     Raises:
-        InputError: no signal has the name, every flight has it anyway, or it is listed twice.
+        InputError: a name is unknown, belongs to a signal that every flight has, or is listed twice.
     """
     known = {signal.name for signal in truth_signals(surfaces)}
     names: list[str] = []
@@ -275,16 +275,16 @@ def _mission(item: Item, waypoints: Mapping[str, tuple[float, float]]) -> Missio
 
 
 def _check_height(world: World, item: Item) -> None:
-    """The stack takes off from height 0; the floor at home has to be there."""
+    """Refuse a home whose floor is not at height 0, where the stack takes off."""
     if not abs(world.floor_m) < 0.1:
-        found = "there is none" if math.isnan(world.floor_m) else f"it is at z={world.floor_m:.2f} m"
+        actual = "there is none" if math.isnan(world.floor_m) else f"it is at z={world.floor_m:.2f} m"
         raise InputError(
-            f"{item.need('home').place}: home={list(world.mission.home)!r} must have the floor at z=0; {found}"
+            f"{item.need('home').place}: home={list(world.mission.home)!r} must have the floor at z=0; {actual}"
         )
 
 
 def _check_free(world: World, name: str, item: Item) -> None:
-    """A waypoint has to be in open space at the height of flight, home also on the floor."""
+    """Refuse a waypoint that is not in open space at the altitude of flight; for home, also just above the floor."""
     x, y = world.waypoints[name]
     shown = f"{item.place}: {name}={[x, y]!r}"
     heights = [world.mission.altitude_m] + [world.floor_m + ON_FLOOR_M] * (name == "home")

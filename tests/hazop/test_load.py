@@ -196,7 +196,7 @@ BAD_CELLS = [
         "must be a number",
     ),
     ("phases that are no flag", LATE + "      phases: 4\n" + MORE, "human.yaml:11:", "phases=4 must be true or false"),
-    ("phases of nothing", LATE + "      phases: true\n" + MORE, "human.yaml:8:", "must say its period_s or at_s"),
+    ("phases of nothing", LATE + "      phases: true\n" + MORE, "human.yaml:8:", "must have its period_s or at_s"),
     (
         "an expectation that is another",
         LATE + "      expected: {status: survived, reason: x}\n" + MORE,
@@ -223,7 +223,7 @@ BAD_CELLS = [
         "a unit of its own",
     ),
     ("a syntax error", LATE + MORE + "EARLY: {status: [\n", "human.yaml:", "not valid YAML"),
-    ("a cell that stands twice", LATE + MORE + MORE, "human.yaml:12:", "key 'MORE' stands twice"),
+    ("a cell that stands twice", LATE + MORE + MORE, "human.yaml:12:", "key 'MORE' occurs twice"),
 ]
 
 

@@ -182,7 +182,7 @@ GOOD = "requirements:\n  R:\n    kind: safety\n    formula: always(clearance_m >
         (GOOD.replace("safety", "safty"), ":3: kind='safty' is not known; did you mean 'safety'?"),
         (GOOD.replace("always(clearance_m > 0)", "clearance_m > 0"), ":4: formula must be always( ... )"),
         (GOOD.replace("> 0)", "> 0) and always(x_m > 0)"), ":4: formula must be always( ... )"),
-        (GOOD.replace("clearance_m > 0", "eventually(x_m > 0)"), ":4: formula looks into the future with 'eventually'"),
+        (GOOD.replace("clearance_m > 0", "eventually(x_m > 0)"), ":4: formula refers to the future with 'eventually'"),
         (GOOD.replace("> 0)", "> )"), ":4: formula is not a formula"),
         (GOOD + "    triger: x_m > 0\n", ":5: unknown key 'triger' in R; did you mean 'trigger'?"),
         (GOOD + "    trigger: x > 0\n", ":5: trigger names the unknown signal 'x'"),

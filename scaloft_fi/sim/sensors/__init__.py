@@ -1,4 +1,4 @@
-"""The sensors: the only way from the simulator to the stack."""
+"""The sensors: the stack gets data of the simulator only through them."""
 
 from scaloft_fi.sim.sensors.suite import Sensors, SensorsConfig, read_sensors
 

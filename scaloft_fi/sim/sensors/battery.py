@@ -1,4 +1,4 @@
-"""Battery: drained by the rotors, its voltage sags under load; telemetry once a second."""
+"""Battery: the rotors drain it, its voltage sags under load, and it sends telemetry once per second."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ PERIOD_TICKS = 20
 
 @dataclass(frozen=True)
 class BatteryConfig:
-    """The pack.
+    """Settings of the battery.
 
     Attributes:
-        cells: cells in series.
+        cells: number of cells in series.
         capacity_ah: charge of a full pack [A h].
         charge: state of charge at take-off, 0..1.
-        full_cell_v, empty_cell_v: voltage of a resting cell when full, when empty [V]; linear between.
-        resistance_ohm: of the whole pack [ohm].
+        full_cell_v, empty_cell_v: open-circuit voltage of a full and of an empty cell [V]; linear in between.
+        resistance_ohm: resistance of the whole pack [ohm].
         hover_w_per_n15: power of a rotor per thrust^1.5 [W/N^1.5].
-        idle_w: power of everything else [W].
+        idle_w: power of all other consumers [W].
     """
 
     cells: int
@@ -57,14 +57,14 @@ class BatteryConfig:
 
 
 class BatteryGauge:
-    """Keeps the charge and reports it."""
+    """Tracks the charge and sends telemetry."""
 
     def __init__(self, config: BatteryConfig, flight: FlightSetting) -> None:
         self._config = config
         self._charge = config.charge
 
     def drain(self, thrusts: Array, seconds: float) -> float:
-        """Take the energy of `thrusts` (4,) [N] for so long out of the pack; returns the terminal voltage [V]."""
+        """Drain the pack by the power for `thrusts` (4,) [N] over `seconds` [s]; returns the terminal voltage [V]."""
         config = self._config
         rest_v = config.cells * (config.empty_cell_v + (config.full_cell_v - config.empty_cell_v) * self._charge)
         work: float = sum(n * math.sqrt(n) for n in thrusts.tolist())
@@ -74,7 +74,7 @@ class BatteryGauge:
         return rest_v - current_a * config.resistance_ohm
 
     def measure(self, moment: Moment) -> Battery | None:
-        """The telemetry message, None between two of them; the pack is drained at every tick."""
+        """Drain the pack at every tick; returns a telemetry message once per second, else None."""
         voltage_v = self.drain(moment.thrusts, TICK_S)
         if moment.tick % PERIOD_TICKS:
             return None

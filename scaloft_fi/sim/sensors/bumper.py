@@ -1,4 +1,4 @@
-"""Touch sensor: whether hull or landing gear touched anything since it was last read."""
+"""Touch sensor: whether hull or landing gear had a contact since the last reading."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from scaloft_fi.stack.messages import Bumper
 
 
 class BumperSensor:
-    """Tells hull from landing gear."""
+    """Reports contacts of hull and landing gear."""
 
     def __init__(self, config: None, flight: FlightSetting) -> None:
         pass
 
     def measure(self, moment: Moment) -> Bumper:
-        """What was touched since the last reading."""
+        """Whether hull and landing gear had a contact since the last reading."""
         hull = gear = False
         for contact in moment.contacts:
             gear |= contact.gear

@@ -1,12 +1,12 @@
-"""Depth camera, 20 Hz: range-limited, noisy, with holes where too little light comes back.
+"""Depth camera, 20 Hz: limited range, noise, and no depth where too little light returns.
 
-A pixel returns with probability best / (1 + exp(-(snr - snr_half) / snr_width)); its signal is the visible texture of
-the scene plus the camera's own infrared pattern:
+A pixel has a depth with probability best / (1 + exp(-(snr - snr_half) / snr_width)).  Its signal is the visible texture
+of the scene plus the infrared pattern of the camera:
 snr = passive * light * min(1, passive_range / z) + active * reflectivity / z^2.
-In the dark only the second term is left: dark or thin things vanish first.
+In the dark only the second term remains, so dark or distant surfaces vanish first.
 
-Noise is hashed from (key, frame, pixel): SplitMix64 gives 64 bits, of which one word decides on the return and four
-16-bit parts of another sum up to a nearly normal number (Irwin-Hall, standard deviation 1, never beyond 3.47).
+Noise is hashed from (key, frame, pixel) by SplitMix64: one 64-bit word decides whether the pixel has a depth; the four
+16-bit parts of another word sum to a nearly normal number (Irwin-Hall, standard deviation 1, at most 3.47).
 """
 
 from __future__ import annotations
@@ -33,23 +33,23 @@ UNIT_53 = 2.0**-53
 IRWIN_HALL_MEAN = 2.0 * 65535.0
 IRWIN_HALL_SIGMA = math.sqrt(4.0 * (65536.0**2 - 1.0) / 12.0)
 CERTAIN = 20.0
-"""Beyond so many widths the logistic curve counts as 0 or 1."""
+"""Beyond this number of widths the logistic curve counts as 0 or 1."""
 CLEAR = 5.0
-"""Beyond so many widths it is less than 0.01 from 0 or 1, so that most pixels are decided without it."""
+"""Beyond this number of widths the curve is within 0.01 of 0 or 1, so most pixels need no evaluation of it."""
 
 
 @dataclass(frozen=True)
 class DepthConfig:
-    """The depth camera.
+    """Settings of the depth camera.
 
     Attributes:
-        camera: its geometry.
-        min_m, max_m: what lies nearer or farther gives no return [m].
+        camera: geometry of the camera.
+        min_m, max_m: a surface nearer or farther than these gives no depth [m].
         sigma_per_m: standard deviation of depth z is `sigma_per_m` z^2 [1/m].
-        best: probability of a return at full signal.
-        snr_half, snr_width: signal at which half of that is left, and how steeply it falls.
-        passive, passive_range_m: signal of visible texture in full light, and up to where it does not fall [m].
-        active: signal of the infrared pattern on white at 1 m.
+        best: probability of a depth at full signal.
+        snr_half, snr_width: signal at which half of that probability remains, and width of the logistic curve.
+        passive, passive_range_m: signal of visible texture in full light, and the range up to which it is constant [m].
+        active: signal of the infrared pattern on a white surface at 1 m.
         latency_s: from measurement to delivery [s].
     """
 
@@ -91,7 +91,7 @@ class DepthConfig:
         return config
 
     def numbers(self) -> Array:
-        """What `sense` reads, (9,)."""
+        """Argument of `sense`, (9,)."""
         return np.array(
             [
                 self.min_m,
@@ -108,7 +108,7 @@ class DepthConfig:
 
 
 class DepthSensor:
-    """Turns the picture into a depth frame."""
+    """Converts the rendered view into a depth frame."""
 
     def __init__(self, config: DepthConfig, flight: FlightSetting) -> None:
         self._numbers = config.numbers()
@@ -149,15 +149,15 @@ def sense(
     frame: np.uint64,
     out: Array,
 ) -> None:
-    """Write what the camera reports into `out` (H, W) [m], 0 where nothing returns.
+    """Write the measured depth into `out` (H, W) [m], 0 where a pixel has no depth.
 
     Args:
         depth: (H, W) true depth [m].
-        segments: (H, W) index of the body seen, -1 for none.
-        reflectivity: (B,) of the bodies.
+        segments: (H, W) index of the visible body; -1 for none.
+        reflectivity: (B,) reflectivity of the bodies.
         light: visible light, 0..1.
-        numbers: (9,) as `DepthConfig.numbers`.
-        key: of the noise.
+        numbers: (9,) from `DepthConfig.numbers`.
+        key: key of the noise.
         frame: number of the frame.
         out: (H, W) receives the result.
     """
@@ -179,7 +179,7 @@ def sense(
         line, row, bodies = depth[j], out[j], segments[j]
         for i in range(columns):
             x[i] = reflectivity[bodies[i]]
-        # Two loops without branches and lookups, which are vectorised; few pixels need the logistic curve.
+        # The next two loops have no branches and no lookups, so that they are vectorised.
         for i in range(columns):
             pixel = counter + TWO * np.uint64(j * columns + i)
             uniform[i] = (word(key, pixel) >> S11) * UNIT_53

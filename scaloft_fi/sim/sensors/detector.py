@@ -1,8 +1,8 @@
-"""Person detector on the colour camera, 5 Hz: it sees what is lit, near, exposed well enough and not occluded.
+"""Person detector on the colour camera, 5 Hz: the probability depends on light, visible pixels and exposure.
 
-The colour camera looks through the same picture as the depth camera.  A person with n visible pixels is found with
-probability best * light / (light + noise_light * gain) * logistic((n - pixels_half) / pixels_width)
-* exp(-0.5 (exposure error / exposure_width)^2), where n is without the saturated share.
+The colour camera has the view of the depth camera.  A person with n visible pixels is detected with probability
+best * light / (light + noise_light * gain) * logistic((n - pixels_half) / pixels_width)
+* exp(-0.5 (exposure error / exposure_width)^2), where n excludes the saturated share.
 """
 
 from __future__ import annotations
@@ -22,22 +22,22 @@ PERIOD_TICKS = 4
 """Ticks from one picture to the next: 5 Hz."""
 
 GHOST = "person"
-"""Class label of a box where nobody is."""
+"""Class label of a false positive."""
 
 
 @dataclass(frozen=True)
 class DetectorConfig:
-    """The person detector.
+    """Settings of the person detector.
 
     Attributes:
-        best: probability of finding a large, bright person.
-        noise_light: light at which half of that is left, at sensor gain 1.
-        pixels_half, pixels_width: visible pixels at which half is left, and how steeply it falls.
-        exposure_width_ev: exposure error that leaves 61 % [EV].
+        best: probability of detecting a large person in full light.
+        noise_light: light at which half of that probability remains, at sensor gain 1.
+        pixels_half, pixels_width: visible pixels at which half of it remains, and width of the logistic curve.
+        exposure_width_ev: exposure error at which 61 % of it remains [EV].
         bearing_sigma_rad: standard deviation of the bearing [rad].
-        range_sigma: standard deviation of the range per range.
+        range_sigma: standard deviation of the range, as a share of the range.
         score_base, score_slope, score_sigma: score = base + slope * probability + noise, within 0.05..0.999.
-        false_positives: probability per picture of a person that is not there.
+        false_positives: probability of a false positive per picture.
         latency_s: from the picture to delivery [s].
     """
 
@@ -75,7 +75,7 @@ class DetectorConfig:
         return config
 
     def probability(self, pixels: float, light: float, gain: float, error_ev: float) -> float:
-        """Chance of finding a person in one picture.
+        """Probability of detecting a person in one picture.
 
         Args:
             pixels: visible pixels of the person.
@@ -90,12 +90,12 @@ class DetectorConfig:
         return self.best * bright * large * math.exp(-0.5 * (error_ev / self.exposure_width_ev) ** 2)
 
     def score(self, probability: float, noise: float) -> float:
-        """Confidence that goes with a probability and a standard normal number."""
+        """Confidence of a detection, from its probability and a standard normal number."""
         return min(0.999, max(0.05, self.score_base + self.score_slope * probability + self.score_sigma * noise))
 
 
 class Detector:
-    """Finds persons in the picture."""
+    """Detects persons in the picture."""
 
     def __init__(self, config: DetectorConfig, flight: FlightSetting) -> None:
         stream, names = flight.stream, flight.scene.names
@@ -116,14 +116,14 @@ class Detector:
         self._ghosts = Table(4, *stream, "detector ghosts", uniform=True)
 
     def measure(self, moment: Moment) -> Detections | None:
-        """What is found in the picture of this tick, None when nothing is."""
+        """The detections in the picture of this tick; None without any."""
         return self.find(moment.tick // PERIOD_TICKS, moment.view, moment.exposure, moment.stamps.person_s)
 
     def find(self, picture: int, view: View, exposure: Exposure, stamp_s: float) -> Detections | None:
-        """What is found in picture number `picture`, None when nothing is."""
+        """The detections in picture number `picture`; None without any."""
         config = self._config
         error_ev = self._metering.error_ev(self._light, exposure)
-        found = []
+        persons = []
         for number, label, noise, chance in self._bodies:
             shown = np.flatnonzero(view.segments == number)
             if not len(shown):
@@ -136,7 +136,7 @@ class Detector:
             left = self._rays[rows, columns, 1]
             range_m = float(np.mean(view.depth[rows, columns] * np.sqrt(1.0 + left * left)))
             draw = noise.row(picture)
-            found.append(
+            persons.append(
                 Person(
                     label,
                     config.score(probability, float(draw[0])),
@@ -146,12 +146,12 @@ class Detector:
             )
         chance_of_ghost, where, far, sure = self._ghosts.row(picture)
         if chance_of_ghost < config.false_positives:
-            found.append(
+            persons.append(
                 Person(
                     GHOST, 0.5 + 0.4 * float(sure), (0.5 - float(where)) * self._camera.fov_rad, 1.0 + 5.0 * float(far)
                 )
             )
-        return Detections(stamp_s, tuple(found)) if found else None
+        return Detections(stamp_s, tuple(persons)) if persons else None
 
 
 SENSORS.declare(

@@ -1,4 +1,4 @@
-"""Inertial sensor, 240 Hz: what a strapped-down gyro and accelerometer would read."""
+"""Inertial sensor, 240 Hz: a strapdown gyroscope and accelerometer with bias and white noise."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ NUMBERS = 21
 
 @dataclass(frozen=True)
 class ImuConfig:
-    """Errors of the inertial sensor; the biases are drawn once a flight.
+    """Errors of the inertial sensor; the biases are drawn once per flight.
 
     Attributes:
         rate_sigma_radps, rate_bias_radps: white noise per sample, standard deviation of the bias [rad/s].
@@ -44,11 +44,11 @@ class ImuConfig:
 
 
 class ImuSensor:
-    """Measures rate and specific force; the acceleration is the change of velocity over the last step.
+    """Measures angular rate and specific force; the acceleration is the change of velocity over the last step.
 
     Attributes:
-        noise: of each sample.
-        numbers: (21,) what `inertial` works on, see `parts_of`.
+        noise: noise of each sample.
+        numbers: (21,) arguments of `inertial`, see `parts_of`.
     """
 
     def __init__(self, config: ImuConfig, *stream: object) -> None:
@@ -62,7 +62,7 @@ class ImuSensor:
         self._measured = False
 
     def begin(self, state: Array) -> None:
-        """Before the first sample: take the velocity of `state` (13,) for that of one step earlier."""
+        """Before the first sample, set the velocity one step earlier to that of `state` (13,)."""
         if not self._measured:
             self._measured = True
             self._before[:] = state[7:10]
@@ -83,7 +83,7 @@ def parts_of(numbers: Array) -> tuple[Array, Array, Array]:
 
 @jit
 def inertial(state: Array, before: Array, noise: Array, errors: Array, reading: Array) -> None:
-    """Write the sensor's `reading`; `before` (3,) becomes the velocity of `state`.
+    """Write the `reading` of the sensor, and copy the velocity of `state` into `before` (3,).
 
     Args:
         state: (13,) state of the vehicle.

@@ -1,4 +1,4 @@
-"""Light meter of the colour camera: how far the picture is under (+) or over (-) exposed."""
+"""Light meter of the colour camera: measures the exposure error, + for underexposed, - for overexposed."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from scaloft_fi.stack.messages import Exposure, Metering
 from scaloft_fi.streams import Table
 
 LIMIT_EV = 16.0
-"""The meter's scale ends here."""
+"""End of the meter's scale."""
 
 
 @dataclass(frozen=True)
 class MeteringConfig:
-    """The light meter.
+    """Settings of the light meter.
 
     Attributes:
-        mid: brightness of a well exposed picture, 0..1.
+        mid: brightness of a correctly exposed picture, 0..1.
         sigma_ev: standard deviation of a reading [EV].
     """
 
@@ -37,7 +37,7 @@ class MeteringConfig:
         return config
 
     def error_ev(self, light: float, exposure: Exposure) -> float:
-        """How far the picture is from well exposed [EV], + when too dark."""
+        """Exposure error of the picture [EV], + when too dark."""
         if light <= 0.0 or not math.isfinite(exposure.ev):
             return LIMIT_EV
         return min(LIMIT_EV, max(-LIMIT_EV, math.log2(self.mid / light) - exposure.ev))
@@ -52,7 +52,7 @@ class LightMeter:
         self._noise = Table(1, *flight.stream, "metering")
 
     def measure(self, moment: Moment) -> Metering:
-        """The reading under the exposure in force."""
+        """The reading at the current exposure."""
         noise_ev = self._config.sigma_ev * float(self._noise.row(moment.tick)[0])
         return Metering(moment.now_s, self._config.error_ev(self._light, moment.exposure) + noise_ev)
 

@@ -1,4 +1,4 @@
-"""Positioning system of the mine, 20 Hz: where the vehicle is and where it points, a little late."""
+"""Positioning system of the mine, 20 Hz: position and heading of the vehicle, with latency."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""What a sensor is: how it is declared, what it measures from, what it does at a tick.
+"""The interface of a sensor: its declaration, its inputs, its measurement at a tick.
 
-A sensor of another author's package is one class and one declaration, in a module that the package's entry point in the
-group `scaloft_fi.plugins` names:
+A plugin adds a sensor with one class and one declaration, in a module that its entry point in the group
+`scaloft_fi.plugins` names:
 
     class RangeFinder:
         def __init__(self, config: RangeConfig, flight: FlightSetting) -> None: ...
@@ -9,7 +9,7 @@ group `scaloft_fi.plugins` names:
 
     SENSORS.declare("range", SensorKind(RangeFinder, Range, read=RangeConfig.read, latency_s=0.05))
 
-A study whose `sensors.yaml` has an entry `range` flies with it, and its stack reads `frames["range"]`.
+If `sensors.yaml` of a study has an entry `range`, its flights have the sensor, and the stack reads `frames["range"]`.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ from scaloft_fi.streams import Array
 
 @dataclass(frozen=True, eq=False)
 class FlightSetting:
-    """What stays the same in a flight.
+    """The constants of a flight.
 
     Attributes:
-        settings: of every sensor of the study, by the sensor's name.
+        settings: settings of every sensor of the study, by the sensor's name.
         scene: the triangles of the world.
-        labels: names of the bodies that a person detector finds, and the class labels of their boxes.
+        labels: class label of each body that the person detector finds, by the body's name.
         light: visible light, 0..1.
-        stream: names the noise of the flight: its situation's key and its seed.  A sensor draws from
+        stream: name of the flight's noise: key of the situation, and seed.  A sensor draws from
             `streams.Table(width, *stream, "name of the sensor")`.
     """
 
@@ -47,17 +47,17 @@ class FlightSetting:
 
 
 class Moment(NamedTuple):
-    """What a sensor may measure from at a tick.
+    """The inputs of a sensor at a tick.
 
     Attributes:
         tick: number of the tick.
-        now_s: its time [s].
-        state: (13,) true state of the vehicle, laid out as `sim.vehicle` says.
+        now_s: time of the tick [s].
+        state: (13,) true state of the vehicle in the layout of `sim.vehicle`.
         thrusts: (4,) thrust of each rotor [N].
-        view: what the depth camera looks at.
-        contacts: what was touched since the last tick.
-        exposure: the order in force for the colour camera.
-        stamps: what the sensors' clocks read now.
+        view: view of the depth camera.
+        contacts: contacts since the last tick.
+        exposure: current exposure of the colour camera.
+        stamps: current readings of the sensors' clocks.
     """
 
     tick: int
@@ -74,7 +74,7 @@ class Sensor(Protocol):
     """One sensor of one flight."""
 
     def measure(self, moment: Moment) -> Any | None:
-        """The message that is sent at this moment, None when none is."""
+        """The message that the sensor sends at this tick; None if it sends none."""
         ...
 
 
@@ -83,12 +83,12 @@ class SensorKind:
     """A declared sensor.
 
     Attributes:
-        make: the sensor of a flight from its settings (None without `read`) and what stays the same in the flight.
-        message: type of what it sends.
-        read: its settings from its entry in `sensors.yaml`; None for a sensor without settings.
-        period_ticks: it measures at every tick whose number is a multiple of this.
-        latency_s: from measurement to delivery [s]: a number, or read off its settings.
-        required: whether every study has it; otherwise those whose `sensors.yaml` has an entry for it.
+        make: makes the sensor of a flight from its settings (None without `read`) and the constants of the flight.
+        message: type of its messages.
+        read: reads its settings from its entry in `sensors.yaml`; None for a sensor without settings.
+        period_ticks: the sensor measures at every tick whose number is a multiple of this.
+        latency_s: time from measurement to delivery [s]: a number, or a function of the settings.
+        required: whether every study must have the sensor; an optional sensor needs an entry in `sensors.yaml`.
     """
 
     make: Callable[[Any, FlightSetting], Sensor]
@@ -99,7 +99,7 @@ class SensorKind:
     required: bool = False
 
     def latency_of(self, settings: Any) -> float:
-        """From measurement to delivery [s]."""
+        """Time from measurement to delivery [s]."""
         return self.latency_s(settings) if callable(self.latency_s) else self.latency_s
 
 

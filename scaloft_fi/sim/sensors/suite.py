@@ -1,4 +1,4 @@
-"""All sensors of one flight: they measure when they are due and deliver when their latency is over."""
+"""All sensors of one flight: each measures at its period and delivers after its latency."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ class SensorsConfig:
     """The settings in `sensors.yaml`.
 
     Attributes:
-        imu: of the inertial sensor, which measures at every physics step and is no declared sensor.
-        by_name: of the declared sensors that fly, None for a sensor without settings.
+        imu: settings of the inertial sensor, which measures at every physics step and is not in the registry.
+        by_name: settings of the declared sensors of the study; None for a sensor without settings.
     """
 
     imu: ImuConfig
@@ -40,31 +40,31 @@ class SensorsConfig:
 
     @property
     def depth(self) -> DepthConfig:
-        """Of the depth camera."""
+        """Settings of the depth camera."""
         config: DepthConfig = self.by_name["depth"]
         return config
 
     @property
     def positioning(self) -> PositioningConfig:
-        """Of the positioning system."""
+        """Settings of the positioning system."""
         config: PositioningConfig = self.by_name["positioning"]
         return config
 
     @property
     def metering(self) -> MeteringConfig:
-        """Of the light meter."""
+        """Settings of the light meter."""
         config: MeteringConfig = self.by_name["metering"]
         return config
 
     @property
     def detector(self) -> DetectorConfig:
-        """Of the person detector."""
+        """Settings of the person detector."""
         config: DetectorConfig = self.by_name["detector"]
         return config
 
     @property
     def battery(self) -> BatteryConfig:
-        """Of the battery."""
+        """Settings of the battery."""
         config: BatteryConfig = self.by_name["battery"]
         return config
 
@@ -73,7 +73,7 @@ def read_sensors(item: Item) -> SensorsConfig:
     """Read the sensors.
 
     Raises:
-        InputError: a value is not allowed, or nobody declared a sensor or key of that name.
+        InputError: a value is not allowed, or a sensor or key is unknown.
     """
     imu, by_name = ImuConfig.read(item.need("imu")), dict[str, Any]()
     for name, kind in SENSORS.items():
@@ -91,18 +91,18 @@ def read_sensors(item: Item) -> SensorsConfig:
 
 
 class Pipe(Generic[M]):
-    """Messages on their way: each arrives at the first tick that is `latency_s` after it was sent."""
+    """A delay line: a message arrives at the first tick that is at least `latency_s` after its sending."""
 
     def __init__(self, latency_s: float) -> None:
         self._delay = math.ceil(latency_s / TICK_S - 1e-9)
         self._messages: deque[tuple[int, M]] = deque()
 
     def send(self, tick: int, message: M) -> None:
-        """Put a message in at `tick`."""
+        """Send a message at `tick`."""
         self._messages.append((tick + self._delay, message))
 
     def arrive(self, tick: int) -> M | None:
-        """The message due at `tick`, None when none is."""
+        """The message that arrives at `tick`; None without one."""
         if self._messages and self._messages[0][0] <= tick:
             return self._messages.popleft()[1]
         return None
@@ -112,16 +112,16 @@ class Sensors:
     """The sensors of one flight.
 
     Args:
-        config: what they are.
-        scene: what the cameras see.
-        labels: names of the bodies that a person detector finds, and the class labels of their boxes.
+        config: settings of the sensors.
+        scene: the triangles of the world.
+        labels: class label of each body that the person detector finds, by the body's name.
         light: visible light, 0..1.
-        situation: key of the situation, and
-        seed: number of the flight; both name the noise.
+        situation: key of the situation.
+        seed: seed of the flight; situation and seed name the noise.
 
     Attributes:
         inertial: the inertial sensor.
-        view: the camera's last picture, drawn at the last tick.
+        view: the view of the depth camera at the last tick.
     """
 
     def __init__(
@@ -144,20 +144,20 @@ class Sensors:
         return self.inertial.measure(step, state)
 
     def feel(self, contacts: Iterable[Contact]) -> None:
-        """Take in the touches of one physics step."""
+        """Add the contacts of one physics step."""
         self._contacts.extend(contacts)
 
     def frames(
         self, tick: int, state: Array, thrusts: Array, exposure: Exposure, stamps: Stamps | None = None
     ) -> SensorFrames:
-        """What arrives at tick `tick` (20 Hz); what is measured now is on its way.
+        """Measure at tick `tick` (20 Hz), and return the messages that arrive at this tick.
 
         Args:
             tick: number of the tick.
             state: (13,) true state of the vehicle.
             thrusts: (4,) thrust of each rotor [N].
-            exposure: order in force for the colour camera.
-            stamps: what the sensors' clocks read now; the true time when not given.
+            exposure: current exposure of the colour camera.
+            stamps: current readings of the sensors' clocks; None = the true time.
         """
         now_s = tick * TICK_S
         self.view = look(self._scene, self._camera, state[:3], state[3:7])
