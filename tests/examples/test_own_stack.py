@@ -44,31 +44,6 @@ print("told", json.dumps(told))
 """
 """Runs one verb after another in one process."""
 
-TOGETHER = """
-from scaloft_fi.api import PlainWire, Study
-from scaloft_fi.sim.flight import FlightLoop, physics_server
-
-def ticks(*flights):
-    for _ in range(60):
-        for flight in flights:
-            flight.tick()
-            flight.advance()
-    return [flight.log().digest for flight in flights]
-
-def flight(client, study):
-    return FlightLoop(client, study.sim, study.scenario(study.grid.situations[0]), 0, PlainWire(), study.stack)
-
-studies = [Study.open("."), Study.open("examples/own_stack/study")]
-alone = []
-for study in studies:
-    with physics_server() as client:
-        alone += ticks(flight(client, study))
-with physics_server() as one, physics_server() as other:
-    together = ticks(*[flight(client, study) for client, study in zip((one, other), studies)])
-print("alike" if together == alone else "not so")
-"""
-"""Flies both stacks for three seconds, each alone and then tick by tick in turn."""
-
 SITUATION = "O1D0"
 FLOWN = ("run", "--situation", SITUATION, "--quiet")
 
@@ -192,13 +167,6 @@ def test_its_export_format_lists_its_mutants(told: dict[str, tuple[int, str]]) -
 @pytest.mark.flight
 def test_what_its_beliefs_mark_is_on_the_map(told: dict[str, tuple[int, str]], study: Path) -> None:
     assert "flies leg home" in (study / "map.svg").read_text()
-
-
-@pytest.mark.flight
-def test_it_does_not_disturb_the_reference_stack_in_the_same_process(tmp_path: Path) -> None:
-    install_project(tmp_path, EXAMPLE)
-    done = call(tmp_path, "-c", TOGETHER, cwd=ROOT)
-    assert "alike" in done.stdout, done.stdout + done.stderr
 
 
 @pytest.mark.flight
