@@ -7,6 +7,8 @@ from pathlib import Path
 
 from hypothesis import settings
 
+import scaloft_fi.mutants.reference  # noqa: F401 - a study that names the reference stack declares its operators so
+
 sys.path.insert(0, str(Path(__file__).parent / "support"))
 
 settings.register_profile("scaloft-fi", derandomize=True, deadline=None)
