@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 from scaloft_fi.errors import InputError
 
+_CELL = re.compile(r"(?P<guideword>[A-Z][A-Z0-9]*)-(?P<parameter>[a-z][a-z0-9_]*)")
 _ID = re.compile(
-    r"(?P<cell>(?P<guideword>[A-Z][A-Z0-9]*)-(?P<parameter>[a-z][a-z0-9_]*))"
+    rf"{_CELL.pattern}"
     r"(@(?P<magnitude>[A-Za-z0-9_.%+-]+))?(#(?P<phase>[0-9]+(\.[0-9]+)?|\.[0-9]+)s)?"
 )
 _NUMBER = re.compile(
@@ -71,10 +72,10 @@ def split_magnitude(text: str) -> tuple[float | str, str]:
 
 
 def cell_of(mutant: str) -> str:
-    """The cell's name in a mutant's id; what is no id, such as `baseline`, stands for itself.
+    """The cell's name, with which a mutant's id begins; what is no id, such as `baseline`, stands for itself.
 
     >>> cell_of("UNINTENDED-collision@20s#5s"), cell_of("baseline")
     ('UNINTENDED-collision', 'baseline')
     """
-    found = _ID.fullmatch(mutant)
-    return found["cell"] if found else mutant
+    found = _CELL.match(mutant)
+    return found[0] if found else mutant
