@@ -35,7 +35,7 @@ class Kind(StrEnum):
     """It is evaluated and shown, and decides nothing."""
 
 
-class Verdict(StrEnum):
+class Compliance(StrEnum):
     """What a flight says about a requirement."""
 
     VIOLATED = "violated"
@@ -95,13 +95,13 @@ class Reading:
         return self.violated_at_s is not None
 
     @property
-    def verdict(self) -> Verdict:
-        """The reading in a word."""
+    def compliance(self) -> Compliance:
+        """What the flight says about the requirement, in a word."""
         if self.violated:
-            return Verdict.VIOLATED
+            return Compliance.VIOLATED
         if self.open:
-            return Verdict.OPEN
-        return Verdict.HELD if self.triggered else Verdict.VACUOUS
+            return Compliance.OPEN
+        return Compliance.HELD if self.triggered else Compliance.VACUOUS
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The tables behind the first screen: ratios, rungs, pairs, the unmutated drone's findings, coverage, groupings."""
+"""The tables behind the first screen: ratios, stages, pairs, the unmutated drone's findings, coverage, groupings."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.situations.coverage import Coverage
 from scaloft_fi.judge.outcome import PLACEBO
-from scaloft_fi.judge.requirement import Verdict
+from scaloft_fi.judge.requirement import Compliance
 from scaloft_fi.judge.robustness import rho_text
 from scaloft_fi.judge.rulings import Rulings
 from scaloft_fi.judge.space import Space
@@ -22,7 +22,7 @@ from scaloft_fi.judge.status import Status
 from scaloft_fi.views.tables.table import Table
 
 MANY = 24
-"""Of more mutants than these the flights at each rung are summed by parameter."""
+"""Of more mutants than these the flights at each stage are summed by parameter."""
 POPULATIONS = {
     "exercised": "credible cells whose default mutant was flown, of all credible cells",
     "infected": "default mutants that changed a sample, of those flown",
@@ -39,7 +39,7 @@ def tables_behind(
     """All tables behind the first screen; `by` adds the score part by part."""
     return (
         ratio_table(scored),
-        rung_table(scored),
+        stage_table(scored),
         *([group_table(scored, by, roster, space)] if by else []),
         pair_table(scored.pool, space),
         baseline_table(findings(rulings.baselines, space)),
@@ -81,8 +81,8 @@ def pair_table(pool: Pool, space: Space) -> Table:
     return Table("Pairs that put no fault to the test", headers, rows, notes)
 
 
-def rung_table(scored: Score) -> Table:
-    """How many flights stopped at each rung: reach, infect, propagate, reveal; by parameter where mutants are many."""
+def stage_table(scored: Score) -> Table:
+    """How many flights stopped at each stage: reach, infect, propagate, reveal; by parameter where mutants are many."""
     placebo = [scored.placebo] if scored.placebo else []
     entries = [*placebo, *scored.mutants, *scored.controls]
     if len(entries) <= MANY:
@@ -93,15 +93,15 @@ def rung_table(scored: Score) -> Table:
         parts = [*((PLACEBO, [entry]) for entry in placebo), *parts, ("controls", list(scored.controls))]
     if len(entries) > 1:
         parts.append(("all", entries))
-    rows = [_rungs(name, members) for name, members in parts if members]
+    rows = [_stages(name, members) for name, members in parts if members]
     headers = ("mutant" if len(entries) <= MANY else "parameter", *(status.value for status in Status), "flights")
     return Table("Where the faults stopped (flights)", headers, tuple(rows))
 
 
-def _rungs(name: str, members: Sequence[MutantScore]) -> tuple[str | int, ...]:
+def _stages(name: str, members: Sequence[MutantScore]) -> tuple[str | int, ...]:
     counts = Counter[Status]()
     for member in members:
-        counts.update(dict(member.rungs))
+        counts.update(dict(member.statuses))
     return (name, *(counts[status] for status in Status), counts.total())
 
 
@@ -142,13 +142,13 @@ def _first(finding: Finding) -> str:
 
 def requirement_table(tallied: Sequence[Tally]) -> Table:
     """What the baseline flights say about each requirement."""
-    headers = ("requirement", "kind", *(verdict.value for verdict in Verdict), "triggered", "least robustness")
+    headers = ("requirement", "kind", *(compliance.value for compliance in Compliance), "triggered", "least robustness")
     rows = tuple(
-        (t.requirement, t.kind.value, *(count for _, count in t.verdicts), t.triggered, rho_text(t.least_rho))
+        (t.requirement, t.kind.value, *(count for _, count in t.compliances), t.triggered, rho_text(t.least_rho))
         for t in tallied
     )
     notes = (
-        "Baseline flights by verdict; triggered: episodes in which the requirement's condition came true.",
+        "Baseline flights by what they show; triggered: episodes in which the requirement's condition came true.",
         "Least robustness: of flights in which it came true, or that violate it.",
     )
     return Table("Requirements of the unmutated drone (flights)", headers, rows, notes)

@@ -60,7 +60,7 @@ def test_the_pairs_that_put_no_fault_to_the_test_say_why() -> None:
     ]
 
 
-def test_of_many_mutants_the_rungs_are_summed_by_parameter() -> None:
+def test_of_many_mutants_the_stages_are_summed_by_parameter() -> None:
     ids = [f"LATE-{parameter}@{n}s" for parameter in ("human", "depth") for n in range(MANY)]
     flown = [outcome(), outcome(PLACEBO, altered=0), *(outcome(id_) for id_ in ids)]
     table = tables(flown)["Where the faults stopped (flights)"]
@@ -149,15 +149,15 @@ def test_the_baselines_findings_name_the_first_violation_and_what_stayed_open() 
 def test_each_requirement_is_tallied_over_the_baseline_flights() -> None:
     clean = [outcome(), outcome(BASELINE, DARK, violated={"SR1": 30.0}, struck="bar")]
     first, *_, last = tallies(clean)
-    assert (first.requirement, dict(first.verdicts), first.least_rho) == (
+    assert (first.requirement, dict(first.compliances), first.least_rho) == (
         "SR1",
         {"violated": 1, "open": 0, "vacuous": 0, "held": 1},
         -0.1,
     )
-    assert (last.requirement, dict(last.verdicts)["open"], last.triggered) == ("OP1", 1, 2)
+    assert (last.requirement, dict(last.compliances)["open"], last.triggered) == ("OP1", 1, 2)
 
 
 @given(campaigns())
 def test_the_verdicts_on_a_requirement_sum_to_the_baseline_flights(outcomes: list[Outcome]) -> None:
     baselines = sum(o.mutant == BASELINE and not o.invalid for o in outcomes)
-    assert all(sum(count for _, count in tally.verdicts) == baselines for tally in tallies(outcomes))
+    assert all(sum(count for _, count in tally.compliances) == baselines for tally in tallies(outcomes))
