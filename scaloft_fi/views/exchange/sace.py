@@ -103,7 +103,7 @@ def _by_requirement(dossier: Dossier) -> Table:
         *("requirement", "times triggered", "mutants detected by it, of those that it put to the test"),
         "least robustness",
     )
-    fates = Counter(mutant.verdict for mutant in dossier.counted)
+    fates = Counter(mutant.verdict for mutant in dossier.score.counted)
     verdicts = ", ".join(f"{fates[verdict]} {verdict.words}" for verdict in Verdict)
     notes = (
         "Triggered, robustness: flights of the unmutated drone.",
@@ -113,7 +113,7 @@ def _by_requirement(dossier: Dossier) -> Table:
 
 
 def _detected_by(dossier: Dossier, requirement: str) -> Ratio:
-    able = [mutant for mutant in dossier.counted if requirement in mutant.tests]
+    able = [mutant for mutant in dossier.score.counted if requirement in mutant.tests]
     return Ratio(sum(requirement in (*m.safety.by, *m.operability.by) for m in able), len(able))
 
 
@@ -140,7 +140,7 @@ def _violated(dossier: Dossier, situation: str) -> str:
 
 
 def _killed_in(dossier: Dossier, situation: str) -> Ratio:
-    tests = [r for mutant in dossier.counted for r in mutant.results if r.situation == situation and r.tested]
+    tests = [r for mutant in dossier.score.counted for r in mutant.results if r.situation == situation and r.tested]
     return Ratio(sum(bool(result.kills) for result in tests), len(tests))
 
 

@@ -6,7 +6,6 @@ from collections import Counter
 from collections.abc import Sequence
 
 from scaloft_fi.analysis.ratio import Ratio
-from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.baseline import Finding, Tally, findings, tallies
 from scaloft_fi.analysis.scoring.grouping import By, groups
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
@@ -19,6 +18,7 @@ from scaloft_fi.judge.robustness import rho_text
 from scaloft_fi.judge.rulings import Rulings
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Status
+from scaloft_fi.views.coverage.coverage_tables import coverage_tables
 from scaloft_fi.views.tables.table import Table
 
 MANY = 24
@@ -34,17 +34,17 @@ POPULATIONS = {
 
 
 def tables_behind(
-    scored: Score, rulings: Rulings, covered: Coverage, roster: Roster, space: Space, by: By | None = None
+    scored: Score, rulings: Rulings, covered: Coverage, space: Space, by: By | None = None
 ) -> tuple[Table, ...]:
     """All tables behind the first screen; `by` adds the score part by part."""
     return (
         ratio_table(scored),
         stage_table(scored),
-        *([group_table(scored, by, roster, space)] if by else []),
+        *([group_table(scored, by, space)] if by else []),
         pair_table(scored.pool, space),
         baseline_table(findings(rulings.baselines, space)),
         requirement_table(tallies(rulings.baselines)),
-        coverage_table(covered),
+        *coverage_tables(covered, space),
     )
 
 
@@ -148,31 +148,15 @@ def requirement_table(tallied: Sequence[Tally]) -> Table:
         for t in tallied
     )
     notes = (
-        "Baseline flights by what they show; triggered: episodes in which the requirement's condition came true.",
+        "Baseline flights by compliance; triggered: episodes in which the requirement's condition came true.",
         "Least robustness: of flights in which it came true, or that violate it.",
     )
     return Table("Requirements of the unmutated drone (flights)", headers, rows, notes)
 
 
-def coverage_table(covered: Coverage) -> Table:
-    """How much of the situation space was flown; the grid is a closed list, so no interval."""
-    rows = [
-        ("distinct situations", str(covered.situations), "situations of the grid"),
-        ("draws", str(covered.draws), "situations flown with a seed"),
-        *([("pool", str(covered.pool), "of these draws, the baseline's alone, to decide by")] if covered.pool else []),
-        *((f"{t}-way", str(ratio), "value combinations of that many axes") for t, ratio in covered.t_way),
-        ("realised", str(covered.realised), "situations whose every value came true in a baseline flight"),
-        *(
-            (f"realised {axis}", str(ratio), "situations where the value on that axis came true")
-            for axis, ratio in covered.by_axis
-        ),
-    ]
-    return Table("Situation coverage", ("coverage", "part/whole", "of"), tuple(rows))
-
-
-def group_table(scored: Score, by: By, roster: Roster, space: Space) -> Table:
+def group_table(scored: Score, by: By, space: Space) -> Table:
     """The score of each part."""
-    rows = tuple((group.name, str(group.tested), str(group.flown)) for group in groups(scored, by, roster, space))
+    rows = tuple((group.name, str(group.tested), str(group.flown)) for group in groups(scored, by, space))
     mutants = by in (By.GUIDEWORD, By.PARAMETER, By.REQUIREMENT)
     what = "detected" if mutants else "with a kill"
     of = "mutants in situations" if by is By.AXIS else "mutants"

@@ -38,7 +38,7 @@ CAMPAIGN = [
 
 def tables(outcomes: list[Outcome], by: By | None = None) -> dict[str, Table]:
     rulings, scored = rulings_of(outcomes), score(outcomes, ROSTER, GRID)
-    found = tables_behind(scored, rulings, coverage(outcomes, GRID), ROSTER, GRID, by)
+    found = tables_behind(scored, rulings, coverage(outcomes, GRID), GRID, by)
     return {table.title: table for table in found}
 
 
@@ -96,7 +96,7 @@ def test_a_table_too_wide_narrows_the_column_that_costs_the_fewest_lines() -> No
 
 def parts(by: By) -> dict[str, tuple[Ratio, Ratio]]:
     found = score(CAMPAIGN, ROSTER, GRID)
-    return {group.name: (group.tested, group.flown) for group in groups(found, by, ROSTER, GRID)}
+    return {group.name: (group.tested, group.flown) for group in groups(found, by, GRID)}
 
 
 def test_the_score_by_guideword_and_by_parameter_is_of_detected_mutants() -> None:
@@ -127,7 +127,7 @@ def test_the_score_by_situation_and_by_axis_is_of_kills() -> None:
 @settings(deadline=None)
 def test_the_parts_of_the_score_sum_to_the_score(outcomes: list[Outcome], by: By) -> None:
     found = score(outcomes, ROSTER, GRID)
-    listed = groups(found, by, ROSTER, GRID)
+    listed = groups(found, by, GRID)
     assert sum(group.tested.part for group in listed) == found.mutation_score.part
     assert sum(group.tested.whole for group in listed) == found.tested.part
     assert sum(group.flown.whole for group in listed) == found.tested.whole
