@@ -9,7 +9,7 @@ from functools import cached_property
 from scaloft_fi.hazop.cell import CellStatus
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.name import cell_of
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome, Subject
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Subject
 
 
 @dataclass(frozen=True)
@@ -68,11 +68,3 @@ class Roster:
             return 1, 0, 0, ""
         end = len(self.ids)
         return 2, self._cells.get(cell_of(id_), end), self._places.get(id_, end), id_
-
-
-def by_mutant(outcomes: Iterable[Outcome], roster: Roster) -> dict[str, list[Outcome]]:
-    """The outcomes of each subject, in the canonical order."""
-    by_mutant: dict[str, list[Outcome]] = {}
-    for outcome in outcomes:
-        by_mutant.setdefault(outcome.mutant, []).append(outcome)
-    return {id_: by_mutant[id_] for id_ in sorted(by_mutant, key=roster.rank)}

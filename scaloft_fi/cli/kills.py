@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -83,16 +83,18 @@ def kills_command(
         _draw(_graph(matrix, by_requirement), output)
         return
     chosen = [situation.key for situation in study.grid.select(situations)] if situations else []
+    results = _results(matrix, _graph(matrix, by_requirement), cases, wanted, chosen)
     if style == Format.JSON:
         import json
 
-        plain = _json(matrix, _graph(matrix, by_requirement), cases, wanted, chosen)
-        click.echo(json.dumps(plain, indent=2, allow_nan=False))
+        from scaloft_fi.analysis.plain import plain
+
+        content = plain({"matrix": matrix, "detected_without_kill": matrix.scattered, **results})
+        click.echo(json.dumps(content, indent=2, allow_nan=False))
         return
     from scaloft_fi.views.tables.table import render
 
-    graph = _graph(matrix, by_requirement)
-    click.echo(render(_tables(matrix, graph, cases, wanted, chosen, short=not parts), Format(style)), nl=False)
+    click.echo(render(_tables(results, matrix, short=not parts), Format(style)), nl=False)
 
 
 def _chosen(study: Study, matrix: KillMatrix, patterns: Sequence[str]) -> KillMatrix:
@@ -132,70 +134,50 @@ def _survivors(now: Snapshot, matrix: KillMatrix) -> tuple[Survivor, ...]:
     return survivors(tracked, now.score, matrix, known, short_units(now.study.requirements))
 
 
-def _tables(
-    matrix: KillMatrix,
-    graph: Subsumption,
-    cases: Sequence[Survivor],
-    wanted: Sequence[str],
-    chosen: Sequence[str],
-    *,
-    short: bool,
-) -> list[Table]:
+def _results(
+    matrix: KillMatrix, graph: Subsumption, cases: Sequence[Survivor], wanted: Sequence[str], chosen: Sequence[str]
+) -> dict[str, Any]:
+    """What is asked for, by name."""
     from scaloft_fi.analysis.kills.interaction import interactions, orders
     from scaloft_fi.analysis.kills.minimal_suite import minimal_suite
     from scaloft_fi.analysis.kills.situation_kills import chosen_kills, situation_kills
     from scaloft_fi.analysis.kills.subsumption import redundancies
+
+    results: dict[str, Any] = {}
+    if chosen:
+        results["chosen"] = chosen_kills(matrix, chosen)
+    if "conditions" in wanted:
+        results["conditions"] = interactions(matrix)
+        results["orders"] = orders(results["conditions"], matrix.space)
+    if "situations" in wanted:
+        results["situations"] = situation_kills(matrix)
+    if "suite" in wanted:
+        results["suite"] = minimal_suite(matrix.kills, matrix.flown)
+    if "subsumption" in wanted:
+        results["subsumption"] = graph
+        results["redundancies"] = redundancies(graph)
+    if "survivors" in wanted:
+        results["survivors"] = cases
+    return results
+
+
+def _tables(results: Mapping[str, Any], matrix: KillMatrix, *, short: bool) -> list[Table]:
+    """A table for each result, but none for redundancies where there are none."""
     from scaloft_fi.views.kills import kill_tables as tables
 
-    space, situations = matrix.space, situation_kills(matrix)
-    shown = [tables.chosen_table(chosen_kills(matrix, chosen))] if chosen else []
-    if "conditions" in wanted:
-        listed = interactions(matrix)
-        shown += [tables.interaction_table(listed), tables.order_table(orders(listed, space))]
-    if "situations" in wanted:
-        shown.append(tables.situation_table(situations, space, short=short))
-    if "suite" in wanted:
-        shown.append(tables.suite_table(minimal_suite(matrix.kills, matrix.flown), matrix))
-    if "subsumption" in wanted:
-        shown.append(tables.subsumption_table(graph, short=short))
-        repeated = redundancies(graph)
-        shown += [tables.redundancy_table(repeated)] if repeated else []
-    shown = tables.with_scattered(shown, matrix)
-    if "survivors" in wanted:
-        shown.append(tables.survivor_summary(cases) if short else tables.survivor_table(cases))
-    return shown
-
-
-def _json(
-    matrix: KillMatrix,
-    graph: Subsumption,
-    cases: Sequence[Survivor],
-    wanted: Sequence[str],
-    chosen: Sequence[str],
-) -> dict[str, Any]:
-    from scaloft_fi.analysis.kills.interaction import interactions, orders
-    from scaloft_fi.analysis.kills.minimal_suite import minimal_suite
-    from scaloft_fi.analysis.kills.situation_kills import chosen_kills, situation_kills
-    from scaloft_fi.analysis.kills.subsumption import redundancies
-    from scaloft_fi.analysis.plain import plain
-
-    content: dict[str, Any] = {"matrix": matrix.to_json(), "detected_without_kill": list(matrix.scattered)}
-    if chosen:
-        content["chosen"] = plain(chosen_kills(matrix, chosen))
-    if "conditions" in wanted:
-        listed = interactions(matrix)
-        content["conditions"] = plain(listed)
-        content["orders"] = orders(listed, matrix.space).to_json()
-    if "situations" in wanted:
-        content["situations"] = plain(situation_kills(matrix))
-    if "suite" in wanted:
-        content["suite"] = plain(minimal_suite(matrix.kills, matrix.flown))
-    if "subsumption" in wanted:
-        content["subsumption"] = graph.to_json()
-        content["redundancies"] = plain(redundancies(graph))
-    if "survivors" in wanted:
-        content["survivors"] = [entry.to_json() for entry in cases]
-    return content
+    tell: dict[str, Callable[[Any], Table]] = {
+        "chosen": tables.chosen_table,
+        "conditions": tables.interaction_table,
+        "orders": tables.order_table,
+        "situations": lambda listed: tables.situation_table(listed, matrix.space, short=short),
+        "suite": lambda suite: tables.suite_table(suite, matrix),
+        "subsumption": lambda graph: tables.subsumption_table(graph, short=short),
+        "redundancies": tables.redundancy_table,
+        "survivors": tables.survivor_summary if short else tables.survivor_table,
+    }
+    shown = [tell[name](result) for name, result in results.items() if result or name != "redundancies"]
+    kills = shown[:-1] if "survivors" in results else shown
+    return [*tables.with_scattered(kills, matrix), *shown[len(kills) :]]
 
 
 def _draw(graph: Subsumption, output: Path) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -65,7 +63,7 @@ def _all(matrix: Matrix, style: str) -> str:
     if style == "json":
         return json.dumps([record(cell) for cell in matrix], indent=1)
     if style == "csv":
-        return _csv(HEADER, rows(matrix))
+        return _tabulated(HEADER, rows(matrix), style)
     return _tabulated(SHORT_HEADER, short_rows(matrix), style)
 
 
@@ -76,7 +74,7 @@ def _grid(matrix: Matrix, style: str) -> str:
     header = ["parameter", *header[1:]]
     if style == "json":
         return json.dumps([dict(zip(header, line, strict=True)) for line in lines], indent=1)
-    return _csv(header, lines) if style == "csv" else _tabulated(header, lines, style)
+    return _tabulated(header, lines, style)
 
 
 def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: str, *, operability: bool) -> str:
@@ -96,7 +94,7 @@ def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: st
     lines = [[p.id, *(by_cell[f"{word.id}-{p.id}"] for word in matrix.guidewords)] for p in matrix.parameters]
     if style == "table":
         return "\n".join([blocks(["", *header[1:]], lines), "", *LEGEND, "", tally(matrix)])
-    return _csv(header, lines) if style == "csv" else _tabulated(header, lines, style)
+    return _tabulated(header, lines, style)
 
 
 def _one(matrix: Matrix, name: str, style: str, study_folder: Path | None) -> str:
@@ -107,7 +105,7 @@ def _one(matrix: Matrix, name: str, style: str, study_folder: Path | None) -> st
         return json.dumps(record(cell), indent=1)
     row = rows(matrix.only([cell.guideword], [cell.parameter]))[0]
     if style == "csv":
-        return _csv(HEADER, [row])
+        return _tabulated(HEADER, [row], style)
     lines = [[name, text] for name, text in zip(HEADER[1:], row[1:], strict=True) if text]
     return _tabulated(("cell", cell.name), lines, style)
 
@@ -118,15 +116,11 @@ def _edges(study_folder: Path | None) -> Mapping[str, str]:
     return {seam.name: seam.edge for seam in Study.open(study_folder).stack.seams}
 
 
-def _csv(header: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(header)
-    writer.writerows(lines)
-    return text.getvalue().rstrip("\n")
-
-
 def _tabulated(header: Sequence[str], lines: Sequence[Sequence[str]], style: str) -> str:
+    if style == "csv":
+        from scaloft_fi.views.tables.table import csv_text
+
+        return csv_text(header, lines).rstrip("\n")
     from tabulate import tabulate  # only where a format needs it
 
     table = {"markdown": "github", "latex": "latex_longtable"}[style]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import textwrap
 from collections.abc import Collection, Sequence
@@ -21,6 +19,7 @@ from scaloft_fi.mutants.derive import default_of, defaults, derive
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.select import select
 from scaloft_fi.study import Study
+from scaloft_fi.views.tables.table import csv_text
 
 _COLUMNS = ("id", "default", "parameter", "guideword", "seam", "operator", "arguments")
 _TABULATE = {"markdown": "github", "latex": "latex"}
@@ -98,11 +97,7 @@ def _table(mutants: Sequence[Mutant], default_ids: Collection[str], style: str) 
         return json.dumps([m.to_json() | {"default": m.id in default_ids} for m in mutants], indent=1)
     rows = [_row(mutant, mutant.id in default_ids) for mutant in mutants]
     if style == "csv":
-        text = io.StringIO()
-        writer = csv.DictWriter(text, _COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-        return text.getvalue().rstrip("\n")
+        return csv_text(_COLUMNS, (row.values() for row in rows)).rstrip("\n")
     if style == "table":
         # guideword and parameter are read from the id
         short = [{k: v for k, v in row.items() if k not in ("parameter", "guideword")} for row in rows]

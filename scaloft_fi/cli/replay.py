@@ -93,7 +93,7 @@ def _facts(study: Study, flight: Flight, outcome: Outcome, log: FlightLog) -> st
         at = f" at {reading.violated_at_s:.2f} s" if reading.violated_at_s is not None else ""
         rho = measured_rho(reading)
         told = "" if rho is None else f", robustness {rho:.3f}"
-        rows.append((reading.requirement, f"{reading.verdict.value}{at}{told}"))
+        rows.append((reading.requirement, f"{reading.compliance.value}{at}{told}"))
     if outcome.stack_error:
         rows.append(("stack", outcome.stack_error))
     rows.append(("digest", outcome.digest))

@@ -159,7 +159,7 @@ def _text(
     covered = coverage_of(rulings.baselines, rulings.draws, study.space)
     if style == Format.JSON:
         violated = [(finding.situation, finding.violated) for finding in findings(rulings.baselines, study.space)]
-        parts = groups(scored, by, study.roster, study.space) if by else ()
+        parts = groups(scored, by, study.space) if by else ()
         values = score_json(scored, covered, violated, parts)
         for table in extra:
             values[table.title.lower().replace(",", "").replace(" ", "_")] = table.records()
@@ -175,9 +175,9 @@ def _text(
     )
     behind: Sequence[Table] = ()
     if everything:
-        behind = tables_behind(scored, rulings, covered, study.roster, study.space, by)
+        behind = tables_behind(scored, rulings, covered, study.space, by)
     elif by:
-        behind = (group_table(scored, by, study.roster, study.space),)
+        behind = (group_table(scored, by, study.space),)
     if style != Format.TABLE:
         return render((*screen, *behind, *extra), Format(style))
     text = screen_text(screen, bold=_coloured())

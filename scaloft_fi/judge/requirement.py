@@ -34,8 +34,8 @@ class Kind(StrEnum):
     """A violation is shown and decides nothing."""
 
 
-class Verdict(StrEnum):
-    """The verdict of a flight on a requirement."""
+class Compliance(StrEnum):
+    """What a flight says about a requirement."""
 
     VIOLATED = "violated"
     OPEN = "open"
@@ -94,13 +94,13 @@ class Reading:
         return self.violated_at_s is not None
 
     @property
-    def verdict(self) -> Verdict:
-        """The verdict of the reading."""
+    def compliance(self) -> Compliance:
+        """What the flight says about the requirement, in a word."""
         if self.violated:
-            return Verdict.VIOLATED
+            return Compliance.VIOLATED
         if self.open:
-            return Verdict.OPEN
-        return Verdict.HELD if self.triggered else Verdict.VACUOUS
+            return Compliance.OPEN
+        return Compliance.HELD if self.triggered else Compliance.VACUOUS
 
 
 @dataclass(frozen=True)

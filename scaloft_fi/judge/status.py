@@ -1,4 +1,4 @@
-"""The status of a flight: the highest rung of reach, infect, propagate, reveal that the fault reached."""
+"""What a flight's status says: the stage of reach, infect, propagate, reveal where the fault stopped."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from scaloft_fi.judge.requirement import Kind, Reading
 
 
 class Status(StrEnum):
-    """Status of a flight: the highest rung that the fault reached; `rung` orders the statuses."""
+    """Status of a flight: the stage where the fault stopped; `stage` orders them."""
 
     INVALID = "invalid"
     """The harness failed; the flight is never a kill and never a survivor."""
@@ -38,9 +38,9 @@ class Status(StrEnum):
     """The hash of the text, because it is faster than that of an enumeration."""
 
     @property
-    def rung(self) -> int:
-        """Rank of the status."""
-        return _RUNGS[self]
+    def stage(self) -> int:
+        """Place on the way of a fault: reach, infect, propagate, reveal."""
+        return _STAGES[self]
 
     @property
     def infected(self) -> bool:
@@ -48,8 +48,8 @@ class Status(StrEnum):
         return self in _INFECTED
 
 
-_RUNGS = {status: rung for rung, status in enumerate(Status)}
-_INFECTED = frozenset(status for status, rung in _RUNGS.items() if rung >= _RUNGS[Status.MASKED])
+_STAGES = {status: stage for stage, status in enumerate(Status)}
+_INFECTED = frozenset(status for status, stage in _STAGES.items() if stage >= _STAGES[Status.MASKED])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -170,6 +170,6 @@ def baseline_status(baseline: Outcome) -> str:
     return "violated" if baseline.first_violation else "held"
 
 
-def highest(statuses: Iterable[Status]) -> Status:
-    """The highest of the statuses; invalid without any."""
-    return max(statuses, key=_RUNGS.__getitem__, default=Status.INVALID)
+def furthest(statuses: Iterable[Status]) -> Status:
+    """The furthest stage that flights reached; invalid when there is none."""
+    return max(statuses, key=_STAGES.__getitem__, default=Status.INVALID)

@@ -1,8 +1,8 @@
 from __future__ import annotations
 
-from builders import ROSTER, outcome, subject_of
+from builders import ROSTER, subject_of
 
-from scaloft_fi.analysis.roster import Roster, by_mutant
+from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.hazop.cell import Cell, CellStatus, Fault, Magnitude
 from scaloft_fi.hazop.guideword import Guideword
 from scaloft_fi.hazop.matrix import Matrix
@@ -26,6 +26,6 @@ def test_a_roster_takes_the_default_of_each_credible_cell_from_the_matrix() -> N
     assert roster.is_control(subject_of("REVERSE-human"))
 
 
-def test_outcomes_are_grouped_in_the_canonical_order() -> None:
-    flown = [outcome(m) for m in ("MORE-goal@0.6m", "LATE-human@9s", "LATE-human@1s", "baseline")]
-    assert list(by_mutant(flown, ROSTER)) == ["baseline", "LATE-human@1s", "LATE-human@9s", "MORE-goal@0.6m"]
+def test_a_magnitude_off_the_ladder_stands_after_those_of_its_cell() -> None:
+    ids = ["MORE-goal@0.6m", "LATE-human@9s", "LATE-human@1s", "baseline"]
+    assert sorted(ids, key=ROSTER.rank) == ["baseline", "LATE-human@1s", "LATE-human@9s", "MORE-goal@0.6m"]

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.requirement import (
+    Compliance,
     Kind,
     Requirement,
-    Verdict,
     episodes,
     judge,
     judge_signals,
@@ -42,10 +42,10 @@ def trace(samples: int, **signals: list[float]) -> dict[str, list[float]]:
     return calm | {"elapsed_s": [0.05 * i for i in range(samples)]} | signals
 
 
-def said(name: str, cut_short: bool = False, **signals: list[float]) -> tuple[Verdict, float | None, int]:
+def said(name: str, cut_short: bool = False, **signals: list[float]) -> tuple[Compliance, float | None, int]:
     samples = len(next(iter(signals.values())))
     reading = judge_signals(REQUIREMENTS[name], trace(samples, **signals), cut_short=cut_short).reading
-    return reading.verdict, reading.violated_at_s and round(reading.violated_at_s, 2), reading.triggered
+    return reading.compliance, reading.violated_at_s and round(reading.violated_at_s, 2), reading.triggered
 
 
 def test_the_study_has_the_four_requirements_of_their_kinds() -> None:
@@ -58,12 +58,12 @@ def test_the_study_has_the_four_requirements_of_their_kinds() -> None:
 
 
 def test_sr1_is_violated_by_a_contact_of_a_tenth_of_a_centimetre_at_its_sample() -> None:
-    assert said("SR1", clearance_m=[0.4, 0.2, -0.001, 0.3]) == (Verdict.VIOLATED, 0.1, 1)
+    assert said("SR1", clearance_m=[0.4, 0.2, -0.001, 0.3]) == (Compliance.VIOLATED, 0.1, 1)
 
 
 def test_sr1_holds_at_a_hair_and_its_robustness_is_the_least_clearance() -> None:
     judgement = judge_signals(REQUIREMENTS["SR1"], trace(3, clearance_m=[0.4, 0.001, 0.3]), cut_short=False)
-    assert judgement.reading.verdict is Verdict.HELD
+    assert judgement.reading.compliance is Compliance.HELD
     assert judgement.reading.rho == 0.001
     assert judgement.sample is None
 
@@ -73,35 +73,35 @@ def test_sr2_gives_two_seconds_of_a_person_near_before_it_asks_for_low_speed() -
     near = [100.0] * 60 + [2.9] * 60
     late = [0.5] * 101 + [0.2] * 19
     in_time = [0.5] * 100 + [0.2] * 20
-    assert said("SR2", person_sight_m=near, speed_mps=late) == (Verdict.VIOLATED, 5.0, 1)
-    assert said("SR2", person_sight_m=near, speed_mps=in_time) == (Verdict.HELD, None, 1)
+    assert said("SR2", person_sight_m=near, speed_mps=late) == (Compliance.VIOLATED, 5.0, 1)
+    assert said("SR2", person_sight_m=near, speed_mps=in_time) == (Compliance.HELD, None, 1)
 
 
 def test_sr2_allows_a_quarter_of_a_metre_per_second_and_no_more() -> None:
     near = [2.0] * 60
-    assert said("SR2", person_sight_m=near, speed_mps=[0.25] * 60)[0] is Verdict.HELD
+    assert said("SR2", person_sight_m=near, speed_mps=[0.25] * 60)[0] is Compliance.HELD
     # at 2.00 s the trigger's own margin is 0, and a robustness of 0 is no violation
-    assert said("SR2", person_sight_m=near, speed_mps=[0.251] * 60)[:2] == (Verdict.VIOLATED, 2.05)
+    assert said("SR2", person_sight_m=near, speed_mps=[0.251] * 60)[:2] == (Compliance.VIOLATED, 2.05)
 
 
 def test_sr2_counts_from_take_off_where_the_person_is_near_at_once() -> None:
     near = [2.0] * 60
-    assert said("SR2", person_sight_m=near, speed_mps=[0.5] * 40 + [0.2] * 20)[0] is Verdict.HELD
+    assert said("SR2", person_sight_m=near, speed_mps=[0.5] * 40 + [0.2] * 20)[0] is Compliance.HELD
 
 
 def test_sr2_starts_anew_when_the_person_was_out_of_sight() -> None:
     near = [2.0] * 60 + [100.0] + [2.0] * 41
     fast_in_the_gap = [0.2] * 60 + [0.5] * 41 + [0.2]
-    assert said("SR2", person_sight_m=near, speed_mps=fast_in_the_gap) == (Verdict.HELD, None, 2)
+    assert said("SR2", person_sight_m=near, speed_mps=fast_in_the_gap) == (Compliance.HELD, None, 2)
 
 
 def test_sr2_is_vacuous_where_nobody_is_near() -> None:
-    assert said("SR2", person_sight_m=[3.5] * 80, speed_mps=[0.5] * 80) == (Verdict.VACUOUS, None, 0)
+    assert said("SR2", person_sight_m=[3.5] * 80, speed_mps=[0.5] * 80) == (Compliance.VACUOUS, None, 0)
 
 
 def test_sr2_is_violated_by_touching_the_person_at_any_speed() -> None:
-    verdict, at_s, _ = said("SR2", clearance_person_m=[1.0, 0.5, -0.001])
-    assert (verdict, at_s) == (Verdict.VIOLATED, 0.1)
+    compliance, at_s, _ = said("SR2", clearance_person_m=[1.0, 0.5, -0.001])
+    assert (compliance, at_s) == (Compliance.VIOLATED, 0.1)
 
 
 def test_sr2_robustness_is_a_share_of_the_limit() -> None:
@@ -111,25 +111,25 @@ def test_sr2_robustness_is_a_share_of_the_limit() -> None:
 
 def test_sr2_literal_is_satisfied_by_a_stack_that_is_never_told() -> None:
     near, fast = [2.0] * 60, [0.5] * 60
-    assert said("SR2-literal", person_sight_m=near, speed_mps=fast)[0] is Verdict.VACUOUS
+    assert said("SR2-literal", person_sight_m=near, speed_mps=fast)[0] is Compliance.VACUOUS
     told = {"told_person": [1.0] * 60, "told_range_m": [2.0] * 60}
-    assert said("SR2-literal", person_sight_m=near, speed_mps=fast, **told)[:2] == (Verdict.VIOLATED, 2.05)
+    assert said("SR2-literal", person_sight_m=near, speed_mps=fast, **told)[:2] == (Compliance.VIOLATED, 2.05)
 
 
 def test_op1_is_violated_by_landing_with_a_waypoint_left() -> None:
-    assert said("OP1", landed=[0, 0, 1], waypoints_left=[2, 1, 1]) == (Verdict.VIOLATED, 0.1, 1)
-    assert said("OP1", landed=[0, 0, 1], waypoints_left=[2, 1, 0])[0] is Verdict.HELD
+    assert said("OP1", landed=[0, 0, 1], waypoints_left=[2, 1, 1]) == (Compliance.VIOLATED, 0.1, 1)
+    assert said("OP1", landed=[0, 0, 1], waypoints_left=[2, 1, 0])[0] is Compliance.HELD
 
 
 def test_op1_is_violated_when_the_time_is_up_and_not_before() -> None:
-    assert said("OP1", remaining_s=[0.1, 0.05, 0.0], waypoints_left=[1, 1, 1])[:2] == (Verdict.VIOLATED, 0.1)
-    assert said("OP1", remaining_s=[0.1, 0.05, 0.0], waypoints_left=[1, 1, 0])[0] is Verdict.HELD
+    assert said("OP1", remaining_s=[0.1, 0.05, 0.0], waypoints_left=[1, 1, 1])[:2] == (Compliance.VIOLATED, 0.1)
+    assert said("OP1", remaining_s=[0.1, 0.05, 0.0], waypoints_left=[1, 1, 0])[0] is Compliance.HELD
 
 
 def test_what_was_not_violated_when_a_flight_is_cut_short_is_open() -> None:
-    assert said("OP1", cut_short=True, waypoints_left=[3, 3])[0] is Verdict.OPEN
-    assert said("SR2", cut_short=True, person_sight_m=[2.0] * 60, speed_mps=[0.2] * 60)[0] is Verdict.OPEN
-    assert said("SR1", cut_short=True, clearance_m=[0.1, -0.001])[0] is Verdict.VIOLATED
+    assert said("OP1", cut_short=True, waypoints_left=[3, 3])[0] is Compliance.OPEN
+    assert said("SR2", cut_short=True, person_sight_m=[2.0] * 60, speed_mps=[0.2] * 60)[0] is Compliance.OPEN
+    assert said("SR1", cut_short=True, clearance_m=[0.1, -0.001])[0] is Compliance.VIOLATED
 
 
 def test_a_log_is_judged_by_its_signals_and_its_ending() -> None:

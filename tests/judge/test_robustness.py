@@ -17,7 +17,7 @@ from scaloft_fi.analysis.scoring.baseline import tallies
 from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.requirement import Kind, Reading, Verdict
+from scaloft_fi.judge.requirement import Compliance, Kind, Reading
 from scaloft_fi.judge.robustness import measured_rho
 from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.views.exchange.parquet import parquet
@@ -38,19 +38,19 @@ def untested(flown: Outcome, name: str = "SR2") -> Outcome:
 
 
 @pytest.mark.parametrize(
-    ("reading", "verdict", "told"),
+    ("reading", "compliance", "told"),
     [
-        (Reading("SR2", Kind.SAFETY, 0.3, None, 1, open=False), Verdict.HELD, 0.3),
-        (Reading("SR2", Kind.SAFETY, 0.3, None, 1, open=True), Verdict.OPEN, 0.3),
-        (Reading("SR2", Kind.SAFETY, SENTINEL, None, 0, open=False), Verdict.VACUOUS, None),
-        (Reading("SR2", Kind.SAFETY, SENTINEL, None, 0, open=True), Verdict.OPEN, None),
-        (Reading("SR2", Kind.SAFETY, -0.1, 5.0, 0, open=False), Verdict.VIOLATED, -0.1),
+        (Reading("SR2", Kind.SAFETY, 0.3, None, 1, open=False), Compliance.HELD, 0.3),
+        (Reading("SR2", Kind.SAFETY, 0.3, None, 1, open=True), Compliance.OPEN, 0.3),
+        (Reading("SR2", Kind.SAFETY, SENTINEL, None, 0, open=False), Compliance.VACUOUS, None),
+        (Reading("SR2", Kind.SAFETY, SENTINEL, None, 0, open=True), Compliance.OPEN, None),
+        (Reading("SR2", Kind.SAFETY, -0.1, 5.0, 0, open=False), Compliance.VIOLATED, -0.1),
     ],
 )
 def test_robustness_is_told_of_what_was_put_to_the_test_or_violated(
-    reading: Reading, verdict: Verdict, told: float | None
+    reading: Reading, compliance: Compliance, told: float | None
 ) -> None:
-    assert reading.verdict is verdict
+    assert reading.compliance is compliance
     assert measured_rho(reading) == told
 
 

@@ -4,7 +4,7 @@ import pytest
 from builders import outcome
 
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.status import Ruling, Status, baseline_status, counting, highest, rule
+from scaloft_fi.judge.status import Ruling, Status, baseline_status, counting, furthest, rule
 
 M = "LATE-human@3s"
 HELD = outcome()
@@ -49,7 +49,7 @@ def ruling(flight: Outcome, baseline: Outcome | None = HELD) -> Ruling:
         (outcome(M, violated={"SR2": 20.0}), outcome(violated={"SR2": 10.0}), "baseline_red"),
     ],
 )
-def test_the_first_rung_that_fits(flight: Outcome, baseline: Outcome | None, expected: str) -> None:
+def test_the_first_status_that_fits(flight: Outcome, baseline: Outcome | None, expected: str) -> None:
     assert ruling(flight, baseline).status.value == expected
 
 
@@ -80,7 +80,7 @@ def test_a_baseline_is_held_or_violated_by_its_safety_requirements() -> None:
     assert baseline_status(outcome(invalid="x")) == "invalid"
 
 
-def test_a_mutants_status_is_the_highest_rung_that_a_flight_reached() -> None:
+def test_a_mutants_status_is_the_furthest_stage_that_a_flight_reached() -> None:
     flights = [outcome(M, altered=0), outcome(M, digest="clean"), outcome(M, invalid="x")]
-    assert highest(ruling(flight).status for flight in flights) is Status.MASKED
-    assert highest([]) is Status.INVALID
+    assert furthest(ruling(flight).status for flight in flights) is Status.MASKED
+    assert furthest([]) is Status.INVALID

@@ -48,7 +48,7 @@ def revealing(row: Row, base: Row, kinds: dict[str, str], kind: str) -> list[str
 
 
 def status(row: Row, base: Row | None, kinds: dict[str, str]) -> tuple[str, list[str]]:
-    """The rung of a flight, and the requirements by which it is told from its baseline."""
+    """The status of a flight, and the requirements by which it is told from its baseline."""
     if base is None or not row["counts"] or not base["counts"]:
         return "invalid", []
     if row["altered"] == 0:

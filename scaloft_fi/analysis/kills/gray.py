@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 
 from scaloft_fi.judge.space import Space
 
@@ -41,11 +42,4 @@ def gray_words(radices: Sequence[int]) -> tuple[tuple[int, ...], ...]:
     >>> gray_words((2, 2))
     ((0, 0), (0, 1), (1, 1), (1, 0))
     """
-    words: list[tuple[int, ...]] = [()]
-    for radix in radices:
-        words = [
-            (*word, digit)
-            for place, word in enumerate(words)
-            for digit in (range(radix) if place % 2 == 0 else reversed(range(radix)))
-        ]
-    return tuple(words)
+    return tuple(sorted(product(*map(range, radices)), key=lambda word: gray_rank(word, radices)))

@@ -15,7 +15,7 @@ from typing import Any
 
 from scaloft_fi.analysis.condition import condition
 from scaloft_fi.analysis.kills.kill_matrix import KillMatrix, KillRow
-from scaloft_fi.analysis.plain import plain
+from scaloft_fi.analysis.plain import by_field, plain
 from scaloft_fi.judge.space import Space
 
 NIST = {
@@ -77,7 +77,7 @@ class Orders:
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values, NIST's published shares beside them."""
         return {
-            **plain(self),
+            **by_field(self),
             "cumulative_percent": plain(self.cumulative()),
             "nist_cumulative_percent": plain(NIST),
             "nist_source": NIST_SOURCE,

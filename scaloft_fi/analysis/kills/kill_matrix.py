@@ -28,7 +28,7 @@ class Entry:
 
     Attributes:
         situation: key.
-        state: the highest rung that a flight reached, or `not_flown`.
+        state: the furthest stage that a flight reached, or `not_flown`.
         kills: requirements that kill the mutant here, as the scores count.
         seen: safety requirements that put the fault to the test here and that a flight violates.
         tested: whether a safety requirement puts the fault to the test here.
@@ -60,7 +60,7 @@ class KillRow:
         subject: the mutant.
         kind: `mutant`, `control` or `placebo`.
         counted: whether the ratios count it: the default mutant of a credible cell.
-        status: the highest rung that a flight reached.
+        status: the furthest stage that a flight reached.
         verdict: on the mutant.
         kill_rate: situations with a kill, of those that put it to the test.
         entries: in the grid's order; a situation that the grid does not have is left out.

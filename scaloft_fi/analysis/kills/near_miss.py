@@ -6,9 +6,9 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
-from scaloft_fi.analysis.plain import plain
+from scaloft_fi.analysis.plain import by_field
 from scaloft_fi.judge.flights import JudgedFlight
-from scaloft_fi.judge.requirement import Reading, Verdict
+from scaloft_fi.judge.requirement import Compliance, Reading
 from scaloft_fi.judge.track import TRACK_COLUMNS, unpack_track
 
 _X, _Y, _Z = (TRACK_COLUMNS.index(name) for name in ("x_m", "y_m", "z_m"))
@@ -40,7 +40,7 @@ class Loss:
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
-        return {**plain(self), "share": self.share}
+        return {**by_field(self), "share": self.share}
 
 
 def losses(flight: JudgedFlight, steady: Collection[str]) -> tuple[Loss, ...]:
@@ -57,7 +57,7 @@ def losses(flight: JudgedFlight, steady: Collection[str]) -> tuple[Loss, ...]:
 
 
 def _held(reading: Reading) -> bool:
-    return reading.verdict is Verdict.HELD
+    return reading.compliance is Compliance.HELD
 
 
 def off_path_m(flight: JudgedFlight) -> float:

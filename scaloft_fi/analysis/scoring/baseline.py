@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
-from scaloft_fi.judge.requirement import Kind, Reading, Verdict
+from scaloft_fi.judge.requirement import Compliance, Kind, Reading
 from scaloft_fi.judge.robustness import measured_rho
 from scaloft_fi.judge.space import Space
 
@@ -44,17 +44,17 @@ def findings(outcomes: Iterable[Outcome], space: Space) -> tuple[Finding, ...]:
 
 
 def _finding(situation: str, baselines: list[Outcome]) -> Finding:
-    verdicts: dict[str, list[Verdict]] = {}
+    shown: dict[str, set[Compliance]] = {}
     for outcome in baselines:
         for reading in outcome.readings:
-            verdicts.setdefault(reading.requirement, []).append(reading.verdict)
+            shown.setdefault(reading.requirement, set()).add(reading.compliance)
     firsts = [(v, outcome.seed) for outcome in baselines if (v := outcome.first_violation)]
     return Finding(
         situation=situation,
         flown=len(baselines),
-        violated=tuple(name for name, own in verdicts.items() if Verdict.VIOLATED in own),
-        open=tuple(name for name, own in verdicts.items() if Verdict.OPEN in own and Verdict.VIOLATED not in own),
-        vacuous=tuple(name for name, own in verdicts.items() if set(own) == {Verdict.VACUOUS}),
+        violated=tuple(name for name, own in shown.items() if Compliance.VIOLATED in own),
+        open=tuple(name for name, own in shown.items() if Compliance.OPEN in own and Compliance.VIOLATED not in own),
+        vacuous=tuple(name for name, own in shown.items() if own == {Compliance.VACUOUS}),
         first=min(firsts, key=lambda pair: (pair[0].t_s, pair[1]), default=None),
         red=len(firsts),
     )
@@ -62,14 +62,14 @@ def _finding(situation: str, baselines: list[Outcome]) -> Finding:
 
 @dataclass(frozen=True)
 class Tally:
-    """A requirement over flights: how many of each verdict, how often it was triggered, the least robustness.
+    """A requirement over flights: how many of each compliance, how often it was triggered, the least robustness.
 
     The robustness is that of flights that put it to the test; None when none did.
     """
 
     requirement: str
     kind: Kind
-    verdicts: tuple[tuple[Verdict, int], ...]
+    compliances: tuple[tuple[Compliance, int], ...]
     triggered: int
     least_rho: float | None
 
@@ -85,11 +85,11 @@ def tallies(outcomes: Iterable[Outcome]) -> tuple[Tally, ...]:
 
 
 def _tally(name: str, readings: list[Reading]) -> Tally:
-    verdicts = [reading.verdict for reading in readings]
+    compliances = [reading.compliance for reading in readings]
     return Tally(
         requirement=name,
         kind=readings[0].kind,
-        verdicts=tuple((verdict, verdicts.count(verdict)) for verdict in Verdict),
+        compliances=tuple((compliance, compliances.count(compliance)) for compliance in Compliance),
         triggered=sum(reading.triggered for reading in readings),
         least_rho=min((rho for r in readings if (rho := measured_rho(r)) is not None), default=None),
     )

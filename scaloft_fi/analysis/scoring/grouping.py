@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
 from scaloft_fi.analysis.ratio import Ratio
-from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore, Result
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.judge.space import Space
@@ -39,9 +38,9 @@ class Group:
     flown: Ratio
 
 
-def groups(scored: Score, by: By, roster: Roster, space: Space) -> tuple[Group, ...]:
+def groups(scored: Score, by: By, space: Space) -> tuple[Group, ...]:
     """Group the default mutants of credible cells."""
-    mutants = [mutant for mutant in scored.mutants if roster.counts(mutant.subject) and mutant.flown]
+    mutants = scored.counted
     if by is By.GUIDEWORD:
         return _of_mutants(mutants, lambda mutant: mutant.subject.guideword)
     if by is By.PARAMETER:
@@ -82,7 +81,7 @@ def _of_results(name: str, results: Iterable[Result]) -> Group:
     return Group(name, Ratio(killed, sum(result.tested for result in listed)), Ratio(killed, len(listed)))
 
 
-def _of_requirements(mutants: list[MutantScore]) -> tuple[Group, ...]:
+def _of_requirements(mutants: Sequence[MutantScore]) -> tuple[Group, ...]:
     names = dict.fromkeys(name for mutant in mutants for name in mutant.tests)
     parts = []
     for name in names:

@@ -16,7 +16,7 @@ from scaloft_fi.judge.outcome import Subject
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.rulings import Ruled, Situations
 from scaloft_fi.judge.space import Space
-from scaloft_fi.judge.status import INVALID, Status, highest
+from scaloft_fi.judge.status import INVALID, Status, furthest
 
 
 class Moment(NamedTuple):
@@ -53,7 +53,7 @@ class Result:
 
     Attributes:
         situation: key.
-        status: the highest rung that a flight reached.
+        status: the furthest stage that a flight reached.
         flown: flights that count.
         reached: whether the seam carried a sample in any.
         infected: whether the fault changed a sample in any.
@@ -92,13 +92,13 @@ class MutantScore:
 
     Attributes:
         subject: the mutant.
-        status: the highest rung that a flight reached.
+        status: the furthest stage that a flight reached.
         safety: the verdict, by safety requirements.
         operability: the same by operability requirements.
         results: one per situation with a flight that counts, in the grid's order.
         kills: by safety requirements, in the grid's order; operability_kills: by operability requirements.
         first: the earliest violation in a kill; of a mutant without one the earliest in a pair that tests it.
-        rungs: flights of each status.
+        statuses: flights of each status.
     """
 
     subject: Subject
@@ -109,7 +109,7 @@ class MutantScore:
     kills: tuple[Kill, ...]
     operability_kills: tuple[Kill, ...]
     first: Moment | None
-    rungs: tuple[tuple[Status, int], ...]
+    statuses: tuple[tuple[Status, int], ...]
 
     @property
     def verdict(self) -> Verdict:
@@ -193,20 +193,20 @@ def mutant_score(subject: Subject, situations: Situations, space: Space, pool: P
     )
     kills = tuple(_kill(r, name, flown[r.situation]) for r in results for name in r.kills)
     seen = [kill.first for kill in kills] or [_first(r, n, flown[r.situation]) for r in results for n in r.seen]
-    rungs = Counter[Status]()
+    statuses = Counter[Status]()
     # few rulings differ, so they are counted first
     for ruling, number in Counter([one.ruling for flights in situations.values() for one in flights]).items():
-        rungs[ruling.status] += number
+        statuses[ruling.status] += number
     return MutantScore(
         subject=subject,
-        status=highest(rungs),
+        status=furthest(statuses),
         safety=safety,
         operability=operability,
         results=results,
         kills=kills,
         operability_kills=tuple(_kill(r, name, flown[r.situation]) for r in results for name in r.operability_kills),
         first=min(seen, key=lambda moment: (moment.t_s, space.rank(moment.situation), moment.seed), default=None),
-        rungs=tuple((status, rungs[status]) for status in Status if rungs[status]),
+        statuses=tuple((status, statuses[status]) for status in Status if statuses[status]),
     )
 
 
@@ -219,7 +219,7 @@ def _result(sample: Sample, flights: Sequence[Ruled], pool: Pool, detected: bool
     steady, operable = (
         pool.steady(sample.situation, kind) if sample.infected else () for kind in (Kind.SAFETY, Kind.OPERABILITY)
     )
-    status = highest({ruling.status for ruling in {one.ruling for one in flights}})
+    status = furthest({ruling.status for ruling in {one.ruling for one in flights}})
     most = {name for name, count in sample.counts.items() if 2 * count > len(flights)}
     return Result(
         situation=sample.situation,

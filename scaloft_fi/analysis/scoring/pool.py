@@ -8,7 +8,7 @@ from enum import StrEnum
 from functools import cached_property
 from typing import Any
 
-from scaloft_fi.analysis.plain import plain
+from scaloft_fi.analysis.plain import by_field
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind
 
@@ -78,7 +78,7 @@ class Pair:
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
-        return {**plain(self), "state": self.state.value}
+        return {**by_field(self), "state": self.state.value}
 
 
 @dataclass(frozen=True)

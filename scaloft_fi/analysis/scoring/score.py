@@ -29,6 +29,7 @@ class Score:
         mutation_score: mutants detected by safety requirements, of those flown; 0 of 0 without a pool.
         operability: the same by operability requirements.
         mutants: every mutant flown, ladders too, in the canonical order.
+        counted: those of them that the ratios count and of which a flight counts.
         controls: every control flown.
         placebo: PLACEBO, when flown.
         pool: the pairs of the unmutated drone.
@@ -44,6 +45,7 @@ class Score:
     mutation_score: Ratio
     operability: Ratio
     mutants: tuple[MutantScore, ...]
+    counted: tuple[MutantScore, ...]
     controls: tuple[MutantScore, ...]
     placebo: MutantScore | None
     pool: Pool
@@ -95,7 +97,7 @@ def score_of(
     ranked = sorted(rulings.mutants.items(), key=lambda mutant: roster.rank(mutant[0].id))
     scored = [mutant_score(subject, situations, space, pool, spending) for subject, situations in ranked]
     mutants = tuple(m for m in scored if m.subject.id != PLACEBO and not roster.is_control(m.subject))
-    counted = [mutant for mutant in mutants if roster.counts(mutant.subject) and mutant.flown]
+    counted = tuple(mutant for mutant in mutants if roster.counts(mutant.subject) and mutant.flown)
     infected = {r.situation for m in mutants for r in m.results if r.infected}
     pooled = not infected or bool(infected & pool.flown)
     decided = len(counted) if pooled else 0
@@ -108,6 +110,7 @@ def score_of(
         mutation_score=Ratio(sum(mutant.detected for mutant in counted), decided),
         operability=Ratio(sum(mutant.operability.detected for mutant in counted), decided),
         mutants=mutants,
+        counted=counted,
         controls=tuple(mutant for mutant in scored if roster.is_control(mutant.subject)),
         placebo=next((mutant for mutant in scored if mutant.subject.id == PLACEBO), None),
         pool=pool,

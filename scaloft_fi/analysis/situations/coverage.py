@@ -12,7 +12,7 @@ from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.judge.flights import apart
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.requirement import Kind, Verdict
+from scaloft_fi.judge.requirement import Compliance, Kind
 from scaloft_fi.judge.space import Space
 
 if TYPE_CHECKING:
@@ -104,7 +104,7 @@ def _requirements(baselines: Iterable[Outcome], judged: int) -> tuple[tuple[str,
     for outcome in baselines:
         for reading in outcome.readings:
             keys = triggered.setdefault(reading.requirement, set())
-            if reading.verdict in (Verdict.HELD, Verdict.VIOLATED):
+            if reading.compliance in (Compliance.HELD, Compliance.VIOLATED):
                 keys.add(outcome.situation)
     return tuple((name, Ratio(len(keys), judged)) for name, keys in triggered.items())
 

@@ -11,7 +11,7 @@ from scaloft_fi.errors import GateError
 from scaloft_fi.hazop.name import cell_of
 from scaloft_fi.judge.flights import JudgedFlight, baselines_of, flights_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
-from scaloft_fi.judge.requirement import Kind, Verdict
+from scaloft_fi.judge.requirement import Compliance, Kind
 from scaloft_fi.judge.status import Status
 from scaloft_fi.judge.track import TRACK_COLUMNS, unpack_track
 from scaloft_fi.sim.log import Ending
@@ -108,7 +108,7 @@ def _nothing_steady(outcomes: Sequence[Outcome]) -> Iterator[str]:
     names = _some(sorted({outcome.situation for outcome in baselines}))
     if any(state is not State.UNKNOWN for state in states):
         yield f"no situation flown has a steady pair, where the unmutated drone holds a safety requirement: {names}"
-    elif not any(r.kind is Kind.SAFETY and r.verdict is Verdict.HELD for o in baselines for r in o.readings):
+    elif not any(r.kind is Kind.SAFETY and r.compliance is Compliance.HELD for o in baselines for r in o.readings):
         yield f"no situation flown has a baseline that holds a safety requirement: {names}"
 
 

@@ -13,13 +13,12 @@ from scaloft_fi.analysis.scoring.detection import LOOKS, Verdict
 from scaloft_fi.analysis.scoring.score import Score, score
 from scaloft_fi.campaign.flights.worker import Flyer
 from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.plan.plan import Plan, canary_flight, plan
+from scaloft_fi.campaign.plan.plan import Plan, plan
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.campaign import Campaign, opened
 from scaloft_fi.campaign.runs.options import RunOptions
-from scaloft_fi.campaign.runs.run import Report, fly_pool, write_log
+from scaloft_fi.campaign.runs.run import Report, finish, fly_pool
 from scaloft_fi.campaign.runs.spending import remember_seeds, spending_of
-from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
@@ -89,17 +88,10 @@ def run_looks(
         campaign.announce_pool(first)
         rounds = _Rounds(campaign, first, others)
         looks = tuple(rounds.looks(mutants, situations))
-        canary = canary_flight(first, campaign.outcomes(first.baselines))
-        if canary is not None:
-            campaign.plan([canary], canary=True)
-            campaign.fly([canary])
-        campaign.repeat(first.baselines)
-        campaign.reporter.close()
-        write_log(study, folder, current_in(study, campaign.store))
-        outcomes = campaign.outcomes([*rounds.flights, *([canary] if canary else [])])
-        campaign.raise_if_stopped(f"{len(outcomes)} flights are")
-        campaign.hold_gates(question, outcomes)
-        return Report(outcomes, campaign.flown, (), spending_of(study, campaign.store)), looks
+        report = finish(campaign, first, rounds.flights)
+        campaign.raise_if_stopped(f"{len(report.outcomes)} flights are")
+        campaign.hold_gates(question, report.outcomes)
+        return report, looks
 
 
 class _Rounds:

@@ -94,13 +94,18 @@ def _fly(planned: Plan, campaign: Campaign, budget: Budget) -> Report:
     pool = fly_pool(planned, campaign, budget)
     done = {outcome.name for outcome in campaign.outcomes((*flights, *pool))}
     left = tuple(flight for flight in (*flights, *pool) if flight.name not in done)
+    return finish(campaign, planned, (*flights, *pool), left)
+
+
+def finish(campaign: Campaign, planned: Plan, flights: Sequence[Flight], left: tuple[Flight, ...] = ()) -> Report:
+    """Fly the canary, unless flights are `left`, repeat a baseline and write the mission log; what a run ends with."""
     canary = canary_flight(planned, campaign.outcomes(planned.baselines)) if not left else None
     if canary is not None:
         campaign.plan([canary], canary=True)
         campaign.fly([canary])
     campaign.repeat(planned.baselines)
     campaign.reporter.close()
-    outcomes = campaign.outcomes((*flights, *pool, *([canary] if canary else [])))
+    outcomes = campaign.outcomes((*flights, *([canary] if canary else [])))
     write_log(campaign.study, campaign.folder, current_in(campaign.study, campaign.store))
     return Report(outcomes, campaign.flown, left, spending_of(campaign.study, campaign.store))
 

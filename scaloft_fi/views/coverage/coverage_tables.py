@@ -19,7 +19,9 @@ MEANINGS = {
 }
 
 
-def coverage_tables(covered: Coverage, space: Space, choices: Sequence[tuple[str, int, int, int]]) -> tuple[Table, ...]:
+def coverage_tables(
+    covered: Coverage, space: Space, choices: Sequence[tuple[str, int, int, int]] = ()
+) -> tuple[Table, ...]:
     """Every number of the coverage.
 
     Args:

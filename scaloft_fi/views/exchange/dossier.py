@@ -77,14 +77,9 @@ class Dossier:
         """Seeds of the mutants' flights."""
         return tuple(sorted({o.seed for o in self.outcomes if o.subject.guideword}))
 
-    @property
-    def counted(self) -> tuple[MutantScore, ...]:
-        """The mutants that the ratios count: of each credible cell flown its default."""
-        return tuple(mutant for mutant in self.score.mutants if self.roster.counts(mutant.subject) and mutant.flown)
-
     def of(self, *verdicts: Verdict) -> tuple[MutantScore, ...]:
-        """Those of them with one of these verdicts."""
-        return tuple(mutant for mutant in self.counted if mutant.verdict in verdicts)
+        """The mutants that the ratios count, of each credible cell flown its default, with one of these verdicts."""
+        return tuple(mutant for mutant in self.score.counted if mutant.verdict in verdicts)
 
     def verdict(self, mutant: MutantScore) -> str:
         """The verdict on a mutant and what it rests on, in a line."""

@@ -9,7 +9,7 @@ it is representative.  What only people can argue is left open, and says so.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 from scaloft_fi.analysis.ratio import Ratio
@@ -20,6 +20,7 @@ from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.robustness import rho_text
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.format import export_format
+from scaloft_fi.views.ranges import ranges
 from scaloft_fi.views.score.verdict import NO_POOL
 from scaloft_fi.views.tables.table import Format, Table, render
 
@@ -64,7 +65,7 @@ def to_json(dossier: Dossier) -> dict[str, Any]:
 def _cases(dossier: Dossier) -> Table:
     baselines, mutants = _seeds(dossier, baseline=True), _seeds(dossier, baseline=False)
     rows = tuple(
-        (key, dossier.words(key), _ranges(mutants.get(key, set())), _ranges(baselines.get(key, set())))
+        (key, dossier.words(key), ranges(mutants.get(key, set())), ranges(baselines.get(key, set())))
         for key in sorted(baselines.keys() | mutants.keys(), key=dossier.space.rank)
     )
     headers = ("test case", "situation", "seeds of the mutants", "seeds of the unmutated drone")
@@ -78,21 +79,6 @@ def _seeds(dossier: Dossier, *, baseline: bool) -> dict[str, set[int]]:
         if (outcome.mutant == BASELINE) == baseline:
             by_situation.setdefault(outcome.situation, set()).add(outcome.seed)
     return by_situation
-
-
-def _ranges(seeds: Collection[int]) -> str:
-    """Numbers with their runs in short.
-
-    >>> _ranges({0, 1, 2, 5, 7, 8})
-    '0-2, 5, 7-8'
-    """
-    runs: list[list[int]] = []
-    for seed in sorted(seeds):
-        if runs and seed == runs[-1][-1] + 1:
-            runs[-1].append(seed)
-        else:
-            runs.append([seed])
-    return ", ".join(f"{run[0]}-{run[-1]}" if len(run) > 1 else str(run[0]) for run in runs)
 
 
 def _required(dossier: Dossier) -> Table:
@@ -117,7 +103,7 @@ def _by_requirement(dossier: Dossier) -> Table:
         *("requirement", "times triggered", "mutants detected by it, of those that it put to the test"),
         "least robustness",
     )
-    fates = Counter(mutant.verdict for mutant in dossier.counted)
+    fates = Counter(mutant.verdict for mutant in dossier.score.counted)
     verdicts = ", ".join(f"{fates[verdict]} {verdict.words}" for verdict in Verdict)
     notes = (
         "Triggered, robustness: flights of the unmutated drone.",
@@ -127,7 +113,7 @@ def _by_requirement(dossier: Dossier) -> Table:
 
 
 def _detected_by(dossier: Dossier, requirement: str) -> Ratio:
-    able = [mutant for mutant in dossier.counted if requirement in mutant.tests]
+    able = [mutant for mutant in dossier.score.counted if requirement in mutant.tests]
     return Ratio(sum(requirement in (*m.safety.by, *m.operability.by) for m in able), len(able))
 
 
@@ -154,7 +140,7 @@ def _violated(dossier: Dossier, situation: str) -> str:
 
 
 def _killed_in(dossier: Dossier, situation: str) -> Ratio:
-    tests = [r for mutant in dossier.counted for r in mutant.results if r.situation == situation and r.tested]
+    tests = [r for mutant in dossier.score.counted for r in mutant.results if r.situation == situation and r.tested]
     return Ratio(sum(bool(result.kills) for result in tests), len(tests))
 
 

@@ -18,8 +18,6 @@ status and first safety violation a row has
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Iterable, Sequence
 from functools import cache
@@ -31,6 +29,7 @@ from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.robustness import measured_rho
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import baseline_status
+from scaloft_fi.views.tables.table import csv_text
 
 FlightRow = dict[str, Any]
 
@@ -114,11 +113,8 @@ def to_json(rows: Sequence[FlightRow]) -> str:
 
 def to_csv(rows: Sequence[FlightRow], columns: Sequence[str]) -> str:
     """CSV with the same columns; lists joined by `;`, nothing where there is no value."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, columns, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(
-        {key: ";".join(map(str, value)) if isinstance(value, list) else value for key, value in row.items()}
-        for row in rows
-    )
-    return text.getvalue()
+    return csv_text(columns, ([_in_csv(row[name]) for name in columns] for row in rows))
+
+
+def _in_csv(value: Any) -> Any:
+    return ";".join(map(str, value)) if isinstance(value, list) else value

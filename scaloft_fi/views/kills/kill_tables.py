@@ -13,7 +13,7 @@ from scaloft_fi.analysis.kills.subsumption import Redundancy, Subsumption
 from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.judge.space import Space
-from scaloft_fi.views.kills.survivors import Next, Rung, Survivor
+from scaloft_fi.views.kills.survivors import Next, Stage, Survivor
 from scaloft_fi.views.tables.table import Table, TableCell
 
 COUNTED = (
@@ -174,20 +174,20 @@ def redundancy_table(listed: Sequence[Redundancy]) -> Table:
 
 def survivor_table(listed: Sequence[Survivor]) -> Table:
     """Every survivor with the next thing to do."""
-    rows = tuple((entry.mutant, entry.verdict.words, entry.rung.value, entry.next.value, entry.why) for entry in listed)
+    rows = tuple((one.mutant, one.verdict.words, one.stage.value, one.next.value, one.why) for one in listed)
     return Table("Survivors", ("mutant", "verdict", "stopped at", "next", "why"), rows, (_STOPPED, _STEADY, _WAY))
 
 
 def survivor_summary(listed: Sequence[Survivor]) -> Table:
     """How many survivors have which verdict and stopped where, by what to do next."""
-    groups: dict[tuple[Rung, Verdict, Next], list[str]] = {
-        (rung, verdict, then): [] for rung in Rung for verdict in Verdict for then in Next
+    groups: dict[tuple[Stage, Verdict, Next], list[str]] = {
+        (stage, verdict, then): [] for stage in Stage for verdict in Verdict for then in Next
     }
     for entry in listed:
-        groups[entry.rung, entry.verdict, entry.next].append(entry.mutant)
+        groups[entry.stage, entry.verdict, entry.next].append(entry.mutant)
     rows = tuple(
-        (verdict.words, rung.value, then.value, len(ids), ", ".join(ids))
-        for (rung, verdict, then), ids in groups.items()
+        (verdict.words, stage.value, then.value, len(ids), ", ".join(ids))
+        for (stage, verdict, then), ids in groups.items()
         if ids
     )
     notes = (_STOPPED, "`--show survivors` says of each why, and what to do.")

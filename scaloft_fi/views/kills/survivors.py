@@ -1,4 +1,4 @@
-"""Survivors by the rung where they stopped (reach, infect, propagate, reveal), each with the next thing to do.
+"""Survivors by the stage where they stopped (reach, infect, propagate, reveal), each with the next thing to do.
 
 A survivor is a mutant that is not detected.  A fault that stops at reach or infect asks for a situation, at propagate
 for a magnitude, at reveal for a magnitude, an oracle or more flights (after the RIPR model of Ammann and Offutt; that a
@@ -11,13 +11,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
 
 from scaloft_fi.analysis.kills.background import Background
 from scaloft_fi.analysis.kills.kill_matrix import KillMatrix
 from scaloft_fi.analysis.kills.near_miss import Loss
 from scaloft_fi.analysis.kills.survivor_case import Campaign, Case
-from scaloft_fi.analysis.plain import plain
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.pool import LEAST, State
 from scaloft_fi.analysis.scoring.score import Score
@@ -33,7 +31,7 @@ ASTRAY_M = 0.5
 SILENT = "Judge whether that is a hazard; if it is, a requirement is missing."
 
 
-class Rung(StrEnum):
+class Stage(StrEnum):
     """Where a survivor stopped."""
 
     HARNESS = "harness"
@@ -48,11 +46,11 @@ class Rung(StrEnum):
     """The drone flew otherwise, and violated no safety requirement more often than chance explains."""
 
 
-_RUNG = dict.fromkeys(Status, Rung.REVEAL) | {
-    Status.INVALID: Rung.HARNESS,
-    Status.NOT_REACHED: Rung.REACH,
-    Status.NOT_INFECTED: Rung.INFECT,
-    Status.MASKED: Rung.PROPAGATE,
+_STAGE = dict.fromkeys(Status, Stage.REVEAL) | {
+    Status.INVALID: Stage.HARNESS,
+    Status.NOT_REACHED: Stage.REACH,
+    Status.NOT_INFECTED: Stage.INFECT,
+    Status.MASKED: Stage.PROPAGATE,
 }
 
 
@@ -79,7 +77,7 @@ class Survivor:
     Attributes:
         mutant: id.
         verdict: on it; never `detected`.
-        rung: where it stopped.
+        stage: where it stopped.
         next: what to change.
         why: the facts that say so, and what to do, in a few sentences.
         loss: where it lost most of a baseline's margin in a steady pair; None where it cannot be measured.
@@ -89,15 +87,11 @@ class Survivor:
 
     mutant: str
     verdict: Verdict
-    rung: Rung
+    stage: Stage
     next: Next
     why: str
     loss: Loss | None = None
     off_path_m: float = 0.0
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain JSON values."""
-        return {**plain(self), "loss": self.loss.to_json() if self.loss else None}
 
 
 def survivors(
@@ -107,7 +101,7 @@ def survivors(
     backgrounds: Mapping[str, Background],
     units: Mapping[str, str] | None = None,
 ) -> tuple[Survivor, ...]:
-    """Every mutant that is not detected, by rung, then in the matrix's order; controls are left out.
+    """Every mutant that is not detected, by stage, then in the matrix's order; controls are left out.
 
     Args:
         outcomes: of the campaign, with the trajectories of a seed if distances off the path are wanted.
@@ -118,7 +112,7 @@ def survivors(
     """
     campaign = Campaign.of(outcomes, scored, matrix, backgrounds, units or {})
     cases = [Case(campaign, row, backgrounds[row.id]) for row in matrix.mutants if row.verdict is not Verdict.DETECTED]
-    return tuple(sorted(map(_judge, cases), key=lambda survivor: list(Rung).index(survivor.rung)))
+    return tuple(sorted(map(_judge, cases), key=lambda survivor: list(Stage).index(survivor.stage)))
 
 
 def short_units(requirements: Iterable[Requirement]) -> dict[str, str]:
@@ -128,24 +122,24 @@ def short_units(requirements: Iterable[Requirement]) -> dict[str, str]:
 
 def _say(case: Case, next_: Next, *sentences: str) -> Survivor:
     why = " ".join(sentence[:1].upper() + sentence[1:] for sentence in sentences if sentence)
-    return Survivor(case.row.id, case.row.verdict, _RUNG[case.row.status], next_, why, case.loss, case.off_path_m)
+    return Survivor(case.row.id, case.row.verdict, _STAGE[case.row.status], next_, why, case.loss, case.off_path_m)
 
 
 def _judge(case: Case) -> Survivor:
-    rung = _RUNG[case.row.status]
-    if rung is Rung.HARNESS:
+    stage = _STAGE[case.row.status]
+    if stage is Stage.HARNESS:
         return _say(case, Next.REPEAT, "no flight of it counts: fly it again.")
     if case.background.expected and not case.infected:
         return _say(case, Next.EXPECTED, f"declared beforehand: {case.background.expected}.")
-    if rung is Rung.REACH:
+    if stage is Stage.REACH:
         return _not_reached(case)
-    if rung is Rung.INFECT:
+    if stage is Stage.INFECT:
         return _not_infected(case)
     if case.lacking:
         return _not_pooled(case)
     if case.row.verdict is Verdict.NOT_TESTED:
         return _nowhere_steady(case)
-    if rung is Rung.PROPAGATE:
+    if stage is Stage.PROPAGATE:
         return _masked(case)
     if case.row.verdict is Verdict.UNDECIDED:
         return _say(

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.requirement import Kind, Verdict
+from scaloft_fi.judge.requirement import Compliance, Kind
 from scaloft_fi.views.pictures.map import BodyOutline, MapScene, Mark, Segment, Track
 from scaloft_fi.views.pictures.picture import Point
 
@@ -62,12 +62,11 @@ def track_of(log: FlightLog, outcome: Outcome, title: str) -> Track:
 
 def note(log: FlightLog, outcome: Outcome) -> str:
     """How the flight ended and what it violates, in a line."""
-    by_verdict = {
-        verdict: [r.requirement for r in outcome.readings if r.verdict is verdict and r.kind is not Kind.REPORTED]
-        for verdict in Verdict
-    }
-    words = {Verdict.VIOLATED: "violated", Verdict.HELD: "held", Verdict.OPEN: "open"}
-    parts = [f"{', '.join(by_verdict[verdict])} {word}" for verdict, word in words.items() if by_verdict[verdict]]
+    parts = []
+    for compliance in (Compliance.VIOLATED, Compliance.HELD, Compliance.OPEN):
+        readings = [r for r in outcome.readings if r.compliance is compliance and r.kind is not Kind.REPORTED]
+        if readings:
+            parts.append(f"{', '.join(reading.requirement for reading in readings)} {compliance.value}")
     return "; ".join([f"{log.ending.sentence} after {log.duration_s:.1f} s", *parts])
 
 

@@ -43,12 +43,10 @@ def analyses(evidence: Evidence, scored: Score, matrix: KillMatrix) -> dict[str,
         "ladders": ladders(scored, study.matrix, roster),
         "thresholds": thresholds(outcomes, scored, study.matrix, study.requirements),
         "interactions": plain(listed),
-        "orders": orders(listed, matrix.space).to_json(),
+        "orders": plain(orders(listed, matrix.space)),
         "suite": plain(minimal_suite(kills, [key for key, _ in matrix.space.points])),
-        "subsumption": subsumption(kills).to_json(),
-        "survivors": [
-            entry.to_json() for entry in survivors(outcomes, scored, matrix, known, short_units(study.requirements))
-        ],
+        "subsumption": plain(subsumption(kills)),
+        "survivors": plain(survivors(outcomes, scored, matrix, known, short_units(study.requirements))),
     }
 
 

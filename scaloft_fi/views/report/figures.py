@@ -31,17 +31,10 @@ from scaloft_fi.views.report.tracks import FAR
 from scaloft_fi.views.score.answers import answers
 from scaloft_fi.views.score.first_screen import baseline_line, coverage_line
 from scaloft_fi.views.score.score_record import score_json
+from scaloft_fi.views.score.tables import POPULATIONS
 
 SCHEMA = 3
 """Version of the JSON in the page."""
-RATIOS = {
-    "exercised": ("exercised", "credible cells whose default mutant was flown, of all credible cells"),
-    "infected": ("infected", "default mutants that changed a sample, of those flown"),
-    "tested": ("put to the test", "default mutants that infect where a safety requirement is steady, of those flown"),
-    "mutation_score": ("mutation score", "default mutants detected by safety requirements, of those flown"),
-    "operability": ("operability", "default mutants detected by operability requirements, of those flown"),
-}
-"""Title and population of each ratio."""
 
 
 def figures(evidence: Evidence) -> dict[str, Any]:
@@ -78,8 +71,8 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         ],
         "pooled": scored.pooled,
         "ratios": [
-            {"name": name, "title": title, "population": population} | record["ratios"][name]
-            for name, (title, population) in RATIOS.items()
+            {"name": name, "title": name.replace("_", " "), "population": population} | record["ratios"][name]
+            for name, population in POPULATIONS.items()
         ],
         "coverage": record["coverage"],
         "gates": _gates(evidence, scored, mutants),
@@ -98,7 +91,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "bounds": bounds_of(study.requirements),
         "pairs": record["pairs"],
         "firsts": [_first(finding) for finding in findings(outcomes, space) if finding.first],
-        "tallies": [{**plain(tally), "verdicts": plain(dict(tally.verdicts))} for tally in tallies(outcomes)],
+        "tallies": [{**plain(tally), "compliances": plain(dict(tally.compliances))} for tally in tallies(outcomes)],
         "accepted": accepted(scored, roster, study.dispositions, evidence.today),
         **analyses(evidence, scored, kills),
         "far": FAR,
@@ -116,7 +109,7 @@ def _gates(evidence: Evidence, scored: Score, mutants: Iterable[Mapping[str, Any
         failed = ""
     except GateError as error:
         failed = str(error)
-    placebo = sum(count for _, count in scored.placebo.rungs) if scored.placebo else 0
+    placebo = sum(count for _, count in scored.placebo.statuses) if scored.placebo else 0
     controls = [bool(mutant["shows"]) for mutant in mutants if mutant["control"]]
     steady = sum(bool(scored.pool.steady(key, Kind.SAFETY)) for key in scored.pool.flown)
     return {

@@ -18,6 +18,7 @@ from scaloft_fi.judge.robustness import measured_rho
 from scaloft_fi.judge.status import baseline_status
 from scaloft_fi.judge.track import TRACK_COLUMNS, TRACK_EVERY, unpack_track
 from scaloft_fi.sim.signals import SAMPLE_HZ
+from scaloft_fi.views.ranges import ranges
 from scaloft_fi.views.report.tracks import QUANTUM, Whole, coded, quantised, quantum, shared, thinned
 
 TRACK_HZ = SAMPLE_HZ / TRACK_EVERY
@@ -136,21 +137,6 @@ def _whose(members: Sequence[tuple[bool, int]]) -> str:
     return ", ".join(f"{who} with seed{'s' * (len(seeds) > 1)} {ranges(seeds)}" for who, seeds in own.items() if seeds)
 
 
-def ranges(numbers: Iterable[int]) -> str:
-    """Whole numbers in a sentence.
-
-    >>> ranges([4, 0, 1, 2, 7])
-    '0-2, 4, 7'
-    """
-    runs: list[list[int]] = []
-    for number in sorted(numbers):
-        if runs and number == runs[-1][-1] + 1:
-            runs[-1].append(number)
-        else:
-            runs.append([number])
-    return ", ".join(str(run[0]) if len(run) == 1 else f"{run[0]}-{run[-1]}" for run in runs)
-
-
 def columns(detail: Detail) -> list[dict[str, Any]]:
     """The columns of the tracks with the step of each."""
     return [{"name": column, "quantum": quantum(column, detail.coarse)} for column in TRACK_COLUMNS]
@@ -231,8 +217,9 @@ def _revealed(flight: JudgedFlight | None) -> Mapping[str, Any]:
 
 
 def _reading(reading: Reading) -> list[Any]:
-    """Robustness (none of what was never triggered), moment of the violation, verdict, episodes of the trigger."""
-    return [_short(measured_rho(reading), 4), _short(reading.violated_at_s), reading.verdict.value, reading.triggered]
+    """Robustness (none of what was never triggered), moment of the violation, compliance, episodes of the trigger."""
+    rho, violated_at_s = _short(measured_rho(reading), 4), _short(reading.violated_at_s)
+    return [rho, violated_at_s, reading.compliance.value, reading.triggered]
 
 
 def _short(value: float | None, digits: int = 3) -> float | None:

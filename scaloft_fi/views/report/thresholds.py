@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -12,7 +11,7 @@ from scaloft_fi.analysis.tried import FAILING, PhasedFault, Tried
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Requirement
-from scaloft_fi.views.worksheet.margin_text import margin_text
+from scaloft_fi.views.worksheet.margin_text import finite, margin_text
 
 
 def thresholds(
@@ -59,21 +58,16 @@ def _situation(margin: Margin, against: Sequence[str]) -> dict[str, Any]:
     return {
         "key": key,
         "margin": margin_text(margin),
-        "survives": _plain(margin.survives),
-        "seen": _plain(margin.seen),
-        "kills": _plain(margin.kills),
+        "survives": finite(margin.survives),
+        "seen": finite(margin.seen),
+        "kills": finite(margin.kills),
         "by": list(severe.requirements) if severe else [],
         "rho": {name: [_rho(survivor, name), _rho(severe, name)] for name in against},
-        "again": [_plain(magnitude) for magnitude in margin.again],
-        "flown": [_plain(magnitude) for magnitude in sorted(at, key=margin.scale.severity)],
+        "again": [finite(magnitude) for magnitude in margin.again],
+        "flown": [finite(magnitude) for magnitude in sorted(at, key=margin.scale.severity)],
     }
 
 
 def _rho(tried: Tried | None, requirement: str) -> float | str | None:
     rho: Mapping[str, float] = dict(tried.rho) if tried else {}
-    return _plain(rho.get(requirement))
-
-
-def _plain(value: float | None) -> float | str | None:
-    """A number of JSON, which has no infinite ones."""
-    return value if value is None or math.isfinite(value) else f"{value:g}"
+    return finite(rho.get(requirement))

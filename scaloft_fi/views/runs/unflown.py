@@ -19,9 +19,7 @@ def unflown_tables(planned: Plan, left: Sequence[Flight]) -> tuple[Table, ...]:
         f"{len(left)} of {len(flights)} planned flights were not flown; the same command without --budget flies them."
     )
     return (
-        _table(
-            "Not flown, by parameter", "parameter", flights, left, lambda f: f.subject.parameter or f.subject.id, note
-        ),
+        _table("Not flown, by parameter", "parameter", flights, left, _parameter, note),
         _table("Not flown, by situation", "situation", flights, left, lambda flight: flight.situation.key, note),
     )
 

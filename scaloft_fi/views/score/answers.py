@@ -49,8 +49,7 @@ def answers(scored: Score, roster: Roster, campaign: str = "default") -> tuple[A
         roster: which mutants count: the default of each credible cell; where none was flown, all do.
         campaign: its name, for the commands.
     """
-    counted = [mutant for mutant in scored.mutants if roster.counts(mutant.subject) and mutant.flown]
-    faults = counted or [mutant for mutant in scored.mutants if mutant.flown]
+    faults = scored.counted or [mutant for mutant in scored.mutants if mutant.flown]
     sentences = (_shown, _not_shown, _how_sure, _next) if scored.pooled else (_seen, _unknown, _not_sure, _next)
     asked = Asked(scored, faults, campaign, frozenset(roster.defaults.values()))
     return tuple(Answer(name, answer(asked)) for name, answer in zip(NAMES, sentences, strict=True))

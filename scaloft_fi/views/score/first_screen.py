@@ -78,7 +78,7 @@ def first_screen(
     """
     replies = answers(scored, roster, campaign)
     lines = (Answer("Situations", coverage_line(covered)), Answer("Unmutated drone", baseline_line(scored.pool)))
-    counted = Counter(mutant.verdict for mutant in scored.mutants if mutant.flown and roster.counts(mutant.subject))
+    counted = Counter(mutant.verdict for mutant in scored.counted)
     groups = []
     for verdict in Verdict:
         members = [mutant for mutant in scored.mutants if mutant.flown and mutant.verdict is verdict]

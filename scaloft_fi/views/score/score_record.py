@@ -37,7 +37,7 @@ def score_json(
         "redraw": plain(scored.redraw),
         "mutants": [_mutant(mutant) for mutant in scored.mutants],
         "controls": [_mutant(mutant) for mutant in scored.controls],
-        "pairs": [pair.to_json() for pair in scored.pool.pairs.values()],
+        "pairs": plain(scored.pool.pairs.values()),
         "lacking": list(scored.lacking),
         "coverage": _coverage(covered),
         "baseline": [{"situation": key, "violated": list(violated)} for key, violated in baselines],

@@ -1,4 +1,4 @@
-"""The tables behind the first screen: ratios, rungs, pairs, the unmutated drone's findings, coverage, groupings."""
+"""The tables behind the first screen: ratios, stages, pairs, the unmutated drone's findings, coverage, groupings."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from collections import Counter
 from collections.abc import Sequence
 
 from scaloft_fi.analysis.ratio import Ratio
-from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.baseline import Finding, Tally, findings, tallies
 from scaloft_fi.analysis.scoring.grouping import By, groups
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
@@ -14,15 +13,16 @@ from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.situations.coverage import Coverage
 from scaloft_fi.judge.outcome import PLACEBO
-from scaloft_fi.judge.requirement import Verdict
+from scaloft_fi.judge.requirement import Compliance
 from scaloft_fi.judge.robustness import rho_text
 from scaloft_fi.judge.rulings import Rulings
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Status
+from scaloft_fi.views.coverage.coverage_tables import coverage_tables
 from scaloft_fi.views.tables.table import Table
 
 MANY = 24
-"""Of more mutants than these the flights at each rung are summed by parameter."""
+"""Of more mutants than these the flights at each stage are summed by parameter."""
 POPULATIONS = {
     "exercised": "credible cells whose default mutant was flown, of all credible cells",
     "infected": "default mutants that changed a sample, of those flown",
@@ -34,17 +34,17 @@ POPULATIONS = {
 
 
 def tables_behind(
-    scored: Score, rulings: Rulings, covered: Coverage, roster: Roster, space: Space, by: By | None = None
+    scored: Score, rulings: Rulings, covered: Coverage, space: Space, by: By | None = None
 ) -> tuple[Table, ...]:
     """All tables behind the first screen; `by` adds the score part by part."""
     return (
         ratio_table(scored),
-        rung_table(scored),
-        *([group_table(scored, by, roster, space)] if by else []),
+        stage_table(scored),
+        *([group_table(scored, by, space)] if by else []),
         pair_table(scored.pool, space),
         baseline_table(findings(rulings.baselines, space)),
         requirement_table(tallies(rulings.baselines)),
-        coverage_table(covered),
+        *coverage_tables(covered, space),
     )
 
 
@@ -81,8 +81,8 @@ def pair_table(pool: Pool, space: Space) -> Table:
     return Table("Pairs that put no fault to the test", headers, rows, notes)
 
 
-def rung_table(scored: Score) -> Table:
-    """How many flights stopped at each rung: reach, infect, propagate, reveal; by parameter where mutants are many."""
+def stage_table(scored: Score) -> Table:
+    """How many flights stopped at each stage: reach, infect, propagate, reveal; by parameter where mutants are many."""
     placebo = [scored.placebo] if scored.placebo else []
     entries = [*placebo, *scored.mutants, *scored.controls]
     if len(entries) <= MANY:
@@ -93,15 +93,15 @@ def rung_table(scored: Score) -> Table:
         parts = [*((PLACEBO, [entry]) for entry in placebo), *parts, ("controls", list(scored.controls))]
     if len(entries) > 1:
         parts.append(("all", entries))
-    rows = [_rungs(name, members) for name, members in parts if members]
+    rows = [_stages(name, members) for name, members in parts if members]
     headers = ("mutant" if len(entries) <= MANY else "parameter", *(status.value for status in Status), "flights")
     return Table("Where the faults stopped (flights)", headers, tuple(rows))
 
 
-def _rungs(name: str, members: Sequence[MutantScore]) -> tuple[str | int, ...]:
+def _stages(name: str, members: Sequence[MutantScore]) -> tuple[str | int, ...]:
     counts = Counter[Status]()
     for member in members:
-        counts.update(dict(member.rungs))
+        counts.update(dict(member.statuses))
     return (name, *(counts[status] for status in Status), counts.total())
 
 
@@ -142,37 +142,21 @@ def _first(finding: Finding) -> str:
 
 def requirement_table(tallied: Sequence[Tally]) -> Table:
     """What the baseline flights say about each requirement."""
-    headers = ("requirement", "kind", *(verdict.value for verdict in Verdict), "triggered", "least robustness")
+    headers = ("requirement", "kind", *(compliance.value for compliance in Compliance), "triggered", "least robustness")
     rows = tuple(
-        (t.requirement, t.kind.value, *(count for _, count in t.verdicts), t.triggered, rho_text(t.least_rho))
+        (t.requirement, t.kind.value, *(count for _, count in t.compliances), t.triggered, rho_text(t.least_rho))
         for t in tallied
     )
     notes = (
-        "Baseline flights by verdict; triggered: episodes in which the requirement's condition came true.",
+        "Baseline flights by compliance; triggered: episodes in which the requirement's condition came true.",
         "Least robustness: of flights in which it came true, or that violate it.",
     )
     return Table("Requirements of the unmutated drone (flights)", headers, rows, notes)
 
 
-def coverage_table(covered: Coverage) -> Table:
-    """How much of the situation space was flown; the grid is a closed list, so no interval."""
-    rows = [
-        ("distinct situations", str(covered.situations), "situations of the grid"),
-        ("draws", str(covered.draws), "situations flown with a seed"),
-        *([("pool", str(covered.pool), "of these draws, the baseline's alone, to decide by")] if covered.pool else []),
-        *((f"{t}-way", str(ratio), "value combinations of that many axes") for t, ratio in covered.t_way),
-        ("realised", str(covered.realised), "situations whose every value came true in a baseline flight"),
-        *(
-            (f"realised {axis}", str(ratio), "situations where the value on that axis came true")
-            for axis, ratio in covered.by_axis
-        ),
-    ]
-    return Table("Situation coverage", ("coverage", "part/whole", "of"), tuple(rows))
-
-
-def group_table(scored: Score, by: By, roster: Roster, space: Space) -> Table:
+def group_table(scored: Score, by: By, space: Space) -> Table:
     """The score of each part."""
-    rows = tuple((group.name, str(group.tested), str(group.flown)) for group in groups(scored, by, roster, space))
+    rows = tuple((group.name, str(group.tested), str(group.flown)) for group in groups(scored, by, space))
     mutants = by in (By.GUIDEWORD, By.PARAMETER, By.REQUIREMENT)
     what = "detected" if mutants else "with a kill"
     of = "mutants in situations" if by is By.AXIS else "mutants"

@@ -90,7 +90,7 @@ def _undecided(mutant: MutantScore, lacking: Collection[str]) -> str:
         if lacks_pool(mutant, lacking):
             return f"{nothing}, and others have too few baseline flights to tell; {decides}"
         return f"{nothing}, with too few flights to tell; {decides}"
-    counts = dict(mutant.rungs)
+    counts = dict(mutant.statuses)
     revealed, flown = counts.get(Status.REVEALED, 0), sum(result.flown for result in mutant.results)
     seen = f"{revealed} of its {flown} flights violate a safety requirement that the baseline beside them holds"
     return f"too few baseline flights to tell; {seen}; {decides}"
@@ -99,7 +99,7 @@ def _undecided(mutant: MutantScore, lacking: Collection[str]) -> str:
 def _unseen(mutant: MutantScore) -> str:
     if mutant.status is Status.MASKED:
         return "samples changed, no flight did"
-    if {Status.REVEALED, Status.BASELINE_RED} & dict(mutant.rungs).keys():
+    if {Status.REVEALED, Status.BASELINE_RED} & dict(mutant.statuses).keys():
         return "violations only where the unmutated drone does not hold the requirement steadily"
     return "the flights that changed violate no safety requirement"
 

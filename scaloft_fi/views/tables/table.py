@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from textwrap import fill
@@ -53,17 +53,22 @@ def render(tables: Sequence[Table], how: Format) -> str:
     return "\n".join(_one(table, how) for table in tables)
 
 
+def csv_text(headers: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
+    """A line of headers and a line for each row; nothing stands where there is no value."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(headers)
+    writer.writerows(rows)
+    return text.getvalue()
+
+
 def _plain(table: Table) -> dict[str, object]:
     return {"title": table.title, "rows": table.records(), "notes": list(table.notes)}
 
 
 def _one(table: Table, how: Format) -> str:
     if how is Format.CSV:
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(table.headers)
-        writer.writerows(["" if cell is None else cell for cell in row] for row in table.rows)
-        return f"# {table.title}\n{text.getvalue()}"
+        return f"# {table.title}\n{csv_text(table.headers, table.rows)}"
     import tabulate
 
     tabulate.MIN_PADDING = 0  # a header needs no more room than its letters

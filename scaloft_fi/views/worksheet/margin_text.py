@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from scaloft_fi.analysis.margin import Margin, Scale
 
 UNKNOWN = "?"
@@ -42,3 +44,12 @@ def margin_text(margin: Margin) -> str:
     else:
         text = f"{survives:g}-{magnitude_text(scale, severe)}"
     return "seen " * (margin.kills is None and margin.seen is not None) + text + " !" * bool(margin.again)
+
+
+def finite(value: float | None) -> float | str | None:
+    """A number of JSON, which has no infinite ones: those are texts.
+
+    >>> finite(0.5), finite(math.inf), finite(None)
+    (0.5, 'inf', None)
+    """
+    return value if value is None or math.isfinite(value) else f"{value:g}"

@@ -17,7 +17,7 @@ from scaloft_fi.hazop.name import parse
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.views.tables.table import Table
-from scaloft_fi.views.worksheet.margin_text import UNKNOWN, magnitude_text, margin_text
+from scaloft_fi.views.worksheet.margin_text import UNKNOWN, finite, magnitude_text, margin_text
 
 HEADERS = ("situation", "margin", "survives", "seen", "killed", "violated", "robustness", "flown at", "again")
 ENDS = (
@@ -151,11 +151,11 @@ def margin_json(by_fault: Mapping[PhasedFault, Sequence[Margin]]) -> list[dict[s
                     "requirements": list(_severe(margin).requirements),
                     "tried": [
                         {
-                            "magnitude": _plain(entry.magnitude),
+                            "magnitude": finite(entry.magnitude),
                             "answer": entry.reaction.value,
                             "violated": dict(entry.violated),
                             "flown": entry.flown,
-                            "rho": {name: _plain(value) for name, value in entry.rho},
+                            "rho": {name: finite(value) for name, value in entry.rho},
                             "needed": entry.needed,
                             "anew": entry.anew,
                         }
@@ -172,18 +172,12 @@ def margin_json(by_fault: Mapping[PhasedFault, Sequence[Margin]]) -> list[dict[s
 def _ends(margin: Margin) -> dict[str, Any]:
     return {
         "margin": margin_text(margin),
-        "survives": _plain(margin.survives),
-        "seen": _plain(margin.seen),
-        "kills": _plain(margin.kills),
+        "survives": finite(margin.survives),
+        "seen": finite(margin.seen),
+        "kills": finite(margin.kills),
         "monotone": not margin.again,
-        "again": [_plain(magnitude) for magnitude in margin.again],
+        "again": [finite(magnitude) for magnitude in margin.again],
     }
-
-
-def _plain(value: float | None) -> float | str | None:
-    if value is None or math.isfinite(value):
-        return value
-    return f"{value:g}"
 
 
 def cell_margins(

@@ -85,7 +85,7 @@ FINDINGS = (
         width=30,
     ),
     Column("killing", "Situations with a kill", "their keys", width=30),
-    Column("stopped_at", "Stopped at", "rung reached in situations without a kill, with situations", width=26),
+    Column("stopped_at", "Stopped at", "stage reached in situations without a kill, with situations", width=26),
     Column("disposition", "Disposition", "of a survivor that somebody accepted", short=True, width=30),
 )
 TEAM = (
@@ -192,10 +192,10 @@ def _p(score: MutantScore) -> Mapping[str, float]:
 
 
 def _stopped(score: MutantScore) -> str:
-    """The highest rungs that flights reached in situations without a kill, with situations, highest first."""
+    """The stages that flights reached in situations without a kill, with situations, furthest first."""
     counts = Counter(result.status for result in score.results if not result.kills)
     return ", ".join(
-        f"{status.value} {counts[status]}" for status in sorted(counts, key=lambda s: s.rung, reverse=True)
+        f"{status.value} {counts[status]}" for status in sorted(counts, key=lambda s: s.stage, reverse=True)
     )
 
 

@@ -5,13 +5,11 @@ Deviations that are not credible stand in a log of their own, with their reason;
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable, Sequence
 
 from scaloft_fi.hazop.cell import CellStatus
 from scaloft_fi.views.tables.literal import latex, line, markdown, printable, spreadsheet_text
-from scaloft_fi.views.tables.table import Format, Table, render
+from scaloft_fi.views.tables.table import Format, Table, csv_text, render
 from scaloft_fi.views.worksheet.worksheet import COLUMNS, Column, SheetRow, SheetValue, population
 
 TITLE, LOG_TITLE = "HAZOP worksheet", "Deviations not credible"
@@ -125,11 +123,8 @@ def _row(cells: Sequence[str], escape: Callable[[str], str]) -> str:
 
 def to_csv(rows: Sequence[SheetRow]) -> str:
     """Every column of every cell; a text that a spreadsheet would take for a formula begins with `'`."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(column.key for column in COLUMNS)
-    writer.writerows([_in_csv(row.values[column.key]) for column in COLUMNS] for row in rows)
-    return text.getvalue()
+    lines = ([_in_csv(row.values[column.key]) for column in COLUMNS] for row in rows)
+    return csv_text([column.key for column in COLUMNS], lines)
 
 
 def _in_csv(value: SheetValue) -> SheetValue:

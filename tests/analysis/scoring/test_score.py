@@ -150,7 +150,7 @@ def test_the_score_ignores_the_order_of_outcomes(outcomes: list[Outcome], chance
 def test_statuses_sum_to_flights_and_fates_to_mutants(outcomes: list[Outcome]) -> None:
     found = score(outcomes, ROSTER, GRID)
     entries = [*found.mutants, *found.controls, *([found.placebo] if found.placebo else [])]
-    assert sum(count for entry in entries for _, count in entry.rungs) == sum(o.mutant != BASELINE for o in outcomes)
+    assert sum(count for entry in entries for _, count in entry.statuses) == sum(o.mutant != BASELINE for o in outcomes)
     assert found.fates.total() == len(found.mutants)
 
 

@@ -63,7 +63,7 @@ def test_there_is_one_root_and_everything_hangs_on_it_or_challenges_it(dossier: 
 def test_every_mutant_flown_that_is_not_detected_is_a_counter_goal(dossier: Dossier) -> None:
     nodes = read(gsn(dossier))
     challenges = [node["text"].split(" ")[0] for node in nodes.values() if node.get("challenges") == "G3"]
-    assert challenges == [mutant.subject.id for mutant in dossier.counted if not mutant.detected]
+    assert challenges == [mutant.subject.id for mutant in dossier.score.counted if not mutant.detected]
     assert nodes["G4"].get("undeveloped", False) is bool(challenges or not dossier.score.pooled)
 
 

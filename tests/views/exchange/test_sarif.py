@@ -16,7 +16,7 @@ from scaloft_fi.views.exchange.sarif import sarif
 def test_a_reader_of_sarif_finds_each_mutant_that_is_not_detected_on_the_line_of_its_cell(dossier: Dossier) -> None:
     (run,) = Sarif.model_validate_json(json.dumps(sarif(dossier), allow_nan=False)).runs
     rules = run.tool.driver.rules or []
-    mutants = [mutant for mutant in dossier.counted if not mutant.detected]
+    mutants = [mutant for mutant in dossier.score.counted if not mutant.detected]
     assert [result.partial_fingerprints["mutant/v1"] for result in run.results] == [m.subject.id for m in mutants]
     for result, mutant in zip(run.results, mutants, strict=True):
         place = result.locations[0].physical_location

@@ -11,12 +11,13 @@ from hypothesis import strategies as st
 
 from scaloft_fi.analysis.kills.background import Background, backgrounds
 from scaloft_fi.analysis.kills.kill_matrix import kill_matrix
+from scaloft_fi.analysis.plain import plain
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.track import TRACK_COLUMNS, pack_track
 from scaloft_fi.study import Study
-from scaloft_fi.views.kills.survivors import Next, Rung, Survivor, survivors
+from scaloft_fi.views.kills.survivors import Next, Stage, Survivor, survivors
 
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
 HUMAN, NOBODY, DARK = "T0O0W0D0H1", "T0O0W0D0H0", "T1O0W0D1H0"
@@ -70,13 +71,13 @@ def test_a_detected_mutant_is_no_survivor_even_without_a_kill() -> None:
 
 def test_a_mutant_of_which_no_flight_counts_is_to_be_flown_again() -> None:
     found = told([*POOL, outcome(LATE, HUMAN, invalid="the worker died")])
-    assert (found.verdict, found.rung, found.next) == (Verdict.NOT_TESTED, Rung.HARNESS, Next.REPEAT)
+    assert (found.verdict, found.stage, found.next) == (Verdict.NOT_TESTED, Stage.HARNESS, Next.REPEAT)
 
 
 def test_what_was_declared_beforehand_is_told_with_its_reason() -> None:
     background = replace(LATE_FAULT, expected="the mission is too short")
     found = told([*POOL, outcome(LATE, HUMAN, altered=0)], background)
-    assert (found.rung, found.next) == (Rung.INFECT, Next.EXPECTED)
+    assert (found.stage, found.next) == (Stage.INFECT, Next.EXPECTED)
     assert "the mission is too short" in found.why
 
 
@@ -89,7 +90,7 @@ def test_a_seam_that_carries_elsewhere_names_the_situation_to_fly() -> None:
     flights = [*POOL, outcome(LATE, NOBODY, carried=0, altered=0), outcome(NO, HUMAN)]
     listed = survivors_of(flights, {LATE: LATE_FAULT, NO: Background("person", ("SR2",))})
     found = next(survivor for survivor in listed if survivor.mutant == LATE)
-    assert (found.rung, found.next) == (Rung.REACH, Next.SITUATION)
+    assert (found.stage, found.next) == (Stage.REACH, Next.SITUATION)
     assert f"fly {HUMAN}." in found.why
 
 
@@ -103,7 +104,7 @@ def test_a_seam_that_carries_nowhere_says_how_much_of_the_grid_is_left() -> None
 def test_a_fault_that_changes_nothing_asks_for_a_situation_unless_a_stronger_one_does() -> None:
     weak = [*POOL, outcome(LATE, HUMAN, altered=0), outcome(LATE, NOBODY, carried=0, altered=0)]
     found = told(weak)
-    assert (found.rung, found.next) == (Rung.INFECT, Next.SITUATION)
+    assert (found.stage, found.next) == (Stage.INFECT, Next.SITUATION)
     assert "carries samples in human," in found.why
     found = told([*weak, outcome(STRONGER, HUMAN)])
     assert found.next is Next.MAGNITUDE
@@ -152,7 +153,7 @@ def test_what_no_number_of_seeds_would_decide_asks_for_a_situation() -> None:
 
 def test_a_masked_fault_asks_for_a_larger_one_and_at_the_ladders_end_for_a_situation() -> None:
     masked = [*POOL, *thrice(LATE, HUMAN, digest="clean")]
-    assert (told(masked).rung, told(masked).next) == (Rung.PROPAGATE, Next.MAGNITUDE)
+    assert (told(masked).stage, told(masked).next) == (Stage.PROPAGATE, Next.MAGNITUDE)
     assert f"`scaloft-fi margin {LATE}`" in told(masked).why
     assert "seeds" not in told(masked).why
     assert told(masked, replace(LATE_FAULT, stronger=())).next is Next.SITUATION
@@ -163,7 +164,7 @@ def test_where_nothing_is_steady_a_fault_cannot_show_and_the_states_are_named() 
     red = pool(DARK, red=10, violated={"SR1": 30.0}, struck="bar")
     lit = [f for key in (NOBODY, HUMAN, "T1O0W0D0H0") for f in (*pool(key), outcome(LATE, key, altered=0))]
     found = told([*red, *thrice(LATE, DARK), *lit])
-    assert (found.verdict, found.rung, found.next) == (Verdict.NOT_TESTED, Rung.REVEAL, Next.SITUATION)
+    assert (found.verdict, found.stage, found.next) == (Verdict.NOT_TESTED, Stage.REVEAL, Next.SITUATION)
     assert "It infects in dark, and no safety requirement is steady there" in found.why
     assert "SR1 is red in 1 situation; SR2 is open in 1 situation." in found.why
     assert "mend the unmutated drone" in found.why
@@ -237,19 +238,19 @@ def test_far_off_its_path_with_whole_margins_asks_for_an_oracle() -> None:
 
 @settings(deadline=None, max_examples=40)
 @given(st.one_of(campaigns(), seeded()))
-def test_every_mutant_is_detected_or_told_once_in_the_order_of_the_rungs(outcomes: list[Outcome]) -> None:
+def test_every_mutant_is_detected_or_told_once_in_the_order_of_the_stages(outcomes: list[Outcome]) -> None:
     scored = score(outcomes, ROSTER, GRID)
     matrix = kill_matrix(scored, ROSTER, GRID)
     found = survivors(outcomes, scored, matrix, {row.id: LATE_FAULT for row in matrix.mutants})
     others = {row.id for row in matrix.mutants if row.verdict is not Verdict.DETECTED}
     assert sorted(survivor.mutant for survivor in found) == sorted(others)
-    places = [list(Rung).index(survivor.rung) for survivor in found]
+    places = [list(Stage).index(survivor.stage) for survivor in found]
     assert places == sorted(places)
     assert all(survivor.why[0].isupper() or survivor.why[0].isdigit() for survivor in found)
     assert all(survivor.why.endswith(".") and "  " not in survivor.why for survivor in found)
     undecided = [survivor for survivor in found if survivor.verdict is Verdict.UNDECIDED]
     assert all("seeds" in survivor.why or "baselines" in survivor.why for survivor in undecided)
-    json.dumps([survivor.to_json() for survivor in found], allow_nan=False)
+    json.dumps(plain(found), allow_nan=False)
 
 
 def test_the_background_is_what_the_matrix_says() -> None:

@@ -38,7 +38,7 @@ CAMPAIGN = [
 
 def tables(outcomes: list[Outcome], by: By | None = None) -> dict[str, Table]:
     rulings, scored = rulings_of(outcomes), score(outcomes, ROSTER, GRID)
-    found = tables_behind(scored, rulings, coverage(outcomes, GRID), ROSTER, GRID, by)
+    found = tables_behind(scored, rulings, coverage(outcomes, GRID), GRID, by)
     return {table.title: table for table in found}
 
 
@@ -60,7 +60,7 @@ def test_the_pairs_that_put_no_fault_to_the_test_say_why() -> None:
     ]
 
 
-def test_of_many_mutants_the_rungs_are_summed_by_parameter() -> None:
+def test_of_many_mutants_the_stages_are_summed_by_parameter() -> None:
     ids = [f"LATE-{parameter}@{n}s" for parameter in ("human", "depth") for n in range(MANY)]
     flown = [outcome(), outcome(PLACEBO, altered=0), *(outcome(id_) for id_ in ids)]
     table = tables(flown)["Where the faults stopped (flights)"]
@@ -96,7 +96,7 @@ def test_a_table_too_wide_narrows_the_column_that_costs_the_fewest_lines() -> No
 
 def parts(by: By) -> dict[str, tuple[Ratio, Ratio]]:
     found = score(CAMPAIGN, ROSTER, GRID)
-    return {group.name: (group.tested, group.flown) for group in groups(found, by, ROSTER, GRID)}
+    return {group.name: (group.tested, group.flown) for group in groups(found, by, GRID)}
 
 
 def test_the_score_by_guideword_and_by_parameter_is_of_detected_mutants() -> None:
@@ -127,7 +127,7 @@ def test_the_score_by_situation_and_by_axis_is_of_kills() -> None:
 @settings(deadline=None)
 def test_the_parts_of_the_score_sum_to_the_score(outcomes: list[Outcome], by: By) -> None:
     found = score(outcomes, ROSTER, GRID)
-    listed = groups(found, by, ROSTER, GRID)
+    listed = groups(found, by, GRID)
     assert sum(group.tested.part for group in listed) == found.mutation_score.part
     assert sum(group.tested.whole for group in listed) == found.tested.part
     assert sum(group.flown.whole for group in listed) == found.tested.whole
@@ -149,15 +149,15 @@ def test_the_baselines_findings_name_the_first_violation_and_what_stayed_open() 
 def test_each_requirement_is_tallied_over_the_baseline_flights() -> None:
     clean = [outcome(), outcome(BASELINE, DARK, violated={"SR1": 30.0}, struck="bar")]
     first, *_, last = tallies(clean)
-    assert (first.requirement, dict(first.verdicts), first.least_rho) == (
+    assert (first.requirement, dict(first.compliances), first.least_rho) == (
         "SR1",
         {"violated": 1, "open": 0, "vacuous": 0, "held": 1},
         -0.1,
     )
-    assert (last.requirement, dict(last.verdicts)["open"], last.triggered) == ("OP1", 1, 2)
+    assert (last.requirement, dict(last.compliances)["open"], last.triggered) == ("OP1", 1, 2)
 
 
 @given(campaigns())
 def test_the_verdicts_on_a_requirement_sum_to_the_baseline_flights(outcomes: list[Outcome]) -> None:
     baselines = sum(o.mutant == BASELINE and not o.invalid for o in outcomes)
-    assert all(sum(count for _, count in tally.verdicts) == baselines for tally in tallies(outcomes))
+    assert all(sum(count for _, count in tally.compliances) == baselines for tally in tallies(outcomes))

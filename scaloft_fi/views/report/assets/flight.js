@@ -158,7 +158,7 @@ function readings(flight, clean) {
     return [h("span", { title: requirement.title }, requirement.name, h("span", { class: "faint small" }, ` ${requirement.kind}`)),
       ...(clean ? side(clean, number) : []), ...side(flight, number), own ? seconds(own[1]) : "–", h("span", { class: "faint small unit" }, requirement.unit)];
   });
-  const headers = ["requirement", ...(clean ? ["unmutated drone", { text: "robustness", number: true }] : []), clean ? "this flight" : "verdict", { text: "robustness", number: true }, { text: "violated at", number: true }, "unit of robustness"];
+  const headers = ["requirement", ...(clean ? ["unmutated drone", { text: "robustness", number: true }] : []), clean ? "this flight" : "compliance", { text: "robustness", number: true }, { text: "violated at", number: true }, "unit of robustness"];
   return h("div", {}, h("h3", { class: "sub" }, "Robustness: below 0 a requirement is violated; \u2013 where it was not put to the test"), table(headers, rows, { stack: false }));
 }
 

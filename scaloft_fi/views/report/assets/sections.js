@@ -11,8 +11,8 @@ function unmutated() {
     h("p", { class: "note" }, lost.length ? [h("b", {}, `${plural(lost.length, "situation")} of ${pooled.length} put no fault to the safety test`), ", because no safety requirement is steady there: ", lost.map((key, number) => [number ? "; " : "", wordsOf(key)]), "."] : pooled.length ? "Every situation with a pool puts faults to the safety test." : "There is no pool: no situation has ten flights of the unmutated drone."),
     ill.length > 0 && table(["situation", ...names, "what is left to test", "first safety violation"], ill.map((key) => pairRow(key, names, firsts.get(key))), { caption: "Situations with a red, unsteady or open pair: flights that violate, of those judged to their ends." }),
     h("h3", { class: "sub" }, "Requirements over the flights of the unmutated drone"),
-    table(["requirement", "kind", ...verdicts().map((text) => ({ text, number: true })), { text: "triggered", number: true }, { text: "least robustness", number: true }, "its unit"],
-      DATA.tallies.map((tally) => [tally.requirement, tally.kind, ...verdicts().map((verdict) => String(tally.verdicts[verdict] ?? 0)), String(tally.triggered), signed(tally.least_rho), h("span", { class: "faint small unit" }, requirementOf(tally.requirement)?.unit ?? "")]), { stack: false }),
+    table(["requirement", "kind", ...compliances().map((text) => ({ text, number: true })), { text: "triggered", number: true }, { text: "least robustness", number: true }, "its unit"],
+      DATA.tallies.map((tally) => [tally.requirement, tally.kind, ...compliances().map((compliance) => String(tally.compliances[compliance] ?? 0)), String(tally.triggered), signed(tally.least_rho), h("span", { class: "faint small unit" }, requirementOf(tally.requirement)?.unit ?? "")]), { stack: false }),
     h("p", { class: "small faint" }, "Flights by verdict.  Open: the flight was cut short before the requirement could be held to the end.  Vacuous: never triggered in the flight, so not passed."));
 }
 
@@ -29,7 +29,7 @@ function pairRow(key, names, first) {
     first ? h("a", { href: flightHash("baseline", key, first.seed) }, firstText(first)) : "\u2013"];
 }
 
-const verdicts = () => Object.keys(DATA.tallies[0]?.verdicts ?? {});
+const compliances = () => Object.keys(DATA.tallies[0]?.compliances ?? {});
 const firstText = (first) => `${first.requirement} at ${seconds(first.t_s)}${first.struck ? `, strikes ${first.struck}` : ""}, seed\u00a0${first.seed}`;
 
 function survivors() {
@@ -57,7 +57,7 @@ function todo(entries) {
 /** A survivor's line: what it is, what to change, the facts that say so. */
 function survivor(mutant, told) {
   return [h("span", {}, h("a", { class: "id", href: mutantHash(mutant.id) }, mutant.id), h("span", { class: "faint small under" }, CELLS.get(mutant.cell)?.deviation ?? "")),
-    [h("span", { class: "faint narrow" }, "stopped at "), told.rung], h("b", {}, h("span", { class: "narrow" }, "change "), NEXT[told.next] ?? told.next), h("span", { class: "small" }, withCode(told.why)), acceptance(mutant.id) ?? h("span", { class: "faint", title: "The score does not count it against the tests." }, "\u2013")];
+    [h("span", { class: "faint narrow" }, "stopped at "), told.stage], h("b", {}, h("span", { class: "narrow" }, "change "), NEXT[told.next] ?? told.next), h("span", { class: "small" }, withCode(told.why)), acceptance(mutant.id) ?? h("span", { class: "faint", title: "The score does not count it against the tests." }, "\u2013")];
 }
 
 const NEXT = { repeat: "fly again", pool: "baseline pool", seeds: "seeds", situation: "situation", magnitude: "magnitude", oracle: "requirement", operability: "nothing (operability shows it)", expected: "nothing (known beforehand)" };
