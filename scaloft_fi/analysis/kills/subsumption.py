@@ -11,14 +11,11 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from scaloft_fi.analysis.kills.kill_matrix import KillMatrix
 from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.hazop.name import cell_of
-
-if TYPE_CHECKING:
-    import networkx as nx
 
 
 @dataclass(frozen=True)
@@ -61,16 +58,6 @@ class Subsumption:
     def killed(self) -> int:
         """Mutants in the graph: those that something kills."""
         return sum(len(node.mutants) for node in self.nodes)
-
-    def graph(self) -> nx.DiGraph:
-        """The same as a networkx graph: nodes by name with `mutants` and `kills`, edges from subsuming to subsumed."""
-        import networkx as nx
-
-        graph = nx.DiGraph()
-        for node in self.nodes:
-            graph.add_node(node.name, mutants=node.mutants, kills=node.kills)
-        graph.add_edges_from((self.nodes[above].name, self.nodes[below].name) for above, below in self.edges)
-        return graph
 
     def layers(self) -> tuple[tuple[int, ...], ...]:
         """The nodes by the longest way down to them; the first layer is the minimal ones."""

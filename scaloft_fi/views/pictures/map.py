@@ -11,7 +11,6 @@ from scaloft_fi.views.pictures.picture import Frame, Point, text
 from scaloft_fi.views.pictures.symbols import (
     FAINT,
     FLOOR,
-    FONT,
     HOLES,
     INK,
     LINE_STYLE,
@@ -21,6 +20,7 @@ from scaloft_fi.views.pictures.symbols import (
     body_style,
     legend,
     shade,
+    svg,
     waypoint,
 )
 
@@ -70,11 +70,10 @@ class Mark:
 
 @dataclass(frozen=True)
 class Track:
-    """One flight's panel.  points: (T,) positions [m, world]; speeds_mps: (T,) [m/s]; times_s: (T,) [s]."""
+    """One flight's panel.  points: (T,) positions [m, world]; speeds_mps: (T,) [m/s]."""
 
     title: str
     note: str
-    times_s: Sequence[float]
     points: Sequence[Point]
     speeds_mps: Sequence[float]
     marks: tuple[Mark, ...]
@@ -95,11 +94,7 @@ def draw(scene: MapScene, tracks: Sequence[Track], *, title: str, subtitle: str 
     list_top = TOP + frames[0].height + 62
     legend_top = list_top + listed * LINE + 18
     wide, high = max(frames[-1].left + width + 24, 640.0), legend_top + 78
-    box = f'width="{wide:.0f}" height="{high:.0f}" viewBox="0 0 {wide:.0f} {high:.0f}"'
     parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" {box} font-family="{FONT}" font-size="13" fill="{INK}">',
-        f"<title>{escape(title)}</title>",
-        '<rect width="100%" height="100%" fill="#ffffff"/>',
         text(MARGIN, 34, title, size=20, weight="bold"),
         text(MARGIN, 57, subtitle, colour=FAINT, size=14),
     ]
@@ -107,7 +102,7 @@ def draw(scene: MapScene, tracks: Sequence[Track], *, title: str, subtitle: str 
         parts += _panel(frame, scene, track, number)
         parts += _list(frame, track, list_top)
     parts += legend(MARGIN, legend_top)
-    return "\n".join([*parts, "</svg>", ""])
+    return svg(wide, high, title, parts, font_size=13)
 
 
 def _extent(scene: MapScene, tracks: Sequence[Track]) -> tuple[float, float, float, float]:

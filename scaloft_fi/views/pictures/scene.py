@@ -53,7 +53,6 @@ def track_of(log: FlightLog, outcome: Outcome, title: str) -> Track:
     return Track(
         title=title,
         note=note(log, outcome),
-        times_s=tuple(log.signals["elapsed_s"].tolist()),
         points=points,
         speeds_mps=tuple(log.signals["speed_mps"].tolist()),
         marks=tuple(sorted(marks, key=lambda mark: mark.t_s)),

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 from scaloft_fi.analysis.kills.subsumption import Node, Subsumption
 from scaloft_fi.views.pictures.picture import text
-from scaloft_fi.views.pictures.symbols import FAINT, FONT, INK
+from scaloft_fi.views.pictures.symbols import FAINT, INK, svg
 
 MARGIN, TOP = 24.0, 92.0
 LINE, PAD = 16.0, 8.0
@@ -28,14 +28,10 @@ def draw_subsumption(graph: Subsumption, *, title: str = "What subsumes what") -
     """The graph as the text of an SVG file: layers from left to right (Sugiyama, Tagawa and Toda, 1981)."""
     boxes, wide, high = _places(graph)
     wide = max(wide, 620.0)
-    box = f'width="{wide:.0f}" height="{high:.0f}" viewBox="0 0 {wide:.0f} {high:.0f}"'
     counted = (
         f"{graph.killed} killed mutants, {len(graph.nodes)} kill sets, {len(graph.minimal)} minimal (thick frames)."
     )
     parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" {box} font-family="{FONT}" font-size="12" fill="{INK}" role="img">',
-        f"<title>{escape(title)}</title>",
-        '<rect width="100%" height="100%" fill="#ffffff"/>',
         text(MARGIN, 34, title, size=20, weight="bold"),
         text(MARGIN, 56, counted, colour=FAINT, size=13),
         text(MARGIN, 74, "What kills a mutant kills those its lines lead to, on the right.", colour=FAINT, size=13),
@@ -46,7 +42,7 @@ def draw_subsumption(graph: Subsumption, *, title: str = "What subsumes what") -
         parts.append(_edge([boxes[slot] for slot in way]))
     for place, node in enumerate(graph.nodes):
         parts += _box(node, boxes[depth[place], place, -1], thick=node in graph.minimal)
-    return "\n".join([*parts, "</svg>", ""])
+    return svg(wide, high, title, parts, font_size=12)
 
 
 def _depth(graph: Subsumption) -> dict[int, int]:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from html import escape
+
 from scaloft_fi.sim.roles import ROLES
 from scaloft_fi.views.pictures.picture import FAMILY, text
 
@@ -20,6 +23,14 @@ def body_style(role: str) -> str:
     """How a body of that role is drawn."""
     look = ROLES[role]
     return f'fill="{look.fill}" stroke="{look.stroke}" stroke-width="{look.stroke_px:g}"'
+
+
+def svg(wide: float, high: float, title: str, parts: Iterable[str], *, font_size: int) -> str:
+    """The text of an SVG file `wide` x `high` [px], white behind its parts."""
+    box = f'width="{wide:.0f}" height="{high:.0f}" viewBox="0 0 {wide:.0f} {high:.0f}"'
+    look = f'font-family="{FONT}" font-size="{font_size}" fill="{INK}"'
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" {box} {look} role="img"><title>{escape(title)}</title>'
+    return "\n".join([head, '<rect width="100%" height="100%" fill="#ffffff"/>', *parts, "</svg>", ""])
 
 
 def waypoint(x: float, y: float, radius: float = 9.0) -> str:

@@ -27,7 +27,6 @@ SCENE = MapScene(
 TRACK = Track(
     title="baseline",
     note="touched down",
-    times_s=tuple(i / 20 for i in range(80)),
     points=tuple((0.3 * math.sin(i / 20), i / 20) for i in range(80)),
     speeds_mps=tuple(0.5 if i < 40 else 0.2 for i in range(80)),
     marks=(Mark(1.0, (0.1, 1.0), "SR2 violated", "#c1121f"),),
@@ -85,7 +84,7 @@ def test_a_map_of_nothing_is_refused() -> None:
 
 
 def test_a_flight_of_one_sample_can_be_drawn() -> None:
-    ET.fromstring(draw(SCENE, [replace(TRACK, points=((0.0, 0.0),), speeds_mps=(0.0,), times_s=(0.0,))], title="t"))
+    ET.fromstring(draw(SCENE, [replace(TRACK, points=((0.0, 0.0),), speeds_mps=(0.0,))], title="t"))
 
 
 def test_a_png_has_text_without_any_font_of_the_machine() -> None:
