@@ -1,4 +1,4 @@
-"""Outcomes with their trajectories, which are read apart because most questions need none."""
+"""Read outcomes with their tracks; tracks are read separately, because most verbs need none."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ def with_tracks(
     mutants: Collection[str],
     seeds: Collection[int] | None = None,
 ) -> tuple[Outcome, ...]:
-    """The same outcomes, those of `mutants` (`baseline` among the ids) with their trajectories.
+    """Add tracks to the outcomes of `mutants`; `baseline` is a valid id.
 
     Args:
-        study: whose flights they are, as it is now.
-        campaign: where they are stored.
-        outcomes: current ones.
-        mutants: ids whose trajectories are wanted.
-        seeds: of which they are wanted; None means all.
+        study: the current study.
+        campaign: name of the campaign.
+        outcomes: current outcomes.
+        mutants: ids whose outcomes get their tracks.
+        seeds: seeds whose outcomes get their tracks; None = all.
 
     Raises:
         InputError: there is no campaign.
@@ -42,7 +42,7 @@ def tracks_in(
     mutants: Collection[str],
     seeds: Collection[int] | None = None,
 ) -> tuple[Outcome, ...]:
-    """The same from an open store."""
+    """Add tracks to outcomes of an open store."""
     wanted, keys = set(mutants), Keys(study)
 
     def tracked(outcome: Outcome) -> Outcome:
