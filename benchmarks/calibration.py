@@ -1,9 +1,9 @@
-"""The calibration targets beside the values around the chosen ones: what the clean baselines do.
+"""Calibration: how the baselines behave with the chosen values and with values around them.
 
     python benchmarks/calibration.py [--jobs N] [--seeds 0-1] [--output results/published/calibration.md]
 
-Targets: in light all 16 baselines hold SR1 and SR2; in the dark most turning missions strike the bar, straight ones
-hold SR1.  No mutant is flown here.
+Targets: in light all 16 baselines hold SR1 and SR2; in the dark most turning missions strike the bar, and straight
+missions hold SR1.  This script flies no mutant.
 """
 
 from __future__ import annotations

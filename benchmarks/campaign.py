@@ -1,13 +1,14 @@
-"""What sharing saves and what a second process adds, measured on a sample of the default catalogue.
+"""Measure the savings by sharing and the speed of a second process on a sample of the default catalogue.
 
     python benchmarks/campaign.py [--json] [--situation KEY|GLOB]... [--every N] [--whole]
 
-sim_s_shared: seconds simulated when mutants leave their baseline where they first differ, counted in the flight loop of
-every process.  sim_s_unavoidable: baselines and PLACEBO, and of each other flight what comes after its first differing
-sample.  sim_s_brute: every flight whole.  digests_equal: whether both ways give the same outcomes, field for field.
-flights_per_s and efficiency: outcomes per second of wall time with 1 and with 2 processes, the quicker of two runs
-each, in turn (of one run with --whole); cpu_s: what they took of the processors, which says on a busy machine what the
-wall time cannot.  peak_rss_mib: of a worker and of the largest process it split off, after 100 and after 1,000 flights.
+sim_s_shared: simulated seconds when mutants share their baseline up to the first altered sample, counted in the flight
+loop of every process.  sim_s_unavoidable: simulated seconds of baselines and PLACEBO, and of each other flight from its
+first altered sample on.  sim_s_brute: simulated seconds when every flight is flown whole.  digests_equal: whether both
+ways give the same outcomes, field for field.  flights_per_s and efficiency: outcomes per second of wall time with 1 and
+with 2 processes, the faster of two runs each, in turn (of one run with --whole).  cpu_s: processor time of these runs,
+which is comparable on a busy machine.  peak_rss_mib: peak memory of a worker and of its largest forked process, after
+100 and after 1,000 flights.
 """
 
 from __future__ import annotations
@@ -47,26 +48,26 @@ QUICK = (
     *("OTHERTHAN-imu@0.5s", "OTHERTHAN-imu@0.5s#5s", "OTHERTHAN-imu@0.5s#10s", "OTHERTHAN-imu@0.5s#15s"),
     *("REVERSE-imu", "REVERSE-velcmd", "PARTOF-goal@y", "OTHERTHAN-goal", "UNINTENDED-goal@20s"),
 )
-"""Mutants whose flights end within seconds of leaving their baseline: with it ten flights are soon flown."""
+"""Mutants whose flights end within seconds after they leave their baseline, so that ten flights take little time."""
 RSS_FLIGHTS = (100, 1000)
 ROUNDS = 2
-"""Whoever else uses the machine can only make a run slower, so of so many the quickest counts."""
+"""Number of runs of which the fastest counts, because other load can only slow a run down."""
 
 
 class TickCounter:
-    """Counts the ticks that are flown in this process and in all that it forks."""
+    """Counts the ticks that this process and its forked processes fly."""
 
     def __init__(self) -> None:
         self._memory = mmap.mmap(-1, 8)
 
     @property
     def ticks(self) -> int:
-        """How many so far."""
+        """Number of ticks so far."""
         return int(struct.unpack("q", self._memory[:8])[0])
 
     @contextmanager
     def counting(self) -> Iterator[None]:
-        """While it lasts, every tick is counted; one process flies at a time."""
+        """Count every tick in this context; one process flies at a time."""
         tick: Callable[[Any], bool] = flight_module.Flight.tick
 
         def counted(flight: Any) -> bool:
@@ -97,7 +98,7 @@ def cpu_s() -> float:
 
 
 def unavoidable_s(outcomes: Sequence[Outcome]) -> float:
-    """What no sharing can save [s, simulated]."""
+    """Simulated time that sharing cannot save [s]."""
     total_s = 0.0
     for outcome in outcomes:
         if outcome.mutant in (BASELINE, PLACEBO.id):
@@ -108,7 +109,7 @@ def unavoidable_s(outcomes: Sequence[Outcome]) -> float:
 
 
 def peak_rss(study: Study) -> dict[str, dict[str, float]]:
-    """Peak memory of one worker after so many flights, each split off a baseline [MiB]."""
+    """Peak memory of one worker after 100 and after 1,000 flights, each forked off a baseline [MiB]."""
     situation = study.grid.situation(SHORTEST)
     subjects = (None, *(realise(study.matrix, name) for name in QUICK))
     batches = [
@@ -116,16 +117,16 @@ def peak_rss(study: Study) -> dict[str, dict[str, float]]:
         for seed in range(RSS_FLIGHTS[-1] // len(subjects))
     ]
 
-    def work(batches: Sequence[Batch], home: Callable[[tuple[int, float, float]], None]) -> None:
+    def work(batches: Sequence[Batch], report: Callable[[tuple[int, float, float]], None]) -> None:
         fly, count = Worker(study, Physics()), 0
         for batch in batches:
             fly(batch, lambda _outcome: None)
             count += len(batch.flights)
             if count in RSS_FLIGHTS:
-                home((count, peak_mib(resource.RUSAGE_SELF), peak_mib(resource.RUSAGE_CHILDREN)))
+                report((count, peak_mib(resource.RUSAGE_SELF), peak_mib(resource.RUSAGE_CHILDREN)))
 
     pool: Pool[Sequence[Batch], tuple[int, float, float]] = Pool(
-        work, 1, left=lambda _task, _home: None, lost=lambda _task, _how: [], patience_s=86400.0
+        work, 1, left=lambda _task, _results: None, lost=lambda _task, _how: [], patience_s=86400.0
     )
     with pool:
         return {str(count): {"worker": own, "split_off": child} for count, own, child in pool.map([batches])}

@@ -1,4 +1,4 @@
-"""Imported first by the benchmarks: they measure the package of this checkout, on one thread."""
+"""The benchmarks import this module first: it selects the package of this checkout, and one thread."""
 
 import os
 import sys

@@ -1,13 +1,13 @@
-"""How often the verdict calls a fault detected that does nothing, and how often one that does something.
+"""Measure how often the verdict detects a fault without effect, and how often a fault with an effect.
 
     python benchmarks/false_detections.py [--json] [--draws N] [--output results/published/false_detections.md]
 
-redraw: seeds of the published baseline pool judged as a mutant beside ten others of it.  planted: campaigns made up of
-independent flights that all violate both requirements at one rate, the mutant's and the pool's.  power: a mutant that
-violates one requirement at a rate in some of 32 situations which the pool holds steadily.  Nothing is flown, and every
-arm has random numbers of its own, so the figures are the same whenever they are asked for.
+redraw: seeds of the published baseline pool, judged as a mutant beside ten other seeds of the pool.  planted: synthetic
+campaigns of independent flights that violate both requirements at one rate, the same for mutant and pool.  power: a
+mutant that violates one requirement at a rate in some of 32 situations in which the pool is steady.  The script flies
+nothing, and every arm has its own random stream, so the figures are reproducible.
 
-The bar: at most alpha of the draws of each arm of redraw and planted is called detected.  Exits with 1 above it.
+Bar: in each arm of redraw and planted, at most a share alpha of the draws is detected.  Exit code 1 above it.
 """
 
 from __future__ import annotations
@@ -43,20 +43,20 @@ RATES = (0.05, 0.1, 0.2, 0.4)
 POWER_RATES, POWER_SITUATIONS, NOISES = (0.5, 1.0), (1, 2, 4, 8), (0.0, 0.02)
 MUTANT = "a mutant"
 GROWN = Spending(ALPHA, frozenset({MUTANT}))
-"""How alpha is spent on a campaign that is looked at with 1, 3, 5 and 10 seeds."""
+"""The spending of alpha by looks at 1, 3, 5 and 10 seeds."""
 SEED = 20252
 
 
 @dataclass(frozen=True)
 class Arm:
-    """Draws of one kind, and how many of them were called detected.
+    """Draws of one kind, and the number of detections among them.
 
     Attributes:
         kind: redraw, planted or power.
-        name: what sets it apart from the others of its kind.
+        name: name of the arm, unique within its kind.
         seeds: flights of the mutant in each situation; 0 = a look at each of 1, 3, 5 and 10.
-        detected: of `draws`.
-        draws: how many.
+        detected: number of detections.
+        draws: number of draws.
     """
 
     kind: str
@@ -67,17 +67,17 @@ class Arm:
 
     @property
     def share(self) -> float:
-        """Detected, of all."""
+        """Share of the draws that are detected."""
         return self.detected / self.draws
 
     @property
     def bounded(self) -> bool:
-        """Whether the fault does nothing, so that the bar holds for it."""
+        """Whether the fault has no effect, so that the bar applies."""
         return self.kind != "power"
 
 
 def baselines(study: Study) -> list[Outcome]:
-    """The published pool, as much of it as verdicts are made of."""
+    """The published pool, with the fields that verdicts need."""
     kinds = {requirement.name: requirement.kind for requirement in study.requirements}
     columns = ["situation", "seed", "ending", "violated", "violation_times_s", "held", "triggered"]
     rows = pyarrow.parquet.read_table(FLIGHTS, columns=columns, filters=[("mutant", "=", BASELINE)]).to_pylist()
@@ -100,7 +100,7 @@ def _baseline(row: Mapping[str, Any], kinds: Mapping[str, Kind]) -> Outcome:
 
 
 def redraws(flown: Sequence[Outcome], draws: int) -> Iterator[Arm]:
-    """Baseline seeds judged as mutants, by safety and by operability requirements."""
+    """Judge baseline seeds as mutants, by safety and by operability requirements."""
     for seeds in LOOKS:
         found = redraw(flown, seeds, ALPHA, draws)
         yield Arm("redraw", "safety", seeds, found.safety.part, draws)
@@ -108,7 +108,7 @@ def redraws(flown: Sequence[Outcome], draws: int) -> Iterator[Arm]:
 
 
 def planted(rate: float, seeds: int, draws: int) -> Arm:
-    """A mutant that does nothing, where every flight violates each requirement at a rate."""
+    """Judge a mutant without effect; every flight violates each requirement at a rate."""
     draw = _stream(1, rate, seeds)
     shape = len(SITUATIONS), len(NAMES)
     number = seeds or LOOKS[-1]
@@ -120,7 +120,7 @@ def planted(rate: float, seeds: int, draws: int) -> Arm:
 
 
 def power(rate: float, situations: int, noise: float, seeds: int, draws: int) -> Arm:
-    """A mutant that violates the first requirement at a rate in some situations; all else happens at the noise's."""
+    """Judge a mutant that violates the first requirement at `rate` in some situations, all else at the rate `noise`."""
     draw = _stream(2, rate, situations, noise, seeds)
     rates = np.full((len(SITUATIONS), len(NAMES)), noise)
     rates[:situations, 0] = rate
@@ -134,12 +134,12 @@ def power(rate: float, situations: int, noise: float, seeds: int, draws: int) ->
 
 
 def _stream(*arm: float) -> np.random.Generator:
-    """Random numbers of an arm's own."""
+    """The random stream of an arm."""
     return np.random.Generator(np.random.PCG64([SEED, *(round(1000 * number) for number in arm)]))
 
 
 def _pool(violated: NDArray[np.int64]) -> Pool:
-    """A pool of ten flights in each situation, none of them open or vacuous."""
+    """A pool of ten flights in each situation, without open or vacuous readings."""
     counts = violated.tolist()
     places = itertools.product(enumerate(SITUATIONS), enumerate(NAMES))
     return Pool({(key, n): Pair(key, n, Kind.SAFETY, LEAST, counts[s][r], 0, LEAST) for (s, key), (r, n) in places})

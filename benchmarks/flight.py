@@ -1,13 +1,13 @@
-"""How fast is a flight?  CPU time of the 32 baselines of seed 0, beside a bare PyBullet loop in the same mine.
+"""Measure the speed of flights: CPU time of the 32 baselines of seed 0, beside a bare PyBullet loop in the same mine.
 
     python benchmarks/flight.py [--json] [--situation GLOB ...]
 
 `sim_s_per_cpu_s`: simulated seconds per CPU second of one core: scenario, flight and requirements, kernels compiled.
-`bare_pybullet_sim_s_per_cpu_s`: a loop that only reads the state, pushes, steps at 240 Hz and renders with TinyRenderer
-as many frames as the flights rendered, over the same simulated time, in the same run.
-`server_only_sim_s_per_cpu_s`: the flights once more, with every physics step taken by the physics server.
-`ms_per_sim_s`: where the time goes, from a second, instrumented pass; the probes themselves cost time, so the parts are
-scaled to the total of the first pass.
+`bare_pybullet_sim_s_per_cpu_s`: a loop that reads the state, applies forces, steps at 240 Hz and renders the same
+number of frames with TinyRenderer, over the same simulated time, in the same run.
+`server_only_sim_s_per_cpu_s`: the flights once more, with every physics step in the physics server.
+`ms_per_sim_s`: CPU time by part, from a second, instrumented pass; the probes cost time, so the parts are scaled to the
+total of the first pass.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ from scaloft_fi.stack.reference.proximity import ProximityMonitor
 from scaloft_fi.stack.seam import PlainWire
 from scaloft_fi.study import Study
 
-# Who is timed: (owner, attribute, part).  Nested parts are taken out of the outer ones.
+# The timed functions: (owner, attribute, part).  The time of a nested part is subtracted from the outer part.
 PROBES: tuple[tuple[Any, str, str], ...] = (
     (Airframe, "step", "physics"),
     (Feeler, "feel", "physics"),
@@ -69,7 +69,7 @@ PROBES: tuple[tuple[Any, str, str], ...] = (
 
 
 class Clock:
-    """Adds up CPU time by part; a part inside another one counts for itself only."""
+    """Adds up CPU time by part; the time of a nested part does not count for the outer part."""
 
     def __init__(self) -> None:
         self.spent: Counter[str] = Counter()
@@ -95,7 +95,7 @@ class Clock:
 
 @contextmanager
 def instrumented(clock: Clock) -> Iterator[None]:
-    """Time the probes' functions."""
+    """Time the probed functions."""
     originals = [(owner, name, getattr(owner, name)) for owner, name, _ in PROBES]
     for (owner, name, part), (_, _, original) in zip(PROBES, originals, strict=True):
         setattr(owner, name, clock.probe(original, part))
@@ -108,7 +108,7 @@ def instrumented(clock: Clock) -> Iterator[None]:
 
 @contextmanager
 def server_only() -> Iterator[None]:
-    """Let the physics server take every step."""
+    """Let the physics server make every step."""
     original = flight_module.agrees
     flight_module.agrees = lambda: False  # type: ignore[assignment]
     try:
@@ -130,7 +130,7 @@ def flights(study: Study, situations: list[Any], clock: Clock | None = None) -> 
 
 
 def bare_loop(study: Study, situation: Any, simulated_s: float) -> float:
-    """CPU seconds of a loop that only steps, pushes and renders."""
+    """CPU seconds of a loop that only steps, applies forces and renders."""
     import pybullet
 
     scenario = study.sim.scenario(situation)
@@ -164,7 +164,7 @@ def bare_loop(study: Study, situation: Any, simulated_s: float) -> float:
 
 
 def draw(client: int, scene: Any) -> None:
-    """Give the renderer the triangles of the world; it draws only visual shapes, and only their front sides."""
+    """Add the triangles of the world as visual shapes; the renderer draws nothing else, and only front sides."""
     import pybullet
 
     for owner in range(len(scene.names)):

@@ -1,8 +1,8 @@
-"""Whether LATE-human is revealed at another heading at take-off: the plan, and what was flown by it.
+"""Test whether LATE-human is revealed at other headings at take-off: the plan and its results.
 
     python benchmarks/heading.py [--plan] [--jobs N] [--output results/published/heading.md]
 
-The page says what is flown and how it is decided; `--plan` writes it without flying.
+The page states the flights and the rule of decision; `--plan` writes it without flying.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ SITUATIONS = tuple(f"T{turns}O{obstacle}W0D0H1" for turns in (0, 1) for obstacle
 SEEDS = (0, 1)
 DRAWS = len(SITUATIONS) * len(SEEDS)
 APART = 5
-"""Flights of eight: with this difference or a larger one Fisher's exact test is below 0.05 whatever the counts are."""
+"""Least difference of counts of eight flights for which Fisher's exact p is below 0.05 for all counts."""
 
 PLAN = f"""# Does whether LATE-human is revealed depend on the heading at take-off?
 

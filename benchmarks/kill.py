@@ -1,16 +1,15 @@
-"""Whether a campaign survives being killed: at random moments, all of it or one of its processes, again and again.
+"""Test that a campaign survives SIGKILL of all or one of its processes at random moments, again and again.
 
     python benchmarks/kill.py [--json] [--kills N] [--seed N] [--mutant ID]... [--situation KEY|GLOB]...
         [--baseline-seeds N] [--jobs N]
 
-A small campaign is flown undisturbed, and its export kept.  Then it is begun anew and killed with SIGKILL after a
-random part of the time that it took: half the time its whole process group, else one of its processes.  The same
-command is given again, and killed again, until the campaign is done; its export must be the undisturbed one's, byte
-for byte.  The next campaign is begun, until there were enough kills.
+The script flies a small campaign undisturbed and keeps its export.  Then it starts the campaign again and sends SIGKILL
+after a random part of that time: in half of the cases to the whole process group, otherwise to one process.  It repeats
+command and kill until the campaign is complete; the export must equal the undisturbed one, byte for byte.  New
+campaigns follow until the number of kills is reached.
 
-kills: how many, by what was killed.  campaigns: how many were brought to their end.  equal: of how many the export was
-equal.  sound: after how many kills SQLite found its file sound.  outlived: how many processes lived on after the run
-they belong to had ended.
+kills: number of kills by target.  campaigns: number of completed campaigns.  equal: number of equal exports.  sound:
+number of kills after which SQLite found its file intact.  outlived: number of processes that outlived their run.
 """
 
 from __future__ import annotations
@@ -41,22 +40,22 @@ from scaloft_fi.campaign.store.folder import STORE_NAME
 MUTANTS = ("LATE-human", "MORE-goal", "UNINTENDED-collision@20s")
 SITUATIONS = ("T0O0W0D0H[01]",)
 GRACE_S = 5.0
-"""How long after the end of a run its processes may take to end [s, wall]."""
+"""Greatest time from the end of a run to the end of its processes [s, wall]."""
 
 
 class Campaign:
-    """A campaign in a folder of its own, flown by commands that can be killed."""
+    """A campaign in its own folder, flown by commands that can be killed."""
 
     def __init__(self, folder: Path, words: Sequence[str]) -> None:
         self.folder = folder
         self._words = ["run", *words, "--quiet", "--campaign", str(folder)]
 
     def run(self, kill_after_s: float | None, draw: random.Random) -> tuple[bool, str, int]:
-        """Give the command, and kill it if it still runs by then.
+        """Run the command, and kill it if it still runs after `kill_after_s`.
 
-        Returns whether it ended by itself and well, what was killed, and how many processes outlived it.
+        Returns whether the command ended by itself with success, what was killed, and how many processes outlived it.
         """
-        # a session of its own, by which all of its processes are known
+        # a new session, which identifies all of its processes
         run = subprocess.Popen(
             _call(*self._words), cwd=checkout.ROOT, stdout=subprocess.DEVNULL, start_new_session=True
         )
@@ -72,7 +71,7 @@ class Campaign:
         return run.returncode == 0, killed, outlived
 
     def sound(self) -> bool:
-        """Whether SQLite finds nothing wrong with the store, if there is one yet."""
+        """Whether the store is intact according to SQLite, or does not exist yet."""
         path = self.folder / STORE_NAME
         if not path.exists():
             return True
@@ -80,7 +79,7 @@ class Campaign:
             return bool(connection.execute("PRAGMA integrity_check").fetchall() == [("ok",)])
 
     def export(self) -> bytes:
-        """What is exported of it."""
+        """The export of the campaign."""
         call = _call("export", "--campaign", str(self.folder))
         return subprocess.run(call, cwd=checkout.ROOT, check=True, capture_output=True).stdout
 
@@ -90,7 +89,7 @@ def _call(*words: str) -> list[str]:
 
 
 def _kill(session: int, draw: random.Random) -> str:
-    """Kill a session's processes, or one of them; returns which."""
+    """Kill all processes of a session, or one of them; returns which."""
     if draw.random() < 0.5:
         os.killpg(session, signal.SIGKILL)
         return "all"
@@ -116,7 +115,7 @@ def _processes(session: int) -> set[int]:
 
 
 def _outlived(session: int) -> int:
-    """How many of a session's processes are still there when they have had their time; they are ended."""
+    """End the processes of a session that still run after `GRACE_S`; returns their number."""
     until_s = time.monotonic() + GRACE_S
     while (left := _processes(session)) and time.monotonic() < until_s:
         time.sleep(0.05)
@@ -126,10 +125,10 @@ def _outlived(session: int) -> int:
 
 
 def measure(words: Sequence[str], kills: int, seed: int, folder: Path) -> dict[str, Any]:
-    """Kill so often."""
+    """Fly, kill and resume campaigns until the number of kills is reached."""
     draw = random.Random(seed)
     calm = Campaign(folder / "calm", words)
-    calm.run(None, draw)  # once before, so that nothing is compiled while the time is taken
+    calm.run(None, draw)  # once before, so that the timed run compiles nothing
     shutil.rmtree(calm.folder)
     begin_s = time.monotonic()
     calm.run(None, draw)

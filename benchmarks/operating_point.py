@@ -1,8 +1,8 @@
-"""Two assumptions behind the paper's rows: how fast the mission is flown, and that the planner turns before it moves.
+"""Test two assumptions behind the paper's rows: the speed of the mission, and a planner that turns before it moves.
 
     python benchmarks/operating_point.py [--plan] [--jobs N] [--output results/published/operating_point.md]
 
-The page says what is flown and how it is decided; `--plan` writes it without flying.
+The page states the flights and the rule of decision; `--plan` writes it without flying.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ LIGHT = tuple(f"T{t}O{o}W{w}D0H{h}" for t, o, w, h in itertools.product((0, 1), 
 CRUISE, CRUISES_MPS = "world.mission.cruise_mps", (0.5, 1.0, 1.2, 1.8)
 PLAIN = "T0O0W0D0H0"
 NO_TURN = {"stack.planner.full_off_axis_rad": 3.2, "stack.planner.stop_off_axis_rad": 3.5}
-"""Full speed however far the way is off the camera's axis, which is 3.1416 rad at most."""
+"""Settings that keep full speed at any angle between the path and the camera's axis (at most 3.1416 rad)."""
 MUTANTS = ("MORE-goal@0.6m", "MORE-goal@1m", "MORE-goal@3m")
 TURNING = tuple(key for key in LIGHT if key.startswith("T1") and key.endswith("H0"))
 SEEDS = (0, 1)
@@ -64,7 +64,7 @@ spot.  The paper does not say whether its navigator does so.
 
 
 class Speed(NamedTuple):
-    """What a baseline did: held SR1 and SR2, greatest speed [m/s], of its level part too, least and most y [m]."""
+    """Results of a baseline: whether it held SR1 and SR2, greatest speed in all and level flight [m/s], range of y."""
 
     held: bool
     greatest_mps: float
@@ -83,7 +83,7 @@ def speed(beside: Beside) -> Speed:
 
 
 def results(study: Study, jobs: int) -> str:
-    """The section with the results, after the flights."""
+    """Fly, and write the section with the results."""
     lines = ["", "## Flown", "", f"Speeds of the fastest of the 16 baselines; y in {PLAIN}.", ""]
     lines += [
         "| cruise [m/s] | hold SR1 and SR2 | greatest speed [m/s] | level [m/s] | y [m] |",

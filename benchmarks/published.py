@@ -1,4 +1,4 @@
-r"""The published tables of the paper's rows and of where each number comes from.
+r"""Write the published tables of the paper's rows and of the sources of all numbers.
 
     scaloft-fi run --campaign paper --seeds 3 --mutant 'LATE-human*' --mutant 'MORE-goal*' \
         --mutant 'UNINTENDED-collision@20s*'
@@ -6,8 +6,8 @@ r"""The published tables of the paper's rows and of where each number comes from
         $(printf -- '--mutant UNINTENDED-collision@20s#%ss ' 2.5 7.5 12.5 17.5)
     python benchmarks/published.py [--campaign paper]
 
-Writes `paper_table.md` and `parameters.md` into `results/published/`, and with `--campaign` before that the flights
-behind them as `paper.csv`.  Verdicts are beside the baseline pool of the reference campaign.
+Writes `paper_table.md` and `parameters.md` into `results/published/`; with `--campaign` it first exports their flights
+as `paper.csv`.  The verdicts use the baseline pool of the reference campaign.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ Flight = dict[str, str]
 
 @dataclass(frozen=True)
 class Row:
-    """A row of the paper's table and the mutants that stand for it."""
+    """A row of the paper's table and the mutants that represent it."""
 
     name: str
     paper: str
@@ -57,13 +57,13 @@ class Row:
 
 @dataclass(frozen=True)
 class Shown:
-    """What the flights of one mutant show.
+    """The results of one mutant.
 
     Attributes:
-        flights: of the mutant, by situation and seed.
-        detection: the verdict, by safety requirements.
-        tested: situations where the row's requirement is steady and the mutant infects.
-        kills: those of them in which most flights violate it; none of a mutant that is not detected.
+        flights: flights of the mutant, by situation and seed.
+        detection: verdict by safety requirements.
+        tested: situations in which the row's requirement is steady and the mutant infects.
+        kills: tested situations in which most flights violate the requirement; empty unless the mutant is detected.
     """
 
     flights: Sequence[Flight]
@@ -84,7 +84,7 @@ def rows(study: Study) -> list[Row]:
 
 
 def shown(row: Row, mutant: str, flights: Sequence[Flight], pool: Pool, spending: Spending) -> Shown:
-    """What a mutant's flights show beside the pool."""
+    """The results of a mutant beside the pool."""
     own = [flight for flight in flights if flight["mutant"] == mutant]
     situations: dict[str, list[Flight]] = {}
     for flight in own:
@@ -101,7 +101,7 @@ def shown(row: Row, mutant: str, flights: Sequence[Flight], pool: Pool, spending
 
 
 def light(keys: Iterable[str], pattern: str) -> list[str]:
-    """The situations that a prediction speaks of."""
+    """The situations that match the pattern of a prediction."""
     return fnmatch.filter(keys, pattern)
 
 
@@ -111,7 +111,7 @@ def broken(flight: Flight, requirement: str) -> bool:
 
 
 def revealed(flights: Iterable[Flight], requirement: str) -> list[Flight]:
-    """Those in which the requirement reveals the fault."""
+    """The flights in which the requirement reveals the fault."""
     return [f for f in flights if f["status"] == "revealed" and broken(f, requirement)]
 
 
@@ -180,7 +180,7 @@ census, so no interval speaks of others.  By phase, of {of}:
 
 
 def page(study: Study, flights: Sequence[Flight]) -> str:
-    """The paper's table beside ours, what to know of it, each row in detail, and the phases."""
+    """The page: the paper's table beside ours, caveats, each row in detail, and the phases."""
     pool_flights = baselines(study)
     pool, spending = Pool.of(pool_flights), Spending(study.alpha)
     seeds = sorted({f["seed"] for f in flights}, key=int)
@@ -203,7 +203,7 @@ def page(study: Study, flights: Sequence[Flight]) -> str:
 
 
 def ours(row: Row, mutants: Sequence[Shown]) -> str:
-    """What a row comes to, in a cell."""
+    """The result of a row as a cell of the table."""
     own = [flight for one in mutants for flight in one.flights if light([flight["situation"]], row.light)]
     detected = [one for one in mutants if row.requirement in one.detection.by]
     text = f"{len(detected)} of {len(mutants)} mutants detected by {row.requirement}"
@@ -214,7 +214,7 @@ def ours(row: Row, mutants: Sequence[Shown]) -> str:
 
 
 def moment(flight: Flight) -> str:
-    """When and where a flight was first violated."""
+    """Requirement, time and place of a flight's first violation."""
     place = f"({float(flight['x']):.2f}, {float(flight['y']):.2f}, {float(flight['z']):.2f}) m"
     struck = f", struck {flight['struck']}" if flight["struck"] else ""
     name = f"`{flight['mutant']}/{flight['situation']}/{flight['seed']}`"
@@ -222,7 +222,7 @@ def moment(flight: Flight) -> str:
 
 
 def line(row: Row, one: Shown, flights: Sequence[Flight], seeds: Sequence[str]) -> str:
-    """One mutant: verdict, flights by seed, kills, and how robustness moved."""
+    """The table row of a mutant: verdict, flights by seed, kills, change of robustness."""
     clean = {(f["situation"], f["seed"]): f for f in flights if f["mutant"] == "baseline"}
     rho = f"rho_{row.requirement}"
     tested = light(one.tested, row.light)
@@ -246,7 +246,7 @@ def line(row: Row, one: Shown, flights: Sequence[Flight], seeds: Sequence[str]) 
 
 
 def phases(flights: Sequence[Flight]) -> str:
-    """How often a false collision with a phase drawn at random makes the drone strike something."""
+    """The section on false collisions with a random phase: how often the drone strikes something."""
     own = [f for f in flights if f["mutant"].startswith(PULSE) and light([f["situation"]], LIGHT)]
     listed = {f["mutant"]: float(f["mutant"].partition("#")[2].removesuffix("s") or 0) for f in own}
     ranked = sorted(listed, key=listed.__getitem__)

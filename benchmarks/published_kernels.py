@@ -1,19 +1,19 @@
-"""Imported before numpy: asks OpenBLAS for the kernels of the published flights, where the processor can run them."""
+"""Select OpenBLAS's kernels of the published flights, if the processor can run them.  Import this before numpy."""
 
 import os
 from pathlib import Path
 
 KERNELS = "SkylakeX"
-"""The kernels with which the published flights were flown, as OpenBLAS names them."""
+"""OpenBLAS's name of the kernels of the published flights."""
 FLAGS = frozenset({"avx512f", "avx512cd", "avx512bw", "avx512dq", "avx512vl"})
-"""What a processor must have to run these kernels, as Linux names it."""
+"""Linux's name of the processor feature that these kernels need."""
 
 
 def choose(cpuinfo: Path = Path("/proc/cpuinfo")) -> bool:
-    """Ask OpenBLAS for the kernels, which it reads from the environment when numpy is imported.
+    """Set the environment variable that OpenBLAS reads when numpy is imported.
 
     Returns:
-        Whether the processor can run them; on any other nothing is asked.
+        Whether the processor can run the kernels; if not, the environment stays unchanged.
     """
     lines = cpuinfo.read_text(encoding="utf-8").splitlines() if cpuinfo.is_file() else []
     flags = next((set(line.split()) for line in lines if line.startswith("flags")), set())

@@ -1,11 +1,11 @@
-"""The reference campaign and its published pages, in one command.
+"""Fly the reference campaign and write its published pages.
 
     python benchmarks/reference.py [--campaign reference] [--seeds 3] [--baseline-seeds 50] [--pages]
 
-Flies every cell's default mutant, the controls and PLACEBO in all situations, and searches the margin of
-LATE-human on seed 0 (what is flown already is not flown again), then writes the campaign's tables and its report into
-`results/published/reference/`.  `--pages` writes only, from what is flown.  With a `chromium` on the path (and the
-packages of the extra `test`) a picture of the report is taken as well.
+The script flies every cell's default mutant, the controls and PLACEBO in all situations, and searches the margin of
+LATE-human on seed 0; stored flights are not flown again.  Then it writes the tables and the report of the campaign into
+`results/published/reference/`.  `--pages` only writes.  With `chromium` on the path and the packages of the extra
+`test`, it also takes a picture of the report.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ PAGES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("kills.md", ("kills", "--format", "markdown")),
     ("survivors.md", ("kills", "--show", "survivors", "--format", "markdown")),
 )
-"""What is printed into which file."""
+"""Commands whose output is a published file, by file."""
 FILES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("subsumption.svg", ("kills",)),
     ("worksheet.csv", ("worksheet", "--format", "csv")),
@@ -40,7 +40,7 @@ FILES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("argument.gsn.yaml", ("export", "--format", "gsn")),
     ("report.html", ("report",)),
 )
-"""What a verb writes with `--output` into which file."""
+"""Commands that write a published file with `--output`, by file."""
 EXPERIMENT = ROOT / "benchmarks" / "coverage_against_kills"
 MARGINS = ("LATE-human",)
 PICTURE, PART = "report.png", "#hazop"
@@ -48,13 +48,13 @@ WIDTH_PX, SCALE = 1280, 1.25
 
 
 def call(*words: str) -> str:
-    """What `scaloft-fi WORDS` prints."""
+    """The output of `scaloft-fi WORDS`."""
     done = subprocess.run([sys.executable, "-m", "scaloft_fi", *words], cwd=ROOT, stdout=subprocess.PIPE, check=True)
     return done.stdout.decode()
 
 
 def picture(page: Path, browser: str, output: Path) -> None:
-    """Take a picture of the part of `page` that readers begin with."""
+    """Take a picture of the top of `page`."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:

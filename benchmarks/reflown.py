@@ -48,9 +48,9 @@ FACTS = ("status", "ending", "violated")
 SAMPLE_SEED = 0
 """The seed with which every published mutant was flown."""
 ROUNDS = (slice(1), slice(1, 3), slice(3, None))
-"""Which choices of the mutants are taken together."""
+"""Groups of the mutants' choices, by rank."""
 SOON_S = 1.0
-"""A mutant that differs from its baseline sooner shares nothing with it [s from take-off]."""
+"""A mutant that leaves its baseline earlier does not share it [s from take-off]."""
 NEWS_EVERY = 500
 """A line on standard error after this number of flights."""
 
@@ -68,7 +68,7 @@ def name_of(row: Row) -> str:
 
 
 def own_s(row: Row) -> float:
-    """What a mutant's flight costs: as much of it as does not share its baseline [s, simulated]."""
+    """Cost of a mutant's flight: the part that does not share its baseline [s, simulated]."""
     if row["mutant"] == "PLACEBO":
         return float(row["duration_s"])
     if not row["altered"]:
@@ -107,7 +107,7 @@ def shard(rows: Sequence[Row], number: int, shards: int) -> list[Row]:
 
 
 def flown(rows: Sequence[Row], jobs: int) -> dict[str, Row]:
-    """The rows of the same flights flown again, by name, as `export` would have them."""
+    """Fly the flights of the rows again; returns their rows in the form of `export`, by name."""
     study, outcomes = Study.open(ROOT), []
     flights = [flight_named(study, row["mutant"], row["situation"], row["seed"]) for row in rows]
     baselines = [Flight(None, flight.situation, flight.seed) for flight in flights]  # a status needs its baseline
@@ -125,7 +125,7 @@ def _say(text: str) -> None:
 
 
 def differences(rows: Sequence[Row], again: Mapping[str, Row], columns: Sequence[str]) -> Iterator[str]:
-    """What differs, a line for each flight and column."""
+    """Yield a line for each difference of flight and column."""
     for row in rows:
         name = name_of(row)
         if name not in again:

@@ -1,14 +1,14 @@
-"""How the paper's rows move when the study's assumptions vary.
+"""Sensitivity of the paper's rows to the study's assumptions.
 
     python benchmarks/sensitivity.py [--jobs N] [--only PATH_GLOB]... [--pages]
 
-Each number that `sim/sources.yaml` calls an assumption is multiplied by 0.7 and by 1.3, one at a time (whole numbers
-are rounded; the corridor's and the branch's widths vary as a whole).  Of a number that is 0 there is no 30 %: it takes
-the values declared in `ZEROS`, and one that is not declared there stops the script.  Per variation the baseline and the
-row's mutants fly the row's situation once: what is told is what single flights beside their baseline reveal.
+The script multiplies each number that `sim/sources.yaml` calls an assumption by 0.7 and by 1.3, one at a time (whole
+numbers are rounded; the widths of corridor and branch vary as a whole).  A number that is 0 takes the values declared
+in `ZEROS`; without a declaration the script stops.  For each variation the baseline and the row's mutants fly the row's
+situation once, so the results are observations of single flights beside their baseline.
 
-Writes `sensitivity.csv` and, from it, `sensitivity.md` into `results/published/`.  With `--only` the other variations
-stay in the CSV as they were flown; `--pages` flies nothing.
+Writes `sensitivity.csv` and, from it, `sensitivity.md` into `results/published/`.  With `--only` the CSV keeps the
+other variations; `--pages` flies nothing.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ FOOTPRINT = "world.mine.footprint."
 
 @dataclass(frozen=True)
 class Zero:
-    """Values that an assumption of 0 takes instead of its 70 and 130 %, in words of its unit, and why these."""
+    """Values for an assumption that is 0, in place of 70 % and 130 %, with their unit and the reason."""
 
     values: tuple[float, ...]
     unit: str
@@ -56,12 +56,12 @@ ZEROS: Mapping[str, Zero] = {
         (0.003, 0.3), "per picture", "30 % of one picture in a hundred (5 pictures a second), and of every picture"
     ),
 }
-"""By path; an assumption can be below 0 only where the study admits it."""
+"""The values by path; a value is below 0 only where the study allows it."""
 
 
 @dataclass(frozen=True)
 class Row:
-    """One row of the paper's table, in the one situation where it is watched."""
+    """One row of the paper's table, and the situation in which it is flown."""
 
     name: str
     situation: str
@@ -78,26 +78,26 @@ ROWS = (
 
 @dataclass(frozen=True)
 class Variation:
-    """Overrides of the study's numbers, and what to call them; without any it is the study as it stands."""
+    """Overrides of the study's numbers, and their name; without overrides, the unchanged study."""
 
     name: str
     change: str
     overrides: Mapping[str, float]
 
     def touches(self, patterns: Sequence[str]) -> bool:
-        """Whether it changes a number whose path matches."""
+        """Whether the variation changes a number whose path matches a pattern."""
         return any(fnmatch.fnmatch(path, pattern) for path in self.overrides for pattern in patterns)
 
 
 @dataclass(frozen=True)
 class Finding:
-    """What a variation does to a row.
+    """The result of a variation for a row.
 
     Attributes:
-        baseline: safety requirements that the baseline violates, `-` for none.
-        revealed: by mutant, the safety requirements that reveal it.
-        clearance_m: least of the baseline and of each mutant; empty where only the page was kept.
-        impossible: why the study cannot be flown so.
+        baseline: safety requirements that the baseline violates; `-` for none.
+        revealed: safety requirements that reveal each mutant.
+        clearance_m: least clearance of the baseline and of each mutant; empty where only the page was kept.
+        impossible: why the study cannot be flown with the variation.
     """
 
     baseline: str = ""
@@ -107,7 +107,7 @@ class Finding:
 
     @property
     def says(self) -> tuple[str, ...]:
-        """What is compared."""
+        """The values that are compared."""
         return (self.baseline, *self.revealed)
 
 
@@ -116,7 +116,7 @@ Findings = dict[tuple[str, str, str], Finding]
 
 
 def variations(numbers: Mapping[str, float]) -> Iterator[Variation]:
-    """Each assumption down and up, or by its declared values; the footprint by its widths."""
+    """Yield each assumption decreased and increased, or with its declared values; the footprint varies by widths."""
     yield Variation("as it stands", "", {})
     for path, value in numbers.items():
         if not path.startswith(FOOTPRINT):
@@ -135,7 +135,7 @@ def variations(numbers: Mapping[str, float]) -> Iterator[Variation]:
 
 
 def changes(path: str, value: float) -> Sequence[float]:
-    """The values that a number takes instead."""
+    """The varied values of a number."""
     if value == 0.0:
         if path not in ZEROS:
             raise SystemExit(f"{path} is 0, which has no 30 %: declare in ZEROS which values it takes, and why")
@@ -175,7 +175,7 @@ def _split(cell: str) -> tuple[str, ...]:
 
 
 def write(path: Path, findings: Findings, order: Iterable[Variation]) -> None:
-    """A CSV of the findings, of each row in the order of the variations."""
+    """Write the findings as CSV; each row in the order of the variations."""
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(("row", "assumption", "change", "baseline", "revealed", "clearance_m", "impossible"))
@@ -198,7 +198,7 @@ and branch vary, not their lengths.  Made by `python benchmarks/sensitivity.py`;
 
 
 def page(findings: Findings, order: Sequence[Variation]) -> str:
-    """The Markdown page: per row a count and every variation that moves it, then the numbers that are 0."""
+    """The Markdown page: for each row a count and every variation that changes it, then the numbers that are 0."""
     return HEAD + "".join(_section(row, findings, order) for row in ROWS) + _zeros(findings, order)
 
 
@@ -249,7 +249,7 @@ def _zeros(findings: Findings, order: Sequence[Variation]) -> str:
 
 
 def main() -> None:
-    """Fly what is asked for, and write."""
+    """Fly the requested variations, and write the pages."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--jobs", type=int, default=multiprocessing.cpu_count())
     parser.add_argument("--only", action="append", default=[], help="glob over the assumptions' paths, repeatable")

@@ -1,13 +1,13 @@
-"""What it takes to score, count and export a campaign of 200,000 flights.
+"""Measure time and memory to score, count and export a campaign of 200,000 flights.
 
     python benchmarks/store.py [--json] [--flights N] [--campaign DIR]
 
-The flights are made up: every mutant of the catalogue in every situation with as many seeds as it takes, under the keys
-that the study gives them, with the length and the variety of flown ones.  SAME of them are their baseline's twin, as
-what is not infected or masked is; the rest has numbers and digests of its own.
+The flights are synthetic: every mutant of the catalogue in every situation, with the necessary number of seeds, with
+the keys of the study, and with durations and variety of real flights.  A share SAME of them equals their baseline, like
+flights that are not infected or masked; the others have numbers and digests of their own.
 
-cpu_s: processor time of the whole command, which is what a busy machine leaves comparable; wall_s: as it happened;
-peak_rss_mib: largest resident memory.  store_mib: the file.  put_s: to write it.
+cpu_s: processor time of the whole command, which is comparable on a busy machine.  wall_s: wall time.  peak_rss_mib:
+peak resident memory.  store_mib: size of the file.  put_s: time to write it.
 """
 
 from __future__ import annotations
@@ -43,15 +43,15 @@ from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.study import Study
 
 SAME = 0.26
-"""Share of a mutant's flights that are their baseline's twin, as in the first flown campaign of 4,064 flights."""
+"""Share of a mutant's flights that equal their baseline, from the first campaign of 4,064 flights."""
 OWN = (0.5, 0.2, 0.25, 0.05)
-"""Chance that a flight has a number of its own for a requirement, in the study's order, from the same campaign."""
+"""Probability that a flight has its own robustness of a requirement, in the study's order, from the same campaign."""
 FREE = 0.5
-"""Chance that an axis does not matter to whether a subject breaks a requirement, which it does in a box of the grid."""
+"""Probability that an axis does not bound the box of the grid in which a subject violates a requirement."""
 SLIPS = 0.02
-"""Chance that a flight does otherwise."""
+"""Probability that a flight deviates from that box."""
 TRACK_BYTES = 5200
-"""Mean length of a flown trajectory, packed."""
+"""Mean size of a packed trajectory."""
 VERBS = {
     "score": ("score",),
     "score_json": ("score", "--format", "json"),
@@ -61,11 +61,11 @@ VERBS = {
 
 
 class Maker:
-    """Makes up outcomes.
+    """Makes synthetic outcomes.
 
     Args:
-        study: whose flights they are.
-        draw: decides what comes out.
+        study: study of the flights.
+        draw: random numbers of the outcomes.
     """
 
     def __init__(self, study: Study, draw: random.Random) -> None:
@@ -118,7 +118,7 @@ class Maker:
         )
 
     def _breaks(self, flight: Flight, requirement: str) -> bool:
-        """Whether the situation is in the box in which the subject breaks the requirement."""
+        """Whether the situation is in the box in which the subject violates the requirement."""
         box = self._boxes.setdefault((flight.subject.id, requirement), [])
         if not box:
             box += [None if self._draw.random() < FREE else self._draw.choice(axis.values).id for axis in self._axes]
@@ -130,7 +130,7 @@ class Maker:
 
 
 def flights(study: Study) -> Iterator[Flight]:
-    """Without end, flights by situation and seed, the baseline first."""
+    """Yield flights without end by situation and seed; the baseline is first."""
     subjects: tuple[Mutant | None, ...] = (None, PLACEBO, *study.catalogue)
     for seed in itertools.count():
         for situation in study.grid.situations:
@@ -138,7 +138,7 @@ def flights(study: Study) -> Iterator[Flight]:
 
 
 def fill(study: Study, path: Path, number: int) -> None:
-    """Write a store of so many flights."""
+    """Write a store of `number` flights."""
     keys, maker = Keys(study), Maker(study, random.Random(0))
     listed = list(itertools.islice(flights(study), number))
 
@@ -156,7 +156,7 @@ def fill(study: Study, path: Path, number: int) -> None:
 
 
 def measure(folder: Path, words: tuple[str, ...]) -> dict[str, float]:
-    """What a command takes, all of it: starting the interpreter too."""
+    """Measure a whole command, including the start of the interpreter."""
     call = [sys.executable, "-m", "scaloft_fi", *words, "--campaign", str(folder), "--study", str(checkout.ROOT)]
     begin_s = time.perf_counter()
     with subprocess.Popen(call, cwd=checkout.ROOT, stdout=subprocess.DEVNULL) as process:

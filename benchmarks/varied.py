@@ -1,6 +1,6 @@
-"""Flights of the study with some of its numbers changed; for the scripts that ask what an assumption decides.
+"""Fly the study with changed numbers, for scripts that test the effect of an assumption.
 
-They fly whole and in no campaign: the outcome and the log of each are in the hands of the script.
+Each flight is flown whole and outside a campaign; the script gets its outcome and its log.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from scaloft_fi.study import Study
 
 
 class Beside(NamedTuple):
-    """A draw with some numbers of the study changed: its baseline, and the mutants that fly beside it.
+    """A baseline and its mutants in one situation with one seed, with changed numbers of the study.
 
-    overrides: numbers by path, as `sim/sources.yaml` names them.
+    overrides: changed numbers by their path in `sim/sources.yaml`.
     """
 
     folder: Path
@@ -39,7 +39,7 @@ class Beside(NamedTuple):
 
 
 def flown(beside: Beside) -> Iterator[tuple[Outcome, FlightLog]]:
-    """The baseline's flight, then the mutants'.
+    """Yield outcome and log of the baseline, then of the mutants.
 
     Raises:
         ScaloftError: the study cannot be flown with these numbers.
@@ -66,7 +66,7 @@ def flown(beside: Beside) -> Iterator[tuple[Outcome, FlightLog]]:
 
 
 def outcomes(besides: Iterable[Beside], jobs: int) -> list[list[Outcome]]:
-    """The outcomes of each draw, the baseline's first; `jobs` processes fly."""
+    """The outcomes of each draw, the baseline first; `jobs` processes fly."""
     with multiprocessing.Pool(jobs) as pool:
         return pool.map(_outcomes, list(besides), chunksize=1)
 
@@ -76,12 +76,12 @@ def _outcomes(beside: Beside) -> list[Outcome]:
 
 
 def main(about: str | None, plan: str, results: Callable[[Study, int], str]) -> None:
-    """Write the page of a script: its plan and, unless `--plan` asks for that alone, what was flown by it.
+    """Write the page of a script: its plan and, without `--plan`, its results.
 
     Args:
-        about: the script's own docstring.
+        about: docstring of the script.
         plan: the page without results, in Markdown.
-        results: flies with a number of processes and gives the section with the results.
+        results: flies with the given number of processes; returns the section with the results.
     """
     parser = argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--plan", action="store_true", help="fly nothing: the page without results")

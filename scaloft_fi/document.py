@@ -114,13 +114,13 @@ class Item:
         Raises:
             InputError: there is none.
         """
-        found = self.get(key)
-        if found is None:
+        entry = self.get(key)
+        if entry is None:
             entries = self.mapping()
             for near in difflib.get_close_matches(key, sorted(entries.keys() - self._taken), n=1, cutoff=0.75):
                 raise InputError(f"{entries[near].place}: unknown key {near!r} in {self.name}; did you mean {key!r}?")
             raise InputError(f"{self.place}: {self.name} lacks the key {key!r}")
-        return found
+        return entry
 
     def close(self) -> None:
         """Refuse unknown keys: the keys that no call of `get` or `need` has read.

@@ -170,13 +170,13 @@ class Observer:
 
     def _person(self, state: Array) -> tuple[float, float]:
         """Range of the nearest person's surface, and of the nearest person in sight [m]."""
-        scene, centre, found = self._scene, state[:3], np.empty(3)
+        scene, centre, foot = self._scene, state[:3], np.empty(3)
         range_m, sight_m = FAR_M, FAR_M
         for owner, axis in self._persons:
-            distance_m = nearest(scene.vertices, scene.faces, scene.owner, owner, centre, found)
+            distance_m = nearest(scene.vertices, scene.faces, scene.owner, owner, centre, foot)
             range_m = min(range_m, distance_m)
             if distance_m < min(SIGHT_M, sight_m) and any(
-                not blocked(scene.vertices, scene.faces, scene.owner, owner, centre, point) for point in (found, *axis)
+                not blocked(scene.vertices, scene.faces, scene.owner, owner, centre, point) for point in (foot, *axis)
             ):
                 sight_m = distance_m
         return range_m, sight_m

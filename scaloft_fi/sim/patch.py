@@ -15,10 +15,10 @@ def patched(item: Item, path: str, value: Item) -> Item:
     Raises:
         InputError: there is no such path; the message begins with the place of `value`.
     """
-    found = _replaced(item, path.split("."), value)
-    if found is None:
+    changed = _replaced(item, path.split("."), value)
+    if changed is None:
         raise InputError(f"{value.place}: no path {path!r} in {item.path.name}{did_you_mean(path, dict(leaves(item)))}")
-    return found
+    return changed
 
 
 def _replaced(item: Item, parts: Sequence[str], value: Item) -> Item | None:

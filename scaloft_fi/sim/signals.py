@@ -92,8 +92,8 @@ def truth_signals(surfaces: Iterable[str], declared: Iterable[str] = ()) -> tupl
         Signal(clearance_name(name), "m", f"hull to {name}, at most 1; 1 where it is not there or excused", Side.TRUTH)
         for name in surfaces
     )
-    asked = (SIGNALS[name] for name in declared)
-    return TRUTH + clearances + tuple(Signal(one.name, one.unit, one.meaning, Side.TRUTH) for one in asked)
+    optional = (SIGNALS[name] for name in declared)
+    return TRUTH + clearances + tuple(Signal(one.name, one.unit, one.meaning, Side.TRUTH) for one in optional)
 
 
 def signal_names(surfaces: Iterable[str], beliefs: Iterable[Belief], declared: Iterable[str] = ()) -> tuple[str, ...]:

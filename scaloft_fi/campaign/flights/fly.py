@@ -1,4 +1,4 @@
-"""One flight, from take-off to what is kept of it."""
+"""Fly one flight, and judge its log."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 
 
 def fly_log(study: Study, flight: Flight) -> FlightLog:
-    """Fly one flight; returns all that happened."""
+    """Fly one flight; returns its log."""
     from scaloft_fi.sim.flight import fly
 
     return fly(study.sim, flight.situation, flight.seed, wire_of(study, flight))
 
 
 def judged(study: Study, flight: Flight, log: FlightLog) -> Outcome:
-    """What is kept of a flight."""
+    """The outcome of a flight."""
     from scaloft_fi.judge.outcome import outcome_of
 
     return outcome_of(
@@ -40,7 +40,7 @@ def judged(study: Study, flight: Flight, log: FlightLog) -> Outcome:
 
 
 def wire_of(study: Study, flight: Flight) -> Wire:
-    """A fresh wire with the flight's fault in it."""
+    """A new wire with the fault of the flight."""
     from scaloft_fi.mutants.wire import contexts, wire_for
 
     scenario = study.scenario(flight.situation)
@@ -49,7 +49,7 @@ def wire_of(study: Study, flight: Flight) -> Wire:
 
 
 def facts(sim: SimConfig, scenario: Scenario) -> Facts:
-    """What a fault may know of situation, vehicle and sensors."""
+    """The facts about situation, vehicle and sensors that operators may use."""
     from scaloft_fi.mutants.facts import Facts
 
     mission, imu, wall = scenario.world.mission, sim.sensors.imu, scenario.wall_right
@@ -78,5 +78,5 @@ def reason_of(error: BaseException) -> str:
 
 
 def invalid(flight: Flight, reason: str) -> Outcome:
-    """The outcome of a flight that the harness could not fly."""
+    """The outcome of a flight that failed in the harness."""
     return replace(Outcome(flight.subject, flight.situation.key, flight.seed), invalid=reason)

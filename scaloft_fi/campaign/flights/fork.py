@@ -1,4 +1,4 @@
-"""Where a mutant's flight leaves its baseline's, the process forks: the child has the whole state, bit for bit."""
+"""Fork the process where a mutant's flight leaves its baseline; the child has the whole state, bit for bit."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from scaloft_fi.campaign.processes.patience import ATTEMPTS, PATIENCE_S
 from scaloft_fi.judge.outcome import Outcome
 
 CAN_FORK = LINUX
-"""Elsewhere forking a process with numeric libraries in it is not safe, and every flight is flown whole."""
+"""On other systems a fork with numeric libraries loaded is not safe, and every flight is flown whole."""
 
 
 class Fork:
-    """Splits flights off the one that this process flies.
+    """Forks flights off the flight of this process.
 
-    The trunk waits for each child, so that one process computes at a time.
+    The trunk is the process that flies the baseline.  It waits for each child, so one process computes at a time.
 
     Args:
-        report: takes the outcome of each flight that was split off.
-        invalid: the outcome of a flight that the harness could not fly, and why.
-        patience_s: after this a child that says nothing is hung [s, wall].
+        report: receives the outcome of each forked flight.
+        invalid: makes the outcome of a flight that failed in the harness, from the flight and the reason.
+        patience_s: a child without an outcome after this time is hung [s, wall].
 
     Attributes:
         taken: in a child, the flight that it flies; None in the trunk.
@@ -43,9 +43,9 @@ class Fork:
         self._writer: Connection | None = None
 
     def __call__(self, flight: Flight) -> bool:
-        """Split `flight` off.  True in the child, which flies on; False in the trunk, when its outcome was reported.
+        """Fork `flight`.  Returns True in the child, which flies on, and False in the trunk after the outcome's report.
 
-        What the harness fails at is tried again from the same state.
+        A flight that fails in the harness is tried again from the same state.
         """
         attempts = ATTEMPTS
         while True:
@@ -64,13 +64,13 @@ class Fork:
         """In a child, send its outcome to the trunk and end the process; in the trunk, do nothing."""
         if self._writer is not None:
             try:
-                with suppress(OSError):  # the trunk is gone, or tired of waiting
+                with suppress(OSError):  # the trunk has ended, or has stopped waiting
                     self._writer.send(outcome)
             finally:
                 os._exit(0)
 
     def _split(self, flight: Flight) -> Outcome | None:
-        """None in the child; in the trunk the child's outcome."""
+        """Fork once; returns None in the child, and the child's outcome in the trunk."""
         reader, writer = Pipe(duplex=False)
         trunk = os.getpid()
         child = os.fork()
@@ -83,7 +83,7 @@ class Fork:
         try:
             outcome, reason = self._listen(reader)
         finally:
-            os.kill(child, signal.SIGKILL)  # it has sent all it has, is hung, or is dead but not yet buried
+            os.kill(child, signal.SIGKILL)  # the child has sent its outcome, is hung, or is a zombie
             _, status = os.waitpid(child, 0)
             reader.close()
         return outcome or self._invalid(flight, reason or f"its process died: {cause_of_death(status)}")

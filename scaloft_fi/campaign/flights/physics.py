@@ -1,4 +1,4 @@
-"""The flyer that flies in PyBullet."""
+"""The flyer that simulates flights in PyBullet."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ if TYPE_CHECKING:
     from scaloft_fi.study import Study
 
 KERNELS_S = 5.0
-"""After this time in the air every compiled kernel was called: the drone has climbed, and plans [s]."""
+"""Length of the trial flight; by then the drone has climbed and plans, so every kernel was called [s]."""
 NOTICE_S = 1.0
-"""After this a line says what the wait is for [s, wall]."""
+"""A preparation that takes longer prints a notice [s, wall]."""
 
 
 class Physics:
     """Flies in PyBullet."""
 
     def prepare(self, study: Study, say: Callable[[str], None]) -> None:
-        """Build the stack, compile its kernels and parse the formulas by flying and judging a few seconds.
+        """Build the stack, compile its kernels and parse the formulas: fly and judge a few seconds.
 
-        Whatever is forked afterwards has them.
+        Processes that are forked afterwards inherit all of it.
 
         Raises:
             InputError: the settings of the stack do not fit.
         """
         with _stderr_silenced():
-            import pybullet  # noqa: F401 - it greets on standard error when first imported
+            import pybullet  # noqa: F401 - its first import writes to standard error
         from scaloft_fi.sim import flight
         from scaloft_fi.stack.rates import TICK_HZ
         from scaloft_fi.stack.seam import PlainWire
@@ -63,8 +63,8 @@ class Physics:
         return judged(study, flight, fly_log(study, flight))
 
     def share(self, study: Study, batch: Batch, report: Callable[[Outcome], None]) -> None:
-        """Fly the baseline once, and each mutant from where it leaves it."""
-        # a flight that takes this other process with it takes no other flight
+        """Fly the baseline once, and each mutant from the moment at which it leaves the baseline."""
+        # in a process of its own, so that a crash loses one flight only
         with Pool(Worker(study, self), 1, left=left_of, lost=lost, patience_s=PATIENCE_S) as apart:
             fly_shared(study, batch, report, lambda flight: apart.map([Batch((flight,))]))
 

@@ -1,6 +1,6 @@
-"""A baseline flown once with its mutants watched alongside; each is flown only from where it leaves the baseline.
+"""Fly a baseline once and watch its mutants; fly each mutant only from the moment at which it leaves the baseline.
 
-Those that leave it at take-off are flown whole, in another process that is the same for all of them.
+Mutants that leave the baseline at take-off are flown whole, all in one other process.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from scaloft_fi.study import Study
 
 SOON_S = 1.0
-"""A mutant that leaves the baseline sooner is flown whole, which is faster than a fork [s from take-off]."""
+"""A mutant that leaves the baseline earlier is flown whole, which is faster than a fork [s from take-off]."""
 
 
 def fly_shared(
@@ -29,16 +29,16 @@ def fly_shared(
     report: Callable[[Outcome], None],
     fly_apart: Callable[[Flight], Iterable[Outcome]],
 ) -> None:
-    """Fly a shared batch; every outcome equals that of the flight flown from take-off by itself.
+    """Fly a shared batch; every outcome equals that of the flight flown alone from take-off.
 
     Args:
-        study: what is flown.
+        study: the study.
         batch: the flights.
-        report: takes the outcome of each flight as soon as it is known.
+        report: receives the outcome of each flight as soon as it is known.
         fly_apart: flies one flight from take-off in another process.
 
     Raises:
-        Exception: the harness failed over the baseline; what was reported before stands.
+        Exception: the baseline failed in the harness; outcomes that were reported before are valid.
     """
     from scaloft_fi.mutants.watch import WatchingWire
     from scaloft_fi.mutants.wire import TappedWire
@@ -76,6 +76,6 @@ def fly_shared(
 
 
 def as_baseline(baseline: Outcome, subject: Subject, counts: Mapping[str, SeamCount]) -> Outcome:
-    """The outcome of a mutant of whose samples none ever differed: its baseline's, but for what its seams carried."""
+    """The outcome of a mutant without an altered sample: the outcome of its baseline, with the mutant's counts."""
     carried = sum(count.carried for count in counts.values())
     return replace(baseline, subject=subject, carried=carried, altered=0, infected_at_s=None, realised=())

@@ -1,4 +1,4 @@
-"""One flight in PyBullet's own window, at the pace of real time."""
+"""Fly one flight in PyBullet's window, in real time."""
 
 from __future__ import annotations
 
@@ -14,11 +14,12 @@ from scaloft_fi.stack.rates import TICK_S
 from scaloft_fi.study import Study
 
 DISTANCE_M, TURN_DEG, TILT_DEG = 3.0, 15.0, -60.0
-"""Where the window's camera is, seen from the vehicle: steeply above and a little behind (the roof has no outside)."""
+"""Position of the window's camera relative to the vehicle: steeply above and slightly behind (the roof is invisible
+from outside)."""
 
 
 def fly_in_window(study: Study, flight: Flight) -> FlightLog:
-    """Fly where a person can watch; returns all that happened.
+    """Fly in a window; returns the log.
 
     Raises:
         InputError: there is no display.

@@ -1,4 +1,4 @@
-"""Batches to outcomes, each flight tried again when the harness failed; then it is `invalid`, never a verdict."""
+"""Turn batches into outcomes; a flight that fails in the harness is tried again, then it is `invalid`."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 
 class Flyer(Protocol):
-    """What turns planned flights into outcomes."""
+    """Turns planned flights into outcomes."""
 
     def prepare(self, study: Study, say: Callable[[str], None]) -> None:
-        """Do in the parent what every worker would have to do by itself.
+        """Prepare in the parent process what every worker needs.
 
         Raises:
             InputError: the study cannot be flown.
@@ -28,27 +28,27 @@ class Flyer(Protocol):
         ...
 
     def __call__(self, study: Study, flight: Flight) -> Outcome:
-        """Fly and judge one flight from take-off; whatever goes wrong with the harness is raised."""
+        """Fly and judge one flight from take-off; a failure of the harness is raised."""
         ...
 
     def share(self, study: Study, batch: Batch, report: Callable[[Outcome], None]) -> None:
-        """Fly and judge the flights of a shared batch; what goes wrong over the baseline is raised."""
+        """Fly and judge the flights of a shared batch; a failure of the harness in the baseline is raised."""
         ...
 
 
 class Worker:
-    """The work of one process: a callable that never raises over a flight, only over the study.
+    """The work of one process: a callable that raises for a wrong study, never for a single flight.
 
     Args:
-        study: opened in the parent; a forked worker shares it.
-        flyer: what flies.
+        study: the study, opened in the parent process; a forked worker shares it.
+        flyer: flies.
     """
 
     def __init__(self, study: Study, flyer: Flyer) -> None:
         self.study, self.flyer = study, flyer
 
     def __call__(self, batch: Batch, report: Callable[[Outcome], None]) -> None:
-        """Report the outcome of every flight of `batch`, tried twice more when the harness failed.
+        """Report the outcome of every flight of `batch`; a flight that fails in the harness is tried twice more.
 
         Raises:
             InputError: the study cannot be flown.
@@ -94,10 +94,10 @@ class Worker:
 
 
 def lost(batch: Batch, reason: str) -> list[Outcome]:
-    """The outcomes of the flights that took their worker with them."""
+    """The outcomes of flights whose worker process died every time."""
     return [invalid(flight, f"its worker process {reason}") for flight in batch.flights]
 
 
 def left_of(batch: Batch, outcomes: Iterable[Outcome]) -> Batch | None:
-    """What a worker that was lost still owes of its batch."""
+    """The flights of a batch without an outcome; None without any."""
     return batch.without({outcome.name for outcome in outcomes})

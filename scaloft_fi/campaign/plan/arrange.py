@@ -1,4 +1,4 @@
-"""Flights put together into batches, in the order in which they are handed out."""
+"""Arrange flights in batches, in the order in which the workers get them."""
 
 from __future__ import annotations
 
@@ -10,29 +10,29 @@ from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.mutants.mutant import PLACEBO
 
 SHARES_PER_JOB = 2
-"""A batch is at most this part of what one process has still to do, so that all processes end at about one time."""
+"""A batch is at most 1 / this of the remaining work of one process, so that all processes end at about one time."""
 LEAST_SHARING = 8
-"""A baseline is flown once more for another process only when at least so many mutants share it."""
+"""A baseline is flown once more for another process only if at least this number of mutants share it."""
 
 
 def alone(flights: Iterable[Flight]) -> list[Batch]:
-    """Each flight whole and by itself."""
+    """One batch for each flight, flown whole."""
     return [Batch((flight,)) for flight in flights]
 
 
 def together(flights: Sequence[Flight], weight_s: Callable[[Flight], float], jobs: int) -> list[Batch]:
-    """Mutants with the baseline of their situation and seed, which is flown again when it is not among `flights`.
+    """Batches of mutants with the baseline of their situation and seed; a baseline outside `flights` is flown again.
 
-    Tasks get smaller towards the end (Polychronopoulos and Kuck, Guided self-scheduling, IEEE Trans. Computers 36(12),
-    1987): how long a mutant flies is known only when it has flown, and small batches last even that out.
+    Batches get smaller towards the end (Polychronopoulos and Kuck, Guided self-scheduling, IEEE Trans. Computers
+    36(12), 1987): the duration of a flight is unknown beforehand, and small last batches balance the processes.
 
     Args:
-        flights: to be flown.
-        weight_s: how long one is expected to take [s].
-        jobs: number of processes; a baseline with many mutants is flown by several when that keeps them busy.
+        flights: the flights.
+        weight_s: expected duration of a flight [s].
+        jobs: number of processes; several processes fly a baseline with many mutants if that keeps them busy.
 
     Returns:
-        The batches, the longest first.
+        The batches; the longest batch is first.
     """
     batches = alone(flight for flight in flights if flight.mutant == PLACEBO)
     sharing: list[tuple[float, Flight, list[Flight]]] = []
@@ -55,7 +55,7 @@ def together(flights: Sequence[Flight], weight_s: Callable[[Flight], float], job
 
 
 def _by_baseline(flights: Iterable[Flight]) -> dict[Flight, list[Flight]]:
-    """The mutants by the baseline they leave; PLACEBO leaves none."""
+    """The mutants by their baseline, without PLACEBO, which shares no baseline."""
     draws: dict[Flight, list[Flight]] = {}
     for flight in flights:
         if flight.mutant != PLACEBO:

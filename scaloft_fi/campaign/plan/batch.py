@@ -1,4 +1,4 @@
-"""What is handed to a worker in one go: a flight, or the flights that share one baseline's beginning."""
+"""A batch: the task of a worker, either one flight or flights that share the beginning of one baseline."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ class Batch:
     """Flights of one situation and seed.
 
     Attributes:
-        flights: whose outcomes are wanted.
-        shared: whether they are flown together with the baseline, each from where it leaves it; else each is whole.
+        flights: the flights.
+        shared: whether the flights share the baseline, each up to the moment at which it leaves the baseline.
     """
 
     flights: tuple[Flight, ...]
@@ -31,6 +31,6 @@ class Batch:
         return Flight(None, self.flights[0].situation, self.flights[0].seed)
 
     def without(self, names: Collection[str]) -> Batch | None:
-        """What is left when the flights called `names` have arrived; None = nothing."""
+        """The batch without the flights called `names`; None if no flight remains."""
         left = tuple(flight for flight in self.flights if flight.name not in names)
         return replace(self, flights=left) if left else None

@@ -1,4 +1,4 @@
-"""From what a user writes on the command line to seeds and subjects."""
+"""Parse seeds, shards and mutants from the command line."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def seeds(text: str, option: str = "--seeds") -> tuple[int, ...]:
     ((0, 1, 2), (4, 5))
 
     Raises:
-        InputError: it is neither, or names no seed.
+        InputError: the text has another form, or names no seed.
     """
     match = re.fullmatch(r"(\d{1,9})(?:-(\d{1,9}))?", text.strip())
     if match:
@@ -33,11 +33,11 @@ def seeds(text: str, option: str = "--seeds") -> tuple[int, ...]:
 
 
 def pool_seeds(text: str | None, *, lent: bool) -> tuple[int, ...] | None:
-    """Seeds of the baseline pool besides the mutants' own: as asked for, else None, as many as make a pool.
+    """Seeds of the baseline pool in addition to the mutants' seeds; None = as many as a pool needs.
 
     Args:
-        text: `--baseline-seeds`.
-        lent: whether another campaign lends its baselines; then none are flown unless asked for.
+        text: value of `--baseline-seeds`.
+        lent: whether another campaign lends its baselines; then `text` alone decides.
 
     Raises:
         InputError: the text names no seeds.
@@ -54,7 +54,7 @@ def shard(text: str) -> tuple[int, int]:
     (2, 3)
 
     Raises:
-        InputError: it is no such pair.
+        InputError: the text is no such pair.
     """
     match = re.fullmatch(r"(\d{1,6})/(\d{1,6})", text.strip())
     if match and 1 <= int(match[1]) <= int(match[2]):
@@ -63,10 +63,10 @@ def shard(text: str) -> tuple[int, int]:
 
 
 def mutants(study: Study, patterns: Sequence[str]) -> tuple[Mutant, ...]:
-    """The mutants to fly besides PLACEBO: those asked for and one control, or every cell's default and the controls.
+    """The mutants to fly in addition to PLACEBO: those that match, or by default every cell's default and the controls.
 
     Raises:
-        InputError: a pattern means nothing.
+        InputError: a pattern matches no mutant.
     """
     if not patterns:
         return defaults(study.matrix)
@@ -75,7 +75,7 @@ def mutants(study: Study, patterns: Sequence[str]) -> tuple[Mutant, ...]:
 
 
 def canary(study: Study) -> Mutant | None:
-    """The control that proves, wherever it is flown, that faults reach the drone; None in a study without controls."""
+    """The control whose flight proves that faults reach the drone; None in a study without controls."""
     controls = [mutant for mutant in defaults(study.matrix) if is_control(study, mutant)]
     seams = study.stack.canaries
     steady = sorted((m for m in controls if m.seam in seams), key=lambda m: seams.index(m.seam))

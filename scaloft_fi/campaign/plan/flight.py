@@ -1,4 +1,4 @@
-"""One planned flight: what is patched in, and where it is flown."""
+"""A planned flight: mutant, situation and seed."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ class Flight:
     """One planned flight.
 
     Attributes:
-        mutant: what is patched in; None = the baseline.
-        situation, seed: where.
+        mutant: the mutant; None = the baseline.
+        situation, seed: situation and seed of the flight.
     """
 
     mutant: Mutant | None
@@ -27,10 +27,10 @@ class Flight:
 
     @property
     def subject(self) -> Subject:
-        """What is flown, as results name it."""
+        """The subject of the flight."""
         return Subject.of(self.mutant)
 
     @property
     def name(self) -> str:
-        """`MUTANT/SITUATION/SEED`, as `replay` takes it."""
+        """`MUTANT/SITUATION/SEED`, the argument of `replay`."""
         return f"{self.subject.id}/{self.situation.key}/{self.seed}"

@@ -1,4 +1,4 @@
-"""Which flights a campaign flies, in a stable order: baselines, PLACEBO beside each, mutants, then the pool."""
+"""The plan: the flights of a campaign in a stable order: baselines, PLACEBO, mutants, then the pool."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ class Plan:
     """All flights of one run.
 
     Attributes:
-        baselines: one for each situation and seed.
-        mutants: PLACEBO in the same, then every mutant in the same.
-        canary: the control that is flown once, in a situation chosen when the baselines are known; None when the
-            controls are among the mutants.
-        seeds: of the mutants' flights, over the whole run of which this may be a shard.
-        pool_seeds: of the baseline pool in the situations where a mutant infects; None = enough for a pool.
+        baselines: one baseline for each situation and seed.
+        mutants: flights of PLACEBO, then of every mutant, in the same situations and with the same seeds.
+        canary: the control that is flown once, in a situation chosen after the baselines; None if the controls are
+            among the mutants.
+        seeds: seeds of the mutants' flights in the whole run, of which this plan may be a shard.
+        pool_seeds: seeds of the baseline pool where a mutant infects; None = as many as a pool needs.
     """
 
     baselines: tuple[Flight, ...]
@@ -37,19 +37,19 @@ class Plan:
 
     @property
     def known(self) -> tuple[Flight, ...]:
-        """The flights that are planned before any is flown, each once."""
+        """The flights that are planned before the first flight, each once."""
         return *self.baselines, *self.mutants
 
     def with_pool(self, seeds: Sequence[int] | None = None) -> Plan:
-        """The same with a baseline pool: of these seeds and the mutants' own, by default as many as a pool needs."""
+        """The plan with a baseline pool of these and the mutants' seeds; by default as many seeds as a pool needs."""
         return replace(self, pool_seeds=None if seeds is None else tuple(seeds))
 
     def pool(self, situation: Situation, enough: int) -> tuple[Flight, ...]:
-        """The baselines that are flown in a situation once a mutant has infected there.
+        """The additional baselines of a situation in which a mutant infects.
 
         Args:
-            situation: one of the plan.
-            enough: how many baselines make a pool, those of the mutants' own seeds counted.
+            situation: a situation of the plan.
+            enough: number of baselines in a pool, including those with the mutants' seeds.
         """
         own = [flight.seed for flight in self.baselines if flight.situation == situation]
         if self.pool_seeds is None:
@@ -60,12 +60,12 @@ class Plan:
         return tuple(Flight(None, situation, seed) for seed in more)
 
     def infected(self, outcomes: Iterable[Outcome]) -> tuple[Situation, ...]:
-        """The situations where a mutant's fault changed a sample, in the plan's order."""
+        """The situations in which a mutant changed a sample, in the plan's order."""
         keys = {outcome.situation for outcome in outcomes if infects(outcome)}
         return tuple(dict.fromkeys(flight.situation for flight in self.baselines if flight.situation.key in keys))
 
     def shard(self, number: int, shards: int) -> Plan:
-        """Every `shards`-th situation and seed, from the `number`-th (counted from 1) on."""
+        """The plan for every `shards`-th pair of situation and seed, beginning with the `number`-th (from 1)."""
         own = {(flight.situation.key, flight.seed) for flight in self.baselines[number - 1 :: shards]}
 
         def ours(flights: tuple[Flight, ...]) -> tuple[Flight, ...]:
@@ -82,12 +82,12 @@ class Plan:
 def plan(
     situations: Sequence[Situation], seeds: Sequence[int], mutants: Iterable[Mutant], canary: Mutant | None
 ) -> Plan:
-    """The flights of `mutants` in `situations` with `seeds`, and what has to be flown to believe them."""
+    """Plan `mutants` in `situations` with `seeds`, with their baselines, PLACEBO and the canary."""
     return plan_draws([(situation, seed) for situation in situations for seed in seeds], mutants, canary)
 
 
 def plan_draws(draws: Sequence[tuple[Situation, int]], mutants: Iterable[Mutant], canary: Mutant | None) -> Plan:
-    """The same where each situation comes with its own seeds."""
+    """Plan `mutants` for pairs of situation and seed."""
     flown = [PLACEBO, *(mutant for mutant in mutants if mutant != PLACEBO)]
     return Plan(
         baselines=tuple(Flight(None, *draw) for draw in draws),
@@ -98,12 +98,12 @@ def plan_draws(draws: Sequence[tuple[Situation, int]], mutants: Iterable[Mutant]
 
 
 def infects(outcome: Outcome) -> bool:
-    """Whether a mutant's fault changed a sample in this flight."""
+    """Whether the flight is of a mutant and its fault changed a sample."""
     return outcome.altered > 0 and outcome.mutant != PLACEBO.id and not outcome.invalid
 
 
 def canary_flight(planned: Plan, baselines: Iterable[Outcome]) -> Flight | None:
-    """The canary where its baseline holds most, so that it has something to violate; None without a canary."""
+    """The canary's flight, where its baseline holds most requirements, which it can violate; None without a canary."""
     if planned.canary is None or not planned.baselines:
         return None
     held = {(outcome.situation, outcome.seed): held_requirements(outcome) for outcome in baselines}
@@ -112,6 +112,6 @@ def canary_flight(planned: Plan, baselines: Iterable[Outcome]) -> Flight | None:
 
 
 def held_requirements(baseline: Outcome) -> int:
-    """How many requirements that count the baseline held to its end."""
+    """The number of safety and operability requirements that the baseline held to its end."""
     counting = [reading for reading in baseline.readings if reading.kind is not Kind.REPORTED]
     return sum(not (reading.violated or reading.open) for reading in counting)

@@ -1,1 +1,1 @@
-"""Processes of this machine: started, sent tasks, ended with the process that started them."""
+"""Worker processes on this machine: start them, send them tasks, end them with their parent."""

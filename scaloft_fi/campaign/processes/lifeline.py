@@ -1,4 +1,4 @@
-"""Processes that do not outlive the one that started them, however it ends."""
+"""End a child process when its parent ends, for whatever reason the parent ends."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ _prctl: Callable[..., int] | None = getattr(ctypes.CDLL(None), "prctl", None) if
 
 
 def die_with(parent: int, sentinel: int | None = None) -> None:
-    """End this process when the one numbered `parent`, which has just started it, ends.
+    """End this process when its parent, which has the id `parent`, ends.
 
-    On Linux the kernel sees to it; elsewhere a thread waits for `sentinel`, a descriptor that can be read when the
-    parent has ended; None = the one of `multiprocessing`.
+    On Linux the kernel ends it.  On other systems a thread waits for `sentinel`, a descriptor that becomes readable
+    when the parent ends; None = the sentinel of `multiprocessing`.
     """
     if _prctl is not None:
         _prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
-        if os.getppid() != parent:  # it ended before the kernel was asked
+        if os.getppid() != parent:  # the parent ended before this call
             os._exit(1)
         return
     process = parent_process()
@@ -40,7 +40,7 @@ def _end_after(sentinel: int) -> None:
 
 
 def cause_of_death(status: int) -> str:
-    """How a process ended, in words, from its wait status.
+    """The exit code or the signal that ended a process, from its wait status.
 
     >>> cause_of_death(9), cause_of_death(256)
     ('SIGKILL', 'exit code 1')

@@ -1,6 +1,6 @@
-"""How often a flight is tried, and how long it is waited for."""
+"""Limits of a flight: number of attempts, and wall time."""
 
 ATTEMPTS = 3
-"""A flight over which the harness fails is tried this often."""
+"""Number of attempts for a flight that fails in the harness."""
 PATIENCE_S = 300.0
-"""A flight that takes longer is hung: a hundred times what it should take [s, wall]."""
+"""A flight that takes longer is hung; a hundred times the usual time [s, wall]."""

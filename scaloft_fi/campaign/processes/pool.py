@@ -1,4 +1,4 @@
-"""Processes of this machine that fly.  Results arrive as they are done; nothing may depend on their order."""
+"""A pool of worker processes on this machine.  Results arrive in any order; no caller may depend on the order."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ TaskT = TypeVar("TaskT")
 ResultT = TypeVar("ResultT")
 
 WORKER_PATIENCE_S = (ATTEMPTS + 1) * PATIENCE_S
-"""A worker says nothing while a process that it split off is flown, at most so often again [s, wall]."""
+"""Longer than the longest silence of a worker, which waits for a forked flight and its repetitions [s, wall]."""
 LOOK_UP_S = 0.5
-"""How often the parent looks up from waiting, to see whether it shall stop [s, wall]."""
+"""Interval at which the waiting parent checks whether to stop [s, wall]."""
 
 
 @dataclass
 class _Try(Generic[TaskT, ResultT]):
-    """A task, how often it was handed out, this time counted, and the results of it that arrived this time."""
+    """An attempt at a task: its number, from 1, and the results of this attempt."""
 
     task: TaskT
     attempt: int = 1
@@ -35,14 +35,14 @@ class _Try(Generic[TaskT, ResultT]):
 
 @dataclass(eq=False)
 class _Worker(Generic[TaskT, ResultT]):
-    """A process and what it is busy with."""
+    """A process and its current task."""
 
     started: Started
     trial: _Try[TaskT, ResultT] | None = None
     last_s: float = 0.0
 
     def end(self) -> None:
-        """Stop it: an idle one leaves by itself, a busy one is not waited for."""
+        """End the process: an idle process ends when its connection closes, a busy one is killed."""
         if self.trial is not None:
             self.started.process.kill()
         self.started.connection.close()
@@ -50,17 +50,17 @@ class _Worker(Generic[TaskT, ResultT]):
 
 
 class Pool(Generic[TaskT, ResultT]):
-    """`jobs` processes that turn each task into results; a context manager, at whose end they end.
+    """`jobs` processes that turn tasks into results; a context manager, at whose end the processes end.
 
     Args:
-        work: called in a worker with one task and with what takes its results; whatever it raises ends the run.
+        work: called in a worker with a task and a callback for its results; an exception ends the run.
         jobs: number of processes.
-        left: what remains of a task of which some results have arrived when its worker dies; None = nothing.
-        lost: the results of a task that took its worker with it `ATTEMPTS` times without a result, and how.
-        stop: asked now and then; once true, no more tasks are handed out and the next results under way are taken.
-        patient: whether they are waited for; else all ends within `LOOK_UP_S`.
-        patience_s: a worker that says nothing for so long is hung [s, wall].
-        start: how a process is started.
+        left: the rest of a task after some results, when its worker dies; None = nothing.
+        lost: the results of a task whose worker died `ATTEMPTS` times without a result, from task and reason.
+        stop: polled; once true, no more tasks are handed out, and each busy worker's next result is awaited.
+        patient: whether those results are awaited; if not, the pool ends within `LOOK_UP_S`.
+        patience_s: a worker without a message for this time is hung [s, wall].
+        start: starts a process.
     """
 
     def __init__(
@@ -93,10 +93,10 @@ class Pool(Generic[TaskT, ResultT]):
         self._end(self._workers)
 
     def map(self, tasks: Iterable[TaskT]) -> Iterator[ResultT]:
-        """The results of `tasks`, as they are done; the next task is asked for when a process is free to do it.
+        """Yield the results of `tasks` as they arrive; the next task is taken when a process is free.
 
         Raises:
-            Exception: whatever the work raised.
+            Exception: `work` raised it.
         """
         source, waiting = iter(tasks), deque[_Try[TaskT, ResultT]]()
         try:
@@ -128,7 +128,7 @@ class Pool(Generic[TaskT, ResultT]):
             worker = idle.pop() if idle else self._another()
             trial = waiting.popleft()
             worker.trial, worker.last_s = trial, time.monotonic()
-            with suppress(OSError):  # it has just died; that is heard when it is listened to
+            with suppress(OSError):  # the worker has just died; `_receive` notices it
                 worker.started.connection.send(trial.task)
 
     def _another(self) -> _Worker[TaskT, ResultT]:
@@ -137,7 +137,7 @@ class Pool(Generic[TaskT, ResultT]):
         return self._workers[-1]
 
     def _receive(self, worker: _Worker[TaskT, ResultT], waiting: deque[_Try[TaskT, ResultT]]) -> Iterator[ResultT]:
-        """One message of a worker."""
+        """Handle one message of a worker."""
         trial = worker.trial
         if trial is None:
             return
@@ -165,7 +165,7 @@ class Pool(Generic[TaskT, ResultT]):
     def _lose(
         self, worker: _Worker[TaskT, ResultT], how: str, waiting: deque[_Try[TaskT, ResultT]]
     ) -> Iterator[ResultT]:
-        """A worker is lost: what it still owes is tried again, as long as that may lead anywhere."""
+        """Handle a lost worker: try the rest of its task again, up to `ATTEMPTS` times without a result."""
         trial = worker.trial
         self._end([worker])
         left = self._left(trial.task, trial.arrived) if trial is not None else None

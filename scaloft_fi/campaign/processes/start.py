@@ -1,4 +1,4 @@
-"""Worker processes: each is sent tasks, sends back results, is one core, and ends with the process that started it."""
+"""Start worker processes: each receives tasks, returns results, uses one core, and ends with its parent."""
 
 from __future__ import annotations
 
@@ -18,34 +18,34 @@ from typing import Any, Protocol
 from scaloft_fi.campaign.processes.lifeline import die_with
 
 THREAD_SETTINGS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-"""A worker is one core: numeric libraries must not start threads of their own.  Set before numpy is imported."""
+"""A worker uses one core, so numeric libraries must not start threads.  Set these before numpy is imported."""
 
 Work = Callable[[Any, Callable[[Any], None]], None]
-"""Called with one task and with what takes its results; whatever it raises ends the run."""
+"""Called with a task and a callback for its results; an exception ends the run."""
 
 
 class Process(Protocol):
-    """What a process must be able to do to be ended."""
+    """A process that can be ended."""
 
     def kill(self) -> None:
-        """End it at once."""
+        """End the process at once."""
         ...
 
     def join(self) -> None:
-        """Wait for its end."""
+        """Wait for the end of the process."""
         ...
 
 
 @dataclass(frozen=True)
 class Started:
-    """A process, and the line to it."""
+    """A process and the connection to it."""
 
     process: Process
     connection: Connection
 
 
 Start = Callable[[Work, Sequence[Connection]], Started]
-"""Starts a process that serves `work`; the connections are those of others, which it must not keep open."""
+"""Starts a process that runs `work`; the process must close the given connections, which belong to other workers."""
 
 
 def one_thread_each() -> None:
@@ -55,12 +55,12 @@ def one_thread_each() -> None:
 
 
 def cores() -> int:
-    """How many processors this process may use."""
+    """Number of processors that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def forked(work: Work, others: Sequence[Connection]) -> Started:
-    """A copy of this process, which must have one thread only; where there is no fork, a process started clean."""
+    """Start a fork of this process, which must have one thread only; without fork, a spawned process."""
     can_fork = "fork" in multiprocessing.get_all_start_methods()
     context = multiprocessing.get_context("fork") if can_fork else multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
@@ -73,9 +73,9 @@ def forked(work: Work, others: Sequence[Connection]) -> Started:
 
 
 def started_clean(work: Work, _others: Sequence[Connection]) -> Started:
-    """A fresh interpreter that imports what this one would, for a process with threads; `work` travels as data.
+    """Start a new interpreter with the same import path, from a process with threads; `work` is pickled.
 
-    `multiprocessing` would refuse: the workers of Dask are daemons, which may have no children of its kind.
+    `multiprocessing` refuses this: the workers of Dask are daemonic, and daemonic processes may have no children.
     """
     ours, theirs = socket.socketpair()
     with theirs, _interrupts_blocked():
@@ -86,15 +86,15 @@ def started_clean(work: Work, _others: Sequence[Connection]) -> Started:
             pass_fds=[theirs.fileno()],
         )
     connection = Connection(ours.detach())
-    with suppress(OSError):  # it has died already; that is heard when it is listened to
+    with suppress(OSError):  # the process has just died; the reader of the connection notices it
         connection.send(work)
     return Started(_Interpreter(process), connection)
 
 
 @contextmanager
 def _interrupts_blocked() -> Iterator[None]:
-    """Keep Ctrl-C from what is started meanwhile, from its first moment on; this process hears of it afterwards."""
-    if not hasattr(signal, "pthread_sigmask"):  # on Windows a worker hears it until its life begins
+    """Block Ctrl-C for processes that start in this context; this process receives it afterwards."""
+    if not hasattr(signal, "pthread_sigmask"):  # on Windows a worker receives Ctrl-C until it ignores it
         yield
         return
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
@@ -118,7 +118,7 @@ class _Interpreter:
 
 
 def _run_worker(work: Work, connection: Connection, inherited: Sequence[Connection], parent: int) -> None:
-    """The life of a worker: it leaves Ctrl-C to its parent, works on what it is sent, and never outlives it."""
+    """Run a worker: it ignores Ctrl-C, works on its tasks, and ends with its parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     die_with(parent)
@@ -138,13 +138,13 @@ def _serve(work: Work, connection: Connection) -> None:
             connection.send(("done", None))
         except BrokenPipeError:
             return
-        except Exception as error:  # noqa: BLE001 - it is raised again where the run is
+        except Exception as error:  # noqa: BLE001 - the parent raises it again
             error.add_note(traceback.format_exc())
             connection.send(("raised", error))
 
 
 def _run_clean_worker(descriptor: int, parent: int) -> None:
-    """The life of a process started clean; its standard input ends with its parent."""
+    """Run a worker in a new interpreter; its standard input closes when its parent ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     die_with(parent, sys.stdin.fileno())
     connection = Connection(descriptor)

@@ -1,1 +1,1 @@
-"""What a person sees of a run."""
+"""The progress of a run, shown to the user."""

@@ -1,4 +1,4 @@
-"""How much is still to be flown, as expected simulated time.  It enters no result."""
+"""Forecast of the remaining work as simulated time.  It decides no result."""
 
 from __future__ import annotations
 
@@ -7,25 +7,24 @@ from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.mutants.mutant import PLACEBO
 
 SHARE = 0.78
-"""What is flown of a mutant's flight when it begins where it leaves its baseline, measured over the reference campaign
-as a share of the flight's duration."""
+"""Flown share of a mutant's flight that begins where it leaves its baseline; measured in the reference campaign."""
 FLIGHT_S = 8.0
-"""What a flight costs beside its length: it is begun and judged [s, simulated]."""
+"""Fixed cost of a flight: start and judgement [s, simulated]."""
 WHOLE = frozenset({BASELINE, PLACEBO.id})
-"""What is always flown whole."""
+"""Subjects that are always flown whole."""
 
 
 class Forecast:
-    """Flown and left [s, simulated], from the nominal mission times of situations alone.
+    """Expected cost of flown and remaining flights [s, simulated], from the nominal mission times of situations.
 
-    Over the flights of the reference campaign the time left was wrong by 12 % on average.
+    Over the flights of the reference campaign the mean error of the remaining time was 12 %.
 
     Args:
-        share: whether mutants are flown only from where they leave their baseline; else they are whole.
+        share: whether mutants share the beginning of their baseline; if not, they are flown whole.
 
     Attributes:
-        done_s: expected cost of the flights that were flown.
-        left_s: expected cost of those that did not.
+        done_s: expected cost of the flown flights.
+        left_s: expected cost of the remaining flights.
     """
 
     def __init__(self, *, share: bool) -> None:
@@ -34,11 +33,11 @@ class Forecast:
         self.done_s = self.left_s = 0.0
 
     def cost_s(self, flight: Flight, nominal_s: float) -> float:
-        """What a flight is expected to cost whose nominal mission time is `nominal_s` [s, simulated]."""
+        """Expected cost of a flight with the nominal mission time `nominal_s` [s, simulated]."""
         return nominal_s * (1.0 if flight.subject.id in WHOLE else self._share) + FLIGHT_S
 
     def expect(self, flight: Flight, nominal_s: float) -> bool:
-        """A flight is to come; returns whether that is new."""
+        """Add a flight to the remaining work; returns whether it was not yet added."""
         if flight.name in self._due:
             return False
         self._due.add(flight.name)
@@ -46,7 +45,7 @@ class Forecast:
         return True
 
     def arrived(self, flight: Flight, nominal_s: float) -> bool:
-        """A flight was flown; returns whether it was expected."""
+        """Record that a flight was flown; returns whether it was expected."""
         cost_s = self.cost_s(flight, nominal_s)
         self.done_s += cost_s
         if flight.name not in self._due:

@@ -1,4 +1,4 @@
-"""What a person sees while flights are flown: how many, how fast, how much longer.  Nothing here enters a result."""
+"""Progress display of a run: flights done, rate, time left.  Nothing here decides a result."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ class Progress:
     """Flights done, their rate, the time left, violations.
 
     Args:
-        stream: where to write; a live line when it is a terminal, else one line every ten seconds.
+        stream: output stream; a terminal gets a live line, any other stream one line every ten seconds.
         clock: monotonic wall clock [s].
 
     Attributes:
-        flights: how many are to be flown.
-        done: how many are.
-        done_s: what that was expected to take, as simulated time [s].
-        left_s: what the rest is expected to take [s]; only asked when it is shown.
-        most_s: wall time after which no more is begun [s], seen from now; infinite without a budget.
-        stage: what the flights are part of, such as `look 2 of 3`.
-        violations: violations so far, in words.
+        flights: number of expected flights.
+        done: number of flown flights.
+        done_s: expected simulated time of the flown flights [s].
+        left_s: returns the expected simulated time of the remaining flights [s]; called only for the display.
+        most_s: returns the remaining budget of wall time [s]; infinite without a budget.
+        stage: stage of the run, such as `look 2 of 3`.
+        violations: summary of the violations so far.
     """
 
     def __init__(self, *, stream: TextIO | None = None, clock: Callable[[], float] = time.monotonic) -> None:
@@ -43,12 +43,12 @@ class Progress:
         self.stage, self.violations = "", ""
 
     def start(self) -> None:
-        """The first flight is handed out: the clock starts, once."""
+        """Start the clock when the first flight is handed out."""
         if not self.done:
             self._start_s = self._shown_s = self._clock()
 
     def advance(self) -> None:
-        """One more flight is done; show it when it is time to."""
+        """Count one more flight, and update the display when it is due."""
         self.done += 1
         now_s = self._clock()
         if now_s - self._shown_s >= (LIVE_EVERY_S if self._live else LINE_EVERY_S):
@@ -56,14 +56,14 @@ class Progress:
             self._show()
 
     def line(self, text: str) -> None:
-        """A lasting line, above the live one."""
+        """Print a permanent line above the live line."""
         self._stream.write(f"\r\x1b[K{text}\n" if self._live else f"{text}\n")
         if self._live and self.done:
             self._show()
         self._stream.flush()
 
     def close(self) -> None:
-        """Leave the last count as a lasting line."""
+        """Print the last count as a permanent line."""
         if self._live:
             self._stream.write("\r\x1b[K")
         if self.done:
@@ -72,16 +72,16 @@ class Progress:
 
     @property
     def time_left_s(self) -> float | None:
-        """Wall time that the remaining flights will take [s]; None before the first is done."""
+        """Expected wall time of the remaining flights [s]; None before the first flight is done."""
         needed_s = self.wall_s(self.left_s())
         return None if needed_s is None else min(self.most_s(), needed_s)
 
     def wall_s(self, simulated_s: float) -> float | None:
-        """Wall time that so much simulated time takes at the pace so far [s]; None before the first flight is done."""
+        """Expected wall time of `simulated_s` at the current rate [s]; None before the first flight is done."""
         return (self._clock() - self._start_s) * simulated_s / self.done_s if self.done_s else None
 
     def summary(self) -> str:
-        """How many flights were flown in how long."""
+        """The number of flown flights and the time they took."""
         elapsed_s = self._clock() - self._start_s
         rate = f", {self.done / elapsed_s:.1f} a second" if elapsed_s >= 1.0 else ""
         return f"{self.done} of {self.flights} flights flown in {duration(elapsed_s)}{rate}"
@@ -97,7 +97,7 @@ class Progress:
             parts.append(f"violations: {self.violations}")
         text = "  ".join(parts)
         if self._live:
-            room = shutil.get_terminal_size().columns - 1  # a line that wraps could not be written over
+            room = shutil.get_terminal_size().columns - 1  # a line that wraps cannot be overwritten
             width = max(0, min(BAR_WIDTH, room - len(text) - len("[] ")))
             whole_s = self.done_s + self.left_s()
             full = min(width, round(width * self.done_s / whole_s)) if whole_s else width
@@ -109,7 +109,7 @@ class Progress:
 
 
 class Silence(Progress):
-    """Counts without showing anything; `--quiet`."""
+    """Counts and shows nothing; `--quiet`."""
 
     def line(self, text: str) -> None:
         """Show nothing."""
@@ -122,7 +122,7 @@ class Silence(Progress):
 
 
 def duration(seconds: float) -> str:
-    """A span of time as a person says it.
+    """Format a duration in words.
 
     >>> [duration(s) for s in (0.4, 7, 75, 3720)]
     ['0 s', '7 s', '1 min 15 s', '1 h 02 min']

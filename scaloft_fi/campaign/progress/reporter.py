@@ -1,4 +1,4 @@
-"""Shows a person what a run does: how much is left, how much was violated, what the harness failed at."""
+"""Report the run to the user: remaining work, violations, failures of the harness."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ class Reporter:
     """Keeps the progress up to date.
 
     Args:
-        study: what is flown.
-        progress: what a person sees.
+        study: the study.
+        progress: the display.
         log: path of the mission log.
-        share: whether mutants are flown only from where they leave their baseline.
-        warnings: whether each violation is shown as it happens.
+        share: whether mutants share the beginning of their baseline.
+        warnings: whether each violation is shown when its outcome arrives.
     """
 
     def __init__(self, study: Study, progress: Progress, log: Path, *, share: bool, warnings: bool) -> None:
@@ -33,38 +33,38 @@ class Reporter:
         self._violations = Violations()
 
     def expect(self, flights: Iterable[Flight]) -> None:
-        """Flights are to come; what was announced before is not counted twice."""
+        """Announce flights; a flight that was announced before is not counted again."""
         for flight in flights:
             if self._forecast.expect(flight, self._nominal_s(flight)):
                 self.progress.flights += 1
 
     def arrived(self, flight: Flight, outcome: Outcome, *, news: bool) -> None:
-        """An outcome arrived.
+        """Record an outcome.
 
         Args:
-            flight: which was flown.
-            outcome: of it.
-            news: whether the store lacked it.
+            flight: the flight.
+            outcome: its outcome.
+            news: whether the store lacked the outcome.
         """
         if news:
-            self._tell(outcome)
+            self._show_outcome(outcome)
         expected = self._forecast.arrived(flight, self._nominal_s(flight))
         self.progress.done_s = self._forecast.done_s
         if expected:
             self.progress.advance()
 
     def wall_s(self, flights: Iterable[Flight]) -> float:
-        """How long all processes together would fly these at the pace so far [s, wall]; 0 before the first outcome."""
+        """Expected wall time of these flights at the current rate [s, wall]; 0 before the first outcome."""
         expected_s = sum(self._forecast.cost_s(flight, self._nominal_s(flight)) for flight in flights)
         return self.progress.wall_s(expected_s) or 0.0
 
     def close(self) -> None:
-        """Leave the last counts, and say where every violation is."""
+        """Print the last counts, and the file that lists every violation."""
         if self.progress.violations:
             self.progress.line(f"violations: {self.progress.violations}; all of them are in {self._log}")
         self.progress.close()
 
-    def _tell(self, outcome: Outcome) -> None:
+    def _show_outcome(self, outcome: Outcome) -> None:
         lines = self._violations.add(outcome)
         self.progress.violations = str(self._violations)
         if outcome.invalid:

@@ -1,4 +1,4 @@
-"""Counts violations as they arrive.  The mission log lists them."""
+"""Count violations as outcomes arrive.  The mission log lists them."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ MUTANTS = "mutants"
 
 
 class Violations:
-    """How often safety and operability requirements were violated, by what was flown."""
+    """Number of violations of safety and operability requirements, by subject."""
 
     def __init__(self) -> None:
         self._counts = Counter[str]()
 
     def add(self, outcome: Outcome) -> list[str]:
-        """Count those of an outcome; returns a line for each."""
+        """Count the violations of an outcome; returns a line for each."""
         group = outcome.mutant if outcome.mutant in (BASELINE, PLACEBO) else MUTANTS
         lines = [violation_line(outcome, entry) for entry in outcome.violations if entry.kind is not Kind.REPORTED]
         self._counts[group] += len(lines)
@@ -30,7 +30,7 @@ class Violations:
 
 
 def violation_line(outcome: Outcome, violation: Violation) -> str:
-    """The warning of a running campaign."""
+    """The warning line of a violation."""
     struck = f", struck {violation.struck}" if violation.struck else ""
     place = f"({violation.x:.2f}, {violation.y:.2f}, {violation.z:.2f})"
     return f"{violation.requirement} violated at {violation.t_s:.2f} s at {place} m{struck}: {outcome.name}"

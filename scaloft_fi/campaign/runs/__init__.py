@@ -1,1 +1,1 @@
-"""A plan from its first flight to its gates, whole or as far as it was asked for."""
+"""Run a plan: fly what is missing, within limits if the user sets any, and check the gates."""

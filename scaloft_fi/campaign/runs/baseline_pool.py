@@ -1,4 +1,4 @@
-"""Baselines of another campaign, to decide by: flown on the same platform, from the same data, by the same code."""
+"""Borrow the baselines of another campaign, flown on the same platform with the same data and code."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from scaloft_fi.study import Study
 
 
 def borrowed(study: Study, campaign: str, situations: Iterable[str]) -> tuple[Outcome, ...]:
-    """The baselines that a campaign has of `situations`; nothing is written there.
+    """The baselines of `situations` in a campaign, which stays unchanged.
 
     Raises:
-        InputError: there is no such campaign, it is another platform's, some of its baselines were flown with other
-            data or code, or it has none of a situation.
+        InputError: there is no such campaign, it was flown on another platform, some of its baselines were flown with
+            other data or code, or a situation has no baseline.
     """
     folder = campaign_folder(study, campaign)
     place, keys = f"--baseline-from={campaign!r}", Keys(study)

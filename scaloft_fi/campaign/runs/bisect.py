@@ -1,4 +1,4 @@
-"""Which magnitude to fly next: a pure function of what the magnitudes flown so far say."""
+"""Choose the next magnitudes of a margin search: a pure function of the results so far."""
 
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ from scaloft_fi.analysis.margin import Scale, margin_of
 from scaloft_fi.analysis.tried import Reaction, Tried
 
 WIDENINGS = 3
-"""How many magnitudes beyond either end of the ladder are tried, each half or twice the one before.
+"""Greatest number of magnitudes beyond each end of the ladder; each is half or twice the one before.
 
-Beyond its severe end a fault soon becomes another one, and below its mild end none at all.
+Far beyond its severe end a fault becomes another fault; far below its mild end it has no effect.
 """
 DIGITS = range(3, 7)
-"""Significant digits of a magnitude: as few as it takes to be between two others, as many as an id holds."""
+"""Significant digits of a magnitude: as few as separate it from its neighbours, at most as many as an id holds."""
 
 
 @dataclass(frozen=True)
 class Search:
-    """What is searched and how finely.
+    """A margin search.
 
     Attributes:
         scale: order of the magnitudes.
-        ladder: of the study, mild to severe; all of it is flown, so that a response that is not monotone shows.
-        allowed: whether the operator takes a magnitude.
+        ladder: ladder of the study, mild to severe; all of it is flown, to detect a response that is not monotone.
+        allowed: whether the operator accepts a magnitude.
         least, most: bounds of the operator in the ladder's unit.
-        tolerance: widest interval [the ladder's unit] that is not bisected; None = a tenth of its severe end.
+        tolerance: greatest width of the final interval [the ladder's unit]; None = a tenth of its severe end.
     """
 
     scale: Scale
@@ -38,9 +38,9 @@ class Search:
     tolerance: float | None = None
 
     def asks(self, tried: Mapping[float, Tried]) -> tuple[float, ...]:
-        """The magnitudes to fly next in a situation where `tried` is known; none when the search is over.
+        """The magnitudes to fly next in a situation with the results `tried`; none when the search is over.
 
-        Where most flights violate, the search goes on as if the magnitude were killed, whether or not they decide.
+        A magnitude with a violation in most flights counts as killed for the search, even if it is undecided.
         """
         missing = tuple(rung for rung in self.ladder if rung not in tried)
         if missing:
@@ -67,17 +67,17 @@ class Search:
         return math.isfinite(magnitude) and self.allowed(magnitude)
 
     def _between(self, survives: float, end: float) -> Iterator[float]:
-        """The middle, in as few digits as lie between; twice the survivor where the severe end is infinite."""
+        """The middle of the interval in as few digits as possible; twice the survivor if the end is infinite."""
         middle = survives + (end - survives) / 2
         if math.isinf(end):
             middle = 2 * survives
         low, high = sorted((survives, end))
-        # a whole-number operator takes neither half nor quarter, but the number below
+        # an operator with a whole-number argument accepts only the number rounded down
         rounded = [float(f"{middle:.{digits}g}") for digits in DIGITS] + [float(math.floor(middle))]
         return (m for m in rounded if low < m < high)
 
     def _severer(self, tried: Mapping[float, Tried]) -> Iterator[float]:
-        """Beyond the severe end: twice as far from no fault, or half of what gets worse as it shrinks."""
+        """Beyond the severe end: twice the distance from the neutral magnitude, or half if smaller is more severe."""
         end = max(tried, key=self.scale.severity)
         if self._beyond(tried, self.ladder[-1], 1) >= WIDENINGS:
             return iter(())
@@ -87,7 +87,7 @@ class Search:
         return iter(_short(min(start + 2 * (end - start), self.most)))
 
     def _milder(self, tried: Mapping[float, Tried], end: float) -> Iterator[float]:
-        """Below the mild end: half as far from no fault; twice of what is harmless only at infinity."""
+        """Below the mild end: half the distance from the neutral magnitude; twice the magnitude if smaller is worse."""
         if self._beyond(tried, self.ladder[0], -1) >= WIDENINGS:
             return iter(())
         if self.scale.neutral is not None:
@@ -99,7 +99,7 @@ class Search:
 
 
 def _short(magnitude: float) -> list[float]:
-    """Three digits, and the whole number below for operators that count."""
+    """The magnitude with three digits, and rounded down for operators with a whole-number argument."""
     if not math.isfinite(magnitude):
         return []
     return [float(f"{magnitude:.3g}"), float(math.floor(magnitude))]

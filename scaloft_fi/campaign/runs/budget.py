@@ -1,4 +1,4 @@
-"""A run with a budget of wall time: in which order it flies, so that what is flown when time is up is a fair sample."""
+"""A run with a budget of wall time, and an order of flights whose every beginning is a fair sample of the plan."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ Item = TypeVar("Item")
 
 UNITS_S = (3600, 60, 1)
 GROUP = 16
-"""About so many mutants fly with a baseline at a time: it is flown again for each group."""
+"""Approximate number of mutants that share one flight of a baseline; each group flies the baseline again."""
 
 
 def budget_s(text: str) -> float:
-    """A span of wall time as a person writes it [s].
+    """Parse a duration such as `1h30m` [s].
 
     >>> [budget_s(text) for text in ("90s", "10m", "1h30m")]
     [90.0, 600.0, 5400.0]
 
     Raises:
-        InputError: it is none.
+        InputError: the text is no duration above 0.
     """
     match = re.fullmatch(r"(?:(\d{1,6})h)?(?:(\d{1,6})m)?(?:(\d{1,6})s)?", text.strip())
     parts = match.groups(default="0") if match else ("0", "0", "0")
@@ -42,10 +42,10 @@ def budget_s(text: str) -> float:
 
 
 class Budget:
-    """Wall time that runs out; the clock starts when it is made.
+    """A budget of wall time; its clock starts at its creation.
 
     Args:
-        seconds: how much there is [s]; None = no end.
+        seconds: size of the budget [s]; None = unlimited.
         clock: monotonic wall clock [s].
     """
 
@@ -55,20 +55,20 @@ class Budget:
 
     @property
     def left_s(self) -> float:
-        """What is left [s]; infinite without an end."""
+        """Remaining time [s]; infinite for an unlimited budget."""
         return math.inf if self._end_s is None else max(0.0, self._end_s - self._clock())
 
     def while_it_lasts(
         self, batches: Iterable[Batch], needs_s: Callable[[Batch], float] = lambda _task: 0.0
     ) -> Iterator[Batch]:
-        """`batches`, until the time is up; a batch that was handed out before is flown to its end.
+        """Yield `batches` until the budget is used up; a batch that was handed out is flown to its end.
 
-        To leave it in the middle would keep of it what is flown first: the mutants that show early.  The first batch
-        that is not expected to end in time is the end: to skip it for a shorter one would favour short flights.
+        A batch that stops in the middle would keep the mutants that are flown first, which infect early.  The first
+        batch that is not expected to end in time ends the run; a shorter batch instead would favour short flights.
 
         Args:
-            batches: in the order in which they are flown.
-            needs_s: wall time that a batch is expected to take [s].
+            batches: batches in the order of flight.
+            needs_s: expected wall time of a batch [s].
         """
         for batch in batches:
             if self.left_s <= needs_s(batch):
@@ -79,14 +79,13 @@ class Budget:
 def fair_order(
     study: Study, planned: Plan, arrange: Callable[[Sequence[Flight]], Iterable[Batch]], missing: Iterable[Flight]
 ) -> Iterator[Batch]:
-    """The `missing` flights of a plan in random, stratified order.
+    """Batches of the `missing` flights of a plan in random, stratified order.
 
-    Situations with their seeds are drawn at random, each of them in turn with one random group of mutants in which
-    every parameter has its share, until every situation has had every group.  So at any time every planned flight of a
-    mutant had the same chance, every situation was drawn equally often, give or take one, and so was every group.  The
-    baseline and PLACEBO of a situation are flown when it is first drawn, the
-    pool comes last.  The order is the study's own: the same in every run, so that another budget goes on where the
-    last one ended.
+    Each turn draws every pair of situation and seed once, in random order, each with one random group of mutants in
+    which every parameter has its share; the turns end when every pair has had every group.  So at any time every
+    planned flight of a mutant had the same chance, and the numbers of draws of two situations, or of two groups, differ
+    by at most one.  The baseline and PLACEBO are flown at the first draw of their situation.  The order depends on the
+    study only, so a run with another budget continues where the last run ended.
     """
     seed = study.inputs["sim"], study.inputs["requirements"]
     wanted = set(missing)
@@ -109,15 +108,15 @@ def fair_order(
 def interleaved(
     items: Sequence[Item], stratum: Callable[[Item], Hashable], name: Callable[[Item], str], seed: Sequence[str]
 ) -> list[Item]:
-    """The items in an order that is random, but in which any stretch has of each stratum its share, give or take one.
+    """The items in a random order in which every stretch has its share of each stratum, up to one item.
 
-    Systematic sampling: the n members of a stratum, shuffled, stand at (i + u) / n with one random u for all.
+    Systematic sampling: the n members of a stratum, shuffled, get the positions (i + u) / n with one random u.
 
     Args:
-        items: each once.
-        stratum: of an item.
-        name: tells an item from all others.
-        seed: what names the random stream; the same gives the same order, in whatever order the items come.
+        items: the items, each once.
+        stratum: stratum of an item.
+        name: unique name of an item.
+        seed: name of the random stream; the order of `items` does not matter.
     """
 
     def chance(*parts: str) -> float:
@@ -135,7 +134,7 @@ def interleaved(
 
 
 def _groups(order: Sequence[Mutant]) -> list[list[Mutant]]:
-    """Stretches of about `GROUP` mutants; one empty group when there is no mutant."""
+    """Split mutants into groups of about `GROUP`; without mutants, one empty group."""
     count = max(1, round(len(order) / GROUP))
     bounds = [len(order) * group // count for group in range(count + 1)]
     return [list(order[low:high]) for low, high in pairwise(bounds)]

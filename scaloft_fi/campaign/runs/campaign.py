@@ -1,4 +1,4 @@
-"""An open campaign: it flies what the store lacks and saves every outcome as it comes."""
+"""An open campaign: it flies the flights that the store lacks, and saves every outcome when it arrives."""
 
 from __future__ import annotations
 
@@ -32,25 +32,25 @@ if TYPE_CHECKING:
     from scaloft_fi.sim.situation import Situation
 
 Arrange = Callable[[Sequence[Flight]], Iterable[Batch]]
-"""Puts flights together into batches, in the order in which they are handed out."""
+"""Arranges flights in batches, in the order in which the workers get them."""
 
 
 class Campaign:
-    """Flies what the store lacks.
+    """Flies the flights that the store lacks.
 
     Args:
-        study: what is flown.
-        folder: of the campaign.
-        store: what is flown already.
-        workers: who flies.
-        progress: what a person sees.
-        options: how.
+        study: the study.
+        folder: folder of the campaign.
+        store: store of the campaign.
+        workers: workers that fly.
+        progress: progress display.
+        options: options of the run.
         stopped: whether the user asked to stop.
 
     Attributes:
-        flown: how many flights were flown that the store lacked.
-        repeats: outcomes of flights that it had.
-        reporter: shows a person what happens.
+        flown: number of flown flights that the store lacked.
+        repeats: outcomes of repeated flights.
+        reporter: reports progress to the user.
     """
 
     def __init__(
@@ -75,23 +75,23 @@ class Campaign:
         self.repeats: list[Outcome] = []
 
     def plan(self, flights: Iterable[Flight], *, canary: bool = False) -> None:
-        """Write down what is to be flown."""
+        """Record planned flights in the store."""
         self.store.plan(self._keys.planned(flight, canary=canary) for flight in flights)
 
     def arrange(self, flights: Sequence[Flight]) -> list[Batch]:
-        """Flights as batches, the longest first; what shares a baseline's beginning together, if that is wanted."""
+        """Arrange flights in batches, the longest first; with the option `share`, mutants with their baseline."""
         return together(flights, self.weight_s, self._workers.jobs) if self.options.share else alone(flights)
 
     def unit(self, flights: Sequence[Flight]) -> list[Batch]:
-        """The same for one process."""
+        """Arrange flights in batches for one process."""
         return together(flights, self.weight_s, 1) if self.options.share else alone(flights)
 
     def fly(self, flights: Iterable[Flight], arrange: Arrange | None = None) -> None:
-        """Fly those of `flights` that the store lacks, and the baselines that they share.
+        """Fly the `flights` that the store lacks, and the baselines that they share.
 
         Args:
-            flights: asked for.
-            arrange: puts them together into batches; `self.arrange` when None.
+            flights: the requested flights.
+            arrange: arranges the flights in batches; `self.arrange` when None.
         """
         missing = self._missing(flights)
         if not missing:
@@ -113,7 +113,7 @@ class Campaign:
                 self._expect_pool(asked[outcome.name].situation)
 
     def announce_pool(self, planned: Plan) -> None:
-        """The baseline pool of the plan is expected in each situation as soon as a mutant of the plan infects there."""
+        """Announce the baseline pool of each situation as soon as a mutant of the plan infects there."""
         self._planned = planned
         self._asking = {flight.subject.id for flight in planned.mutants}
 
@@ -123,33 +123,33 @@ class Campaign:
             self.reporter.expect(self.missing(self._planned.pool(situation, LEAST)))
 
     def repeat(self, flights: Sequence[Flight]) -> None:
-        """The shortest of `flights` that the store has, when anything was flown: it must be the first one's twin."""
+        """Repeat the shortest of the stored `flights`, if this run flew any; a gate compares the digests."""
         missing = set(self.missing(flights))
         done = [flight for flight in flights if flight not in missing]
         if self.flown and done:
             self.repeats += self._outcomes(alone([min(done, key=self.weight_s)]))
 
     def outcomes(self, flights: Iterable[Flight]) -> tuple[Outcome, ...]:
-        """What the store has of `flights`."""
+        """The stored outcomes of `flights`."""
         return tuple(self.store.outcomes(map(self._keys.key, flights)))
 
     def missing(self, flights: Iterable[Flight]) -> tuple[Flight, ...]:
-        """Those of `flights` of which the store has no outcome that counts."""
+        """The `flights` without a valid outcome in the store."""
         return tuple(self._missing(flights).values())
 
     def weight_s(self, flight: Flight) -> float:
-        """How long a flight is expected to last [s, simulated]."""
+        """Expected duration of a flight [s, simulated]."""
         return self.study.expected_s(flight.situation)
 
     def wall_s(self, batch: Batch) -> float:
-        """How long one process is expected to fly a batch at the pace so far [s, wall]; 0 before the first outcome."""
+        """Expected wall time of a batch in one process at the current rate [s]; 0 before the first outcome."""
         return self.reporter.wall_s(batch.flights) * self._workers.jobs
 
     def hold_gates(self, asked: Plan, outcomes: Sequence[Outcome], *, part: bool = False) -> None:
-        """Hold the gates over the outcomes of what was `asked`; `part` of it when not all of it was flown.
+        """Check the gates on the outcomes of the plan `asked`; `part` when only a part of the plan was flown.
 
         Raises:
-            GateError: one failed.
+            GateError: a gate failed.
         """
         gates.check(
             [self._tracked(outcome) if gates.asks_for_track(outcome) else outcome for outcome in outcomes],
@@ -162,13 +162,13 @@ class Campaign:
         )
 
     def raise_if_stopped(self, saved: str) -> None:
-        """Stop when the user asked for it.
+        """Raise if the user asked to stop.
 
         Args:
-            saved: what is saved, with its verb.
+            saved: subject and verb of the message, such as `3 flights are`.
 
         Raises:
-            Interrupted: naming the command that resumes.
+            Interrupted: the user asked to stop; the message names the command that resumes.
         """
         if self.stopped():
             again = f"the same command resumes: {self.options.command}".removesuffix(": ")
@@ -180,12 +180,12 @@ class Campaign:
         return self._workers.map(batches)
 
     def _tracked(self, baseline: Outcome) -> Outcome:
-        """The same with its track, which the store keeps apart."""
+        """The baseline with its track, which the store keeps in another table."""
         flight = Flight(None, self.study.grid.situation(baseline.situation), baseline.seed)
         return self.store.get(self._keys.key(flight)) or baseline
 
     def _missing(self, flights: Iterable[Flight]) -> dict[str, Flight]:
-        """The same by key."""
+        """The flights without a valid outcome in the store, by key."""
         keyed = {self._keys.key(flight): flight for flight in flights}
         known = self.store.known(keyed)
         return {key: flight for key, flight in keyed.items() if key not in known}
@@ -201,19 +201,19 @@ def opened(
     flyer: Flyer | None,
     first: Sequence[Flight],
 ) -> Iterator[Campaign]:
-    """The campaign in `folder`, which is made when it does not exist.
+    """Open the campaign in `folder`; a missing folder is created.
 
     Args:
-        study: what is flown.
-        folder: of the campaign.
-        options: how.
-        progress: what a person sees.
-        flyer: what flies; PyBullet when None.
-        first: what is asked for to begin with: when any of it is lacking, the flyer is made ready before anything is
-            written, so that a study that cannot be flown leaves nothing behind.
+        study: the study.
+        folder: folder of the campaign.
+        options: options of the run.
+        progress: progress display.
+        flyer: flies; PyBullet when None.
+        first: first requested flights.  If the store lacks any of them, the flyer is prepared before anything is
+            written, so that a study that cannot be flown leaves no files.
 
     Raises:
-        GateError: the platform is another one, and none of the stored flights could be flown again on it.
+        GateError: the platform has changed, and none of the stored flights could be flown again on it.
         InputError: the folder or the store cannot be written, or the study cannot be flown.
     """
     promising(folder)
@@ -230,7 +230,7 @@ def opened(
 
 
 def _all_flown(study: Study, flights: Iterable[Flight], path: Path) -> bool:
-    """Whether the store at `path`, which need not exist, has all of `flights`."""
+    """Whether the store at `path` has all of `flights`; the store need not exist."""
     if not path.is_file():
         return False
     with Store(path, create=False) as store:

@@ -1,4 +1,4 @@
-"""Which situations a campaign flies, when not all, and how that is remembered."""
+"""The choice of situations for a campaign that does not fly all of them, and its record in the store."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 ALL = "all"
 NOTE = "choice"
-"""What the names of a choice begin with in the campaign's store."""
+"""Prefix of the names of choices in the campaign's store."""
 
 
 def hint() -> str:
-    """What `--choose` takes, in words."""
+    """The accepted forms of `--choose`, in words."""
     forms = [strategy.form for strategy in STRATEGIES.values()]
     return f"{', '.join(forms[:-1])} or {forms[-1]}"
 
@@ -34,9 +34,9 @@ class Choice:
     """The test cases of a run.
 
     Attributes:
-        text, seed: how they were chosen: the values of `--choose` and `--choose-seed`.
-        pool: how many situations there were to choose from.
-        draws: situation and seed of each test case, in the order in which they were chosen.
+        text, seed: values of `--choose` and `--choose-seed`.
+        pool: number of situations to choose from.
+        draws: situation and seed of each test case, in the order of the choice.
     """
 
     text: str
@@ -54,14 +54,14 @@ def choose(text: str, pool: Sequence[Situation], seeds: Sequence[int], seed: int
     """Choose test cases; the same for the same arguments on every platform.
 
     Args:
-        text: as a declared strategy takes it, such as `random:8`.
+        text: text for a declared strategy, such as `random:8`.
         pool: situations to choose from.
-        seeds: of the flights.
-        seed: of the choice.
+        seeds: seeds of the flights.
+        seed: seed of the choice.
         space: the grid.
 
     Raises:
-        InputError: no strategy takes the text, or the strategy refuses it.
+        InputError: no strategy accepts the text, or the strategy refuses it.
     """
     for strategy in STRATEGIES.values():
         match = strategy.pattern.fullmatch(text)
@@ -72,7 +72,7 @@ def choose(text: str, pool: Sequence[Situation], seeds: Sequence[int], seed: int
 
 
 def remember(folder: Path, choice: Choice) -> None:
-    """Keep in the campaign's store how its situations were chosen; that all are flown is no choice.
+    """Record a choice in the campaign's store; flying all situations is no choice.
 
     Raises:
         InputError: the store cannot be written.
@@ -88,7 +88,7 @@ def remember(folder: Path, choice: Choice) -> None:
 
 @dataclass(frozen=True)
 class Remembered:
-    """A choice that was made for a campaign.  draws: situation key and seed of each, in the order chosen."""
+    """A recorded choice of a campaign.  draws: situation key and seed of each test case, in the order of the choice."""
 
     text: str
     seed: int
@@ -97,7 +97,7 @@ class Remembered:
 
 
 def remembered(store: Store) -> tuple[Remembered, ...]:
-    """The choices of a campaign."""
+    """The recorded choices of a campaign."""
     notes = [json.loads(text) for name, text in store.notes().items() if name.startswith(f"{NOTE} ")]
     return tuple(
         Remembered(one["choose"], one["seed"], one["pool"], tuple((key, number) for key, number in one["draws"]))

@@ -1,4 +1,4 @@
-"""Whether any score may be believed.  A gate that fails is named, and no score is printed."""
+"""Gates: checks that must pass before a score is valid.  A failed gate is named, and no score is printed."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from scaloft_fi.judge.track import TRACK_COLUMNS, unpack_track
 from scaloft_fi.sim.log import Ending
 
 NAMED = 3
-"""How many flights a sentence names before it counts the rest."""
+"""Greatest number of flights that a message names; the message counts the others."""
 RISE_M = 0.3
-"""A drone that was never so far above where it began did not leave the ground [m]."""
+"""A drone that never rises by more than this did not leave the ground [m]."""
 _Z = TRACK_COLUMNS.index("z_m")
 
 
@@ -33,20 +33,20 @@ def check(
     repeats: Sequence[Outcome] = (),
     max_invalid: float = MOST_INVALID,
 ) -> None:
-    """Hold the gates over the flights of a run.
+    """Check the gates on the flights of a run.
 
     Args:
-        outcomes: of the run, baselines among them, those with their tracks that `asks_for_track` names: without a track
-            nobody knows whether the drone left the ground.
-        roster: tells the controls.
-        canary: id of the control flown to prove that faults reach the drone; None when the study has none.
-        whole_grid: whether every situation was flown, so that every control has had its chance.
-        part: whether others fly the rest of the run, so that what no flight here shows may show there.
-        repeats: flights that were flown a second time.
-        max_invalid: largest share 0..1 of invalid flights.
+        outcomes: outcomes of the run, with baselines; an outcome needs its track where `asks_for_track` holds, to tell
+            whether the drone left the ground.
+        roster: names the controls.
+        canary: id of the control whose flight proves that faults reach the drone; None in a study without controls.
+        whole_grid: whether every situation was flown, so that every control must show an effect.
+        part: whether this is one part of a run; then a missing effect is no failure, because another part may have it.
+        repeats: outcomes of repeated flights.
+        max_invalid: greatest share 0..1 of invalid flights.
 
     Raises:
-        GateError: naming each gate that failed.
+        GateError: a gate failed; the message names each failed gate.
     """
     listed = list(outcomes)
     failed = [
@@ -68,18 +68,18 @@ def check(
 def _too_many_invalid(outcomes: Sequence[Outcome], most: float) -> Iterator[str]:
     broken = [outcome for outcome in outcomes if outcome.invalid]
     if len(broken) > most * len(outcomes):
-        names = _some([f"{outcome.name} ({outcome.invalid})" for outcome in broken])
+        names = _listed([f"{outcome.name} ({outcome.invalid})" for outcome in broken])
         yield f"{len(broken)} of {len(outcomes)} flights are invalid, more than {most:.0%}: {names}"
 
 
 def _differ(what: str, pairs: Iterable[tuple[Outcome, Outcome]]) -> Iterator[str]:
     names = [first.name for first, second in pairs if digests(first) != digests(second)]
     if names:
-        yield f"{what}: {_some(names)}"
+        yield f"{what}: {_listed(names)}"
 
 
 def digests(outcome: Outcome) -> tuple[str, str]:
-    """What two flights have in common when they are the same bit for bit."""
+    """The digests that decide whether two flights are equal, bit for bit."""
     return outcome.digest, outcome.perceived_digest
 
 
@@ -100,12 +100,12 @@ def _repeated(outcomes: Sequence[Outcome], repeats: Sequence[Outcome]) -> Iterat
 
 
 def _nothing_steady(outcomes: Sequence[Outcome]) -> Iterator[str]:
-    """Whether no fault could be put to the test; where there is no pool, whether no baseline holds what it triggers."""
+    """Fails if no pair is steady; without a pool, if no baseline holds a safety requirement that it triggers."""
     baselines = [outcome for outcome in outcomes if outcome.mutant == BASELINE]
     states = [pair.state for pair in Pool.of(baselines).pairs.values() if pair.kind is Kind.SAFETY]
     if State.STEADY in states:
         return
-    names = _some(sorted({outcome.situation for outcome in baselines}))
+    names = _listed(sorted({outcome.situation for outcome in baselines}))
     if any(state is not State.UNKNOWN for state in states):
         yield f"no situation flown has a steady pair, where the unmutated drone holds a safety requirement: {names}"
     elif not any(r.kind is Kind.SAFETY and r.compliance is Compliance.HELD for o in baselines for r in o.readings):
@@ -115,29 +115,29 @@ def _nothing_steady(outcomes: Sequence[Outcome]) -> Iterator[str]:
 def _raising(outcomes: Sequence[Outcome]) -> Iterator[str]:
     names = [f"{o.name} ({o.stack_error})" for o in outcomes if o.mutant == BASELINE and o.stack_error]
     if names:
-        yield f"the stack raises without any fault: {_some(names)}"
+        yield f"the stack raises without any fault: {_listed(names)}"
 
 
 def asks_for_track(outcome: Outcome) -> bool:
-    """Whether only its track tells that the drone left the ground: a baseline that did not touch down again.
+    """Whether the track is needed to tell that the drone left the ground: for a baseline that did not land.
 
-    Touching down counts only after take-off, so that of all others the ending tells it, for less than their tracks.
+    A flight ends as landed only after take-off, so a landed flight needs no track.
     """
     return outcome.mutant == BASELINE and not outcome.invalid and outcome.ending != Ending.LANDED
 
 
 def _grounded(outcomes: Sequence[Outcome]) -> Iterator[str]:
-    """A drone that stands touches nothing and is near nobody: it would hold every safety requirement.
+    """Fails if a baseline never leaves the ground: a standing drone would hold every safety requirement.
 
-    The trajectory says it whatever the study requires; requirements need not speak of take-off.
+    The check uses the trajectory, because no requirement of the study need cover take-off.
     """
     names = [o.name for o in outcomes if asks_for_track(o) and o.track and _rise_m(o.track) < RISE_M]
     if names:
-        yield f"the drone never leaves the ground without any fault: {_some(names)}"
+        yield f"the drone never leaves the ground without any fault: {_listed(names)}"
 
 
 def _rise_m(track: bytes) -> float:
-    """How far above its first place a trajectory gets [m]."""
+    """Greatest height of a trajectory above its start [m]."""
     heights = [row[_Z] for row in unpack_track(track)]
     return max(heights) - heights[0]
 
@@ -152,13 +152,13 @@ def _silent_controls(
     judged: Collection[str] = by_control if whole_grid else by_control.keys() & {canary}
     names = [name for name in by_control if name in judged and not any(map(_shows, by_control[name]))]
     if names:
-        yield f"a control shows nothing, so faults may not reach the drone: {_some(names)}"
+        yield f"a control shows nothing, so faults may not reach the drone: {_listed(names)}"
 
 
 def _shows(flight: JudgedFlight) -> bool:
     return bool(flight.revealed or flight.operability_revealed)
 
 
-def _some(names: Sequence[str]) -> str:
+def _listed(names: Sequence[str]) -> str:
     rest = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
     return ", ".join(names[:NAMED]) + rest

@@ -1,4 +1,4 @@
-"""A sequential run: looks at 1, 3, 5 and 10 seeds; only the mutants that a look leaves undecided fly on."""
+"""A sequential run with looks at 1, 3, 5 and 10 seeds; only undecided mutants fly in the next look."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ class Look:
     """One look.
 
     Attributes:
-        seeds: how many seeds it looks at.
-        mutants: how many were judged at it.
-        flights: of theirs that it planned.
-        fates: how many of them have each verdict.
+        seeds: number of seeds at this look.
+        mutants: number of mutants judged at this look.
+        flights: number of their flights that the look planned.
+        fates: number of mutants by verdict.
     """
 
     seeds: int
@@ -55,28 +55,28 @@ def run_looks(
     progress: Progress,
     flyer: Flyer | None = None,
 ) -> tuple[Report, tuple[Look, ...]]:
-    """Fly whole rounds: all flights of a look are flown and judged before the next one is planned.
+    """Fly whole looks: all flights of a look are flown and judged before the next look is planned.
 
-    What is undecided flies on, in the situations whose pool has a steady pair; what is detected, not detected or not
-    tested does not.  What is flown follows from the outcomes alone: neither the order in which they arrive nor an
-    interruption changes it.  That there are looks is kept before the first, so each spends its share of alpha.
+    Undecided mutants fly on in the situations whose pool has a steady pair; all other mutants stop.  The flights follow
+    from the outcomes alone: neither the order of arrival nor an interruption changes them.  The store records the looks
+    before the first one, so each look spends its share of alpha.
 
     Args:
-        study: what is flown.
-        question: which mutants, in which situations; its seeds are not used.
-        folder: of the campaign; made when it does not exist.
-        options: how; one process when None.
-        others: baselines of another campaign, to decide by.
-        progress: what a person sees.
-        flyer: what flies; PyBullet when None.
+        study: the study.
+        question: mutants and situations; its seeds are not used.
+        folder: folder of the campaign; a missing folder is created.
+        options: options of the run; one process when None.
+        others: baselines of another campaign, used for the decisions.
+        progress: progress display.
+        flyer: flies; PyBullet when None.
 
     Returns:
-        All flights' outcomes; the looks.
+        The outcomes of all flights; the looks.
 
     Raises:
         GateError: a gate failed.
         InputError: the folder or the store cannot be written.
-        Interrupted: the user stopped it.
+        Interrupted: the user stopped the run.
     """
     options = options or RunOptions()
     situations = list(dict.fromkeys(flight.situation for flight in question.baselines))
@@ -95,10 +95,10 @@ def run_looks(
 
 
 class _Rounds:
-    """What was asked for so far.
+    """The looks of a run so far.
 
     Attributes:
-        flights: of all looks, with their baselines and the pool.
+        flights: flights of all looks, with their baselines and the pool.
     """
 
     def __init__(self, campaign: Campaign, first: Plan, others: Sequence[Outcome]) -> None:
@@ -106,7 +106,7 @@ class _Rounds:
         self.flights: list[Flight] = []
 
     def looks(self, mutants: Sequence[Mutant], situations: Sequence[Situation]) -> list[Look]:
-        """Look by look, until all is decided or the user stops it."""
+        """Fly look by look until every mutant is decided or the user stops the run."""
         looks: list[Look] = []
         for number, (before, seeds) in enumerate(pairwise((0, *LOOKS)), start=1):
             if not mutants or not situations or self._campaign.stopped():
@@ -124,7 +124,7 @@ class _Rounds:
         return looks
 
     def _fly(self, due: Plan) -> None:
-        """Fly a look, and the pool of the situations where a mutant infects."""
+        """Fly a look, and the pool of the situations in which a mutant infects."""
         self._campaign.plan(due.known)
         self._campaign.fly(due.known)
         pool = fly_pool(due, self._campaign)

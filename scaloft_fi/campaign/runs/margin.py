@@ -1,8 +1,7 @@
-"""The search for margins: ask for magnitudes, fly them in all situations at once, ask again until nothing is asked.
+"""The margin search: choose magnitudes, fly them in all situations, and repeat until no magnitude is left to choose.
 
-What is asked next depends on outcomes alone, and every flight is an ordinary one under an ordinary key; where a
-magnitude infects, the baseline pool is flown too.  So a search
-that was interrupted goes on where it stopped, and what any other verb has flown is not flown again.
+The choice depends on outcomes alone, and every flight has its ordinary key, so an interrupted search continues where it
+stopped, and flights of other verbs are not flown again.  Where a magnitude infects, the baseline pool is flown too.
 """
 
 from __future__ import annotations
@@ -41,25 +40,25 @@ from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
 
 SHARED_FROM = 2
-"""A beginning is shared from this many mutants a situation on: the baseline has to be flown once more for it."""
+"""Least number of mutants per situation that share a beginning, because sharing flies the baseline once more."""
 
 
 @dataclass(frozen=True)
 class Target:
-    """A fault whose margin is asked for."""
+    """A fault whose margin is searched."""
 
     subject: PhasedFault
     fault: Fault
     search: Search
 
     def id_of(self, magnitude: float) -> str:
-        """The mutant at a magnitude."""
+        """Id of the mutant with a magnitude."""
         assert self.fault.magnitude is not None
         return self.subject.at(self.fault.magnitude.text(magnitude))
 
 
 def target(matrix: Matrix, text: str, tolerance: float | None = None) -> Target:
-    """The fault that a cell's name or a mutant's id means; the id's magnitude only picks the fault by its unit.
+    """The fault of a cell name or a mutant id; of the id's magnitude only the unit counts, which selects the fault.
 
     Raises:
         InputError: there is no such mutant, or its magnitudes have no order.
@@ -96,20 +95,20 @@ def find(
     progress: Callable[[], Progress],
     flyer: Flyer | None = None,
 ) -> Mapping[PhasedFault, tuple[Margin, ...]]:
-    """The margin of each target in each situation, as finely as is asked; flies what the campaign lacks for it.
+    """Find the margin of each target in each situation; flies the flights that the campaign lacks.
 
     Args:
-        study: what is flown.
+        study: the study.
         targets: the faults.
-        situations, seeds: where.
-        folder: of the campaign.
-        options: how it is flown; what shares a beginning is decided here, round by round.
-        kind: of the requirements whose violation kills.
-        progress: makes what a person sees of each round.
-        flyer: what flies; PyBullet when None.
+        situations, seeds: situations and seeds of the flights.
+        folder: folder of the campaign.
+        options: options of the run; the search decides in each round whether flights share a beginning.
+        kind: kind of the requirements whose violation kills.
+        progress: makes the progress display of a round.
+        flyer: flies; PyBullet when None.
 
     Raises:
-        GateError, InputError, Interrupted: as `campaign.run.run`; everything flown is saved.
+        GateError, InputError, Interrupted: as `campaign.runs.run.run`; all outcomes are saved.
     """
     options = options or RunOptions()
     question = _Question(study, targets, situations, seeds, kind)
@@ -134,7 +133,7 @@ def find(
 
 
 def _held(study: Study, folder: Path) -> tuple[tuple[Outcome, ...], Spending]:
-    """What the campaign, which need not exist, holds already, and how it spends alpha."""
+    """The current outcomes of the campaign, which need not exist, and its spending of alpha."""
     if not (folder / STORE_NAME).is_file():
         return (), Spending(study.alpha)
     with Store(folder / STORE_NAME, create=False) as store:
@@ -143,7 +142,7 @@ def _held(study: Study, folder: Path) -> tuple[tuple[Outcome, ...], Spending]:
 
 @dataclass(frozen=True)
 class _Question:
-    """Which margins are asked for, where, and by requirements of which kind; all answers follow from outcomes."""
+    """The searched margins: targets, situations, seeds, kind of requirements; every answer follows from outcomes."""
 
     study: Study
     targets: Sequence[Target]
@@ -152,13 +151,13 @@ class _Question:
     kind: Kind
 
     def score(self, outcomes: Iterable[Outcome], spending: Spending) -> Score:
-        """The score of the cells asked about, over every situation and seed that the campaign has."""
+        """The score of the targets' cells over every situation and seed of the campaign."""
         cells = {target.subject.cell for target in self.targets}
         asked = [outcome for outcome in outcomes if outcome.mutant == BASELINE or cell_of(outcome.mutant) in cells]
         return score(asked, self.study.roster, self.study.space, spending)
 
     def next(self, outcomes: Iterable[Outcome], scored: Score) -> tuple[Flight, ...]:
-        """The flights that every target asks for in every situation."""
+        """The next flights of every target in every situation."""
         tried = self._tried(outcomes, scored)
         asked = [
             (target.id_of(magnitude), situation)
@@ -170,14 +169,13 @@ class _Question:
         return tuple(Flight(mutants[id_], situation, seed) for id_, situation in asked for seed in self.seeds)
 
     def lacking(self, scored: Score) -> list[Situation]:
-        """The situations where a fault asked about infects and the campaign has no pool."""
+        """The situations in which a target infects and the campaign has no pool."""
         return [situation for situation in self.situations if situation.key in scored.lacking]
 
     def plan(self, flights: Sequence[Flight], lacking: Sequence[Situation], outcomes: Iterable[Outcome]) -> Plan:
-        """The plan of a round: what every run flies, the flights asked for, and the pool as far as it is known.
+        """The plan of a round: the flights of every run, the next flights, and the pool of known situations.
 
-        The gates see all baselines that the campaign has of these situations: what is steady in one that this round
-        leaves alone is steady all the same.
+        It includes all baselines that the campaign has of these situations, so that the gates see every steady pair.
         """
         planned = plan(self.situations, self.seeds, [], choose.canary(self.study)).with_pool()
         places = {situation.key: situation for situation in self.situations}
@@ -209,7 +207,7 @@ class _Question:
     def _tried(
         self, outcomes: Iterable[Outcome], scored: Score
     ) -> Mapping[tuple[PhasedFault, str], dict[float, Tried]]:
-        """What counts as tried: flown with every seed asked for."""
+        """The tried magnitudes: those flown with every seed."""
         wanted = frozenset(self.seeds)
         return {
             key: {entry.magnitude: entry for entry in entries if entry.seeds >= wanted}
@@ -218,7 +216,7 @@ class _Question:
 
 
 def _asked(flights: Sequence[Flight]) -> str:
-    """What a round flies, in a line."""
+    """A line for the user: the flights of a round."""
     ids = list(dict.fromkeys(flight.subject.id for flight in flights))
     if not ids:
         return "next: the baselines"

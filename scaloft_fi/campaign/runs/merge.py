@@ -1,4 +1,4 @@
-"""Campaigns flown in parts, or on several machines, joined into one."""
+"""Merge campaigns that were flown in parts or on several machines."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from scaloft_fi.study import Study
 
 @dataclass(frozen=True)
 class Merged:
-    """What came of a merge.
+    """The result of a merge.
 
     Attributes:
-        added: how many flights the campaign lacked.
-        known: how many it had already, with the same digests.
-        warnings: what a person should know.
+        added: number of flights that the campaign lacked.
+        known: number of flights that it had already, with the same digests.
+        warnings: warnings for the user.
     """
 
     added: int
@@ -34,15 +34,15 @@ class Merged:
 
 
 def merge(study: Study, folder: Path, sources: Sequence[Path]) -> Merged:
-    """Join the campaigns in `sources` into the one in `folder`, which need not exist; each flight is taken whole.
+    """Merge the campaigns in `sources` into the campaign in `folder`, which need not exist.
 
-    Of the controls that runs flew only as canaries, the one is taken that an undivided run would have flown.
+    Each part may have flown a control as its canary; the merge keeps the canary of an undivided run.
 
     Raises:
-        GateError: on one platform a flight came out in two ways; nothing is written.
+        GateError: a flight has two different outcomes on one platform; nothing is written.
         InputError: a folder holds no campaign, or cannot be written.
     """
-    stores = [existing(source) for source in sources]  # all are there before anything is made
+    stores = [existing(source) for source in sources]  # every source is checked before anything is created
     with Store(writable(folder) / STORE_NAME) as target:
         rows, plans, warnings = dict(target.keyed()), list(target.planned()), list[str]()
         before = {key for key, outcome in rows.items() if not outcome.invalid}
@@ -79,7 +79,7 @@ def merge(study: Study, folder: Path, sources: Sequence[Path]) -> Merged:
 
 
 def _clash(first: Outcome | None, second: Outcome) -> str:
-    """How two flights under one key differ; empty when they do not."""
+    """The difference of two outcomes with the same key; empty for equal outcomes."""
     if first is None or first.invalid or second.invalid:
         return ""
     if (first.digest, first.perceived_digest) != (second.digest, second.perceived_digest):
@@ -92,7 +92,7 @@ def _violated(outcome: Outcome) -> list[str]:
 
 
 def _spare_canaries(study: Study, rows: dict[str, Outcome], plans: Sequence[Planned]) -> set[str]:
-    """Keys of the canaries but for the one of each control whose baseline holds most, the first in the grid's order."""
+    """Keys of the superfluous canaries; per control the one whose baseline holds most is kept (first in the grid)."""
     asked = {flight.key for flight in plans if not flight.canary}
     canaries = {flight.key: flight for flight in plans if flight.canary and flight.key not in asked}
     baselines = baselines_of(rows.values())

@@ -1,6 +1,6 @@
-"""mission_log.json: the campaign in the keys of the published log, with every violation under an id of its own.
+"""mission_log.json: the campaign in the keys of the published log; every violation has a unique id.
 
-The published log counts test cases; here one is a situation flown with a seed, whatever was flown in it.
+The published log counts test cases; here a test case is a pair of situation and seed, for any subject.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from scaloft_fi.judge.space import Space
 
 
 def violation_id(outcome: Outcome, violation: Violation) -> str:
-    """`SR1:LATE-human@3s/T1O0W0D0H1/0`; what stands behind the colon is what `replay` takes.
+    """Id such as `SR1:LATE-human@3s/T1O0W0D0H1/0`; the part after the colon is the argument of `replay`.
 
-    Unique, as a flight has one first violation of a requirement; stable, as it says nothing of when it was flown.
+    The id is unique, because a flight has one first violation of a requirement, and does not depend on time.
     """
     return f"{violation.requirement}:{outcome.name}"
 
@@ -29,10 +29,10 @@ def mission_log(
     """The log as plain JSON values.
 
     Args:
-        outcomes: of a campaign.
+        outcomes: outcomes of a campaign.
         roster: gives the order of the mutants.
         space: the grid.
-        planned: test cases the campaign set out to fly; without it the grid times the seeds flown.
+        planned: number of planned test cases; None = size of the grid times the flown seeds.
     """
     valid = [outcome for outcome in outcomes if not outcome.invalid]
     listed = sorted(valid, key=lambda o: (roster.rank(o.mutant), space.rank(o.situation), o.seed))
@@ -55,7 +55,7 @@ def mission_log(
 
 
 def _situation(space: Space, key: str, seed: int) -> dict[str, Any]:
-    """`type` and `parameters` as in the published log: what is not benign, and the value on each axis."""
+    """`type` and `parameters` as in the published log: the values that are not benign, and the value on each axis."""
     point = space.point.get(key, ())
     unusual = [space.word(axis, value) for axis, value in enumerate(point) if value != space.values[axis][0]]
     parameters = dict(zip(space.axes, point, strict=False))

@@ -1,4 +1,4 @@
-"""How a run flies, apart from what it flies: nothing here changes an outcome."""
+"""Options of a run that do not change any outcome."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from scaloft_fi.campaign.flights.fork import CAN_FORK
 from scaloft_fi.campaign.workers.executor import Executor
 
 MOST_INVALID = 0.1
-"""A run in which the harness failed over a larger share of the flights says nothing of the drone."""
+"""Greatest share of invalid flights; a run with more gives no valid score."""
 
 
 @dataclass(frozen=True)
 class RunOptions:
-    """What the command line decides about the flying.
+    """Options from the command line.
 
     Attributes:
-        jobs: number of worker processes of this machine.
-        executor: who flies instead of them.
-        share: whether mutants are flown only from where they leave their baseline.
-        part: whether others fly the rest; the gates that need all of it are theirs who merge it.
-        budget_s: wall time after which no more flights are begun [s]; None = until all is flown.
-        max_invalid: largest share 0..1 of invalid flights with which a run may be believed.
-        warnings: whether each violation is shown as it happens, and not only counted.
-        command: what the user typed, to resume by; empty when nobody typed anything.
+        jobs: number of worker processes on this machine.
+        executor: executor that replaces these processes.
+        share: whether mutants share the beginning of their baseline.
+        part: whether this run is one part of a campaign; `merge` checks the gates that need all parts.
+        budget_s: wall time after which no flight begins [s]; None = unlimited.
+        max_invalid: greatest share 0..1 of invalid flights.
+        warnings: whether each violation is shown when its outcome arrives, instead of only counted.
+        command: the command of the user, named in the message on how to resume; empty without a command line.
     """
 
     jobs: int = 1

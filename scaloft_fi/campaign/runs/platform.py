@@ -1,4 +1,4 @@
-"""Whether flights of another platform count on this one: a sample of them is flown again and compared bit for bit."""
+"""After a change of platform, fly a sample of the stored flights again and compare the digests."""
 
 from __future__ import annotations
 
@@ -18,26 +18,26 @@ from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.study import Study
 
 BASELINES, MUTANTS = 2, 3
-"""How many stored flights of each kind are flown again after a change of platform."""
+"""Number of stored flights of each kind that are flown again after a change of platform."""
 
 
 def prove_platform(
     study: Study, store: Store, workers: Workers, *, say: Callable[[str], None], stopped: Callable[[], bool]
 ) -> None:
-    """Keep the platform of a new store; on another platform fly a sample of the store's flights again.
+    """Record the platform of a new store; on another platform, fly a sample of the stored flights again.
 
-    When the sample has the same digests, the store's flights count here as well, and no later run asks again.  When a
-    digest differs, or there is nothing to compare, the store's flights are outgrown.
+    If the sample has the same digests, the stored flights stay valid, and later runs fly no sample.  If a digest
+    differs, or the store has no flight to compare, the stored flights become stale.
 
     Args:
-        study: as it is now; the sample is drawn from the flights that count.
-        store: of the campaign.
-        workers: fly the sample.
-        say: takes a line for a person.
-        stopped: whether the user asked to stop; then nothing is decided.
+        study: the current study; the sample is drawn from its current flights.
+        store: store of the campaign.
+        workers: workers that fly the sample.
+        say: prints a line for the user.
+        stopped: whether the user asked to stop; then nothing is recorded.
 
     Raises:
-        GateError: none of the sample could be flown.
+        GateError: no flight of the sample could be flown.
     """
     ours = fingerprint()
     changed = ", ".join(unproved(store, ours))

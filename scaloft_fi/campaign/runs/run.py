@@ -1,4 +1,4 @@
-"""A run: what the store lacks of the plan is flown, every outcome is saved as it comes, the gates are held."""
+"""A run: fly the flights of the plan that the store lacks, save every outcome when it arrives, check the gates."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ from scaloft_fi.study import Study
 
 @dataclass(frozen=True)
 class Report:
-    """What a run knows when it ends.
+    """The result of a run.
 
     Attributes:
-        outcomes: all there are of the plan.
-        flown: how many of them it flew itself.
-        left: flights of the plan that have no outcome, because the run ended before.
-        spending: how the campaign spends alpha on its mutants.
+        outcomes: all outcomes of the plan.
+        flown: number of flights that this run flew.
+        left: flights of the plan without an outcome, because the run ended early.
+        spending: the campaign's spending of alpha on its mutants.
     """
 
     outcomes: tuple[Outcome, ...]
@@ -51,20 +51,20 @@ def run(
     progress: Progress,
     flyer: Flyer | None = None,
 ) -> Report:
-    """Fly what is missing of `planned`, save it, write the mission log, hold the gates.
+    """Fly the missing flights of `planned`, save their outcomes, write the mission log, check the gates.
 
     Args:
-        study: what is flown.
-        planned: which flights.
-        folder: of the campaign; made when it does not exist.
-        options: how; one process when None.
-        progress: what a person sees meanwhile.
-        flyer: what flies; PyBullet when None.
+        study: the study.
+        planned: the plan.
+        folder: folder of the campaign; a missing folder is created.
+        options: options of the run; one process when None.
+        progress: progress display.
+        flyer: flies; PyBullet when None.
 
     Raises:
         GateError: a gate failed.
         InputError: the folder or the store cannot be written.
-        Interrupted: the user stopped it.
+        Interrupted: the user stopped the run.
     """
     options = options or RunOptions()
     budget = Budget(options.budget_s)
@@ -76,7 +76,7 @@ def run(
 
 
 def _fly(planned: Plan, campaign: Campaign, budget: Budget) -> Report:
-    """Fly until all is flown, time is up or the user stops it; returns what the plan has now."""
+    """Fly until the plan is complete, the budget is used up or the user stops the run."""
     flights = planned.known
     remember_seeds(campaign.store, (flight.subject.id for flight in planned.mutants), planned.seeds)
     campaign.plan(flights)
@@ -111,7 +111,7 @@ def finish(campaign: Campaign, planned: Plan, flights: Sequence[Flight], left: t
 
 
 def fly_pool(planned: Plan, campaign: Campaign, budget: Budget | None = None) -> tuple[Flight, ...]:
-    """Fly the baseline pool where a mutant of the plan has infected; returns its flights."""
+    """Fly the baseline pool in the situations in which a mutant of the plan infects; returns its flights."""
     situations = planned.infected(campaign.outcomes(planned.mutants))
     pool = tuple(flight for situation in situations for flight in planned.pool(situation, LEAST))
     campaign.plan(pool)
@@ -126,7 +126,7 @@ def write_log(study: Study, folder: Path, outcomes: Sequence[Outcome]) -> None:
     """Write the campaign's mission log.
 
     Raises:
-        InputError: it cannot be written.
+        InputError: the file cannot be written.
     """
     path = folder / LOG_NAME
     try:

@@ -1,6 +1,7 @@
-"""How a campaign spends alpha: once on a size told before it flew, or by looks where more seeds were asked for later.
+"""The campaign's spending of alpha: once for a number of seeds that is fixed before the flights, or by looks.
 
-Each run keeps in the store with which seeds it was asked to fly which mutants, before it flies.
+Before it flies, each run records in the store its mutants and seeds.  A mutant with more than one record is judged by
+looks.
 """
 
 from __future__ import annotations
@@ -17,11 +18,11 @@ if TYPE_CHECKING:
     from scaloft_fi.study import Study
 
 NOTE = "asked"
-"""What the names of these notes begin with."""
+"""Prefix of the names of these notes."""
 
 
 def remember_seeds(store: Store, mutants: Iterable[str], seeds: Iterable[int]) -> None:
-    """Keep that a run asks to fly these mutants with these seeds, where no earlier run asked for as many and more.
+    """Record mutants and seeds of a run; a mutant is skipped if an earlier record has all of these seeds.
 
     Raises:
         InputError: the store cannot be written.
@@ -34,12 +35,12 @@ def remember_seeds(store: Store, mutants: Iterable[str], seeds: Iterable[int]) -
 
 
 def spending_of(study: Study, store: Store) -> Spending:
-    """How alpha is spent on the mutants of a store."""
+    """The spending of alpha on the mutants of a store."""
     return Spending(study.alpha, frozenset(mutant for mutant, seeds in _asked(store).items() if len(seeds) > 1))
 
 
 def _asked(store: Store) -> dict[str, set[frozenset[int]]]:
-    """With which sets of seeds runs asked for each mutant."""
+    """The recorded sets of seeds by mutant."""
     asked: dict[str, set[frozenset[int]]] = {}
     for name, text in store.notes().items():
         if name.startswith(f"{NOTE} "):

@@ -1,7 +1,7 @@
-r"""Strategies of choosing situations: all, at random, by draws, the first of the grid, a covering array.
+r"""Strategies for choosing situations: all, at random, by draws, the first of the grid, a covering array.
 
-A strategy of another author's package is one function and one declaration, in a module that the package's entry point
-in the group `scaloft_fi.plugins` names:
+A plugin declares a strategy with one decorated function, in a module that its entry point in the group
+`scaloft_fi.plugins` names:
 
     @strategy("last", r"last:([1-9]\d*)", "last:N")
     def last(asked):
@@ -32,13 +32,14 @@ Draws = tuple[tuple["Situation", int], ...]
 
 @dataclass(frozen=True)
 class Asked:
-    """What a strategy chooses from.
+    """The input of a strategy.
 
     Attributes:
-        text: as the user wrote it; `match`: of the strategy's pattern.
+        text: text of the user.
+        match: match of the strategy's pattern with the text.
         pool: situations to choose from.
-        seeds: of the flights.
-        seed: of the choice; a strategy draws from `streams.key_words("choice", its name, seed, ...)`.
+        seeds: seeds of the flights.
+        seed: seed of the choice; a strategy draws from `streams.key_words("choice", name, seed, ...)`.
         space: the grid.
     """
 
@@ -54,7 +55,7 @@ class Asked:
         return tuple((situation, seed) for situation in situations for seed in self.seeds)
 
     def error(self, allowed: str) -> InputError:
-        """The sentence that refuses the text: it must be `allowed`."""
+        """The error that refuses the text; `allowed` completes its message."""
         return InputError(f"--choose={self.text!r} {allowed}")
 
 
@@ -63,11 +64,9 @@ class Strategy:
     """A declared strategy.
 
     Attributes:
-        pattern: of the texts that it takes.
-        form: how a user writes it, for messages.
-        draw: the test cases.
-
-    `draw` raises an `InputError` where the text asks for what there is not (`Asked.error`).
+        pattern: pattern of the texts that the strategy accepts.
+        form: form of these texts, for messages.
+        draw: returns the test cases; raises `Asked.error` where the text exceeds the grid.
     """
 
     pattern: re.Pattern[str]
@@ -79,7 +78,7 @@ STRATEGIES = Registry[Strategy]("strategy")
 
 
 def strategy(name: str, pattern: str, form: str) -> Callable[[Callable[[Asked], Draws]], Callable[[Asked], Draws]]:
-    """Declare the decorated function as the strategy for texts that match `pattern` whole.
+    """Declare the decorated function as the strategy for texts that `pattern` matches in full.
 
     Raises:
         ValueError: the name is taken.
@@ -100,14 +99,14 @@ def every(asked: Asked) -> Draws:
 
 @strategy("random", r"random:([1-9]\d{0,8})", "random:N")
 def at_random(asked: Asked) -> Draws:
-    """Distinct situations at random; a larger choice has the smaller one."""
+    """Distinct situations at random; a larger choice includes every smaller one of the same seed."""
     ordered = sorted(asked.pool, key=lambda one: key_words("choice", "random", asked.seed, one.key))
     return asked.each(ordered[: _count(asked)])
 
 
 @strategy("draws", r"draws:([1-9]\d{0,8}|([1-9]\d?(?:\.\d+)?|100)%)", "draws:N, draws:P%")
 def draws(asked: Asked) -> Draws:
-    """Draws with replacement, N of them or until P % of the pool was drawn; each repetition takes the next seed."""
+    """Draws with replacement: N draws, or draws until P % of the pool was drawn; a repetition takes the next seed."""
     if len(asked.seeds) > 1:
         raise asked.error("gives each draw a seed of its own: --seeds must name one, the first")
     share = asked.match[2]
@@ -124,7 +123,7 @@ def first(asked: Asked) -> Draws:
 
 @strategy("covering", r"([1-9]\d?)-way", "a covering array such as 2-way")
 def covering(asked: Asked) -> Draws:
-    """Few situations that together have every combination of the values of t axes."""
+    """A small set of situations that covers every combination of the values of t axes."""
     strength = int(asked.match[1])
     if strength > len(asked.space.axes):
         raise asked.error(f"must be 1-way to {len(asked.space.axes)}-way, the number of axes")
@@ -147,7 +146,7 @@ def _numbered(pool: Sequence[Situation], seed: int, count: int) -> Iterator[Situ
 
 
 def _until(pool: Sequence[Situation], seed: int, target: int) -> Iterator[Situation]:
-    """Draws until `target` situations were drawn: the stopping condition of SCALOFT's loop."""
+    """Draws until `target` distinct situations were drawn, the stopping condition of SCALOFT's loop."""
     seen = set()
     for situation in _numbered(pool, seed, 10**9):
         yield situation
@@ -157,7 +156,7 @@ def _until(pool: Sequence[Situation], seed: int, target: int) -> Iterator[Situat
 
 
 def _with_seeds(drawn: Iterator[Situation], first: int) -> Iterator[tuple[Situation, int]]:
-    """Each repetition of a situation with its next seed, so that no draw is a flight that was flown before."""
+    """Give each repetition of a situation the next seed, so that no flight occurs twice."""
     times: dict[Situation, int] = {}
     for situation in drawn:
         times[situation] = times.get(situation, -1) + 1

@@ -1,1 +1,1 @@
-"""What a campaign has flown: one SQLite file, and which of its outcomes still stand."""
+"""The store of a campaign: one SQLite file of outcomes, and the check which of them are current."""

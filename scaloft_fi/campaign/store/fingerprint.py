@@ -1,4 +1,4 @@
-"""On what a campaign was flown: bits are promised on one platform only."""
+"""The fingerprint of a platform; flights are reproducible to the bit on one platform only."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from pathlib import Path
 from scaloft_fi import __version__
 
 NUMERIC = ("numpy", "numba", "llvmlite", "filterpy", "scipy", "pybullet", "rtamt")
-"""Packages whose versions can move the last bit of a flight or a reading."""
+"""Packages whose versions can change the last bit of a flight or a reading."""
 BRING_OPENBLAS = ("numpy", "scipy")
-"""Packages whose wheels bring an OpenBLAS of their own, in a folder `<package>.libs` beside the package."""
+"""Packages whose wheels contain an OpenBLAS, in a folder `<package>.libs` beside the package."""
 CORE_NAMES = tuple(f"{prefix}openblas_get_corename{suffix}" for prefix in ("scipy_", "") for suffix in ("64_", ""))
-"""What OpenBLAS's function for the name of its kernels is called, depending on how it was built."""
+"""Possible names of OpenBLAS's function for the name of its kernels; the name depends on the build."""
 
 
 def fingerprint() -> dict[str, str]:
@@ -34,7 +34,7 @@ def fingerprint() -> dict[str, str]:
 
 
 def differences(ours: dict[str, str], theirs: dict[str, str]) -> list[str]:
-    """What differs, each as `numpy 2.4.6 here, 1.26.4 there`."""
+    """The differences, each as `numpy 2.4.6 here, 1.26.4 there`."""
     return [
         f"{name} {ours.get(name, 'none')} here, {theirs.get(name, 'none')} there"
         for name in sorted(ours.keys() | theirs.keys())
@@ -50,10 +50,10 @@ def _version(name: str) -> str:
 
 
 def _kernels(package: str) -> str:
-    """The kernels that OpenBLAS chose for this processor, or was told to choose; "unknown" of another library.
+    """The name of OpenBLAS's kernels in this process; "unknown" for another library.
 
-    They add in an order of their own, and so decide the last bit of a product.  The library is asked without importing
-    the package, which would take longer than all else that a verb does that only reads.
+    Kernels differ in the order of additions, which decides the last bit of a product.  This function loads the library
+    without importing the package, because the import would dominate the time of a verb that only reads.
     """
     spec = find_spec(package)
     folders = [Path(place).with_name(f"{package}.libs") for place in (spec and spec.submodule_search_locations) or ()]
@@ -68,7 +68,7 @@ def _kernels(package: str) -> str:
 
 
 def _processor() -> str:
-    """The processor's model, which picks the instructions compiled for it."""
+    """The model of the processor, which decides the compiled instructions."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:

@@ -1,4 +1,4 @@
-"""Where a campaign lives on disk."""
+"""The folder of a campaign."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ LOG_NAME = "mission_log.json"
 
 
 def campaign_folder(study: Study, name: str) -> Path:
-    """The folder of campaign `name`: in the study's results, or `name` itself when it has a separator in it.
+    """The folder of campaign `name`: in the study's results, or the path `name` itself if it has a separator.
 
     Raises:
-        InputError: the name cannot be that of a folder.
+        InputError: the name is no valid name of a folder.
     """
     if "/" in name or os.sep in name:
         return Path(name).expanduser()
@@ -26,10 +26,10 @@ def campaign_folder(study: Study, name: str) -> Path:
 
 
 def promising(folder: Path) -> None:
-    """Refuse early what `writable` would refuse later; writes nothing.
+    """Check early, without writing, whether `writable` can succeed.
 
     Raises:
-        InputError: the nearest folder above that exists cannot be written, or is none.
+        InputError: the nearest existing parent cannot be written, or is no folder.
     """
     above = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
     if not above.is_dir() or not os.access(above, os.W_OK):
@@ -38,10 +38,10 @@ def promising(folder: Path) -> None:
 
 
 def writable(folder: Path) -> Path:
-    """`folder`, made if need be, after a proof that files can be written there.
+    """Create `folder` if it is missing, and check that files can be written there.
 
     Raises:
-        InputError: they cannot.
+        InputError: files cannot be written there.
     """
     probe = folder / f".writable-{os.getpid()}"
     try:
@@ -57,7 +57,7 @@ def existing(folder: Path) -> Path:
     """The store of the campaign in `folder`.
 
     Raises:
-        InputError: nothing was flown there.
+        InputError: the folder has no store.
     """
     store = folder / STORE_NAME
     if not store.is_file():

@@ -1,4 +1,7 @@
-"""What a campaign holds: the outcomes that the study still stands for, and what it has outgrown, with the reasons."""
+"""The current and the stale outcomes of a campaign.
+
+An outcome is current if its flight has the same key in the study as it is now; otherwise it is stale, for a reason.
+"""
 
 from __future__ import annotations
 
@@ -28,10 +31,10 @@ class Held:
     """The outcomes of a campaign.
 
     Attributes:
-        folder: of the campaign.
-        current: outcomes of flights as the study describes them now, ordered by mutant, situation, seed.
-        why: for what is stale, the reason and of how many flights, the commonest first.
-        owed: how many flights were planned as the study describes them now, and have no outcome that counts.
+        folder: folder of the campaign.
+        current: current outcomes, ordered by mutant, situation, seed.
+        why: number of stale flights by reason; the commonest reason is first.
+        owed: number of planned, current flights without a valid outcome.
     """
 
     folder: Path
@@ -41,12 +44,12 @@ class Held:
 
     @property
     def stale(self) -> int:
-        """How many flights were flown with other data or code; `run` flies them again when they are asked for."""
+        """Number of stale flights; `run` flies a stale flight again when it is requested."""
         return sum(self.why.values())
 
 
 def held_in(study: Study, store: Store, folder: Path) -> Held:
-    """What an open store holds."""
+    """Read the outcomes of an open store."""
     with store.snapshot():
         now = _Now(study, store)
         flights = store.flights()
@@ -61,13 +64,13 @@ def held_in(study: Study, store: Store, folder: Path) -> Held:
 
 
 def current_in(study: Study, store: Store) -> tuple[Outcome, ...]:
-    """The outcomes of an open store that count; there may be none."""
+    """The current outcomes of an open store; there may be none."""
     with store.snapshot():
         return store.standing(_Now(study, store).stands)
 
 
 def counting_flights(study: Study, store: Store) -> list[Flown]:
-    """The flights of an open store whose outcomes count, the invalid ones left out, ordered by their keys."""
+    """The flights of an open store with a current, valid outcome, ordered by key."""
     with store.snapshot():
         now = _Now(study, store)
         standing = {flight.key: flight for flight in store.flights() if now.stands(flight)}
@@ -75,7 +78,7 @@ def counting_flights(study: Study, store: Store) -> list[Flown]:
 
 
 def nothing_to_show(store: Store, folder: Path) -> NoReturn:
-    """Say why a campaign has nothing that counts."""
+    """Raise the error for a campaign without a current outcome."""
     flights = store.flights()
     if not flights:
         raise InputError(f"{folder}: nothing to show: it holds no flight; `scaloft-fi run` flies what is asked for")
@@ -84,7 +87,7 @@ def nothing_to_show(store: Store, folder: Path) -> NoReturn:
 
 
 def latest_in(study: Study, store: Store) -> tuple[Outcome, ...]:
-    """One outcome of each flight of an open store: the current one, else one that the study has outgrown."""
+    """One outcome for each flight of an open store: the current one, else a stale one."""
     with store.snapshot():
         stand_last = sorted(store.flights(), key=_Now(study, store).stands)
         chosen = {(flight.mutant, flight.situation, flight.seed): flight.key for flight in stand_last}
@@ -95,7 +98,7 @@ def flight_named(study: Study, mutant: str, situation: str, seed: int) -> Flight
     """The flight of `mutant` (`baseline`, `PLACEBO` or an id) in a situation.
 
     Raises:
-        InputError: one of them is unknown.
+        InputError: the mutant or the situation is unknown.
     """
     return Flight(_mutant(study, mutant), study.grid.situation(situation), seed)
 
@@ -107,37 +110,37 @@ def _mutant(study: Study, name: str) -> Mutant | None:
 
 
 class _Now:
-    """What the keys of flights are as the study describes them now; each mutant and situation is looked up once."""
+    """The origins of flights in the study as it is now; each mutant and each situation is looked up once."""
 
     def __init__(self, study: Study, store: Store) -> None:
         self._study, self._keys, self._then = study, Keys(study), store.origins()
-        self._grid = study.grid  # which says itself what is wrong with it
+        self._grid = study.grid  # read here, so that an error in the grid itself is raised
         self._mutants: dict[str, Mutant | None] = {}
         self._situations: dict[str, Situation] = {}
         self._origins: dict[tuple[str, str], Origin | str] = {}
         self._stand: dict[tuple[str, str, int], bool] = {}
 
     def origin(self, mutant: str, situation: str) -> Origin | str:
-        """What enters the flight now, else why there is no such flight any more."""
+        """The origin of a flight in the current study, or the reason why the flight no longer exists."""
         name = mutant, situation
         if name not in self._origins:
             self._origins[name] = self._origin(*name)
         return self._origins[name]
 
     def stands(self, flight: Flown) -> bool:
-        """Whether an outcome is of the flight as it is described now."""
+        """Whether an outcome is current."""
         key, mutant, situation, seed, number = flight
         if number is None:
             now = self.origin(mutant, situation)
             return not isinstance(now, str) and now.key(seed) == key
         what = mutant, situation, number
         known = self._stand.get(what)
-        if known is None:  # the seed apart, the key says no more than what entered it
+        if known is None:  # origin and seed determine the key
             known = self._stand[what] = self.origin(mutant, situation) == self._then[number]
         return known
 
     def why(self, flight: Flown) -> str:
-        """Why an outcome does not stand."""
+        """Why an outcome is stale."""
         now = self.origin(flight.mutant, flight.situation)
         if isinstance(now, str):
             return now
@@ -170,4 +173,4 @@ _PARTS = {
     "situation": "what the situation sets",
     "realised": "how the situation's values come true",
 }
-"""The parts of an origin in words; a mutant is named."""
+"""Names of the parts of an origin for messages; a mutant is named by its id."""

@@ -1,4 +1,4 @@
-"""When a flight in the store is the flight that is asked for: a hash of everything that can change its outcome."""
+"""Keys of flights: a hash of everything that can change the outcome of a flight."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Keys:
     """The keys of a study's flights; each mutant and each situation is hashed once.
 
     Args:
-        study: as it is now; of a study that changes meanwhile nothing is noticed.
+        study: the current study; later changes of its files are not noticed.
     """
 
     def __init__(self, study: Study) -> None:
@@ -26,9 +26,9 @@ class Keys:
         self._situations: dict[str, tuple[str, str]] = {}
 
     def origin(self, flight: Flight) -> Origin:
-        """Where an outcome of the flight comes from.
+        """The origin of the flight's outcome.
 
-        An axis value that the situation does not have, another mutant, a comment in a file: none of them enters.
+        Values of an axis that the situation does not have, other mutants and comments do not count.
         """
         situation, realised = self._situation(flight)
         inputs = self._study.inputs
@@ -42,11 +42,11 @@ class Keys:
         )
 
     def key(self, flight: Flight) -> str:
-        """The content hash of a flight."""
+        """The key of a flight."""
         return self.origin(flight).key(flight.seed)
 
     def planned(self, flight: Flight, *, canary: bool = False) -> Planned:
-        """The flight as the store keeps it in its plan."""
+        """The entry of a flight in the plan of the store."""
         origin = self.origin(flight)
         return Planned(origin.key(flight.seed), flight.subject.id, flight.situation.key, flight.seed, canary, origin)
 
@@ -56,7 +56,7 @@ class Keys:
         return self._mutants[mutant]
 
     def _situation(self, flight: Flight) -> tuple[str, str]:
-        """Hashes of what the situation changes, and of the formulas by which its values come true."""
+        """Hashes of the values that the situation sets, and of the predicates of its values."""
         key = flight.situation.key
         if key not in self._situations:
             changes, realised = self._study.changes(flight.situation), self._study.realised(flight.situation)
@@ -65,11 +65,11 @@ class Keys:
 
 
 def flight_key(study: Study, flight: Flight) -> str:
-    """The content hash of one flight; of many, `Keys` is faster."""
+    """The key of one flight; for many flights `Keys` is faster."""
     return Keys(study).key(flight)
 
 
 def digest(content: Any) -> str:
-    """A hash of plain JSON values that does not depend on the order of keys."""
+    """A hash of plain JSON values, independent of the order of keys."""
     text = json.dumps(content, sort_keys=True, ensure_ascii=False)
     return hashlib.sha256(text.encode()).hexdigest()

@@ -1,4 +1,4 @@
-"""Where an outcome comes from: content hashes of everything that can change it, part by part, and its key from them."""
+"""The origin of an outcome: hashes of everything that can change it, part by part, from which its key follows."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from typing import NamedTuple
 
 
 class Origin(NamedTuple):
-    """Content hashes; empty where the part does not enter the flight.
+    """Hashes of the parts; empty for a part that does not affect the flight.
 
     Attributes:
-        sim: the documents of `sim/` that enter every flight.
-        requirements: what flights are judged by.
-        code: the sources that fly and judge.
-        mutant: what is patched in; empty for the baseline.
-        situation: what the situation changes in the world.
-        realised: for a baseline, by which formulas the situation's values come true.
-        platform: of a flight whose bits an earlier platform made: how that platform differs; empty while it counts.
+        sim: the documents of `sim/` that decide every flight.
+        requirements: the requirements.
+        code: the modules that fly and judge.
+        mutant: the mutant; empty for the baseline.
+        situation: the values that the situation sets in the world.
+        realised: for a baseline, the predicates of the situation's values.
+        platform: not a hash: differences of an earlier platform that made a stale flight; empty for other flights.
     """
 
     sim: str
@@ -28,10 +28,10 @@ class Origin(NamedTuple):
     platform: str = ""
 
     def key(self, seed: int) -> str:
-        """The content hash of the flight with this seed."""
+        """The key of the flight with this seed."""
         parts = [f"{name}={value}" for name, value in zip(self._fields, self, strict=True) if value]
         return hashlib.sha256("\n".join([*parts, f"seed={seed}"]).encode()).hexdigest()
 
     def changed(self, now: Origin) -> tuple[str, ...]:
-        """Names of the parts that are others in `now`."""
+        """Names of the parts that differ in `now`."""
         return tuple(name for name in self._fields if getattr(self, name) != getattr(now, name))

@@ -1,4 +1,4 @@
-"""The platform on which the flights of a store were flown, and others on which a sample came out the same."""
+"""The platform of a store's flights, and the platforms on which a sample of them had the same digests."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from scaloft_fi.campaign.store.store import NOTE, Store
 
 
 def unproved(store: Store, ours: dict[str, str]) -> list[str]:
-    """How the platform `ours` differs from the store's, each as `numpy 2.4.6 here, 1.26.4 there`.
+    """The differences of the platform `ours` from the store's, each as `numpy 2.4.6 here, 1.26.4 there`.
 
-    Nothing when no sample has to be flown: the platforms are equal, a sample flown on `ours` agreed, or the store has
-    no platform yet.
+    Empty if no sample has to be flown: the platforms are equal, a sample on `ours` had the same digests, or the store
+    has no platform yet.
     """
     theirs = store.meta()
     return differences(ours, theirs) if theirs and _agreement(ours, theirs) not in store.notes() else []
 
 
 def warning_for(store: Store) -> str:
-    """What a person who only reads the store must know of its platform; empty when there is nothing."""
+    """The warning about the store's platform for verbs that only read; empty without one."""
     changed = unproved(store, fingerprint())
     if not changed:
         return ""
@@ -28,7 +28,7 @@ def warning_for(store: Store) -> str:
 
 
 def agree(store: Store, ours: dict[str, str]) -> None:
-    """Keep that a sample flown again on the platform `ours` had the digests of the store.
+    """Record that a sample on the platform `ours` had the digests of the store.
 
     Raises:
         InputError: the store cannot be written.
@@ -37,9 +37,9 @@ def agree(store: Store, ours: dict[str, str]) -> None:
 
 
 def outgrow(store: Store, ours: dict[str, str]) -> None:
-    """Set every flight of the store apart as one of the earlier platform; from now on the platform is `ours`.
+    """Make every flight of the store stale, as a flight of the earlier platform; the store's platform becomes `ours`.
 
-    The flights keep their place in the store under other keys, so that they are stale and nothing is lost.
+    The flights stay in the store under other keys, so nothing is lost.
 
     Raises:
         InputError: the store cannot be written.
@@ -75,7 +75,7 @@ def outgrow(store: Store, ours: dict[str, str]) -> None:
 
 
 def _agreement(ours: dict[str, str], theirs: dict[str, str]) -> str:
-    """The name of the note that a sample had on both platforms the same digests."""
+    """The name of the note that a sample had the same digests on both platforms."""
     return f"sample agrees: {_digest(theirs)[:16]} {_digest(ours)[:16]}"
 
 

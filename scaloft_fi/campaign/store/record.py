@@ -1,4 +1,4 @@
-"""An outcome as a row of the store's table and back: what queries ask for as columns, the rest as lines of JSON."""
+"""Convert outcomes to rows of the store's table and back: columns for queries, lines of JSON for the rest."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Record = tuple[Any, ...]
 """Values of `COLUMNS`."""
 
 SUBJECT: Mapping[str, str] = {"mutant": "TEXT", "guideword": "TEXT", "parameter": "TEXT", "magnitude": "TEXT"}
-"""The columns of what was flown."""
+"""The columns of the subject."""
 _FACTS = {
     "situation": "TEXT",
     "seed": "INTEGER",
@@ -33,10 +33,10 @@ _FACTS = {
 }
 _LINES = {"readings": "TEXT", "violations": "TEXT", "realised": "TEXT"}
 COLUMNS: Mapping[str, str] = {**SUBJECT, **_FACTS, **_LINES}
-"""The columns and their types, all of an outcome but its track.
+"""The columns and their types: an outcome without its track.
 
-The last three hold one entry a line, each a JSON list of its fields in their order: most lines are the same in many
-flights, and a line is read once.
+The last three columns hold one entry per line, a JSON list of its fields in order.  Most lines occur in many flights,
+and `Lines` parses a line once.
 """
 
 
@@ -65,7 +65,7 @@ def _lines(entries: Iterable[Sequence[Any]]) -> str:
 
 
 class Reader:
-    """Makes outcomes of rows; what is equal in them is one object."""
+    """Makes outcomes from rows; equal parts of outcomes are one object."""
 
     def __init__(self) -> None:
         self._subjects = _Subjects()
@@ -74,7 +74,7 @@ class Reader:
         self._realised = Lines(_came_true)
 
     def __call__(self, rows: Sequence[Record], tracks: Iterable[bytes] = repeat(b"")) -> list[Outcome]:
-        """The outcomes of rows that begin as `to_row` makes them, with their tracks."""
+        """The outcomes of rows, with their tracks; a row begins with the values of `to_row`."""
         if not rows:
             return []
         columns = list(zip(*rows, strict=True))
@@ -106,7 +106,7 @@ class Reader:
 
 
 class _Subjects(dict[Record, Subject]):
-    """Subjects by their columns, each made when it is first asked for."""
+    """Subjects by their columns; each subject is made once."""
 
     def __missing__(self, row: Record) -> Subject:
         subject = self[row] = Subject(*map(intern, row))
@@ -117,10 +117,10 @@ T = TypeVar("T")
 
 
 class Lines(Generic[T]):
-    """Entries by their lines, each read once.
+    """Entries by their lines; each line is parsed once.
 
     Args:
-        read: makes entries of the columns of their fields.
+        read: makes entries from the columns of their fields.
     """
 
     def __init__(self, read: Callable[..., Iterable[T]]) -> None:
@@ -128,7 +128,7 @@ class Lines(Generic[T]):
         self._lines: dict[str, T] = {}
 
     def of(self, column: Sequence[str]) -> Iterable[tuple[T, ...]]:
-        """The entries of each text of a column; a text that stands there often is taken apart once."""
+        """The entries of each text of a column; equal texts are split once."""
         read: dict[str, tuple[T, ...]] = {"": ()}
         for breaks, group in groupby(sorted(set(column).difference(read), key=_breaks), key=_breaks):
             texts = list(group)
@@ -140,7 +140,7 @@ class Lines(Generic[T]):
 
     def _learn(self, lines: Sequence[str]) -> None:
         if lines:
-            # one text for the decoder, which takes longer to begin than to read a line
+            # one text for the decoder, whose call costs more than a line
             columns = zip(*json.loads(f"[{','.join(lines)}]"), strict=True)
             self._lines.update(zip(lines, self._read(*columns), strict=True))
 

@@ -35,20 +35,20 @@ _TABLES = (
 
 
 def create(connection: sqlite3.Connection) -> None:
-    """Make the tables of a new store, inside the caller's transaction."""
+    """Create the tables of a new store inside the caller's transaction."""
     for statement in _TABLES:
         connection.execute(statement)
     connection.execute(f"PRAGMA user_version={SCHEMA}")
 
 
 def insert(connection: sqlite3.Connection, key: str, outcome: Outcome) -> bool:
-    """Keep an outcome unless there is one that counts under its key; returns whether anything was written."""
+    """Write an outcome unless its key has a valid one; returns whether anything was written."""
     row = {"key": key, "track": _track(connection, outcome.track), **dict(zip(COLUMNS, to_row(outcome), strict=True))}
     return connection.execute(_INSERT, row).rowcount > 0
 
 
 def _track(connection: sqlite3.Connection, track: bytes) -> int | None:
-    """The number of a track, which is kept once however many flights have it; None for an empty one."""
+    """The number of a track; flights with equal tracks share one row.  None for an empty track."""
     if not track:
         return None
     digest = sha256(track).digest()

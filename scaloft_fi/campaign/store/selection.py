@@ -1,4 +1,4 @@
-"""The outcomes that are read of a store: all, those under some keys, or those of flights that stand."""
+"""Read outcomes from a store: all, those with certain keys, or the current ones."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from scaloft_fi.campaign.store.record import COLUMNS, Reader, Record
 from scaloft_fi.judge.outcome import Outcome
 
 CHUNK = 2000
-"""Rows that are read at once: columns of them are faster than rows, while they fit the processor's cache."""
+"""Number of rows that are read at once; their columns are processed together and fit the processor's cache."""
 
 
 class Flown(NamedTuple):
-    """What an outcome is of.
+    """A flight with an outcome.
 
     Attributes:
-        key: its content hash.
-        mutant, situation, seed: what was flown, where.
-        origin: number of what entered the key, by which `origins` has it; None where it was never planned.
+        key: key of the flight.
+        mutant, situation, seed: subject, situation and seed of the flight.
+        origin: number of its origin in `Store.origins`; None for a flight that was never planned.
     """
 
     key: str
@@ -33,9 +33,9 @@ class Flown(NamedTuple):
 
 
 Stands = Callable[[Flown], bool]
-"""Whether a flight is wanted.
+"""Whether a flight is current.
 
-It is asked once for each origin, which belongs to one mutant in one situation, and of each flight without one.
+Called once for each origin, which belongs to one mutant in one situation, and for each flight without an origin.
 """
 Keep = Callable[[Record], bool]
 _COLUMNS = (*COLUMNS, "key", "origin")
@@ -44,12 +44,12 @@ _flown = itemgetter(*map(_COLUMNS.index, Flown._fields))
 
 
 def under(keys: set[str]) -> Keep:
-    """Keeps the rows under these keys."""
+    """Select the rows with these keys."""
     return lambda row: row[_KEY] in keys
 
 
 def standing(stands: Stands) -> Keep:
-    """Keeps the rows of flights that stand."""
+    """Select the rows of current flights."""
     answers: dict[int, bool] = {}
 
     def keep(row: Record) -> bool:
@@ -65,15 +65,15 @@ def standing(stands: Stands) -> Keep:
 
 
 def outcomes(connection: sqlite3.Connection, keep: Keep | None = None) -> Iterator[tuple[str, Outcome]]:
-    """The outcomes of the rows that are kept, each with its key, ordered by mutant, situation, seed, key.
+    """The outcomes of the selected rows, each with its key, ordered by mutant, situation, seed, key.
 
     Args:
-        connection: to the store.
-        keep: whether a row is kept; all are when None.
+        connection: connection to the store.
+        keep: whether a row is selected; None = all rows.
     """
     read = Reader()
     places = defaultdict[tuple[str, str], list[tuple[int, str, Outcome]]](list)
-    # to sort here is faster than to have the rows looked up in the order of an index
+    # sorting here is faster than reading the rows in the order of an index
     cursor = connection.execute(f"SELECT {', '.join(_COLUMNS)} FROM outcomes")
     while rows := cursor.fetchmany(CHUNK):
         kept = list(filter(keep, rows)) if keep else rows

@@ -20,23 +20,23 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 
 NOTE = "note: "
-"""What the names of notes begin with in the table of facts."""
+"""Prefix of the names of notes in the table `meta`."""
 BUSY_S = 30.0
-"""How long a writer waits for another process [s]."""
+"""Greatest time that a writer waits for another process [s]."""
 RETRY_S = 0.01
-"""How long it waits where SQLite does not wait by itself [s]."""
+"""Interval between attempts where SQLite does not wait by itself [s]."""
 _PAGE_BYTES = 16384
-"""Of a new file.  Outcomes lie between tracks, which scores leave out: larger pages are fewer to fetch from a disk."""
+"""Page size of a new file.  Outcomes lie between tracks, which scores skip; with larger pages they read fewer pages."""
 
 
 class Planned(NamedTuple):
-    """A flight that was planned.
+    """A planned flight.
 
     Attributes:
-        key: of its outcome.
-        mutant, situation, seed: what is flown, where.
-        canary: flown only to prove that faults reach the drone.
-        origin: what entered the key; None where it is not known.
+        key: key of the flight.
+        mutant, situation, seed: subject, situation and seed of the flight.
+        canary: whether the flight only proves that faults reach the drone.
+        origin: origin of the outcome; None if it is unknown.
     """
 
     key: str
@@ -48,16 +48,16 @@ class Planned(NamedTuple):
 
 
 class Store:
-    """Outcomes by key, where a key is the content hash of everything that can change the flight.
+    """Outcomes by key; a key is a hash of everything that can change the outcome.
 
     A context manager; every `put` is on the disk when it returns.
     """
 
     def __init__(self, path: Path, *, create: bool = True) -> None:
-        """Open the store, making it and its folder when `create`; in a folder that is read only it is only read.
+        """Open the store, and create it and its folder if `create`; a store in a read-only folder is opened to read.
 
         Raises:
-            InputError: it cannot be opened or written, is no store, or is another version's.
+            InputError: the file cannot be opened or written, is no store, or has another version.
         """
         self.path = path
         if not create and not path.is_file():
@@ -65,7 +65,7 @@ class Store:
         with _sentences(path):
             if create:
                 path.parent.mkdir(parents=True, exist_ok=True)
-            # SQLite keeps its log beside the file, which where nothing can be written it must not ask for
+            # SQLite writes its log beside the file; in a read-only folder it must not try
             fixed = not create and not os.access(path.parent, os.W_OK) and not _log(path).exists()
             name = f"{path.absolute().as_uri()}?immutable=1" if fixed else str(path)
             # rows are written one by one in explicit transactions
@@ -85,11 +85,11 @@ class Store:
         if not new:
             return
         with self.transaction() as connection:
-            if self._is_new():  # asked again, as another process may have been faster
+            if self._is_new():  # checked again, because another process may have been faster
                 create(connection)
 
     def _keep_log(self) -> None:
-        """Have a write-ahead log; SQLite itself does not wait for another process that is beginning the same file."""
+        """Turn on the write-ahead log; SQLite does not wait for another process that creates the same file."""
         end_s = time.monotonic() + BUSY_S
         while True:
             try:
@@ -105,7 +105,7 @@ class Store:
         """Whether the file has no tables yet.
 
         Raises:
-            InputError: it has those of another version.
+            InputError: the file has tables of another version.
         """
         version = int(self._connection.execute("PRAGMA user_version").fetchone()[0])
         if version not in (0, SCHEMA):
@@ -124,27 +124,27 @@ class Store:
         self.close()
 
     def close(self) -> None:
-        """Close the file; the write-ahead log is folded into it."""
+        """Close the file; SQLite merges the write-ahead log into it."""
         self._connection.close()
 
     @contextmanager
     def transaction(self) -> Iterator[sqlite3.Connection]:
-        """What is written while it lasts is kept whole or, when anything is raised, not at all."""
+        """Write atomically: all writes in the context are kept, or none if it raises."""
         with _sentences(self.path):
             self._connection.execute("BEGIN IMMEDIATE")
             try:
                 yield self._connection
                 self._connection.execute("COMMIT")
             except BaseException:
-                if self._connection.in_transaction:  # SQLite itself takes it back when the disk is full
+                if self._connection.in_transaction:  # SQLite itself rolls back when the disk is full
                     self._connection.execute("ROLLBACK")
                 raise
 
     @contextmanager
     def snapshot(self) -> Iterator[None]:
-        """What is read while it lasts is of one moment, whatever others write meanwhile; nothing is written in it.
+        """Read one state of the store in the whole context, whatever other processes write; the context only reads.
 
-        Within another it is part of that one's moment.
+        A nested snapshot reads the state of the outer one.
         """
         if self._connection.in_transaction:
             yield
@@ -157,9 +157,7 @@ class Store:
                 self._connection.execute("ROLLBACK")
 
     def put(self, key: str, outcome: Outcome) -> bool:
-        """Keep an outcome; one that counts is never replaced, an invalid one gives way to any later.
-
-        Returns whether anything was written.
+        """Write an outcome; it replaces an invalid outcome, never a valid one.  Returns whether anything was written.
 
         Raises:
             InputError: the store cannot be written.
@@ -168,7 +166,7 @@ class Store:
             return insert(self._connection, key, outcome)
 
     def put_all(self, rows: Iterable[tuple[str, Outcome]]) -> None:
-        """Keep outcomes with their keys as `put` does, all of them or, when it fails, none.
+        """Write outcomes with their keys by the rule of `put`; after a failure none is written.
 
         Raises:
             InputError: the store cannot be written.
@@ -178,11 +176,11 @@ class Store:
                 insert(self._connection, key, outcome)
 
     def get(self, key: str) -> Outcome | None:
-        """The outcome under a key with its track, None when there is none."""
+        """The outcome with this key and its track; None without one."""
         return next((outcome for _, outcome in self.rows([key])), None)
 
     def rows(self, keys: Iterable[str] | None = None) -> Iterator[tuple[str, Outcome]]:
-        """Every outcome, or those under `keys`, one by one, each with its key and its track, ordered by key."""
+        """Yield every outcome, or those with `keys`, with key and track, ordered by key."""
         read = Reader()
         track = "(SELECT tracks.track FROM tracks WHERE tracks.id = outcomes.track)"
         query = f"SELECT {track}, {', '.join(COLUMNS)} FROM outcomes WHERE key = ?"
@@ -194,35 +192,35 @@ class Store:
                 yield key, outcome
 
     def known(self, keys: Iterable[str]) -> set[str]:
-        """Those of `keys` that have an outcome that counts."""
+        """The `keys` with a valid outcome."""
         with _sentences(self.path):
             stored = {key for (key,) in self._connection.execute("SELECT key FROM outcomes")}
             invalid = self._connection.execute("SELECT key FROM outcomes WHERE invalid != ''")
             return stored.intersection(keys).difference(key for (key,) in invalid)
 
     def flights(self) -> list[Flown]:
-        """What there are outcomes of, ordered by mutant, situation, seed; read from an index, so soon done."""
+        """The flights with an outcome, ordered by mutant, situation, seed; a fast query, answered by an index."""
         with _sentences(self.path):
             columns = ", ".join(Flown._fields)
             order = "mutant, situation, seed, key"
             return [Flown(*row) for row in self._connection.execute(f"SELECT {columns} FROM outcomes ORDER BY {order}")]
 
     def outcomes(self, keys: Iterable[str] | None = None) -> Iterator[Outcome]:
-        """All outcomes, or those under `keys`, without their tracks, ordered by mutant, situation, seed."""
+        """All outcomes, or those with `keys`, without their tracks, ordered by mutant, situation, seed."""
         return (outcome for _, outcome in self.keyed(keys))
 
     def keyed(self, keys: Iterable[str] | None = None) -> list[tuple[str, Outcome]]:
-        """The same, each with its key."""
+        """All outcomes, or those with `keys`, each with its key, in the order of `outcomes`."""
         with _sentences(self.path):
             return list(outcomes(self._connection, None if keys is None else under(set(keys))))
 
     def standing(self, stands: Stands) -> tuple[Outcome, ...]:
-        """The outcomes of the flights that stand, without their tracks, ordered by mutant, situation, seed."""
+        """The outcomes of the current flights, without their tracks, ordered by mutant, situation, seed."""
         with _sentences(self.path):
             return tuple([outcome for _, outcome in outcomes(self._connection, standing(stands))])
 
     def plan(self, flights: Iterable[Planned]) -> None:
-        """Keep what is to be flown, in one transaction; what was planned before stays planned.
+        """Record planned flights in one transaction; earlier records stay.
 
         Raises:
             InputError: the store cannot be written.
@@ -240,21 +238,21 @@ class Store:
                 )
 
     def _origin(self, origin: Origin) -> int:
-        """The number of an origin, which is kept once however many flights have it."""
+        """The number of an origin; flights with equal origins share one row."""
         parts = json.dumps(origin._asdict())
         self._connection.execute("INSERT INTO origins (parts) VALUES (?) ON CONFLICT (parts) DO NOTHING", (parts,))
         return int(self._connection.execute("SELECT id FROM origins WHERE parts = ?", (parts,)).fetchone()[0])
 
     def origins(self) -> dict[int, Origin]:
-        """What entered the keys of flights that were ever planned, by number."""
+        """The origins of all recorded flights by number."""
         with _sentences(self.path):
             rows = self._connection.execute("SELECT id, parts FROM origins").fetchall()
-        # one text for the decoder, which takes longer to begin than to read an origin
+        # one text for the decoder, whose call costs more than an origin
         origins = json.loads(f"[{','.join(parts for _, parts in rows)}]")
         return {number: Origin(**parts) for (number, _), parts in zip(rows, origins, strict=True)}
 
     def planned(self) -> list[Planned]:
-        """All that was ever planned, ordered by key."""
+        """All recorded plans, ordered by key."""
         with _sentences(self.path):
             origins = self.origins()
             columns = "key, mutant, situation, seed, canary, origin"
@@ -265,7 +263,7 @@ class Store:
             ]
 
     def set_meta(self, entries: Mapping[str, str]) -> None:
-        """Keep facts about the campaign, such as the platform's fingerprint; the first value of a name stays.
+        """Record facts about the campaign, such as the fingerprint of the platform; the first value of a name stays.
 
         Raises:
             InputError: the store cannot be written.
@@ -276,11 +274,11 @@ class Store:
             )
 
     def meta(self) -> dict[str, str]:
-        """The facts kept by `set_meta`."""
+        """The facts recorded by `set_meta`."""
         return {name: value for name, value in self._facts() if not name.startswith(NOTE)}
 
     def set_notes(self, notes: Mapping[str, str]) -> None:
-        """Keep notes about the campaign; of one name the first note stays.
+        """Record notes about the campaign; the first note of a name stays.
 
         Raises:
             InputError: the store cannot be written.
@@ -288,7 +286,7 @@ class Store:
         self.set_meta({NOTE + name: text for name, text in notes.items()})
 
     def notes(self) -> dict[str, str]:
-        """The notes kept by `set_notes`."""
+        """The notes recorded by `set_notes`."""
         return {name.removeprefix(NOTE): text for name, text in self._facts() if name.startswith(NOTE)}
 
     def _facts(self) -> list[tuple[str, str]]:
@@ -297,13 +295,13 @@ class Store:
 
 
 def _log(path: Path) -> Path:
-    """Where SQLite keeps what it has not yet folded into the file."""
+    """Path of SQLite's write-ahead log."""
     return path.with_name(f"{path.name}-wal")
 
 
 @contextmanager
 def _sentences(path: Path) -> Iterator[None]:
-    """SQLite's and the file system's failures as one sentence."""
+    """Turn errors of SQLite and of the file system into an `InputError` of one sentence."""
     try:
         yield
     except sqlite3.DatabaseError as error:

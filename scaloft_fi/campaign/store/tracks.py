@@ -1,4 +1,4 @@
-"""Outcomes with their trajectories, which are read apart because most questions need none."""
+"""Read outcomes with their tracks; tracks are read separately, because most verbs need none."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ def with_tracks(
     mutants: Collection[str],
     seeds: Collection[int] | None = None,
 ) -> tuple[Outcome, ...]:
-    """The same outcomes, those of `mutants` (`baseline` among the ids) with their trajectories.
+    """Add tracks to the outcomes of `mutants`; `baseline` is a valid id.
 
     Args:
-        study: whose flights they are, as it is now.
-        store: where they are.
-        outcomes: current ones.
-        mutants: ids whose trajectories are wanted.
-        seeds: of which they are wanted; None means all.
+        study: the current study.
+        store: an open store.
+        outcomes: current outcomes.
+        mutants: ids whose outcomes get their tracks.
+        seeds: seeds whose outcomes get their tracks; None = all.
     """
     wanted, keys = set(mutants), Keys(study)
 

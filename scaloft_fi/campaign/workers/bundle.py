@@ -1,4 +1,4 @@
-"""A study as bytes, for machines that share no disk with this one."""
+"""Pack a study into bytes for machines without a shared disk."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from scaloft_fi.hazop.folder import FOLDERS
 
 
 def packed(study: Path) -> bytes:
-    """The study's three folders without hidden files; equal content, equal bytes.
+    """Pack the three folders of a study without hidden files; equal content gives equal bytes.
 
     Raises:
         InputError: a file cannot be read.
@@ -34,18 +34,18 @@ def packed(study: Path) -> bytes:
 
 
 def digest_of(bundle: bytes) -> str:
-    """What a bundle is called."""
+    """The name of a bundle: its hash."""
     return hashlib.sha256(bundle).hexdigest()
 
 
 def unpacked(bundle: bytes, folder: Path) -> Path:
-    """`folder` with the study of `bundle` in it, unpacked there once, whoever else does the same meanwhile."""
+    """Unpack the study of `bundle` into `folder` once; other processes may do the same at the same time."""
     if not folder.is_dir():
         begun = Path(tempfile.mkdtemp(prefix=f"{folder.name}-", dir=folder.parent))
         with tarfile.open(fileobj=io.BytesIO(lzma.decompress(bundle))) as archive:
             archive.extractall(begun, filter="data")
         try:
-            os.rename(begun, folder)  # noqa: PTH104 - it must fail where another was faster
+            os.rename(begun, folder)  # noqa: PTH104 - it must fail if another process was faster
         except OSError:
             shutil.rmtree(begun, ignore_errors=True)
     return folder

@@ -1,4 +1,4 @@
-"""A campaign on a Dask cluster: batches go out, outcomes arrive as the scheduler's events."""
+"""Fly a campaign on a Dask cluster: batches are submitted as tasks, outcomes arrive as events of the scheduler."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ if TYPE_CHECKING:
     from distributed import Client, Future
 
 CONNECT_S = 10.0
-"""A scheduler that does not answer for so long cannot be reached [s, wall]."""
+"""Greatest time to wait for an answer of the scheduler [s, wall]."""
 LOOK_UP_S = 0.1
-"""How often it is seen whether batches have ended [s, wall]."""
+"""Interval between checks for finished batches [s, wall]."""
 COUNT_S = 1.0
-"""How often the threads of all workers are counted [s, wall]."""
+"""Interval between counts of the workers' threads [s, wall]."""
 LEAST_JOBS = 8
-"""The work is cut for at least so many threads, because workers may join."""
+"""Least number of threads for which batches are arranged, because workers may join."""
 AHEAD = 2
-"""So many batches a thread are handed out at a time, so that none waits for the next one."""
+"""Number of batches per thread that are handed out at a time, so that no thread waits."""
 
 GONE = "the Dask scheduler is gone; what was flown is saved, the same command resumes"
 
@@ -57,7 +57,7 @@ class Cluster:
     def workers(
         self, study: Study, flyer: Flyer, *, stop: Callable[[], bool], say: Callable[[str], None]
     ) -> Iterator[Workers]:
-        """Join the scheduler, and send every worker the study, whoever joins later too.
+        """Connect to the scheduler, and send the study to every worker, also to workers that join later.
 
         Raises:
             InputError: `distributed` is not installed, or the scheduler cannot be reached.
@@ -68,7 +68,7 @@ class Cluster:
         except ImportError as error:
             how = "pip install 'scaloft-fi[cluster]'"
             raise InputError(f"--executor=dask://{self.address} needs the package distributed: {how}") from error
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what a user must know is printed in sentences
+        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # this package prints its own messages
         bundle = packed(study.folder)
         digest = digest_of(bundle)
         try:
@@ -92,7 +92,7 @@ class Cluster:
 
 @contextmanager
 def _disconnecting() -> Iterator[None]:
-    """Take leave of a scheduler that may be gone; a client that gave it up has closed itself and has no scheduler."""
+    """Ignore errors of the disconnect: the scheduler may be gone, and then the client has closed itself."""
     from distributed.client import ClosedClientError
 
     with suppress(OSError, TimeoutError, ClosedClientError, AttributeError):
@@ -101,7 +101,7 @@ def _disconnecting() -> Iterator[None]:
 
 @dataclass
 class _Trial:
-    """A batch that was handed out, its outcomes that arrived, and how often it was begun without any outcome."""
+    """A batch that was handed out, its outcomes so far, and the number of starts without any outcome."""
 
     batch: Batch
     future: Future[None]
@@ -133,19 +133,19 @@ class _ClusterWorkers:
 
     @property
     def jobs(self) -> int:
-        """Threads of all workers."""
+        """Number of threads of all workers."""
         self._count_threads()
         return max(LEAST_JOBS, self._threads)
 
     def ready(self) -> None:
-        """Every worker prepares itself."""
+        """Do nothing: every worker prepares itself."""
 
     def receive(self, event: tuple[float, Event]) -> None:
-        """Take an event of the topic; called in a thread of the client."""
+        """Receive an event of the topic; called in a thread of the client."""
         self._inbox.put(event[1])
 
     def map(self, batches: Iterable[Batch]) -> Iterator[Outcome]:
-        """The outcomes of `batches`, as they arrive; the next batch is asked for when a thread may soon be free."""
+        """Yield the outcomes of `batches` as they arrive; the next batch is taken when a thread may soon be free."""
         source = iter(batches)
         try:
             while not self._stop():
@@ -154,7 +154,7 @@ class _ClusterWorkers:
                     self._hand_out(batch)
                 if not self._trials:
                     return
-                # those first: all their events were sent before they ended
+                # finished batches first: all their events were sent before they ended
                 ended = [number for number, trial in self._trials.items() if trial.future.done()]
                 yield from self._received(0.0 if ended else LOOK_UP_S)
                 for number in ended:
@@ -182,7 +182,7 @@ class _ClusterWorkers:
         self._trials[number] = _Trial(batch, future, begun)
 
     def _received(self, wait_s: float) -> Iterator[Outcome]:
-        """The outcomes among what has come, at most `wait_s` from now."""
+        """Yield the outcomes among the received events; wait at most `wait_s` for the first event [s, wall]."""
         with suppress(Empty):
             while True:
                 run, number, worker, kind, content = self._inbox.get(block=wait_s > 0.0, timeout=wait_s)
@@ -206,7 +206,7 @@ class _ClusterWorkers:
                     )
 
     def _end(self, trial: _Trial) -> Iterator[Outcome]:
-        """A batch has ended, well or not: what is lacking is tried again, as long as that may lead anywhere."""
+        """Handle the end of a batch: try the flights without an outcome again, within `ATTEMPTS`."""
         from distributed import KilledWorker
 
         if trial.future.cancelled():
@@ -220,17 +220,17 @@ class _ClusterWorkers:
         left = left_of(trial.batch, trial.arrived.values())
         if left is None:
             return
-        begun = 0 if trial.arrived else trial.begun  # Dask gives up batches, too, that only waited on workers that died
+        begun = 0 if trial.arrived else trial.begun  # Dask also gives up batches that only waited on workers that died
         if begun < ATTEMPTS:
             self._hand_out(left, begun)
         else:
             yield from lost(left, "died with its Dask worker every time")
 
     def _count_threads(self) -> None:
-        """Keep count of those who fly, now and then, and say when there is nobody."""
+        """Count the workers' threads at intervals, and print a notice when there are none."""
         if time.monotonic() - self._counted_s < COUNT_S:
             return
-        if self._client.status == "closed":  # it gives up by itself
+        if self._client.status == "closed":  # the client has given up
             raise Interrupted(GONE)
         try:
             self._threads = sum(self._client.nthreads().values())

@@ -1,4 +1,4 @@
-"""What flies a run: the protocol of an executor and of its workers."""
+"""The protocols of an executor and of its workers, which fly a run."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from scaloft_fi.study import Study
 
 
 class Workers(Protocol):
-    """The processes that fly, while they run."""
+    """The workers of one run."""
 
     @property
     def jobs(self) -> int:
-        """For how many processes the work is best cut."""
+        """Number of processes for which batches are arranged."""
         ...
 
     def ready(self) -> None:
-        """Do what has to be done before anything can be flown; done by `map` if need be.
+        """Prepare the workers for flights; `map` calls it if necessary.
 
         Raises:
             InputError: the study cannot be flown.
@@ -29,12 +29,12 @@ class Workers(Protocol):
         ...
 
     def map(self, batches: Iterable[Batch]) -> Iterator[Outcome]:
-        """The outcomes of `batches`, each as it is known, in no order.
+        """Yield the outcomes of `batches` as they arrive, in any order.
 
-        A batch whose worker is lost is tried again elsewhere; flights that are lost every time are `invalid`.
+        A batch whose worker dies is tried again in another worker; flights that fail every time are `invalid`.
 
         Raises:
-            ScaloftError: the study cannot be flown, or no worker is left to fly it.
+            ScaloftError: the study cannot be flown, or no worker is left.
         """
         ...
 
@@ -45,13 +45,13 @@ class Executor(Protocol):
     def workers(
         self, study: Study, flyer: Flyer, *, stop: Callable[[], bool], say: Callable[[str], None]
     ) -> AbstractContextManager[Workers]:
-        """The workers that fly `study` while the context lasts.
+        """Start workers for `study`; they end with the context.
 
         Args:
-            study: what is flown.
-            flyer: what flies it.
-            stop: asked now and then; once true, no more is begun, and `map` ends soon.
-            say: takes a line for a person.
+            study: the study.
+            flyer: flies.
+            stop: polled; once true, no batch begins, and `map` ends soon.
+            say: prints a line for the user.
 
         Raises:
             InputError: no worker can be started.

@@ -1,4 +1,4 @@
-"""Ctrl-C: the first one lets a run save and end, the second one ends it."""
+"""Ctrl-C: the first signal lets a run save and end, the second signal ends it at once."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from types import FrameType
 from scaloft_fi.errors import ScaloftError
 
 ECHO_S = 1.0
-"""A second signal within this time is the first one's echo: a terminal and a wrapper may both pass it on [s, wall]."""
+"""A second signal within this time is ignored, because terminal and wrapper may both pass on the first [s, wall]."""
 
 
 class Interrupted(ScaloftError):  # noqa: N818 - an event, not an error
-    """The user stopped the run; everything flown is saved."""
+    """The user stopped the run; all outcomes are saved."""
 
     exit_code = 130
 
@@ -28,14 +28,14 @@ class Flag:
         self._since_s: float | None = None
 
     def __call__(self) -> bool:
-        """Whether a signal came."""
+        """Whether a signal has arrived."""
         return self._since_s is not None
 
     def raise_it(self, number: int, frame: FrameType | None) -> None:
-        """Take a signal.
+        """Handle a signal.
 
         Raises:
-            KeyboardInterrupt: it is the second one.
+            KeyboardInterrupt: the signal is the second one.
         """
         now_s = time.monotonic()
         if self._since_s is None:
@@ -46,9 +46,9 @@ class Flag:
 
 @contextmanager
 def interruptible() -> Iterator[Flag]:
-    """While it lasts, the first Ctrl-C (or SIGTERM) asks to stop, the second stops at once."""
+    """In this context the first Ctrl-C (or SIGTERM) sets the flag, the second one raises."""
     flag = Flag()
-    if threading.current_thread() is not threading.main_thread():  # only the main thread hears of signals
+    if threading.current_thread() is not threading.main_thread():  # only the main thread can handle signals
         yield flag
         return
     before = {number: signal.signal(number, flag.raise_it) for number in (signal.SIGINT, signal.SIGTERM)}

@@ -1,4 +1,4 @@
-"""Worker processes of this machine."""
+"""Worker processes on this machine."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from scaloft_fi.study import Study
 
 @dataclass(frozen=True)
 class Local:
-    """So many processes of this machine."""
+    """`jobs` processes on this machine."""
 
     jobs: int
 
@@ -24,13 +24,13 @@ class Local:
     def workers(
         self, study: Study, flyer: Flyer, *, stop: Callable[[], bool], say: Callable[[str], None]
     ) -> Iterator[Workers]:
-        """Processes that inherit what was made ready here; each is forked when it is first needed."""
+        """Start a pool; each process is forked at its first task and inherits the prepared state."""
         with Pool(Worker(study, flyer), self.jobs, left=left_of, lost=lost, stop=stop) as pool:
             yield _LocalWorkers(pool, lambda: flyer.prepare(study, say))
 
 
 class _LocalWorkers:
-    """A pool that is made ready once."""
+    """A pool that is prepared once."""
 
     def __init__(self, pool: Pool[Batch, Outcome], prepare: Callable[[], None]) -> None:
         self.jobs = pool.jobs

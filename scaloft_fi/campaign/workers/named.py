@@ -1,4 +1,4 @@
-"""The executor that a user names."""
+"""Parse `--executor`."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ _DASK = re.compile(r"dask://(?P<address>[^/\s:@]+:[0-9]{1,5}|\[[0-9A-Fa-f:.]+\]:
 
 
 def executor_named(name: str, jobs: int | None) -> Executor:
-    """The executor that `--executor` and `--jobs` stand for.
+    """The executor for the values of `--executor` and `--jobs`.
 
     Raises:
-        InputError: it is none, or what it needs is not installed.
+        InputError: the name is no executor, or `--jobs` is given for a cluster.
     """
     if name == LOCAL:
         return Local(jobs or cores())

@@ -1,4 +1,4 @@
-"""What runs in a worker of Dask: each of its threads has a process of its own that flies, and passes outcomes on."""
+"""The code in a Dask worker: each of its threads has a process that flies, and sends the outcomes as events."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from scaloft_fi.study import Study
 TOPIC = "scaloft-fi"
 """The topic of the events; one for all runs, because the scheduler keeps the last thousand events of each."""
 IDLE_S = 60.0
-"""A process that has had nothing to fly for this long ends; the run that it flew for is over, or died [s, wall]."""
+"""A process without a task for this time ends, because its run has ended or died [s, wall]."""
 ARRIVAL_S = 30.0
-"""A worker that has just joined waits this long for the study [s, wall]."""
+"""Greatest time that a new worker waits for the study [s, wall]."""
 
 _idle: dict[tuple[Path, bytes], list[_Slot]] = defaultdict(list)
 _lock = threading.Lock()
@@ -36,15 +36,14 @@ _lock = threading.Lock()
 def fly_batch(
     run: str, number: int, bundle: str, inputs: Mapping[str, str], platform: dict[str, str], work: bytes
 ) -> None:
-    """Fly one batch; its outcomes are sent as events `(run, number, kind, content)`, each as it is known.
+    """Fly one batch; each outcome is sent as an event `(run, number, worker, kind, content)` when it is known.
 
     Args:
-        run, number: whose batch, and which.
-        bundle: digest of the study, whose file every worker was sent.
-        inputs: what the study and its code hash to where the run is; where they hash to something else nothing is
-            flown, and the kind is `refused`.
-        platform: the run's; that of this worker is sent as `platform` when it differs.
-        work: flyer and batch, pickled: another version of the package might not even read them.
+        run, number: id of the run, number of the batch.
+        bundle: hash of the study; every worker has received its file.
+        inputs: hashes of study and code in the run; a worker with other hashes flies nothing and sends `refused`.
+        platform: fingerprint of the run's platform; a worker on another platform sends its differences as `platform`.
+        work: flyer and batch, pickled, because another version of the package may be unable to read them.
 
     Raises:
         Exception: the study cannot be flown.
@@ -80,7 +79,7 @@ def fly_batch(
 
 @dataclass
 class LateWorker:
-    """The work of a process that knows nothing yet: it opens the study when the first batch comes."""
+    """The work of a new process: it opens the study when it gets its first batch."""
 
     study: Path
     flyer: Flyer
@@ -97,7 +96,7 @@ class LateWorker:
 
 @dataclass(eq=False)
 class _Slot:
-    """A process that flies, started when it is first needed, and replaced by its pool when it dies."""
+    """A process that flies; its pool starts it at its first batch and replaces it when it dies."""
 
     work: LateWorker
     stop: Callable[[], bool] = lambda: False
@@ -112,7 +111,7 @@ class _Slot:
 
 @contextmanager
 def _slot(study: Path, flyer: Flyer, stop: Callable[[], bool]) -> Iterator[Pool[Batch, Outcome]]:
-    """The pool of an idle slot, else of a new one; it is kept for the next batch, or closed after an error."""
+    """The pool of an idle slot, else of a new slot; the slot is kept for the next batch, or closed after an error."""
     slots = _idle[study, pickle.dumps(flyer)]
     with _lock:
         slot = slots.pop() if slots else _Slot(LateWorker(study, flyer))
@@ -144,7 +143,7 @@ def _study(scratch: Path, bundle: str) -> Path:
     """The folder of the study that was sent to `scratch`.
 
     Raises:
-        ScaloftError: it never came.
+        ScaloftError: the study did not arrive in time.
     """
     due_s = time.monotonic() + ARRIVAL_S
     while time.monotonic() < due_s:
