@@ -15,7 +15,7 @@ from scaloft_fi.judge.space import Space
 from scaloft_fi.streams import generator
 
 MOST_RELABELLINGS = 5_000
-"""Up to so many relabellings all are taken; of more, a sample."""
+"""Greatest number of relabellings that are all taken; of more, a sample of this size."""
 SAMPLE = 1_000
 
 

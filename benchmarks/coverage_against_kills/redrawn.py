@@ -21,7 +21,7 @@ from coverage_against_kills.chance import Found
 from scaloft_fi.streams import generator
 
 MOST_SUBSETS = 64
-"""Sets of seeds that are judged; where there are more, a sample of so many."""
+"""Greatest number of sets of seeds that are judged; of more sets, a sample of this size."""
 RESAMPLES = 2_000
 Counts = NDArray[np.float64]
 
@@ -74,7 +74,7 @@ def seed_draws(seeds: Sequence[int]) -> list[tuple[tuple[int, ...], float]]:
 
 
 def _onto(draws: int, size: int) -> int:
-    """In how many ways so many draws give each of `size` seeds and no other."""
+    """Number of sequences of draws that contain each of `size` seeds and no other seed."""
     return sum((-1) ** (size - some) * comb(size, some) * some**draws for some in range(size + 1))
 
 

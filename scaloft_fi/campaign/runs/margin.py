@@ -68,7 +68,7 @@ def target(matrix: Matrix, text: str, tolerance: float | None = None) -> Target:
     scale = Scale.of(fault.magnitude) if fault.magnitude else None
     if fault.magnitude is None or scale is None:
         has = "no magnitude" if fault.magnitude is None else "magnitudes without an order"
-        raise InputError(f"mutant {text!r} has no margin: {mutant.cell} has {has}; `scaloft-fi run` tells what it does")
+        raise InputError(f"mutant {text!r} has no margin: {mutant.cell} has {has}; `scaloft-fi run` shows its effect")
     allowed = OPERATORS[fault.operator].arguments[fault.magnitude.argument].allowed
     least, most = sorted(bound / fault.magnitude.scale for bound in (allowed.least, allowed.most))
     subject = phased_fault(mutant.cell, fault, mutant.phase_s)

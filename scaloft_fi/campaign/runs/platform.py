@@ -67,7 +67,7 @@ def prove_platform(
     outgrow(store, ours)
     say(
         f"warning: {', '.join(differing)} came out with another digest: {len(stored)} stored flights of the earlier "
-        "platform do not count any more, and those that are asked for are flown again"
+        "platform do not count any more; `run` flies the requested ones again"
     )
 
 

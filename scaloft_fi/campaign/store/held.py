@@ -81,7 +81,7 @@ def nothing_to_show(store: Store, folder: Path) -> NoReturn:
     """Raise the error for a campaign without a current outcome."""
     flights = store.flights()
     if not flights:
-        raise InputError(f"{folder}: nothing to show: it holds no flight; `scaloft-fi run` flies what is asked for")
+        raise InputError(f"{folder}: nothing to show: the campaign has no flight; start with `scaloft-fi run`")
     stale = f"all {len(flights)} flights are stale (`scaloft-fi status`)"
     raise InputError(f"{folder}: nothing to show: {stale}; `scaloft-fi run` flies again")
 

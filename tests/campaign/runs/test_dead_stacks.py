@@ -14,7 +14,10 @@ ROOT = Path(__file__).parents[3]
 pytestmark = pytest.mark.flight
 
 PLUGIN = """
-from scaloft_fi.sim.stacks import STACKS
+from dataclasses import replace
+
+from scaloft_fi.api import declare_stack
+from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.stack.reference.stack import ReferenceStack
 
 
@@ -32,8 +35,8 @@ class Standing(ReferenceStack):
         return None
 
 
-STACKS.declare("raising", Raising)
-STACKS.declare("standing", Standing)
+declare_stack(replace(REFERENCE, name="raising", make=Raising))
+declare_stack(replace(REFERENCE, name="standing", make=Standing))
 """
 
 

@@ -147,7 +147,7 @@ def test_a_campaign_without_a_flight_that_counts_is_one_sentence(study: Any, fly
         _read(_inputs(study, sim="x"), CURRENT)
     with Store(study.folder / "c" / STORE_NAME) as store:
         store._connection.execute("DELETE FROM outcomes")
-    with pytest.raises(InputError, match="it holds no flight"):
+    with pytest.raises(InputError, match="the campaign has no flight"):
         _read(study, CURRENT)
 
 
