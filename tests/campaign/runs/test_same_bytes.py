@@ -64,7 +64,7 @@ def _saved(folder: Path) -> int:
 def _children(process: int) -> set[int]:
     """Every process that descends from this one."""
     found: set[int] = set()
-    for path in Path(f"/proc/{process}/batch").glob("*/children"):
+    for path in Path(f"/proc/{process}/task").glob("*/children"):
         own = set(map(int, path.read_text().split()))
         found |= own.union(*map(_children, own))
     return found
