@@ -50,8 +50,9 @@ class Registry(Mapping[str, T], Generic[T]):
 
     def __getitem__(self, name: str) -> T:
         if name in self._promised:
-            module, _, attribute = self._promised.pop(name).partition(":")
+            module, _, attribute = self._promised[name].partition(":")
             self._entries[name] = getattr(import_module(module), attribute)
+            del self._promised[name]
         try:
             return self._entries[name]
         except KeyError:

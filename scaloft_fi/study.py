@@ -18,6 +18,7 @@ from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.registry import load_plugins
 from scaloft_fi.setup import Setup
+from scaloft_fi.sim.roles import ROLES
 from scaloft_fi.sources import digest_of
 
 if TYPE_CHECKING:
@@ -124,9 +125,10 @@ class Study(Setup):
         sim = self.folder / "sim"
         documents = {name: load(sim / f"{name}.yaml").plain() for name in FLYING_DATA}
         others = {path.relative_to(sim).as_posix(): _bytes(path) for path in _files(sim) if path.suffix not in _APART}
+        roles = [[body.name, repr(ROLES[body.role])] for body in self.grid.world(()).bodies.values()]
         judged = [(r.name, r.kind, r.text, r.trigger, r.definitions) for r in self.requirements]
         return {
-            "sim": _digest([documents, others]),
+            "sim": _digest([documents, others, roles]),
             "requirements": _digest(judged),
             "code": digest_of(self.flying_modules),
         }

@@ -17,8 +17,9 @@ class Facts:
         sighting_s: when the nominal flight first sees a person [s]; None when it sees none.
         home_x_m, home_y_m: where the mission starts and ends [m, world].
         cruise_mps, slow_mps: cruise speed, and the speed after a person was seen [m/s].
+        bearing_rad: direction of the first leg, along the wall on its right where there is one, from x [rad, world].
         wall_m: point of the wall on the right of the first leg, nearest to its middle [m, world]; None without a wall.
-        inward: unit normal of the wall there, into the open space.
+        inward: unit normal of the wall there, into the open space; zero without a wall.
         half_width_m: half of the hull's width [m].
         view_rad: width of the camera's view [rad].
         gyro_sigma_radps, accel_sigma_mps2: white noise of the inertial sensor per sample [rad/s, m/s2]; by default a
@@ -32,19 +33,11 @@ class Facts:
     home_y_m: float = 0.0
     cruise_mps: float = 0.5
     slow_mps: float = 0.2
+    bearing_rad: float = math.pi / 2
     wall_m: tuple[float, float] | None = (1.5, 3.5)
     inward: tuple[float, float] = (-1.0, 0.0)
     half_width_m: float = 0.235
-    view_rad: float = 1.0297442586766545
+    view_rad: float = math.radians(59.0)
     gyro_sigma_radps: float = 0.0027
     accel_sigma_mps2: float = 0.019
     settings: Mapping[str, Any] = field(default_factory=dict, hash=False)
-
-    @property
-    def bearing_rad(self) -> float:
-        """Direction of the first leg, along the wall on its right, from x [rad, world].
-
-        >>> Facts().bearing_rad == math.pi / 2
-        True
-        """
-        return math.atan2(-self.inward[0], self.inward[1])

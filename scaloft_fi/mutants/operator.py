@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -34,14 +34,12 @@ class TapContext:
     Attributes:
         period_s: time between two polls of the seam [s].
         rng: random numbers of the mutant in this flight; nothing else draws from them.
-        message: type of the samples.
         facts: of situation, vehicle and sensors.
     """
 
     period_s: float
     rng: np.random.Generator
-    message: type = tuple
-    facts: Facts = Facts()  # noqa: RUF009 - frozen
+    facts: Facts = field(default_factory=Facts)
 
 
 @dataclass(frozen=True)
@@ -61,13 +59,13 @@ class Example:
     arguments: Mapping[str, Value]
     before: Samples
     after: Samples | Callable[[Samples, Samples], bool]
-    facts: Facts = Facts()  # noqa: RUF009 - frozen
+    facts: Facts = field(default_factory=Facts)
     rate_hz: float = TICK_HZ
 
     def context(self, seed: int = 0) -> TapContext:
         """The context of the example's tap."""
         rng = np.random.Generator(np.random.Philox(seed))
-        return TapContext(1.0 / self.rate_hz, rng, self.message, self.facts)
+        return TapContext(1.0 / self.rate_hz, rng, self.facts)
 
 
 class OperatorError(InputError):

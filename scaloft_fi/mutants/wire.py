@@ -104,7 +104,7 @@ def contexts(mutant_id: str, situation: str, seed: int, facts: Facts) -> Callabl
 
     def context(seam: Seam) -> TapContext:
         noise = generator(mutant_id, situation, seed, seam.name)
-        return TapContext(1.0 / seam.rate_hz, noise, seam.message, facts)
+        return TapContext(1.0 / seam.rate_hz, noise, facts)
 
     return context
 

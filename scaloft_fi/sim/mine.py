@@ -29,6 +29,15 @@ class WallPoint(NamedTuple):
     place: Corner
     inward: Corner
 
+    @property
+    def bearing_rad(self) -> float:
+        """Direction along the wall, which is on the right, from x [rad, world].
+
+        >>> WallPoint((1.5, 3.5), (-1.0, 0.0)).bearing_rad == math.pi / 2
+        True
+        """
+        return math.atan2(-self.inward[0], self.inward[1])
+
 
 @dataclass(frozen=True, eq=False)
 class Mine:

@@ -80,10 +80,16 @@ class Scenario:
         return x, y, floor_m + half_height_m
 
     @cached_property
+    def first_leg(self) -> tuple[Point, Point]:
+        """Start and end of the first leg that leads away from home [m, world]."""
+        x0, y0 = self.world.mission.home
+        end = next((p for p in self.route if math.hypot(p[0] - x0, p[1] - y0) > NEAR_HOME_M), self.route[0])
+        return (x0, y0, end[2]), end
+
+    @cached_property
     def wall_right(self) -> WallPoint | None:
         """The point on the wall right of the first leg that is nearest to the leg's middle; None without a wall."""
-        x0, y0 = self.world.mission.home
-        x1, y1, z = next((p for p in self.route if math.hypot(p[0] - x0, p[1] - y0) > NEAR_HOME_M), self.route[0])
+        (x0, y0, z), (x1, y1, _) = self.first_leg
         return self.world.mine.wall_towards(((x0 + x1) / 2, (y0 + y1) / 2, z), (y1 - y0, x0 - x1))
 
     @cached_property

@@ -68,7 +68,7 @@ def tap_on(name: str, seam: str) -> Any:
     rng = np.random.Generator(np.random.Philox(7))
     declared = REFERENCE.by_name[seam]
     facts = replace(operator.example.facts, duration_s=1.0)
-    return operator.tap(TapContext(1 / declared.rate_hz, rng, declared.message, facts), arguments)
+    return operator.tap(TapContext(1 / declared.rate_hz, rng, facts), arguments)
 
 
 @pytest.mark.parametrize("name", OPERATORS)

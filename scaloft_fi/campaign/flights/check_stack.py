@@ -89,8 +89,11 @@ class _Inspection:
 
     def result(self) -> StackCheck:
         """Fly, and say what came of it."""
+        from scaloft_fi.campaign.flights.physics import stderr_silenced
         from scaloft_fi.stack.seam import PlainWire
 
+        with stderr_silenced():
+            import pybullet  # noqa: F401 - its first import writes to standard error
         made = self.setup.stack
         declared = replace(made, make=lambda task, wire: _Guarded(made.make(task, wire)))
         first = self._flown(PlainWire(), declared, "the first baseline flight")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -54,6 +55,7 @@ def facts(sim: SimConfig, scenario: Scenario) -> Facts:
 
     mission, imu, wall = scenario.world.mission, sim.sensors.imu, scenario.wall_right
     home_x_m, home_y_m = mission.home
+    (x0, y0, _), (x1, y1, _) = scenario.first_leg
     return Facts(
         duration_s=scenario.nominal_s,
         sighting_s=scenario.sighting_s,
@@ -62,7 +64,8 @@ def facts(sim: SimConfig, scenario: Scenario) -> Facts:
         cruise_mps=mission.cruise_mps,
         slow_mps=mission.slow_mps,
         wall_m=wall.place if wall else None,
-        inward=wall.inward if wall else Facts.inward,
+        bearing_rad=wall.bearing_rad if wall else math.atan2(y1 - y0, x1 - x0),
+        inward=wall.inward if wall else (0.0, 0.0),
         half_width_m=0.5 * sim.vehicle.hull_m[1],
         view_rad=sim.sensors.depth.camera.fov_rad,
         gyro_sigma_radps=imu.rate_sigma_radps,

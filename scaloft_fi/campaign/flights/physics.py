@@ -37,7 +37,7 @@ class Physics:
         Raises:
             InputError: the settings of the stack do not fit.
         """
-        with _stderr_silenced():
+        with stderr_silenced():
             import pybullet  # noqa: F401 - its first import writes to standard error
         from scaloft_fi.sim import flight
         from scaloft_fi.stack.rates import TICK_HZ
@@ -70,7 +70,7 @@ class Physics:
 
 
 @contextmanager
-def _stderr_silenced() -> Iterator[None]:
+def stderr_silenced() -> Iterator[None]:
     """Drop what C code writes to standard error."""
     saved, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 2)

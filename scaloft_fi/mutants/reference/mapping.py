@@ -44,7 +44,7 @@ def empty_map(_context: TapContext) -> Tap:
 def lose_points(context: TapContext, *, share: Share) -> Tap:
     """Lose the points in a sector of `share` (0..1) of all directions from the vehicle: a tile that is not loaded.
 
-    The sector's middle is the direction of the first leg.
+    The sector's middle is the direction of the first leg, along the wall on the leg's right where there is one.
     """
     half_rad, centre_rad = math.pi * share, context.facts.bearing_rad
 
