@@ -12,6 +12,7 @@ import pytest
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.operators import OPERATORS
+from scaloft_fi.sim.roles import ROLES
 from scaloft_fi.sources import closure
 from scaloft_fi.study import PACKAGE, Study
 
@@ -133,6 +134,15 @@ def test_a_mesh_of_the_users_own_is_part_of_the_hash(copy: Path) -> None:
     before = Study(copy).inputs
     (copy / "sim" / "mine.obj").write_text("v 0 0 0\n")
     assert Study(copy).inputs["sim"] != before["sim"]
+
+
+@pytest.mark.parametrize(("change", "moves"), [({"label": "dog"}, True), ({"fill": "#000000"}, False)])
+def test_how_detector_and_observer_treat_a_role_is_part_of_the_hash_and_its_colour_is_not(
+    copy: Path, monkeypatch: pytest.MonkeyPatch, change: dict[str, str], moves: bool
+) -> None:
+    before = Study(copy).inputs["sim"]
+    monkeypatch.setitem(ROLES._entries, "person", replace(ROLES["person"], **change))
+    assert (Study(copy).inputs["sim"] != before) is moves
 
 
 @pytest.fixture

@@ -36,6 +36,11 @@ class Role:
     stroke: str = "#44403c"
     stroke_px: float = 1.4
 
+    @property
+    def seen_as(self) -> tuple[str, bool, bool]:
+        """The part that can change a flight: how detector and observer treat the body."""
+        return self.label, self.is_person, self.is_obstacle
+
 
 ROLES = Registry[Role]("role of a body")
 ROLES.declare("obstacle", Role("stands on the path", is_obstacle=True))

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -105,3 +107,31 @@ def test_a_mine_that_cannot_be_is_refused(tmp_path, change, sentence):
         mine(tmp_path, **change)
     assert sentence in str(error.value)
     assert "mine.yaml:" in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("point", "direction", "place", "inward"),
+    [
+        ((1.0, 1.5, 1.0), (1.0, 0.0), (2.0, 1.5), (-1.0, 0.0)),  # the pillar stands before the wall
+        ((1.0, 3.0, 1.0), (1.0, 0.0), (6.0, 3.0), (-1.0, 0.0)),
+        ((4.0, 1.5, 1.0), (-2.0, 0.0), (3.0, 1.5), (1.0, 0.0)),  # the length of the direction does not matter
+        ((4.0, 1.0, 1.0), (0.0, -1.0), (4.0, 0.0), (0.0, 1.0)),
+    ],
+)
+def test_the_wall_in_a_direction_is_the_nearest_and_faces_the_point(tmp_path, point, direction, place, inward):
+    wall = mine(tmp_path).wall_towards(point, direction)
+    assert wall.place == pytest.approx(place)
+    assert wall.inward == pytest.approx(inward)
+
+
+def test_the_wall_of_a_mesh_is_its_section_at_the_height_of_the_point(tmp_path):
+    extruded = mine(tmp_path, roughness_m="roughness_m: 0")
+    mesh = replace(extruded, footprint=())
+    seen = extruded.wall_towards((1.0, 1.3, 1.1), (1.0, 0.2))
+    again = mesh.wall_towards((1.0, 1.3, 1.1), (1.0, 0.2))
+    assert again.place == pytest.approx(seen.place)
+    assert again.inward == pytest.approx(seen.inward)
+
+
+def test_outside_of_the_mine_there_may_be_no_wall(tmp_path):
+    assert mine(tmp_path).wall_towards((7.0, 2.0, 1.0), (1.0, 0.0)) is None

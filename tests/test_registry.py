@@ -1,0 +1,88 @@
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+import pytest
+from plugins import install
+
+from scaloft_fi.errors import InputError
+from scaloft_fi.registry import Registry, load_plugins, plugin_behind
+
+
+@pytest.fixture
+def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder for installed packages; what is imported from it is forgotten afterwards."""
+    monkeypatch.syspath_prepend(tmp_path)
+    known = set(sys.modules)
+    yield tmp_path
+    for name in set(sys.modules) - known:
+        del sys.modules[name]
+
+
+def test_a_name_is_declared_once_whether_it_stands_there_or_is_promised() -> None:
+    colours = Registry[int]("colour")
+    colours.declare("red", 1)
+    colours.promise("blue", "math:pi")
+    for name in ("red", "blue"):
+        with pytest.raises(ValueError, match=f"colour '{name}' is declared twice"):
+            colours.declare(name, 2)
+        with pytest.raises(ValueError, match=f"colour '{name}' is declared twice"):
+            colours.promise(name, "math:e")
+    assert dict(colours) == {"red": 1, "blue": pytest.approx(3.14159, abs=1e-5)}
+
+
+def test_a_promised_entry_is_imported_when_it_is_asked_for(site: Path) -> None:
+    (site / "late_entry.py").write_text("FOUND = 7\n")
+    entries = Registry[int]("entry")
+    entries.promise("late", "late_entry:FOUND")
+    assert "late" in entries
+    assert list(entries) == ["late"]
+    assert len(entries) == 1
+    assert "late_entry" not in sys.modules
+    assert entries["late"] == entries["late"] == 7
+    assert len(entries) == 1
+
+
+def test_a_promise_outlives_a_failed_import(site: Path) -> None:
+    entries = Registry[int]("entry")
+    entries.promise("late", "late_entry:FOUND")
+    with pytest.raises(ImportError):
+        entries["late"]
+    (site / "late_entry.py").write_text("FOUND = 7\n")
+    assert entries["late"] == 7
+
+
+@pytest.mark.parametrize(
+    ("code", "reason"),
+    [
+        ("import nowhere_at_all", "ModuleNotFoundError: No module named 'nowhere_at_all'"),
+        ("raise SystemExit(3)", "SystemExit: 3"),
+        ("raise RuntimeError('two\\nlines')", "RuntimeError: two lines"),
+        (
+            "from scaloft_fi.sim.roles import ROLES, Role\nROLES.declare('person', Role('another'))",
+            "ValueError: role of a body 'person' is declared twice",
+        ),
+    ],
+)
+def test_a_plugin_that_cannot_be_loaded_is_named_with_its_package(site: Path, code: str, reason: str) -> None:
+    (site / "broken_plugin.py").write_text(code)
+    install(site, "broken-package", {"broken": "broken_plugin"})
+    sentence = f"plugin 'broken' of package 'broken-package' cannot be loaded: {reason}; mend or uninstall it"
+    with pytest.raises(InputError, match=f"^{re.escape(sentence)}$"):
+        load_plugins()
+
+
+def test_an_error_is_the_plugins_when_its_code_raised_it_or_its_cause(site: Path) -> None:
+    (site / "raising_plugin.py").write_text("def go():\n    raise KeyError('lost')\n")
+    install(site, "raising-package", {"raising": "raising_plugin"})
+    load_plugins()
+    go = sys.modules["raising_plugin"].go
+    with pytest.raises(KeyError) as direct:
+        go()
+    assert plugin_behind(direct.value) == "plugin 'raising' of package 'raising-package'"
+    outer = RuntimeError("outer")
+    outer.__cause__ = direct.value
+    assert plugin_behind(outer) == "plugin 'raising' of package 'raising-package'"
+    assert plugin_behind(KeyError("ours")) == ""
