@@ -91,11 +91,11 @@ def make_stack(config: SimConfig, declared: Declaration, scenario: Scenario, wir
     Raises:
         InputError: the settings of the stack do not fit.
     """
-    mission, camera = scenario.world.mission, config.sensors.depth.camera
+    mission, camera = scenario.world.mission, scenario.sensors.depth.camera
     task = Task(
         settings=stack_settings(config.stack, declared),
         camera=DepthCamera(camera.rays, camera.ahead_m),
-        home=scenario.start(config.vehicle.half_height_m),
+        home=scenario.start,
         yaw_rad=mission.yaw_rad,
         route=scenario.route,
         altitude_m=mission.altitude_m,
@@ -142,17 +142,16 @@ class FlightLoop:
         wire: Wire,
         declared: Declaration | None = None,
     ) -> None:
-        vehicle = config.vehicle
-        start = scenario.start(vehicle.half_height_m)
+        vehicle = scenario.vehicle
         ids = build(client, scenario.world)
         self._declared = declared or STACKS[config.stack.name]
         self.stack: Stack = make_stack(config, self._declared, scenario, wire)
         self.sensors = Sensors(
-            config.sensors, scenario.world.scene, scenario.labels, scenario.world.light, scenario.key, seed
+            scenario.sensors, scenario.world.scene, scenario.labels, scenario.world.light, scenario.key, seed
         )
         self._client, self._scenario, self._wire = client, scenario, wire
-        self.airframe = Airframe(client, vehicle, start, scenario.world.mission.yaw_rad)
-        self._observer = Observer(client, ids, self.airframe.number, vehicle, scenario, config.sensors.depth.max_m)
+        self.airframe = Airframe(client, vehicle, scenario.start, scenario.world.mission.yaw_rad)
+        self._observer = Observer(client, ids, self.airframe.number, vehicle, scenario, scenario.sensors.depth.max_m)
         self._feeler = Feeler(client, self.airframe.number, vehicle, ids.name_of)
         self._truth, self._beliefs = Recorder(self._observer.names), Recorder(self._declared.belief_names)
         self._server: Stepper = ServerStepper(self.airframe, self._drive)

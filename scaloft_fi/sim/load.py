@@ -85,9 +85,17 @@ class SimConfig:
             InputError: the values of the axes contradict each other.
         """
         if situation.key not in self._scenarios:
-            world = self.grid.world(situation.levels)
-            self._scenarios[situation.key] = Scenario(situation, world, self.sensors.depth.camera)
+            self._scenarios[situation.key] = self._built(situation)
         return self._scenarios[situation.key]
+
+    def _built(self, situation: Situation) -> Scenario:
+        documents = self.grid.documents_of(situation.levels)
+        return Scenario(
+            situation,
+            self.grid.world(situation.levels),
+            read_vehicle(documents["vehicle"]),
+            read_sensors(documents["sensors"]),
+        )
 
     def source_of(self, path: str) -> Source | None:
         """The source of the number at `path`, or of its nearest parent with a source."""
@@ -127,7 +135,7 @@ def load(
         world=read_world(documents["world"]),
         vehicle=read_vehicle(documents["vehicle"]),
         sensors=read_sensors(documents["sensors"]),
-        grid=read_grid(documents["situations"], documents["world"]) if grid is None else grid,
+        grid=grid or read_grid(documents["situations"], documents),
         stack=_stack(documents["stack"]),
         sources=_sources(load_document(sources), documents) if (sources := folder / "sources.yaml").exists() else {},
         numbers=_numbers(documents),

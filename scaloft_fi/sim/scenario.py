@@ -11,9 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from scaloft_fi.sim.mine import WallPoint
-from scaloft_fi.sim.optics import Camera
 from scaloft_fi.sim.roles import ROLES
+from scaloft_fi.sim.sensors import SensorsConfig
 from scaloft_fi.sim.situation import Situation
+from scaloft_fi.sim.vehicle import Vehicle
 from scaloft_fi.sim.world import Point, World
 
 TIME_LIMIT_S, TIME_LIMIT_FACTOR = 20.0, 1.5
@@ -36,17 +37,19 @@ class Leg(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Scenario:
-    """The world and the nominal flight of a situation.
+    """World, vehicle, sensors and nominal flight of a situation.
 
     Attributes:
         situation: the point of the grid.
         world: mine, bodies, mission, light.
-        camera: the depth camera.
+        vehicle: the vehicle.
+        sensors: settings of the sensors.
     """
 
     situation: Situation
     world: World
-    camera: Camera
+    vehicle: Vehicle
+    sensors: SensorsConfig
 
     @property
     def key(self) -> str:
@@ -74,10 +77,11 @@ class Scenario:
         bodies = self.world.bodies
         return {name: ROLES[bodies[name].role].label for name in self.world.bodies_with(lambda role: role.label)}
 
-    def start(self, half_height_m: float) -> Point:
+    @property
+    def start(self) -> Point:
         """Centre of the vehicle when it stands at home [m, world]."""
         x, y, floor_m = self.home
-        return x, y, floor_m + half_height_m
+        return x, y, floor_m + self.vehicle.half_height_m
 
     @cached_property
     def first_leg(self) -> tuple[Point, Point]:
@@ -115,7 +119,7 @@ class Scenario:
                 share = k * LOOK_EVERY_S / leg.duration_s
                 x, y, z, yaw = ((1.0 - share) * a + share * b for a, b in zip(leg.start, leg.end, strict=True))
                 attitude = np.array([0.0, 0.0, math.sin(0.5 * yaw), math.cos(0.5 * yaw)])
-                view = look(scene, self.camera, np.array([x, y, z]), attitude)
+                view = look(scene, self.sensors.depth.camera, np.array([x, y, z]), attitude)
                 if any(np.count_nonzero(view.segments == person) >= SIGHTED_PIXELS for person in persons):
                     return begun_s + k * LOOK_EVERY_S
             begun_s += leg.duration_s

@@ -169,7 +169,7 @@ def test_the_wall_at_a_waypoint_is_measured_only_near_the_waypoint(watch):
 def test_obstacle_pixels_are_those_of_the_ideal_picture(watch, config):
     _, at, sample, scenario = watch("T0O1W0D0H0")
     toward, away = at(0, 2, yaw=math.pi / 2), at(0, 2, yaw=-math.pi / 2)
-    scene, camera = scenario.world.scene, scenario.camera
+    scene, camera = scenario.world.scene, scenario.sensors.depth.camera
     assert sample(toward, look(scene, camera, toward[:3], toward[3:7]))["obstacle_pixels"] > 25
     assert sample(away, look(scene, camera, away[:3], away[3:7]))["obstacle_pixels"] == 0
     assert sample(away)["obstacle_pixels"] == 0

@@ -47,7 +47,7 @@ def test_a_person_that_stands_behind_rock_is_sighted_later_or_never(edited):
 def test_home_is_on_the_floor_and_the_start_half_a_hull_above(config):
     it = scenario(config, "T0O0W0D0H0")
     assert it.home == (0, 0, 0)
-    assert it.start(0.055) == (0, 0, 0.055)
+    assert it.start == (0, 0, 0.055)
     assert it.route == ((0, 7, 1.65), (0, 0, 1.65))
 
 
