@@ -47,11 +47,11 @@ def flown(beside: Beside) -> Iterator[tuple[Outcome, FlightLog]]:
     study = Study.open(beside.folder)
     config = load(beside.folder / "sim", beside.overrides)
     scenario = config.scenario(config.grid.situation(beside.situation))
-    known = facts(scenario, config.sensors.imu)
+    known = facts(config, scenario)
     for mutant_id in ("", *beside.mutants):
         mutant = realise(study.matrix, mutant_id) if mutant_id else None
-        context = contexts(mutant_id or "baseline", beside.situation, beside.seed, scenario.nominal_s, known)
-        log = fly(config, scenario.situation, beside.seed, wire_for(mutant, context))
+        context = contexts(mutant_id or "baseline", beside.situation, beside.seed, known)
+        log = fly(config, scenario.situation, beside.seed, wire_for(mutant, study.stack, context))
         yield (
             outcome_of(
                 log,

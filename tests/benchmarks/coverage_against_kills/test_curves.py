@@ -116,7 +116,8 @@ def test_what_another_seed_kills_widens_the_intervals_and_moves_no_expected_valu
     seeds = (SeedSet((0,), 0.25, kills), SeedSet((1,), 0.25, kills & (np.arange(32) < 4)), SeedSet((0, 1), 0.5, kills))
     one, both = curves(alone), curves(replace(alone, seeds=(0, 1), seed_sets=seeds))
     for before, after in zip(one.curves, both.curves, strict=True):
-        assert (before.kills.mean, before.t_way) == (after.kills.mean, after.t_way)
+        assert before.kills.mean == pytest.approx(after.kills.mean, rel=1e-12)  # the order of additions may differ
+        assert before.t_way == after.t_way
         assert after.kills.low[-1] < before.kills.low[-1]
     assert "resample 2 seeds" in predict(both).answer[-1]
     assert "nothing follows beyond" not in predict(both).answer[-1]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import shutil
+import threading
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +15,7 @@ import numpy as np
 import pytest
 from tiny_stack import SOUND, FastHop, Hop, Level, hop
 
-from scaloft_fi.api import TICK_HZ, Declaration, Seam, StackCheck, check_stack, messages
+from scaloft_fi.api import TICK_HZ, Declaration, Seam, StackCheck, Task, Wire, check_stack, messages
 from scaloft_fi.sim.stacks import STACKS
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -90,6 +92,12 @@ class WrittenTo(Hop):
     def step(self, now_s: float, imu: messages.Imu) -> messages.Thrust | None:
         self.wire.cross("gyro", now_s, imu)
         return self.wire.cross("rotors", now_s, messages.Thrust(self.rotors))
+
+
+class LeavesAThread(Hop):
+    def __init__(self, task: Task, wire: Wire) -> None:
+        super().__init__(task, wire)
+        threading.Thread(target=time.sleep, args=(60.0,), daemon=True).start()
 
 
 class LateBelief(Hop):
@@ -194,6 +202,7 @@ DEFECTS: dict[str, tuple[Declaration, str]] = {
         hop(WrittenTo),
         "a sample of seam 'rotors' is written to after it was sent; send a new one",
     ),
+    "a thread outlives the flight": (hop(LeavesAThread), "the stack leaves threads behind"),
     "a belief raises": (hop(LateBelief), "beliefs: ZeroDivisionError: no clock yet"),
     "there is a belief too many": (hop(ThreeBeliefs), "declares 2 beliefs, but `beliefs` returns shape (3,)"),
     "a belief is NaN": (hop(NanBelief), "belief 'clock_s' is NaN, but declares no value for unknown"),
