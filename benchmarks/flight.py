@@ -135,7 +135,7 @@ def bare_loop(study: Study, situation: Any, simulated_s: float) -> float:
     import pybullet
 
     scenario = study.sim.scenario(situation)
-    camera, vehicle = study.sim.sensors.depth.camera, study.sim.vehicle
+    camera, vehicle = scenario.sensors.depth.camera, scenario.vehicle
     with physics_server() as client:
         build(client, scenario.world)
         draw(client, scenario.world.scene)

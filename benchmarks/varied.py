@@ -47,7 +47,7 @@ def flown(beside: Beside) -> Iterator[tuple[Outcome, FlightLog]]:
     study = Study.open(beside.folder)
     config = load(beside.folder / "sim", beside.overrides)
     scenario = config.scenario(config.grid.situation(beside.situation))
-    known = facts(config, scenario)
+    known = facts(scenario, config.stack.parameters)
     for mutant_id in ("", *beside.mutants):
         mutant = realise(study.matrix, mutant_id) if mutant_id else None
         context = contexts(mutant_id or "baseline", beside.situation, beside.seed, known)

@@ -64,7 +64,7 @@ class Setup:
 
     @cached_property
     def grid(self) -> Grid:
-        """The situations.  Verbs that only read results need no other part of `sim`, whose import needs the compiler.
+        """The situations.  Verbs that only read results build no sensors, whose import needs the compiler.
 
         Raises:
             InputError: a predicate of an axis compares a signal with a threshold beyond its cap.
@@ -127,13 +127,7 @@ class Setup:
         """The situation space for scores and coverage."""
         from scaloft_fi.judge.space import Space
 
-        axes = self.grid.axes
-        return Space(
-            axes=tuple(axis.id for axis in axes),
-            values=tuple(tuple(str(value.id) for value in axis.values) for axis in axes),
-            words=tuple(tuple(value.title for value in axis.values) for axis in axes),
-            points=tuple((s.key, tuple(str(level) for _, level in s.levels)) for s in self.grid.situations),
-        )
+        return Space.of(self.grid)
 
     @cached_property
     def realisation(self) -> Realisation:
@@ -143,17 +137,8 @@ class Setup:
             InputError: a predicate of an axis is no formula over the signals of the log.
         """
         from scaloft_fi.judge.space import Realisation
-        from scaloft_fi.judge.stl import Formula, FormulaError
 
-        def parsed(text: str, value: str) -> Formula | None:
-            try:
-                return Formula.parse(text, self.signals) if text else None
-            except FormulaError as error:
-                path = self.folder / "sim" / "situations.yaml"
-                raise InputError(f"{path}: realised of {value} {error}") from error
-
-        predicates = [[parsed(v.realised, f"{axis.id}{v.id}") for v in axis.values] for axis in self.grid.axes]
-        return Realisation(self.space, tuple(map(tuple, predicates)))
+        return Realisation.read(self.grid, self.folder / "sim" / "situations.yaml", self.signals)
 
     def scenario(self, situation: Situation) -> Scenario:
         """The scenario of the situation."""
@@ -164,7 +149,7 @@ class Setup:
         return self.scenario(situation).nominal_s
 
     def changes(self, situation: Situation) -> dict[str, Any]:
-        """The values that the situation sets in the world's document, by dotted path."""
+        """The values that the situation sets in the documents of world, vehicle and sensors, by dotted path."""
         values = [axis.value(situation[axis.id]) for axis in self.grid.axes]
         return {path: item.plain() for value in values for path, item in value.changes.items()}
 

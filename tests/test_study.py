@@ -75,7 +75,7 @@ def test_each_default_is_in_the_catalogue(study: Study) -> None:
 def test_a_situation_changes_what_its_values_set_and_nothing_else(study: Study) -> None:
     assert study.changes(study.grid.situation("T0O0W0D0H0")) == {}
     dark = study.changes(study.grid.situation("T0O0W0D1H1"))
-    assert set(dark) == {"light", "bodies.person.present"}
+    assert set(dark) == {"world.light", "world.bodies.person.present"}
 
 
 def test_the_time_expected_of_a_flight_grows_with_the_route_and_a_person(study: Study) -> None:
@@ -232,7 +232,7 @@ def test_a_requirement_that_no_cell_can_name_is_told_with_file_and_line(copy: Pa
 
 def test_a_predicate_about_an_unknown_signal_is_refused(copy: Path) -> None:
     _edit(copy / "sim" / "situations.yaml", "eventually(x_m < -1)", "eventually(x_mm < -1)")
-    with pytest.raises(InputError, match=r"situations\.yaml: realised of T1 .*x_mm"):
+    with pytest.raises(InputError, match=r"situations\.yaml:\d+: realised .*x_mm"):
         Study(copy).check()
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from scaloft_fi.document import Item, load
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.constraint import Constraint, read_constraints
-from scaloft_fi.sim.patch import patched
+from scaloft_fi.sim.patch import PARTS, patched
 from scaloft_fi.sim.situation import Axis, Situation, read_axis
 from scaloft_fi.sim.world import World, read_world
 
@@ -29,13 +29,13 @@ class Grid:
     Attributes:
         axes: the axes in the order of the key.
         aliases: keys by other names, such as the numbers of the paper.
-        document: the document of the world, which the axes change.
+        documents: the documents that the axes change, by the names in `patch.PARTS`.
         constraints: combinations of values that the grid excludes.
     """
 
     axes: tuple[Axis, ...]
     aliases: Mapping[str, str]
-    document: Item
+    documents: Mapping[str, Item]
     constraints: tuple[Constraint, ...] = ()
 
     @cached_property
@@ -111,18 +111,24 @@ class Grid:
         """The other names of a situation."""
         return tuple(alias for alias, key in self.aliases.items() if key == situation.key)
 
+    def documents_of(self, levels: Iterable[tuple[str, int]]) -> Mapping[str, Item]:
+        """The documents with these axis values.
+
+        Raises:
+            InputError: a change names an unknown path.
+        """
+        axes, documents = {axis.id: axis for axis in self.axes}, self.documents
+        for name, level in levels:
+            documents = patched(documents, axes[name].value(level).changes)
+        return documents
+
     def world(self, levels: Iterable[tuple[str, int]]) -> World:
         """The world with these axis values.
 
         Raises:
             InputError: a change names an unknown path or sets a value that is not allowed.
         """
-        document = self.document
-        axes = {axis.id: axis for axis in self.axes}
-        for name, level in levels:
-            for path, value in axes[name].value(level).changes.items():
-                document = patched(document, path, value)
-        return read_world(document)
+        return read_world(self.documents_of(levels)["world"])
 
     def miss(self, name: str) -> str:
         """The error message for a name without a situation: the constraint that excludes it, or the nearest key."""
@@ -137,20 +143,21 @@ class Grid:
 
 
 def load_grid(folder: Path) -> Grid:
-    """Read the situations of a study's `sim` folder and the world that they change, no other file.
+    """Read the situations of a study's `sim` folder and the documents that they change.
 
     Raises:
         InputError: as `read_grid`, or a file cannot be read.
     """
-    return read_grid(load(folder / "situations.yaml"), load(folder / "world.yaml"))
+    documents = {name: load(folder / f"{name}.yaml") for name in PARTS}
+    return read_grid(load(folder / "situations.yaml"), documents)
 
 
-def read_grid(item: Item, world_document: Item) -> Grid:
+def read_grid(item: Item, documents: Mapping[str, Item]) -> Grid:
     """Read the axes, and check the world of each single value.
 
     Raises:
         InputError: a value is not allowed, a key or path is unknown, a value makes an impossible world, or the
-            constraints exclude every situation of a value.
+            constraints exclude every situation of a value, or leave one in which two axes set one path.
     """
     axes_item = item.need("axes")
     axes = tuple(read_axis(name, entry) for name, entry in axes_item.mapping().items())
@@ -164,8 +171,9 @@ def read_grid(item: Item, world_document: Item) -> Grid:
     alias_items = alias_item.mapping() if alias_item else {}
     item.close()
     aliases = {alias: _completed(entry.text(), axes) for alias, entry in alias_items.items()}
-    grid = Grid(axes, aliases, world_document, constraints)
+    grid = Grid(axes, aliases, {name: documents[name] for name in PARTS}, constraints)
     _check_values(grid)
+    _check_paths(grid)
     for alias, entry in alias_items.items():
         if aliases[alias] not in grid.by_key:
             raise InputError(f"{entry.place}: alias {alias!r}: {grid.miss(entry.text())}")
@@ -185,6 +193,33 @@ def _check_values(grid: Grid) -> None:
             if (axis.id, value.id) not in left:
                 wanted = f"constraints must leave every value a situation, {axis.id}{value.id} has none"
                 raise InputError(f"{grid.constraints[0].place}: {wanted}")
+
+
+def _check_paths(grid: Grid) -> None:
+    """Refuse a situation in which two axes set one path, or a path and a part of it."""
+    for first, second in itertools.combinations(grid.axes, 2):
+        for one, other in itertools.product(first.values, second.values):
+            twice = next((path for path in other.changes for set_ in one.changes if _overlap(path, set_)), None)
+            pair = {(first.id, one.id), (second.id, other.id)}
+            if twice is None or not (both := [s.key for s in grid.situations if pair.issubset(s.levels)]):
+                continue
+            names = f"{first.id}{one.id} and {second.id}{other.id}"
+            sentence = f"{other.changes[twice].place}: {names} both set {twice}, in situation {both[0]}"
+            raise InputError(f"{sentence}; {remedy((first.id, one.id), (second.id, other.id))}")
+
+
+def remedy(*levels: tuple[str, int]) -> str:
+    """The constraint that excludes a combination of values, as advice.
+
+    >>> remedy(("T", 1), ("W", 2))
+    'exclude them under constraints: {exclude: {T: 1, W: 2}, reason: ...}'
+    """
+    values = ", ".join(f"{axis}: {level}" for axis, level in levels)
+    return f"exclude them under constraints: {{exclude: {{{values}}}, reason: ...}}"
+
+
+def _overlap(first: str, second: str) -> bool:
+    return f"{first}.".startswith(f"{second}.") or f"{second}.".startswith(f"{first}.")
 
 
 def _completed(key: str, axes: Iterable[Axis]) -> str:

@@ -4,21 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
 from scaloft_fi.document import Item
 from scaloft_fi.document import load as load_document
 from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.sim.grid import Grid, read_grid
-from scaloft_fi.sim.patch import leaves, overridden
+from scaloft_fi.sim.grid import Grid, read_grid, remedy
+from scaloft_fi.sim.patch import PARTS, leaves, patched
 from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.sensors import SensorsConfig, read_sensors
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.sim.vehicle import Vehicle, read_vehicle
 from scaloft_fi.sim.world import World, read_world
 
-DOCUMENTS = ("world", "vehicle", "sensors", "situations", "stack")
+DOCUMENTS = (*PARTS, "situations", "stack")
 KINDS = ("published", "datasheet", "derived", "assumption")
 
 
@@ -89,13 +90,22 @@ class SimConfig:
         return self._scenarios[situation.key]
 
     def _built(self, situation: Situation) -> Scenario:
-        documents = self.grid.documents_of(situation.levels)
-        return Scenario(
-            situation,
-            self.grid.world(situation.levels),
-            read_vehicle(documents["vehicle"]),
-            read_sensors(documents["sensors"]),
-        )
+        try:
+            return Scenario(situation, *_read(self.grid.documents_of(situation.levels)))
+        except InputError as error:
+            values = self._to_blame(situation)
+            names = " and ".join(f"{axis}{level}" for axis, level in values)
+            sentence = f"{error}: {names} cannot be combined, as in situation {situation.key}"
+            raise InputError(f"{sentence}; {remedy(*values)}") from error
+
+    def _to_blame(self, situation: Situation) -> tuple[tuple[str, int], ...]:
+        """The first two values of a situation that cannot be combined; all values where any two can."""
+        for pair in combinations(situation.levels, 2):
+            try:
+                _read(self.grid.documents_of(pair))
+            except InputError:
+                return pair
+        return situation.levels
 
     def source_of(self, path: str) -> Source | None:
         """The source of the number at `path`, or of its nearest parent with a source."""
@@ -130,16 +140,27 @@ def load(
         InputError: a file cannot be read, a value is not allowed, a key or path is unknown.
     """
     documents = {name: load_document(folder / f"{name}.yaml") for name in DOCUMENTS}
-    documents = overridden(documents, overrides or {})
+    places = {path: Item(Path("overrides"), 1, path, value) for path, value in (overrides or {}).items()}
+    documents = patched(documents, places)
+    grid = grid or read_grid(documents["situations"], documents)
+    for axis in grid.axes:
+        for value in axis.values:
+            if any(not path.startswith("world.") for path in value.changes):  # the grid itself has read the world
+                _read(grid.documents_of([(axis.id, value.id)]))
+    world, vehicle, sensors = _read(documents)
     return SimConfig(
-        world=read_world(documents["world"]),
-        vehicle=read_vehicle(documents["vehicle"]),
-        sensors=read_sensors(documents["sensors"]),
-        grid=grid or read_grid(documents["situations"], documents),
+        world=world,
+        vehicle=vehicle,
+        sensors=sensors,
+        grid=grid,
         stack=_stack(documents["stack"]),
         sources=_sources(load_document(sources), documents) if (sources := folder / "sources.yaml").exists() else {},
         numbers=_numbers(documents),
     )
+
+
+def _read(documents: Mapping[str, Item]) -> tuple[World, Vehicle, SensorsConfig]:
+    return read_world(documents["world"]), read_vehicle(documents["vehicle"]), read_sensors(documents["sensors"])
 
 
 def _stack(item: Item) -> StackChoice:

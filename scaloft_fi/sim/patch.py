@@ -1,24 +1,47 @@
-"""Replace single values of a YAML document by dotted path; the new value keeps its own place."""
+"""Replace single values of YAML documents by dotted path; the new value keeps its own place."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError, did_you_mean
 
+PARTS = ("world", "vehicle", "sensors")
+"""The documents that an axis may change."""
 
-def patched(item: Item, path: str, value: Item) -> Item:
-    """Replace the value at dotted `path` of a document; an entry of a list is addressed by its index.
+
+def qualified(path: str, value: Item) -> str:
+    """The path with the name of its document in front; a path without one is a path of the world.
 
     Raises:
-        InputError: there is no such path; the message begins with the place of `value`.
+        InputError: the path belongs to the stack under test.
     """
-    changed = _replaced(item, path.split("."), value)
-    if changed is None:
-        raise InputError(f"{value.place}: no path {path!r} in {item.path.name}{did_you_mean(path, dict(leaves(item)))}")
-    return changed
+    head = path.partition(".")[0]
+    if head == "stack":
+        raise InputError(
+            f"{value.place}: {path!r} belongs to the stack under test; an axis may change {', '.join(PARTS)}"
+        )
+    return path if head in PARTS else f"world.{path}"
+
+
+def patched(documents: Mapping[str, Item], changes: Mapping[str, Item]) -> dict[str, Item]:
+    """Replace values of documents by dotted paths such as `sensors.depth.latency_s`, each with its document's name.
+
+    An entry of a list is addressed by its index.
+
+    Raises:
+        InputError: there is no such path; the message begins with the place of the value.
+    """
+    new = dict(documents)
+    for path, value in changes.items():
+        name, _, rest = path.partition(".")
+        changed = _replaced(new[name], rest.split("."), value) if name in new and rest else None
+        if changed is None:
+            known = [f"{name}.{inner}" for name, document in documents.items() for inner, _ in leaves(document)]
+            raise InputError(f"{value.place}: no path {path!r} in the study{did_you_mean(path, known)}")
+        new[name] = changed
+    return new
 
 
 def _replaced(item: Item, parts: Sequence[str], value: Item) -> Item | None:
@@ -48,19 +71,3 @@ def leaves(item: Item, path: str = "") -> Iterator[tuple[str, Item]]:
             yield from leaves(entry, f"{path}.{number}" if path else str(number))
     else:
         yield path, item
-
-
-def overridden(documents: Mapping[str, Item], overrides: Mapping[str, float | str | bool]) -> dict[str, Item]:
-    """Replace single values of documents; a path such as `sensors.depth.latency_s` begins with the document's name.
-
-    Raises:
-        InputError: there is no such path.
-    """
-    changed = dict(documents)
-    for path, value in overrides.items():
-        name, _, rest = path.partition(".")
-        place = Item(Path("overrides"), 1, path, value)
-        if name not in changed or not rest:
-            raise InputError(f"overrides: no document for {path!r}{did_you_mean(name, changed)}")
-        changed[name] = patched(changed[name], rest, place)
-    return changed

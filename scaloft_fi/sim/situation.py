@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
+from scaloft_fi.sim.patch import qualified
 
 AXIS_ID = re.compile(r"[A-Z][a-z]*")
 
@@ -19,7 +20,7 @@ class AxisValue:
     Attributes:
         id: number in the key; 0 is the benign value.
         title: name of the value in tables.
-        changes: new values by dotted path in the world's document.
+        changes: new values by dotted path, which begins with `world`, `vehicle` or `sensors`.
         realised: STL formula over the flight log: whether the flight met this value; "" for the benign value.
     """
 
@@ -102,7 +103,7 @@ def read_axis(name: str, item: Item) -> Axis:
             AxisValue(
                 id=number,
                 title=entry.need("title").text(),
-                changes=changes.mapping() if changes else {},
+                changes={qualified(path, item): item for path, item in changes.mapping().items()} if changes else {},
                 realised=realised.text() if realised else "",
             )
         )

@@ -61,8 +61,11 @@ AIR = """
     category: environment, dust
     values:
       - {id: 0, title: clear}
-      - {id: 1, title: hazy, set: {light: 0.5}, realised: always(light <= 0.5)}
-      - {id: 2, title: dusty, set: {light: 0.2, mission.cruise_mps: 0.3}, realised: always(light <= 0.2)}
+      - {id: 1, title: hazy, set: {sensors.depth.max_m: 6}, realised: always(speed_mps <= 0.9)}
+      - id: 2
+        title: dusty
+        set: {sensors.depth.max_m: 4.5, vehicle.mass_kg: 1.6, mission.cruise_mps: 0.3}
+        realised: always(speed_mps <= 0.5)
 """
 
 
@@ -70,10 +73,11 @@ def test_a_users_axis_with_three_values_joins_the_grid(edited):
     config = load(edited("situations.yaml", "\naliases:", f"{AIR}\naliases:"))
     grid = config.grid
     assert len(grid) == 96
-    world = config.scenario(grid.situation("T1O0W0D0H0Air2")).world
-    assert world.light == 0.2
-    assert world.mission.cruise_mps == 0.3
-    assert grid.axes[-1].predicate(0) == "(not (always(light <= 0.5))) and (not (always(light <= 0.2)))"
+    dusty = config.scenario(grid.situation("T1O0W0D0H0Air2"))
+    assert (dusty.sensors.depth.max_m, dusty.vehicle.mass_kg, dusty.world.mission.cruise_mps) == (4.5, 1.6, 0.3)
+    clear = config.scenario(grid.situation("T1O0W0D0H0Air0"))
+    assert (clear.sensors.depth.max_m, clear.vehicle.mass_kg, clear.world.mission.cruise_mps) == (8.0, 1.5, 0.5)
+    assert grid.axes[-1].predicate(0) == "(not (always(speed_mps <= 0.9))) and (not (always(speed_mps <= 0.5)))"
     assert len({situation.key for situation in grid.gray_order()}) == 96
     assert grid.situation("32").key == "T1O1W1D1H0Air0"  # the paper's numbers outlive a new axis
 
@@ -81,8 +85,56 @@ def test_a_users_axis_with_three_values_joins_the_grid(edited):
 def test_values_that_do_not_go_together_are_refused_when_their_scenario_is_asked_for(edited):
     config = load(edited("world.yaml", "position: [-0.15, 5.0]", "position: [0.865, 7.0]"))
     config.scenario(config.grid.situation("T0O1W0D0H0"))
-    with pytest.raises(InputError, match=r"situations.yaml:\d+: corner=.* not inside 'obstacle'"):
+    sentence = (
+        r"situations.yaml:\d+: corner=.* not inside 'obstacle': O1 and W1 cannot be combined, "
+        r"as in situation T0O1W1D0H0; "
+        r"exclude them under constraints: \{exclude: \{O: 1, W: 1\}, reason: ...\}"
+    )
+    with pytest.raises(InputError, match=sentence):
         config.scenario(config.grid.situation("T0O1W1D0H0"))
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "path"),
+    [
+        ("light: 0.5", "world.light: 0.2", "world.light"),
+        ("waypoints.end.0: -2.5", "waypoints.end: [-2.0, 8.0]", "world.waypoints.end"),
+        ("vehicle.mass_kg: 1.4", "vehicle.mass_kg: 1.6", "vehicle.mass_kg"),
+    ],
+)
+def test_two_axes_that_set_one_path_are_refused_until_a_constraint_excludes_them(edited, first, second, path):
+    axes = "".join(
+        f"""
+  {name}:
+    title: air
+    category: environment
+    values: [{{id: 0, title: a}}, {{id: 1, title: b, set: {{{change}}}, realised: always(light >= 0)}}]"""
+        for name, change in (("Q", first), ("R", second))
+    )
+    folder = edited("situations.yaml", "\naliases:", f"{axes}\naliases:")
+    pairs = "[{exclude: {Q: 1, R: 1}, reason: never}, {exclude: {D: 1, Q: 1}, reason: never}"
+    pairs += ", {exclude: {D: 1, R: 1}, reason: never}]"
+    sentence = rf"situations.yaml:\d+: Q1 and R1 both set {path}.*, in situation T0O0W0D0H0Q1R1; exclude them under"
+    edited("situations.yaml", "\naliases:", f"\nconstraints: {pairs.replace('Q: 1, R: 1', 'T: 1, O: 1')}\naliases:")
+    edited("situations.yaml", '\n  "32": T1O1W1D1H0', "")
+    with pytest.raises(InputError, match=sentence):
+        load(folder)
+    edited("situations.yaml", "T: 1, O: 1", "Q: 1, R: 1")
+    assert load(folder).grid.situation("T0O0W0D0H0Q1R0").key
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ("vehicle.mass_kg: -1", "mass_kg=-1 must be > 0"),
+        ("sensors.depth.max_m: 0.1", "max_m=0.1 must be"),
+        ("stack.planner.range_m: 3", "'stack.planner.range_m' belongs to the stack under test"),
+    ],
+)
+def test_a_value_that_vehicle_or_sensors_refuse_is_refused_when_the_study_is_read(edited, change, sentence):
+    folder = edited("situations.yaml", "set: {light: 0.003}", f"set: {{light: 0.003, {change}}}")
+    with pytest.raises(InputError, match=rf"situations.yaml:\d+: {sentence}"):
+        load(folder)
 
 
 CONSTRAINT = """

@@ -4,7 +4,7 @@ import pytest
 
 from scaloft_fi import document
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.patch import leaves, overridden, patched
+from scaloft_fi.sim.patch import leaves, patched, qualified
 
 
 @pytest.fixture
@@ -12,6 +12,11 @@ def item(tmp_path):
     path = tmp_path / "world.yaml"
     path.write_text("a: {b: 1, c.d: 2}\nlist:\n  - 3\n  - {e: 4}\n")
     return document.load(path)
+
+
+def write(path, text):
+    path.write_text(text)
+    return path
 
 
 def value(tmp_path, text):
@@ -32,32 +37,54 @@ def value(tmp_path, text):
 )
 def test_one_value_is_replaced_and_the_rest_kept(tmp_path, item, path, found):
     before = item.plain()
-    assert patched(item, path, value(tmp_path, "9")).plain() == found
+    other = value(tmp_path, "1")
+    changed = patched({"world": item, "vehicle": other}, {f"world.{path}": value(tmp_path, "9")})
+    assert changed["world"].plain() == found
+    assert changed["vehicle"] is other
     assert item.plain() == before
 
 
 def test_a_replaced_value_keeps_the_place_where_it_was_written(tmp_path, item):
-    changed = patched(item, "a.b", value(tmp_path, "9"))
+    changed = patched({"world": item}, {"world.a.b": value(tmp_path, "9")})["world"]
     assert changed.need("a").need("b").place.endswith("changes.yaml:3")
     assert changed.need("a").need("b").name == "b"
 
 
-@pytest.mark.parametrize("path", ["a.x", "x", "list.2", "list.one", "a.b.c"])
-def test_an_unknown_path_is_refused_with_the_nearest(tmp_path, item, path):
-    with pytest.raises(InputError, match=rf"changes.yaml:3: no path '{path}' in world.yaml"):
-        patched(item, path, value(tmp_path, "9"))
+@pytest.mark.parametrize(
+    "path", ["world.a.x", "world.x", "world.list.2", "world.list.one", "world.a.b.c", "wrld.a.b", "world"]
+)
+def test_an_unknown_path_is_refused(tmp_path, item, path):
+    with pytest.raises(InputError, match=rf"changes.yaml:3: no path '{path}' in the study"):
+        patched({"world": item}, {path: value(tmp_path, "9")})
+
+
+def test_an_unknown_path_is_refused_with_the_nearest_of_all_documents(tmp_path, item):
+    documents = {"world": item, "vehicle": document.load(write(tmp_path / "vehicle.yaml", "mass_kg: 1.5"))}
+    with pytest.raises(InputError, match=r"no path 'vehicel.mass_kg' in the study; did you mean 'vehicle.mass_kg'\?"):
+        patched(documents, {"vehicel.mass_kg": value(tmp_path, "2")})
 
 
 def test_leaves_are_all_scalars_by_path(item):
     assert {path: leaf.value for path, leaf in leaves(item)} == {"a.b": 1, "a.c.d": 2, "list.0": 3, "list.1.e": 4}
 
 
-def test_overrides_name_their_document_first(item):
-    changed = overridden({"world": item}, {"world.a.b": 7.5})
-    assert changed["world"].plain()["a"]["b"] == 7.5
+@pytest.mark.parametrize(
+    ("path", "whole"),
+    [
+        ("light", "world.light"),
+        ("mission.cruise_mps", "world.mission.cruise_mps"),
+        ("world.light", "world.light"),
+        ("vehicle.mass_kg", "vehicle.mass_kg"),
+        ("sensors.depth.max_m", "sensors.depth.max_m"),
+    ],
+)
+def test_a_path_without_a_document_is_the_worlds(tmp_path, path, whole):
+    assert qualified(path, value(tmp_path, "1")) == whole
 
 
-@pytest.mark.parametrize("path", ["wrld.a.b", "world", "world.a.x"])
-def test_an_override_of_nothing_is_refused(item, path):
-    with pytest.raises(InputError, match="override"):
-        overridden({"world": item}, {path: 1.0})
+def test_a_path_of_the_stack_is_refused(tmp_path):
+    sentence = (
+        r"changes.yaml:3: 'stack.goal' belongs to the stack under test; an axis may change world, vehicle, sensors"
+    )
+    with pytest.raises(InputError, match=sentence):
+        qualified("stack.goal", value(tmp_path, "1"))

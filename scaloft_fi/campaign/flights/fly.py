@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.judge.outcome import Outcome
@@ -12,7 +13,6 @@ from scaloft_fi.registry import in_one_line, plugin_behind
 
 if TYPE_CHECKING:
     from scaloft_fi.mutants.facts import Facts
-    from scaloft_fi.sim.load import SimConfig
     from scaloft_fi.sim.log import FlightLog
     from scaloft_fi.sim.scenario import Scenario
     from scaloft_fi.stack.seam import Wire
@@ -45,15 +45,16 @@ def wire_of(study: Study, flight: Flight) -> Wire:
     from scaloft_fi.mutants.wire import contexts, wire_for
 
     scenario = study.scenario(flight.situation)
-    context = contexts(flight.subject.id, flight.situation.key, flight.seed, facts(study.sim, scenario))
+    known = facts(scenario, study.sim.stack.parameters)
+    context = contexts(flight.subject.id, flight.situation.key, flight.seed, known)
     return wire_for(flight.mutant, study.stack, context)
 
 
-def facts(sim: SimConfig, scenario: Scenario) -> Facts:
-    """The facts about situation, vehicle and sensors that operators may use."""
+def facts(scenario: Scenario, settings: Mapping[str, Any]) -> Facts:
+    """The facts about situation, vehicle, sensors and the stack's `settings` that operators may use."""
     from scaloft_fi.mutants.facts import Facts
 
-    mission, imu, wall = scenario.world.mission, sim.sensors.imu, scenario.wall_right
+    mission, imu, wall = scenario.world.mission, scenario.sensors.imu, scenario.wall_right
     home_x_m, home_y_m = mission.home
     (x0, y0, _), (x1, y1, _) = scenario.first_leg
     return Facts(
@@ -66,11 +67,11 @@ def facts(sim: SimConfig, scenario: Scenario) -> Facts:
         wall_m=wall.place if wall else None,
         bearing_rad=wall.bearing_rad if wall else math.atan2(y1 - y0, x1 - x0),
         inward=wall.inward if wall else (0.0, 0.0),
-        half_width_m=0.5 * sim.vehicle.hull_m[1],
-        view_rad=sim.sensors.depth.camera.fov_rad,
+        half_width_m=0.5 * scenario.vehicle.hull_m[1],
+        view_rad=scenario.sensors.depth.camera.fov_rad,
         gyro_sigma_radps=imu.rate_sigma_radps,
         accel_sigma_mps2=imu.force_sigma_mps2,
-        settings=sim.stack.parameters,
+        settings=settings,
     )
 
 

@@ -17,13 +17,13 @@ SIM = Path(__file__).parents[3] / "sim"
 
 def of(**overrides: Any) -> Facts:
     config = load(SIM, {path.replace("__", "."): value for path, value in overrides.items()})
-    return facts(config, config.scenario(config.grid.situation("T0O0W0D0H1")))
+    return facts(config.scenario(config.grid.situation("T0O0W0D0H1")), config.stack.parameters)
 
 
 def test_the_facts_are_of_the_study() -> None:
     config = load(SIM)
     scenario = config.scenario(config.grid.situation("T0O0W0D0H1"))
-    found = facts(config, scenario)
+    found = facts(scenario, config.stack.parameters)
     assert (found.duration_s, found.sighting_s) == (scenario.nominal_s, scenario.sighting_s)
     assert found.settings == config.stack.parameters
 
@@ -49,8 +49,9 @@ def test_the_wall_is_on_the_right_of_the_first_leg() -> None:
 
 def test_the_half_width_is_half_the_width_of_the_hull() -> None:
     config = load(SIM)
-    wide = replace(config, vehicle=replace(config.vehicle, hull_m=(0.5, 0.9, 0.1)))
-    assert facts(wide, config.scenario(config.grid.situation("T0O0W0D0H0"))).half_width_m == 0.45
+    scenario = config.scenario(config.grid.situation("T0O0W0D0H0"))
+    wide = replace(scenario, vehicle=replace(config.vehicle, hull_m=(0.5, 0.9, 0.1)))
+    assert facts(wide, {}).half_width_m == 0.45
 
 
 def test_without_a_wall_the_first_leg_gives_the_direction(monkeypatch: pytest.MonkeyPatch) -> None:
