@@ -69,7 +69,11 @@ class Study(Setup):
     @cached_property
     def matrix(self) -> Matrix:
         """The deviation matrix."""
-        return load_matrix(self.folder / "hazop", self.stack.by_name)
+        from scaloft_fi.mutants.derive import with_events
+        from scaloft_fi.sim.occasions import events_in
+
+        matrix, world = load_matrix(self.folder / "hazop", self.stack.by_name), self.folder / "sim" / "world.yaml"
+        return with_events(matrix, events_in(load(world), self.stack.beliefs))
 
     @cached_property
     def catalogue(self) -> tuple[Mutant, ...]:

@@ -13,7 +13,7 @@ from scaloft_fi.analysis.scoring.mutant_score import MutantScore, Result
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.hazop.cell import Fault
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.hazop.name import parse, split_magnitude
+from scaloft_fi.hazop.name import Name, parse, split_magnitude
 from scaloft_fi.judge.flights import apart
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
@@ -68,24 +68,26 @@ class Tried:
 
 @dataclass(frozen=True)
 class PhasedFault:
-    """A fault of a cell with its shift in time [s]: what has one margin in each situation."""
+    """A fault of a cell with its shift in time [s], or its event: what has one margin in each situation."""
 
     cell: str
     unit: str
     phase_s: float = 0.0
+    event: str = ""
 
     def __str__(self) -> str:
         """As in an id, without the magnitude."""
-        return self.cell + f"#{self.phase_s:g}s" * bool(self.phase_s)
+        return self.at("")
 
     def at(self, magnitude: str) -> str:
         """The canonical id of the mutant at a magnitude as an id writes it."""
-        return f"{self.cell}@{magnitude}" + f"#{self.phase_s:g}s" * bool(self.phase_s)
+        guideword, parameter = self.cell.split("-")
+        return str(Name(guideword, parameter, magnitude, self.phase_s, self.event))
 
 
-def phased_fault(cell: str, fault: Fault, phase_s: float = 0.0) -> PhasedFault:
-    """A fault of a cell, shifted by `phase_s`."""
-    return PhasedFault(cell, fault.magnitude.unit if fault.magnitude else "", phase_s)
+def phased_fault(cell: str, fault: Fault, phase_s: float = 0.0, event: str = "") -> PhasedFault:
+    """A fault of a cell, shifted by `phase_s`, or at an event."""
+    return PhasedFault(cell, fault.magnitude.unit if fault.magnitude else "", phase_s, event)
 
 
 def tried_in(
@@ -113,7 +115,7 @@ def tried_in(
             continue
         names = scored.pool.requirements(kind)
         at_stake = set(names).intersection(matrix.cell(name.cell).requirements) or set(names)
-        fault, detection = PhasedFault(name.cell, unit, name.phase_s), detection_of(mutant, kind)
+        fault, detection = PhasedFault(name.cell, unit, name.phase_s, name.event), detection_of(mutant, kind)
         for result in mutant.results:
             flights = counted[mutant.subject.id, result.situation]
             entry = _tried(magnitude, result, detection, at_stake, kind, flights)

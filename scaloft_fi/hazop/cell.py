@@ -98,7 +98,8 @@ class Fault:
         message: type of the samples; None where the stack's seams were not at hand.
         arguments: the operator's fixed arguments.
         magnitude: the argument that varies, or None.
-        phases: True for a fault that the catalogue also has at later phases of its period.
+        phases: True for a fault that the catalogue also has at later phases of its period, and at events of the flight.
+        events: of a fault with phases, by name of an event why it can come in no flight of the study; "" if it can.
         expected: the expectation about its status, or None.
         place: file:line of the fault.
         places: file:line of `seam`, `operator`, `phases` and each argument.
@@ -109,6 +110,7 @@ class Fault:
     arguments: Mapping[str, Value] = field(default_factory=dict)
     magnitude: Magnitude | None = None
     phases: bool = False
+    events: Mapping[str, str] = field(default_factory=dict, compare=False)
     expected: Expected | None = None
     message: type | None = field(default=None, compare=False)
     place: str = field(default="", compare=False)
@@ -129,6 +131,16 @@ class Fault:
         """The catalogue's phases at this magnitude [s], 0 first; only 0 for a fault without phases."""
         period_s = self.period_s(rung)
         return (0.0,) if period_s is None else tuple(share * period_s for share in PHASE_SHARES)
+
+    def events_of(self, rung: Rung | None) -> tuple[str, ...]:
+        """The events at which the catalogue has the fault at this magnitude.
+
+        Where the magnitude is the period, all magnitudes strike at the same occurrences or nearly so: the default does.
+        """
+        magnitude = self.magnitude
+        if magnitude is not None and magnitude.argument in PERIODS and rung != magnitude.default:
+            return ()
+        return tuple(name for name, why_not in self.events.items() if not why_not)
 
     def period_s(self, rung: Rung | None) -> float | None:
         """Return the period of the fault, or the moment of a fault that happens once [s]; None without phases."""
@@ -198,11 +210,12 @@ class Cell:
         return magnitude.text(magnitude.default) if magnitude else ""
 
     def mutant_ids(self, fault: Fault, rung: Rung | None) -> tuple[str, ...]:
-        """Return the canonical ids of `fault` at this magnitude, one for each phase of the catalogue, phase 0 first.
+        """Return the canonical ids of `fault` at this magnitude, one for each phase of the catalogue: 0, times, events.
 
         >>> pulse = Fault("collision", "false_flag", {}, Magnitude("period_s", "s", (20.0,), 20.0), phases=True)
         >>> Cell("UNINTENDED", "collision", CellStatus.CREDIBLE).mutant_ids(pulse, 20.0)[:2]
         ('UNINTENDED-collision@20s', 'UNINTENDED-collision@20s#5s')
         """
         magnitude = "" if fault.magnitude is None or rung is None else fault.magnitude.text(rung)
-        return tuple(str(Name(self.guideword, self.parameter, magnitude, phase)) for phase in fault.phases_s(rung))
+        phases = [(phase_s, "") for phase_s in fault.phases_s(rung)] + [(0.0, name) for name in fault.events_of(rung)]
+        return tuple(str(Name(self.guideword, self.parameter, magnitude, *phase)) for phase in phases)

@@ -1,4 +1,4 @@
-"""The grammar of mutants' ids: `GUIDEWORD-parameter[@magnitude][#phase]`."""
+"""The grammar of mutants' ids: `GUIDEWORD-parameter[@magnitude][#phase]`; a phase is a time or the name of an event."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from scaloft_fi.errors import InputError
 _CELL = re.compile(r"(?P<guideword>[A-Z][A-Z0-9]*)-(?P<parameter>[a-z][a-z0-9_]*)")
 _ID = re.compile(
     rf"{_CELL.pattern}"
-    r"(@(?P<magnitude>[A-Za-z0-9_.%+-]+))?(#(?P<phase>[0-9]+(\.[0-9]+)?|\.[0-9]+)s)?"
+    r"(@(?P<magnitude>[A-Za-z0-9_.%+-]+))?(#((?P<phase>[0-9]+(\.[0-9]+)?|\.[0-9]+)s|(?P<event>[a-z][a-z0-9_]*)))?"
 )
 _NUMBER = re.compile(
     r"(?P<number>[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?|inf)(?P<unit>([A-Za-z%][A-Za-z0-9%]*)?)"
@@ -25,25 +25,32 @@ class Name:
         guideword, parameter: of the cell.
         magnitude: as written, empty when there is none.
         phase_s: shift of a periodic fault [s], 0 when there is none.
+        event: name of the event of the flight at which the fault strikes; empty when it strikes at times.
     """
 
     guideword: str
     parameter: str
     magnitude: str = ""
     phase_s: float = 0.0
+    event: str = ""
 
     @property
     def cell(self) -> str:
         """Name of the cell."""
         return f"{self.guideword}-{self.parameter}"
 
+    @property
+    def phase(self) -> str:
+        """The phase as in an id, such as `#5s` or `#waypoint`; empty for a fault that is not shifted."""
+        return f"#{self.event}" if self.event else f"#{self.phase_s:g}s" * bool(self.phase_s)
+
     def __str__(self) -> str:
         """The canonical spelling.
 
-        >>> str(parse("UNINTENDED-human@20s#05.0s"))
-        'UNINTENDED-human@20s#5s'
+        >>> str(parse("UNINTENDED-human@20s#05.0s")), str(parse("NO-depth@3s#waypoint"))
+        ('UNINTENDED-human@20s#5s', 'NO-depth@3s#waypoint')
         """
-        return self.cell + f"@{self.magnitude}" * bool(self.magnitude) + f"#{self.phase_s:g}s" * bool(self.phase_s)
+        return self.cell + f"@{self.magnitude}" * bool(self.magnitude) + self.phase
 
 
 def parse(text: str) -> Name:
@@ -57,7 +64,13 @@ def parse(text: str) -> Name:
         raise InputError(
             f"mutant {text!r} must be of the form GUIDEWORD-parameter[@magnitude][#phase], as LATE-human@3s"
         )
-    return Name(match["guideword"], match["parameter"], match["magnitude"] or "", float(match["phase"] or 0.0))
+    magnitude, phase_s, event = match["magnitude"] or "", float(match["phase"] or 0.0), match["event"] or ""
+    return Name(match["guideword"], match["parameter"], magnitude, phase_s, event)
+
+
+def names_event(text: str) -> bool:
+    """Whether an id can hold the text as the name of an event."""
+    return bool((match := _ID.fullmatch(f"NO-x#{text}")) and match["event"])
 
 
 def split_magnitude(text: str) -> tuple[float | str, str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from scaloft_fi.errors import InputError, did_you_mean
@@ -40,7 +40,7 @@ def default_of(cell: Cell) -> Mutant:
     """
     _refuse_blank(cell)
     fault = cell.faults[0]
-    return _patched(cell, fault, fault.magnitude.default if fault.magnitude else None, 0.0)
+    return _patched(cell, fault, fault.magnitude.default if fault.magnitude else None)
 
 
 def realise(matrix: Matrix, text: str) -> Mutant:
@@ -54,7 +54,7 @@ def realise(matrix: Matrix, text: str) -> Mutant:
     cell = matrix.cell(name.cell)
     _refuse_blank(cell)
     fault, rung = _chosen(cell, name, text)
-    return _patched(cell, fault, rung, name.phase_s, written=text)
+    return _patched(cell, fault, rung, name.phase_s, name.event, written=text)
 
 
 def source_of(matrix: Matrix, mutant: Mutant) -> tuple[Fault, Rung | None]:
@@ -93,9 +93,12 @@ def _chosen(cell: Cell, name: Name, text: str) -> tuple[Fault, Rung | None]:
 def _all_of(cell: Cell, fault: Fault) -> Iterator[Mutant]:
     for rung in fault.magnitude.ladder if fault.magnitude else (None,):
         yield from (_patched(cell, fault, rung, phase_s) for phase_s in fault.phases_s(rung))
+        yield from (_patched(cell, fault, rung, event=event) for event in fault.events_of(rung))
 
 
-def _patched(cell: Cell, fault: Fault, rung: Rung | None, phase_s: float, written: str = "") -> Mutant:
+def _patched(
+    cell: Cell, fault: Fault, rung: Rung | None, phase_s: float = 0.0, event: str = "", written: str = ""
+) -> Mutant:
     """The mutant of `fault`; errors name `written`, the id that a user wrote, or else the place in the matrix."""
     try:
         operator = OPERATORS[fault.operator]
@@ -105,14 +108,17 @@ def _patched(cell: Cell, fault: Fault, rung: Rung | None, phase_s: float, writte
     if message is None:
         raise ValueError(f"{cell.name}: the matrix was read without the stack's seams")
     magnitude = "" if fault.magnitude is None or rung is None else fault.magnitude.text(rung)
-    name = Name(cell.guideword, cell.parameter, magnitude, float(f"{phase_s:g}"))
+    name = Name(cell.guideword, cell.parameter, magnitude, float(f"{phase_s:g}"), event)
     arguments = dict(fault.arguments)
     if fault.magnitude is not None and rung is not None:
         arguments[fault.magnitude.argument] = fault.magnitude.value(rung)
-    if fault.phases:
+    if name.phase and not fault.phases:
+        bare = replace(name, phase_s=0.0, event="")
+        raise InputError(f"mutant {written!r}: {cell.name} has no phase; write {str(bare)!r}")
+    if event:
+        _check_event(name, fault, written)
+    elif fault.phases:
         arguments["phase_s"] = name.phase_s
-    elif phase_s:
-        raise InputError(f"mutant {written!r}: {cell.name} has no phase; write {str(replace(name, phase_s=0.0))!r}")
     try:
         checked = operator.check(fault.seam, message, arguments)
     except OperatorError as error:
@@ -120,6 +126,31 @@ def _patched(cell: Cell, fault: Fault, rung: Rung | None, phase_s: float, writte
             f"mutant {written!r}" if written else fault.place_of("phases" if error.about == "phase_s" else error.about)
         )
         raise InputError(f"{place}: {error}") from None
-    return Mutant(
-        str(name), cell.guideword, cell.parameter, magnitude, name.phase_s, fault.seam, fault.operator, checked
-    )
+    where = fault.seam, fault.operator, checked, event
+    return Mutant(str(name), cell.guideword, cell.parameter, magnitude, name.phase_s, *where)
+
+
+def _check_event(name: Name, fault: Fault, written: str) -> None:
+    """Refuse an event that does not exist or cannot come."""
+    if not fault.events:
+        raise InputError(f"mutant {written!r}: operator {fault.operator!r} strikes at times only, such as #5s")
+    if name.event not in fault.events:
+        raise InputError(f"mutant {written!r}: no event {name.event!r}{did_you_mean(name.event, fault.events)}")
+    if why_not := fault.events[name.event]:
+        raise InputError(f"mutant {written!r}: the event {name.event!r} cannot come: {why_not}")
+
+
+def with_events(matrix: Matrix, events: Mapping[str, str]) -> Matrix:
+    """The matrix whose faults with phases strike at events too, where their operator opens windows at events.
+
+    Args:
+        matrix: the matrix.
+        events: by name of an event of a flight why it can come in no flight of the study; "" if it can.
+    """
+
+    def struck(fault: Fault) -> Fault:
+        awaits = fault.phases and fault.operator in OPERATORS and OPERATORS[fault.operator].awaits_events
+        return replace(fault, events=events) if awaits else fault
+
+    cells = {key: replace(cell, faults=tuple(map(struck, cell.faults))) for key, cell in matrix.cells.items()}
+    return replace(matrix, cells=cells)

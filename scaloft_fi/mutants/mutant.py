@@ -24,6 +24,7 @@ class Mutant:
         seam: name of the seam; `EVERY_SEAM` for PLACEBO.
         operator: name of the operator.
         arguments: of the operator, checked; an argument that is missing has the operator's default.
+        event: name of the event of the flight at which it strikes; empty when it strikes at times.
     """
 
     id: str
@@ -34,11 +35,12 @@ class Mutant:
     seam: str
     operator: str
     arguments: Mapping[str, Value] = field(default_factory=dict, hash=False)
+    event: str = ""
 
     @property
     def name(self) -> Name:
         """The parts of the id."""
-        return Name(self.guideword, self.parameter, self.magnitude, self.phase_s)
+        return Name(self.guideword, self.parameter, self.magnitude, self.phase_s, self.event)
 
     @property
     def cell(self) -> str:
@@ -46,9 +48,10 @@ class Mutant:
         return self.name.cell
 
     def to_json(self) -> dict[str, Any]:
-        """Plain data that JSON can hold; an infinite argument is written as the text `inf`."""
+        """Plain data that JSON can hold; an infinite argument is the text `inf`, an empty event is left out."""
         arguments = {name: "inf" if value == math.inf else value for name, value in self.arguments.items()}
-        return asdict(self) | {"arguments": arguments}
+        plain = asdict(self) | {"arguments": arguments}
+        return plain if self.event else {key: value for key, value in plain.items() if key != "event"}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Mutant:
@@ -58,8 +61,8 @@ class Mutant:
             InputError: a key is missing or unknown.
         """
         expected = set(cls.__dataclass_fields__)
-        if set(data) != expected:
-            key = sorted(expected ^ set(data))[0]
+        if wrong := expected ^ {*data, "event"}:
+            key = sorted(wrong)[0]
             raise InputError(f"key {key!r} is {'missing' if key in expected else 'unknown'}")
         arguments = {name: math.inf if value == "inf" else value for name, value in data["arguments"].items()}
         return cls(**{**data, "arguments": arguments})

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,6 +16,7 @@ from scaloft_fi.hazop.cell import Value
 from scaloft_fi.mutants.argument import ALL, Argument, arguments_of, check_against_field
 from scaloft_fi.mutants.facts import Facts
 from scaloft_fi.mutants.need import ANYTHING, Need
+from scaloft_fi.mutants.window import Occurrences, Times, Windows
 from scaloft_fi.registry import Registry
 from scaloft_fi.stack.fields import vector_fields
 from scaloft_fi.stack.rates import TICK_HZ
@@ -35,11 +38,28 @@ class TapContext:
         period_s: time between two polls of the seam [s].
         rng: random numbers of the mutant in this flight; nothing else draws from them.
         facts: of situation, vehicle and sensors.
+        event: the occurrences of the event at which the fault strikes; None for a fault that strikes at times.
     """
 
     period_s: float
     rng: np.random.Generator
     facts: Facts = field(default_factory=Facts)
+    event: Occurrences | None = None
+
+    def windows(self, period_s: float, phase_s: float, length_s: float) -> Windows:
+        """Windows of `length_s` [s] each of a fault that recurs.
+
+        They open each `period_s` [s], shifted by `phase_s` [s].  If the fault strikes at an event, they open at each
+        occurrence instead, but none sooner than `period_s` after the one before: an event that the fault itself
+        brings about does not make it permanent.
+        """
+        if self.event is None:
+            return Windows.periodic(period_s, phase_s, length_s)
+        return Windows(self.event.openings(apart_s=period_s), length_s)
+
+    def window(self, at_s: float, length_s: float) -> Windows:
+        """The window of a fault that happens once: at `at_s` [s], or at the first occurrence of the event."""
+        return Windows(Times(at_s) if self.event is None else self.event.openings(apart_s=math.inf), length_s)
 
 
 @dataclass(frozen=True)
@@ -104,6 +124,13 @@ class Operator:
     def summary(self) -> str:
         """First sentence of the operator's docstring."""
         return " ".join((self.make.__doc__ or "").split("\n\n")[0].split())
+
+    @cached_property
+    def awaits_events(self) -> bool:
+        """Whether its taps open their windows at the event of their context."""
+        event = Occurrences()
+        self.make(replace(self.example.context(), event=event), **self.example.arguments)
+        return event.awaited
 
     def check(self, seam: str, message: type, arguments: Mapping[str, Any]) -> dict[str, Value]:
         """`arguments`, converted to the types that the operator takes; defaults are not filled in.

@@ -64,6 +64,16 @@ class WatchingWire:
         return sample
 
     @property
+    def awaited(self) -> frozenset[str]:
+        """Names of the events that the watched wires await."""
+        return frozenset(event for wire in self._watched.values() for event in wire.awaited)
+
+    def occur(self, event: str, t_s: float) -> None:
+        """Tell the watched wires, or the taken one, that an event of the flight occurs at `t_s` [s]."""
+        for wire in self._watched.values() if self._taken is None else (self._taken,):
+            wire.occur(event, t_s)
+
+    @property
     def counts(self) -> Mapping[str, SeamCount]:
         """Counts so far for each seam that the taken wire taps; empty in the trunk."""
         return {} if self._taken is None else self._taken.counts

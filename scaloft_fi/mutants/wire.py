@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
 from scaloft_fi.errors import ScaloftError
@@ -11,6 +12,7 @@ from scaloft_fi.mutants.facts import Facts
 from scaloft_fi.mutants.mutant import EVERY_SEAM, Mutant
 from scaloft_fi.mutants.operator import Tap, TapContext
 from scaloft_fi.mutants.operators import OPERATORS
+from scaloft_fi.mutants.window import Occurrences
 from scaloft_fi.stack.declaration import Declaration
 from scaloft_fi.stack.seam import PlainWire, Seam, Wire
 from scaloft_fi.streams import generator
@@ -65,10 +67,14 @@ class TappedWire:
 
     Args:
         taps: each with its seam.
+        events: the occurrences that the taps await, by name of the event.
     """
 
-    def __init__(self, taps: Iterable[tuple[Seam, Tap]]) -> None:
+    def __init__(
+        self, taps: Iterable[tuple[Seam, Tap]], events: Mapping[str, Occurrences] = MappingProxyType({})
+    ) -> None:
         self._tallies = {seam.name: _Tally(seam, tap) for seam, tap in taps}
+        self._events = events
 
     def listens(self, seam: str) -> bool:
         """Whether `seam` has a tap."""
@@ -82,6 +88,16 @@ class TappedWire:
         """
         tally = self._tallies.get(seam)
         return sample if tally is None else tally.carry(t_s, sample)
+
+    @property
+    def awaited(self) -> frozenset[str]:
+        """Names of the events that its taps await."""
+        return frozenset(self._events)
+
+    def occur(self, event: str, t_s: float) -> None:
+        """Tell the taps that an event of the flight occurs at `t_s` [s]."""
+        if event in self._events:
+            self._events[event].occur(t_s)
 
     @property
     def seams(self) -> tuple[str, ...]:
@@ -115,4 +131,8 @@ def wire_for(subject: Mutant | None, stack: Declaration, context: Callable[[Seam
         return PlainWire()
     operator = OPERATORS[subject.operator]
     seams = stack.seams if subject.seam == EVERY_SEAM else (stack.by_name[subject.seam],)
-    return TappedWire((seam, operator.tap(context(seam), subject.arguments)) for seam in seams)
+    event = Occurrences() if subject.event else None
+    return TappedWire(
+        [(seam, operator.tap(replace(context(seam), event=event), subject.arguments)) for seam in seams],
+        {subject.event: event} if event else {},
+    )

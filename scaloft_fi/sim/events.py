@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
-import numpy as np
-
 from scaloft_fi.sim.log import Array, Count, Event
 from scaloft_fi.stack.belief import Belief, Mark
 
@@ -46,14 +44,28 @@ def events_of(
     return tuple(sorted(events, key=lambda event: event.t_s))
 
 
+class Strike:
+    """Whether a marked value makes its event, asked sample by sample: at a change, or at a rise above 0.5."""
+
+    def __init__(self, mark: Mark) -> None:
+        self._changes, self._first = bool(mark.values), mark.first
+        self._before: float | None = None
+        self._over = False
+
+    def __call__(self, value: float) -> bool:
+        """Whether the event occurs at this sample."""
+        before, self._before = self._before, value
+        if self._changes:
+            return before is not None and int(value) != int(before)
+        rises = value > 0.5 and (before is None or not before > 0.5) and not self._over
+        self._over = self._over or (rises and self._first)
+        return rises
+
+
 def _marks(mark: Mark, elapsed_s: Array, values: Array) -> Iterator[Event]:
     """The events of one marked belief."""
-    if mark.values:
-        numbers = values.astype(int)
-        for i in np.flatnonzero(np.diff(numbers)) + 1:
-            yield Event(float(elapsed_s[i]), mark.kind, mark.text.format(mark.values[numbers[i]]), mark.colour)
-        return
-    up = values > 0.5
-    rises = np.flatnonzero(up & ~np.concatenate([[False], up[:-1]]))
-    for i in rises[:1] if mark.first else rises:
-        yield Event(float(elapsed_s[i]), mark.kind, mark.text, mark.colour)
+    strikes = Strike(mark)
+    for t_s, value in zip(elapsed_s.tolist(), values.tolist(), strict=True):
+        if strikes(value):
+            text = mark.text.format(mark.values[int(value)]) if mark.values else mark.text
+            yield Event(t_s, mark.kind, text, mark.colour)

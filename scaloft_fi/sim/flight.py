@@ -22,6 +22,7 @@ from scaloft_fi.sim.events import events_of
 from scaloft_fi.sim.load import SimConfig, StackChoice
 from scaloft_fi.sim.log import Count, Ending, FlightLog, Recorder
 from scaloft_fi.sim.observer import Observer
+from scaloft_fi.sim.occasions import Lookout
 from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.sensors import Sensors
 from scaloft_fi.sim.situation import Situation
@@ -153,6 +154,7 @@ class FlightLoop:
         self.airframe = Airframe(client, vehicle, scenario.start, scenario.world.mission.yaw_rad)
         self._observer = Observer(client, ids, self.airframe.number, vehicle, scenario, scenario.sensors.depth.max_m)
         self._feeler = Feeler(client, self.airframe.number, vehicle, ids.name_of)
+        self._lookout = Lookout.of(wire, scenario.world, self._observer.names, self._declared.beliefs)
         self._truth, self._beliefs = Recorder(self._observer.names), Recorder(self._declared.belief_names)
         self._server: Stepper = ServerStepper(self.airframe, self._drive)
         self._compiled: CompiledStepper | None = None
@@ -165,11 +167,15 @@ class FlightLoop:
     def tick(self) -> bool:
         """Record a sample; unless the flight is over, run sensors and companion.  Returns whether it continues."""
         now_s = self.ticks / TICK_HZ
-        self._truth.add(self._observer.sample(now_s, self.airframe.state, self.sensors.view))
+        truth = self._observer.sample(now_s, self.airframe.state, self.sensors.view)
+        self._truth.add(truth)
         self._feeler.look(self.airframe.truth, self._observer.room_m)
-        self._beliefs.add(self._believed(now_s))
+        believed = self._believed(now_s)
+        self._beliefs.add(believed)
         if self._ending(now_s) is not None:
             return False
+        if self._lookout:
+            self._lookout.look(now_s, truth, believed.tolist())
         frames = self._sense(now_s)
         if frames is not None and self._autopilot_alive:
             self._think(now_s, frames)

@@ -71,7 +71,7 @@ def target(matrix: Matrix, text: str, tolerance: float | None = None) -> Target:
         raise InputError(f"mutant {text!r} has no margin: {mutant.cell} has {has}; `scaloft-fi run` shows its effect")
     allowed = OPERATORS[fault.operator].arguments[fault.magnitude.argument].allowed
     least, most = sorted(bound / fault.magnitude.scale for bound in (allowed.least, allowed.most))
-    subject = phased_fault(mutant.cell, fault, mutant.phase_s)
+    subject = phased_fault(mutant.cell, fault, mutant.phase_s, mutant.event)
 
     def accepted(magnitude: float) -> bool:
         try:

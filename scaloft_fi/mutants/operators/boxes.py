@@ -13,7 +13,7 @@ from scaloft_fi.mutants.facts import Facts
 from scaloft_fi.mutants.need import the
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
 from scaloft_fi.mutants.sample import on_each
-from scaloft_fi.mutants.window import TOLERANCE_S, Windows
+from scaloft_fi.mutants.window import TOLERANCE_S
 from scaloft_fi.stack.messages import Detections, Person
 
 _SILENCE_S = 0.5  # a detector that was silent for this time reports nobody
@@ -198,7 +198,7 @@ def phantom_person(
 
     A poster, a coat on a hook.
     """
-    windows = Windows.polls(period_s, phase_s, hold_s, context.period_s)
+    windows = context.windows(period_s, phase_s, max(hold_s, context.period_s))
 
     def tap(t_s: float, sample: Any | None) -> Any | None:
         if not windows.open(t_s):

@@ -9,7 +9,6 @@ from scaloft_fi.mutants.argument import Hold, Number, Period, Range, Seconds
 from scaloft_fi.mutants.need import STAMP
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
 from scaloft_fi.mutants.sample import on_each, reclocked, within
-from scaloft_fi.mutants.window import Windows
 from scaloft_fi.stack.messages import Stamps
 
 
@@ -88,5 +87,5 @@ def stale_pulse(
     phase_s: Seconds = 0.0,
 ) -> Tap:
     """Let every stamp be `age_s` [s] old for `hold_s` [s], each `period_s` [s]: a spurious time-out."""
-    windows = Windows.polls(period_s, phase_s, hold_s, context.period_s)
+    windows = context.windows(period_s, phase_s, max(hold_s, context.period_s))
     return within(windows, lambda stamps: reclocked(stamps, lambda t_s: t_s - age_s))

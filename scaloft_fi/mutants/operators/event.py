@@ -40,7 +40,7 @@ def pulse(
 
     A `hold_s` of 0 changes one sample.
     """
-    windows = Windows.polls(period_s, phase_s, hold_s, context.period_s)
+    windows = context.windows(period_s, phase_s, max(hold_s, context.period_s))
     return within(windows, lambda sample: altered(sample, field, lambda v: v + amount, component))
 
 
@@ -64,7 +64,7 @@ def blank(
     phase_s: Seconds = 0.0,
 ) -> Tap:
     """Let `field` read 0 for `hold_s` [s], each `period_s` [s]: a sensor without power (PX4's failure type `off`)."""
-    windows = Windows.polls(period_s, phase_s, hold_s, context.period_s)
+    windows = context.windows(period_s, phase_s, max(hold_s, context.period_s))
     return within(windows, lambda sample: altered(sample, field, lambda v: v * 0.0))
 
 

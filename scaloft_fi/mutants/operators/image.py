@@ -11,7 +11,6 @@ from scaloft_fi.mutants.argument import Hold, Metres, Period, Seconds, Share
 from scaloft_fi.mutants.need import IMAGE
 from scaloft_fi.mutants.operator import Example, Samples, Tap, TapContext, operator
 from scaloft_fi.mutants.sample import on_each, redrawn, within
-from scaloft_fi.mutants.window import Windows
 from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.messages import DepthFrame
 
@@ -99,7 +98,7 @@ def phantom_blob(
 
     Dust, a drop.
     """
-    windows = Windows.polls(period_s, phase_s, hold_s, context.period_s)
+    windows = context.windows(period_s, phase_s, max(hold_s, context.period_s))
 
     def blotted(image: Array) -> Array:
         seen = image.copy()

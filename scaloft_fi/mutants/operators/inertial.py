@@ -98,5 +98,5 @@ def garbage(
 
     A broken bus (PX4's failure type `garbage`).  The spans are the ranges of a common sensor, 2000 deg/s and 16 g.
     """
-    windows = Windows.polls(period_s, phase_s, hold_s, context.period_s)
+    windows = context.windows(period_s, phase_s, max(hold_s, context.period_s))
     return _Garbage(windows, rate_span_radps, force_span_mps2, context.rng)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from scaloft_fi.mutants.argument import Hold, Seconds, Share
@@ -71,5 +69,5 @@ def depleted_pulse(
     charge: Share = 0.0,
 ) -> Tap:
     """Report a state of charge of `charge` (0..1) for `hold_s` [s] from `at_s` + `phase_s` [s] on: a glitch."""
-    windows = Windows(at_s + phase_s, math.inf, max(hold_s, context.period_s))
+    windows = context.window(at_s + phase_s, max(hold_s, context.period_s))
     return within(windows, lambda battery: _depleted(battery, charge))

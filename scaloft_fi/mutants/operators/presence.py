@@ -11,7 +11,7 @@ import numpy as np
 from scaloft_fi.mutants.argument import Hold, Period, Range, Seconds, Share
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
 from scaloft_fi.mutants.sent import Reading
-from scaloft_fi.mutants.window import TOLERANCE_S, Windows
+from scaloft_fi.mutants.window import TOLERANCE_S
 from scaloft_fi.stack.messages import Detections as Boxes
 from scaloft_fi.stack.messages import Person
 
@@ -47,9 +47,9 @@ def drop(context: TapContext, *, share: Share = 1.0) -> Tap:
         Reading, {"burst_s": 0.05, "period_s": 0.1}, (_A, _A, _A, _B, _B, _C), (_A, _A, None, _B, None, _C)
     ),
 )
-def outage(_context: TapContext, *, burst_s: Hold, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
+def outage(context: TapContext, *, burst_s: Hold, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
     """Lose every sample for `burst_s` [s], each `period_s` [s]: a driver that restarts, a loose plug."""
-    windows = Windows.periodic(period_s, phase_s, burst_s)
+    windows = context.windows(period_s, phase_s, burst_s)
     return lambda t_s, sample: None if windows.open(t_s) else sample
 
 

@@ -65,13 +65,13 @@ class _Freeze:
         (*(Reading(i / 20, 0.1 * j) for i, j in enumerate((0, 1, 2, 2, 2, 5))),),
     ),
 )
-def freeze(_context: TapContext, *, hold_s: Hold, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
+def freeze(context: TapContext, *, hold_s: Hold, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
     """Repeat the last sample before the window with fresh time stamps for `hold_s` [s], each `period_s` [s].
 
     A sensor that is stuck behind a driver that goes on publishing (PX4's failure type `stuck`): no staleness check sees
     it.  An infinite `hold_s` lasts to the end.
     """
-    return _Freeze(Windows.periodic(period_s, phase_s, hold_s))
+    return _Freeze(context.windows(period_s, phase_s, hold_s))
 
 
 @dataclass

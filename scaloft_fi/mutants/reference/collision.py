@@ -11,7 +11,6 @@ from scaloft_fi.mutants.argument import Degrees, Hold, Period, Seconds, Share
 from scaloft_fi.mutants.need import the
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
 from scaloft_fi.mutants.sample import on_each
-from scaloft_fi.mutants.window import Windows
 from scaloft_fi.stack.messages import Bumper
 from scaloft_fi.stack.reference.messages import CollisionFlag, Proximity
 
@@ -92,7 +91,7 @@ def false_flag(
 
     Dust, an electrical glitch.  A flag that is raised with cause passes as it is.
     """
-    windows = Windows.polls(period_s, phase_s, hold_s, context.period_s)
+    windows = context.windows(period_s, phase_s, max(hold_s, context.period_s))
     bearing_rad = math.radians(bearing_deg)
 
     def tap(t_s: float, sample: Any | None) -> Any | None:

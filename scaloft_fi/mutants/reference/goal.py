@@ -9,7 +9,7 @@ from scaloft_fi.mutants.argument import Axis, Period, Place, Seconds
 from scaloft_fi.mutants.need import the
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
 from scaloft_fi.mutants.sample import AtEach, altered, on_each
-from scaloft_fi.mutants.window import TOLERANCE_S, Windows
+from scaloft_fi.mutants.window import TOLERANCE_S
 from scaloft_fi.stack.reference.messages import GoalCheck
 
 _FAR = GoalCheck(0, (0.0, 2.0, 0.0), (1.0, 1.0, 0.0), 0.15, 0.5)
@@ -124,7 +124,7 @@ def early_reached(_context: TapContext, *, lead_s: Seconds) -> Tap:
         (_FAR, _FAR, _decided(_FAR, verdict=True), _FAR, None),
     ),
 )
-def spurious_reached(_context: TapContext, *, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
+def spurious_reached(context: TapContext, *, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
     """Declare the present waypoint reached, wherever the vehicle is, once each `period_s` [s]: a stray event."""
-    windows = Windows.periodic(period_s, phase_s, period_s)
+    windows = context.windows(period_s, phase_s, period_s)
     return AtEach(windows, lambda check: _decided(check, verdict=True))

@@ -11,7 +11,7 @@ from scaloft_fi.mutants.argument import Period, Range, Seconds
 from scaloft_fi.mutants.need import the
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
 from scaloft_fi.mutants.sample import on_each
-from scaloft_fi.mutants.window import TOLERANCE_S, Windows
+from scaloft_fi.mutants.window import TOLERANCE_S
 from scaloft_fi.stack.reference.messages import SpeedLimit
 
 Speed = Annotated[float, Range(above=0.0, most=100.0)]
@@ -181,6 +181,6 @@ def reset_limit(context: TapContext, *, period_s: Period = 20.0, phase_s: Second
 
     The publisher restarts and begins with its default.
     """
-    windows = Windows.polls(period_s, phase_s, 0.0, context.period_s)
+    windows = context.windows(period_s, phase_s, context.period_s)
     cruise_mps = _cruise(context)
     return lambda t_s, sample: SpeedLimit(t_s, cruise_mps, "euclidean") if windows.open(t_s) else sample

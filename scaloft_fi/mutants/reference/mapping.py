@@ -11,7 +11,6 @@ from scaloft_fi.mutants.facts import Facts
 from scaloft_fi.mutants.need import the
 from scaloft_fi.mutants.operator import Example, Samples, Tap, TapContext, operator
 from scaloft_fi.mutants.sample import AtEach, on_each
-from scaloft_fi.mutants.window import Windows
 from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.reference.messages import Clearing, ObstacleMap
 
@@ -145,7 +144,7 @@ def never_clear(_context: TapContext) -> Tap:
         (_clearing(3), _clearing(), _clearing(3, 5, 8)),
     ),
 )
-def clear_all(_context: TapContext, *, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
+def clear_all(context: TapContext, *, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
     """Forget all occupied cells at once, each `period_s` [s]: the map server restarts."""
-    windows = Windows.periodic(period_s, phase_s, period_s)
+    windows = context.windows(period_s, phase_s, period_s)
     return AtEach(windows, lambda clearing: clearing._replace(forget=clearing.occupied.copy()))

@@ -10,7 +10,7 @@ from typing import Any
 from scaloft_fi.mutants.argument import Metres, Place, Seconds
 from scaloft_fi.mutants.need import the
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
-from scaloft_fi.mutants.sample import on_each
+from scaloft_fi.mutants.sample import on_each, within
 from scaloft_fi.mutants.window import TOLERANCE_S
 from scaloft_fi.stack.fields import Point
 from scaloft_fi.stack.reference.messages import Route, Target
@@ -183,11 +183,6 @@ def withhold(_context: TapContext, *, delay_s: Seconds) -> Tap:
 def divert_home(context: TapContext, *, at_s: Seconds = 20.0, phase_s: Seconds = 0.0) -> Tap:
     """Hand out home instead of the waypoint from `at_s` + `phase_s` [s] on: a stray order to return."""
     x0, y0 = _home(context)
-    start_s = at_s + phase_s - TOLERANCE_S
-
-    def tap(t_s: float, sample: Any | None) -> Any | None:
-        if sample is None or t_s < start_s:
-            return sample
-        return sample._replace(point=(x0, y0, sample.point[2]))
-
-    return tap
+    return within(
+        context.window(at_s + phase_s, math.inf), lambda target: target._replace(point=(x0, y0, target.point[2]))
+    )

@@ -24,7 +24,7 @@ BELIEFS = (
         "",
         "1 while the stack's own collision flag is up",
         0.0,
-        Mark("flag", "the collision flag is raised", colour="#b45309"),
+        Mark("recoil", "the collision flag is raised", colour="#b45309"),
     ),
     Belief("target_index", "", "place in the route of the waypoint flown to"),
     Belief("map_points", "", "occupied cells the planner knows of"),

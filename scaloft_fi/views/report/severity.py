@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 
 from scaloft_fi.analysis.margin import Scale
@@ -12,7 +13,7 @@ from scaloft_fi.hazop.name import cell_of, parse, split_magnitude
 
 
 def by_severity(cells: Matrix, roster: Roster) -> Callable[[str], tuple[int, int, float, float, str]]:
-    """A sort key of ids: the roster's order of cells, then a cell's faults, magnitudes from mild to severe, phases.
+    """A sort key of ids: the roster's order of cells, then its faults, magnitudes from mild to severe, times, events.
 
     Magnitudes without an order stay in the catalogue's.
     """
@@ -20,13 +21,14 @@ def by_severity(cells: Matrix, roster: Roster) -> Callable[[str], tuple[int, int
     def key(id_: str) -> tuple[int, int, float, float, str]:
         name = parse(id_)
         place, member = roster.rank(id_)[1:3]
+        phase = math.inf if name.event else name.phase_s
         magnitude, unit = split_magnitude(name.magnitude)
         faults = cells.cell(name.cell).faults if name.cell in cells else ()
         for number, fault in enumerate(faults):
             scale = Scale.of(fault.magnitude) if fault.magnitude and fault.magnitude.unit == unit else None
             if scale and not isinstance(magnitude, str):
-                return place, number, scale.severity(magnitude), name.phase_s, id_
-        return place, len(faults), member, name.phase_s, id_
+                return place, number, scale.severity(magnitude), phase, id_
+        return place, len(faults), member, phase, id_
 
     return key
 

@@ -28,7 +28,7 @@ def thresholds(
     safety = [requirement.name for requirement in requirements if requirement.kind is Kind.SAFETY]
     order = {cell.name: place for place, cell in enumerate(cells)}
     several = [(fault, own) for fault, own in by_fault.items() if any(len(margin.tried) > 1 for margin in own)]
-    several.sort(key=lambda entry: (order[entry[0].cell], entry[0].unit, entry[0].phase_s))
+    several.sort(key=lambda entry: (order[entry[0].cell], entry[0].unit, entry[0].phase_s, entry[0].event))
     return [_entry(fault, own, cells, safety) for fault, own in several]
 
 

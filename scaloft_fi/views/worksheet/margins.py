@@ -142,6 +142,7 @@ def margin_json(by_fault: Mapping[PhasedFault, Sequence[Margin]]) -> list[dict[s
         {
             "cell": fault.cell,
             "phase_s": fault.phase_s,
+            "event": fault.event,
             "unit": fault.unit,
             "least": _ends(least) if (least := lowest(listed)) else None,
             "situations": [
