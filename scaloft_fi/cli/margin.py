@@ -17,6 +17,8 @@ from scaloft_fi.cli.options import (
     typed,
     warnings_option,
 )
+from scaloft_fi.errors import InputError
+from scaloft_fi.hazop.name import cell_of
 
 if TYPE_CHECKING:
     from scaloft_fi.analysis.margin import Margin
@@ -43,6 +45,11 @@ if TYPE_CHECKING:
     help="Bisect until the interval is no wider than this, in the magnitude's own unit.  "
     "[default: a tenth of the severe end's distance from no fault]",
 )
+@click.option(
+    "--when",
+    is_flag=True,
+    help="Fly nothing; show of the flights of --campaign at which times and events of the flight the fault is killed.",
+)
 @operability_option
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
 @format_option
@@ -55,6 +62,7 @@ def margin_command(
     situations: tuple[str, ...],
     seeds: str,
     tolerance: float | None,
+    when: bool,
     operability: bool,
     jobs: int | None,
     style: str,
@@ -66,9 +74,15 @@ def margin_command(
     The whole ladder is flown, then the interval between the severest magnitude that survives and the mildest of which
     most flights violate a requirement is halved, in all situations at once.  A magnitude is killed where its flights
     detect the mutant; else it is only seen, and the table says how many --seeds would decide.  A cell's name means its
-    first fault; an id with a magnitude picks a fault by the unit, and a phase by #.  The flights are ordinary flights
-    of the campaign: nothing is flown twice, and `scaloft-fi matrix --margins` shows what was found.
+    first fault; an id with a magnitude picks a fault by the unit, and a phase by #, a time or an event (NO-depth@3s#5s,
+    NO-depth@3s#waypoint).  The flights are ordinary flights of the campaign: nothing is flown twice, and
+    `scaloft-fi matrix --margins` shows what was found.
     """
+    if when:
+        if situations or seeds != "1" or tolerance is not None:
+            raise click.UsageError("--when flies nothing and goes with no --situation, --seeds or --tolerance")
+        click.echo(_when(mutants, study_folder, campaign, style, operability=operability), nl=False)
+        return
     from scaloft_fi.campaign.processes.start import cores, one_thread_each
     from scaloft_fi.campaign.runs.options import RunOptions
 
@@ -107,3 +121,33 @@ def _text(study: Study, by_fault: Mapping[PhasedFault, Sequence[Margin]], seeds:
     import json
 
     return json.dumps(margin_json(by_fault), indent=2, allow_nan=False) + "\n"
+
+
+def _when(mutants: tuple[str, ...], study_folder: Path | None, campaign: str, style: str, *, operability: bool) -> str:
+    from scaloft_fi.analysis.when import whens
+    from scaloft_fi.judge.requirement import Kind
+    from scaloft_fi.mutants.derive import realise, source_of
+    from scaloft_fi.study import Study
+    from scaloft_fi.views.snapshot import snapshot
+    from scaloft_fi.views.tables.table import Format, render
+    from scaloft_fi.views.worksheet.when import when_json, when_tables
+
+    study = Study.open(study_folder)
+    with snapshot(study, campaign) as now:
+        flown = whens(now.outcomes, now.score, Kind.OPERABILITY if operability else Kind.SAFETY)
+    found = []
+    for text in mutants:
+        mutant = realise(study.matrix, text)
+        bare = mutant.id.partition("#")[0]
+        if not source_of(study.matrix, mutant)[0].phases:
+            raise InputError(f"mutant {text!r} has no phases: it strikes all the time, or at one time of its own")
+        own = [one for one in flown if one.fault == bare or (text == mutant.cell and cell_of(one.fault) == text)]
+        if not own:
+            command = f"scaloft-fi run --mutant '{bare}' --mutant '{bare}#*' --campaign {campaign}"
+            raise InputError(f"campaign {campaign!r} has fewer than two phases of {bare}; fly them: {command}")
+        found += own
+    if style == Format.JSON:
+        import json
+
+        return json.dumps(when_json(found), indent=2, allow_nan=False) + "\n"
+    return render(when_tables(found), Format(style))

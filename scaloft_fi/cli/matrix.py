@@ -46,6 +46,8 @@ def matrix_command(
     if cell and (guidewords or parameters or grid_only or with_margins):
         raise click.UsageError("--cell tells one cell and goes with no --guideword, --parameter, --grid or --margins")
     matrix = load_matrix(find_study(study_folder) / "hazop")
+    if cell or style == "json":
+        matrix = _with_events(matrix, study_folder)
     if cell:
         click.echo(_one(matrix, cell, style, study_folder))
         return
@@ -54,6 +56,15 @@ def matrix_command(
         click.echo(_margins(shown, study_folder, campaign, style, operability=operability))
         return
     click.echo(_grid(shown, style) if grid_only else _all(shown, style))
+
+
+def _with_events(matrix: Matrix, study_folder: Path | None) -> Matrix:
+    """The matrix with the events at which its faults may strike; only stack and world tell them, and need numpy."""
+    if not any(fault.phases for cell in matrix for fault in cell.faults):
+        return matrix
+    from scaloft_fi.study import Study
+
+    return Study.open(study_folder).matrix
 
 
 def _all(matrix: Matrix, style: str) -> str:

@@ -15,6 +15,7 @@ from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.analysis.when import whens
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.name import cell_of
 from scaloft_fi.judge.outcome import Outcome
@@ -42,6 +43,7 @@ def analyses(evidence: Evidence, scored: Score, matrix: KillMatrix) -> dict[str,
         "margins": margin_texts(outcomes, scored, study.matrix),
         "ladders": ladders(scored, study.matrix, roster),
         "thresholds": thresholds(outcomes, scored, study.matrix, study.requirements),
+        "whens": plain(whens(outcomes, scored)),
         "interactions": plain(listed),
         "orders": plain(orders(listed, matrix.space)),
         "suite": plain(minimal_suite(kills, [key for key, _ in matrix.space.points])),
