@@ -30,23 +30,23 @@ function ladders() {
   return part("ladders", "How much fault does it take", "Share of the situations that put the fault to the test with a kill, against its magnitude, filled where it is detected; then the margin, the least magnitude with a kill, situation by situation.  A magnitude has the unit of the fault, a limit that of its requirement: no number of one is a number of the other, so the robustness of the requirement is shown at both ends of a margin.",
     found.length ? h("div", { class: "multiples" }, found.map(ladder)) : h("p", { class: "note" }, "No cell was flown with more than one magnitude.  ", h("code", {}, `scaloft-fi run --mutant ${literal(`${laddered}*`)}`), " flies a ladder, ", h("code", {}, `scaloft-fi margin ${literal(laddered)}`), " searches between its rungs."),
     DATA.thresholds.length > 0 && [h("h3", { class: "sub" }, "Margins by situation"), DATA.thresholds.some((entry) => entry.least.endsWith("!")) && h("p", { class: "small faint" }, "!: the response is not monotone; a severer magnitude survives where a milder one is killed or seen."), DATA.thresholds.map((entry) => margins(entry, DATA.thresholds.length === 1))],
-    DATA.whens.length > 0 && [h("h3", { class: "sub" }, "When it strikes"), h("p", { class: "small faint" }, "Each phase of a fault where it first changes a sample, the median of its flights, on a rail as long as the baseline's flight: above at times, below at events of the flight.  Filled: a situation with a kill; open: put to the test and none; a tick: not put to the test."), h("div", { class: "multiples" }, DATA.whens.map(phases))]);
+    DATA.whens.length > 0 && [h("h3", { class: "sub" }, "When it strikes"), h("p", { class: "small faint" }, "Each phase of a fault where it first changes a sample, the median of its flights, on a rail as long as the baseline's flight: times on one rail, each event of the flight on its own, which is bare where the fault never acts.  Filled: a situation with a kill; open: put to the test and none; a tick: not put to the test."), h("div", { class: "multiples" }, DATA.whens.map(phases))]);
 }
 
-/** The phases of a fault on the rail of a flight: times above, events below. */
+/** The phases of a fault on rails of a flight: one for all times, one for each event. */
 function phases(entry) {
-  const rows = [["at times", entry.strikes.filter((strike) => !strike.at_event)], ["at events", entry.strikes.filter((strike) => strike.at_event)]].filter(([, strikes]) => strikes.length);
-  const frame = plot({ width: 300, height: 52 + 28 * rows.length, x: [0, entry.lasts_s], y: [rows.length - 0.5, -0.5], left: 58, top: 8, yTicks: rows.map((_, number) => number), yText: (number) => rows[number][0], xTitle: "time of flight [s]", label: `${entry.fault}: when it strikes` });
+  const [times, events] = [false, true].map((at) => entry.strikes.filter((strike) => strike.at_event === at));
+  const rows = [["times", times], ...events.map((strike) => [strike.phase, [strike]])].filter(([, strikes]) => strikes.length);
+  const frame = plot({ width: 300, height: 48 + 20 * rows.length, x: [0, entry.lasts_s], y: [rows.length - 0.5, -0.5], left: 70, top: 6, yTicks: rows.map((_, number) => number), yText: (number) => rows[number][0], xTitle: "time of flight [s]", label: `${entry.fault}: when it strikes` });
   const { root, sx, sy } = frame;
-  rows.forEach(([, strikes], number) => strikes.forEach((strike) => {
-    if (!strike.acts_s) return;
+  rows.forEach(([, strikes], number) => strikes.filter((strike) => strike.acts_s).forEach((strike) => {
     const [x, y] = [sx(Math.min(strike.acts_s[1], entry.lasts_s)), sy(number)];
     const told = s("title", {}, `${strike.id}: acts at ${trimmed(strike.acts_s[1], 1)} s, ${spaced(strike.verdict)}, kills in ${ratioText(strike.kills)}`);
     root.append(strike.kills.whole ? s("circle", { class: strike.kills.part ? "dot" : "open", cx: x, cy: y, r: 4 }, told) : s("line", { class: "tick", x1: x, x2: x, y1: y - 4, y2: y + 4 }, told));
   }));
-  const detected = (strikes) => `${strikes.filter((strike) => strike.verdict === "detected").length} of ${strikes.length}`;
+  const detected = (strikes, kind) => strikes.length > 0 && `detected at ${strikes.filter((strike) => strike.verdict === "detected").length} of ${strikes.length} ${kind}`;
   return h("figure", { class: "small-multiple" },
-    h("figcaption", {}, entry.fault, h("span", { class: "line faint small" }, `detected ${rows.map(([name, strikes]) => `${name} ${detected(strikes)}`).join(", ")}`)),
+    h("figcaption", {}, entry.fault, h("span", { class: "line faint small" }, [detected(times, "times"), detected(events, "events")].filter(Boolean).join(", "))),
     root);
 }
 
