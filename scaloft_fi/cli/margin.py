@@ -133,14 +133,15 @@ def _when(mutants: tuple[str, ...], study_folder: Path | None, campaign: str, st
     from scaloft_fi.views.worksheet.when import when_json, when_tables
 
     study = Study.open(study_folder)
+    asked = {text: realise(study.matrix, text) for text in mutants}
+    for text, mutant in asked.items():
+        if not source_of(study.matrix, mutant)[0].phases:
+            raise InputError(f"mutant {text!r} has no phases: {mutant.cell} strikes all the time, or at one time")
     with snapshot(study, campaign) as now:
         flown = whens(now.outcomes, now.score, Kind.OPERABILITY if operability else Kind.SAFETY)
     found = []
-    for text in mutants:
-        mutant = realise(study.matrix, text)
+    for text, mutant in asked.items():
         bare = mutant.id.partition("#")[0]
-        if not source_of(study.matrix, mutant)[0].phases:
-            raise InputError(f"mutant {text!r} has no phases: it strikes all the time, or at one time of its own")
         own = [one for one in flown if one.fault == bare or (text == mutant.cell and cell_of(one.fault) == text)]
         if not own:
             command = f"scaloft-fi run --mutant '{bare}' --mutant '{bare}#*' --campaign {campaign}"

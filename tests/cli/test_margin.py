@@ -76,6 +76,18 @@ def test_operability_has_margins_of_its_own(call: Call) -> None:
     assert {cell["cell"]: cell["margin"] for cell in cells}["LATE-human"] == "> 40 s"
 
 
+def test_when_a_fault_is_killed_is_shown_of_the_flights_of_a_campaign(call: Call) -> None:
+    only = ("--mutant", "NO-velcmd@1s", "--situation", "T0O0W0D0H1", "--quiet", "--jobs", "1")
+    assert call("run", *only).exit_code == 0
+    command = "scaloft-fi run --mutant 'NO-velcmd@1s' --mutant 'NO-velcmd@1s#*'"
+    assert command in sentence(call("margin", "NO-velcmd", "--when"))
+    assert call("run", "--mutant", "NO-velcmd@1s#*", *only).exit_code == 0
+    for style in ("table", "markdown", "csv", "latex", "json"):
+        text = call("margin", "NO-velcmd", "--when", "--format", style).stdout.replace("\\", "")
+        assert all(phase in text for phase in ("#5s", "#10s", "#15s", "#sight", "#waypoint", "#recoil"))
+    assert "Detected at 0 of 4 times" in call("margin", "NO-velcmd@1s#5s", "--when").stdout
+
+
 def test_margins_of_a_campaign_that_does_not_exist_are_refused(call: Call) -> None:
     assert call("matrix", "--margins").exit_code == 2
 
@@ -87,6 +99,10 @@ def test_margins_of_a_campaign_that_does_not_exist_are_refused(call: Call) -> No
         (("PARTOF-goal",), "magnitudes without an order"),
         (("LATE-human", "--tolerance", "0"), "--tolerance"),
         (("LATE-human", "--seeds", "x"), "--seeds='x'"),
+        (("NO-velcmd#sihgt",), "no event 'sihgt'; did you mean 'sight'?"),
+        (("NO-velcmd#light", "--when"), "the event 'light' cannot come: "),
+        (("LATE-human", "--when"), "mutant 'LATE-human' has no phases"),
+        (("NO-velcmd", "--when", "--seeds", "3"), "--when flies nothing"),
         (("LATE-human", "--situation", "T9"), "T9"),
         ((), "CELL|ID"),
     ],

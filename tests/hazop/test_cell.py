@@ -55,6 +55,12 @@ def test_a_fault_that_strikes_once_is_shifted_by_shares_of_its_time() -> None:
     assert cell.mutant_ids(fault, None) == tuple("UNINTENDED-battery" + tail for tail in ("", "#5s", "#10s", "#15s"))
 
 
+def test_events_stand_after_the_times_and_those_that_cannot_come_are_left_out() -> None:
+    cell, events = Cell("UNINTENDED", "battery", CellStatus.CREDIBLE), {"sight": "", "light": "nothing changes it"}
+    fault = Fault("battery", "depleted_pulse", {"at_s": 20.0}, phases=True, events=events)
+    assert cell.mutant_ids(fault, None)[3:] == ("UNINTENDED-battery#15s", "UNINTENDED-battery#sight")
+
+
 def test_a_fault_without_phases_has_one_id_for_each_magnitude() -> None:
     cell = Cell("LATE", "human", CellStatus.CREDIBLE)
     assert [cell.mutant_ids(Fault("person", "delay", {}, LADDER), rung) for rung in LADDER.ladder] == [

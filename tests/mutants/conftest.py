@@ -10,8 +10,11 @@ import numpy as np
 import pytest
 
 import scaloft_fi.mutants.reference  # noqa: F401 - declares the operators of the reference stack
+from scaloft_fi.document import load
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.mutants.derive import with_events
+from scaloft_fi.sim.occasions import events_in
 from scaloft_fi.stack import messages as m
 from scaloft_fi.stack.reference import messages as own
 from scaloft_fi.stack.reference.declaration import REFERENCE
@@ -94,4 +97,5 @@ def sample_of() -> Callable[[str, int], Any]:
 @pytest.fixture(scope="session")
 def matrix() -> Matrix:
     """The reference study's matrix."""
-    return load_matrix(STUDY / "hazop", REFERENCE.by_name)
+    events = events_in(load(STUDY / "sim" / "world.yaml"), REFERENCE.beliefs)
+    return with_events(load_matrix(STUDY / "hazop", REFERENCE.by_name), events)

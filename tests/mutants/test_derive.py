@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -11,9 +12,12 @@ from scaloft_fi.hazop.cell import Cell, CellStatus, Expected, Fault, Magnitude
 from scaloft_fi.hazop.guideword import Guideword
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.parameter import Parameter
-from scaloft_fi.mutants.derive import defaults, derive, expected_of, realise
+from scaloft_fi.mutants.argument import Hold, Period, Seconds
+from scaloft_fi.mutants.derive import defaults, derive, expected_of, realise, with_events
 from scaloft_fi.mutants.facts import Facts
+from scaloft_fi.mutants.operator import Tap, TapContext
 from scaloft_fi.mutants.operators import OPERATORS
+from scaloft_fi.mutants.window import Windows
 from scaloft_fi.mutants.wire import contexts, wire_for
 from scaloft_fi.stack.messages import Detections
 from scaloft_fi.stack.reference.declaration import REFERENCE
@@ -79,6 +83,69 @@ def test_an_id_that_means_nothing_is_refused_with_the_reason(text: str, sentence
     with pytest.raises(InputError) as caught:
         realise(a_matrix(BURSTS, SHARES), text)
     assert sentence in str(caught.value)
+
+
+EVENTS = {"sight": "", "recoil": "", "light": "world.yaml has no happening of kind light"}
+FLAGS = Fault(
+    "person", "outage", {"burst_s": 1.0}, Magnitude("period_s", "s", (20.0, 5.0), 20.0), phases=True, message=Detections
+)
+
+
+def test_the_catalogue_has_the_events_that_can_come_after_the_times_of_each_magnitude() -> None:
+    assert [mutant.id for mutant in derive(with_events(a_matrix(BURSTS), EVENTS))][4:8] == [
+        "NO-human@1s#sight",
+        "NO-human@1s#recoil",
+        "NO-human@3s",
+        "NO-human@3s#2.5s",
+    ]
+
+
+def test_where_magnitudes_are_periods_the_catalogue_has_events_at_the_default_only() -> None:
+    matrix = with_events(a_matrix(FLAGS), EVENTS)
+    assert [m.id for m in derive(matrix) if m.event] == ["NO-human@20s#sight", "NO-human@20s#recoil"]
+    assert realise(matrix, "NO-human@5s#sight").arguments == {"burst_s": 1.0, "period_s": 5.0}
+
+
+def test_events_change_no_default_and_no_mutant_that_strikes_at_times() -> None:
+    matrix = a_matrix(BURSTS, SHARES)
+    struck = with_events(matrix, EVENTS)
+    assert defaults(struck) == defaults(matrix)
+    assert tuple(mutant for mutant in derive(struck) if not mutant.event) == derive(matrix)
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("NO-human@1s#sihgt", "mutant 'NO-human@1s#sihgt': no event 'sihgt'; did you mean 'sight'?"),
+        (
+            "NO-human#light",
+            "mutant 'NO-human#light': the event 'light' cannot come: world.yaml has no happening of kind light",
+        ),
+        ("NO-human@25%#sight", "mutant 'NO-human@25%#sight': NO-human has no phase; write 'NO-human@25%'"),
+    ],
+)
+def test_an_event_that_cannot_come_is_refused_in_a_sentence(text: str, sentence: str) -> None:
+    with pytest.raises(InputError) as caught:
+        realise(with_events(a_matrix(BURSTS, SHARES), EVENTS), text)
+    assert str(caught.value) == sentence
+
+
+def test_an_operator_that_opens_no_windows_at_events_strikes_at_times_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    def deafened(_context: TapContext, *, burst_s: Hold, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
+        windows = Windows.periodic(period_s, phase_s, burst_s)
+        return lambda t_s, sample: None if windows.open(t_s) else sample
+
+    monkeypatch.setitem(OPERATORS._entries, "outage", replace(OPERATORS["outage"], make=deafened))
+    matrix = with_events(a_matrix(BURSTS), EVENTS)
+    assert not [mutant for mutant in derive(matrix) if mutant.event]
+    with pytest.raises(InputError, match="operator 'outage' strikes at times only, such as #5s"):
+        realise(matrix, "NO-human#sight")
+
+
+def test_every_fault_of_the_reference_study_with_phases_strikes_at_events(matrix: Matrix) -> None:
+    phased = {fault.operator for cell in matrix for fault in cell.faults if fault.phases}
+    assert phased == {fault.operator for cell in matrix for fault in cell.faults if fault.events}
+    assert {m.event for m in derive(matrix)} == {"", "sight", "obstacle", "waypoint", "person", "recoil", "mode"}
 
 
 PLACES = {"operator": "human.yaml:7", "seam": "human.yaml:6", "share": "human.yaml:9", "delay_s": "human.yaml:9"}

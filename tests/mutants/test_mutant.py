@@ -23,10 +23,16 @@ MAGNITUDES = st.one_of(
     ),
 )
 PHASES = st.floats(0.0, 1000.0).map(lambda s: float(f"{s:.4f}")).filter(lambda s: float(f"{s:g}") == s)
+EVENTS = st.sampled_from(["sight", "waypoint", "mode", "s", "e5s", "flag_2"])
 VALUES = st.one_of(st.booleans(), st.floats(allow_nan=False), st.sampled_from(["y", "per_axis"]))
 
 
-@given(st.builds(Name, GUIDEWORDS, PARAMETERS, MAGNITUDES, PHASES))
+@given(
+    st.one_of(
+        st.builds(Name, GUIDEWORDS, PARAMETERS, MAGNITUDES, PHASES),
+        st.builds(Name, GUIDEWORDS, PARAMETERS, MAGNITUDES, event=EVENTS),
+    )
+)
 def test_an_id_reads_back_as_it_was_written(name: Name) -> None:
     assert parse(str(name)) == name
     assert str(parse(str(name))) == str(name)
@@ -48,6 +54,10 @@ def test_a_magnitude_splits_into_number_and_unit(number: float, unit: str) -> No
         "late-human",
         "LATE-human@",
         "LATE-human#5",
+        "LATE-human#",
+        "LATE-human#Sight",
+        "LATE-human#sight#5s",
+        "LATE-human#5s#sight",
         "LATE-human@3s#",
         "LATE-human@3s/4",
         "LATE_human",
@@ -66,6 +76,13 @@ def test_a_mutant_survives_json_and_pickling(arguments: dict[str, float | str | 
     assert Mutant.from_json(json.loads(json.dumps(mutant.to_json()))) == mutant
     assert pickle.loads(pickle.dumps(mutant)) == mutant
     assert hash(mutant) == hash(pickle.loads(pickle.dumps(mutant)))
+
+
+def test_the_event_of_a_mutant_survives_json_and_a_mutant_without_one_has_no_such_key() -> None:
+    mutant = Mutant("NO-human@3s#sight", "NO", "human", "3s", 0.0, "person", "outage", {"burst_s": 3.0}, "sight")
+    assert Mutant.from_json(json.loads(json.dumps(mutant.to_json()))) == mutant
+    assert str(mutant.name) == mutant.id
+    assert "event" not in PLACEBO.to_json()
 
 
 def test_a_key_too_many_or_too_few_is_named() -> None:

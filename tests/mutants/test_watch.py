@@ -10,7 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaloft_fi.mutants.operator import Tap
+from scaloft_fi.mutants.sample import within
 from scaloft_fi.mutants.watch import WatchingWire
+from scaloft_fi.mutants.window import Occurrences, Windows
 from scaloft_fi.mutants.wire import SeamCount, TapError, TappedWire
 from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.stack.reference.messages import Target
@@ -157,3 +159,41 @@ def test_nobody_listens_where_all_have_left() -> None:
     assert wire.listens("imu")
     wire.cross("imu", 0.0, (0.0,))
     assert not wire.listens("imu")
+
+
+def _at_events() -> dict[str, TappedWire]:
+    """Two wires whose taps change the first sample after the events `sight` and `mode`."""
+
+    def wire(event: str) -> TappedWire:
+        occurrences = Occurrences()
+        windows = Windows(occurrences.openings(0.0), 0.05)
+        tap = within(windows, lambda target: target._replace(point=(0.0, 0.0, 1.65)))
+        return TappedWire([(REFERENCE.by_name["target"], tap)], {event: occurrences})
+
+    return {event: wire(event) for event in ("sight", "mode")}
+
+
+def _fly_events(wire: Any, occurs: Mapping[int, str]) -> list[Any]:
+    sent = []
+    for k, (seam, t_s, sample) in enumerate(POLLS):
+        if k in occurs:
+            wire.occur(occurs[k], t_s)
+        sent.append(wire.cross(seam, t_s, sample))
+    return sent
+
+
+@given(
+    st.dictionaries(st.integers(0, 9), st.sampled_from(["sight", "mode", "light"])), st.sampled_from(["sight", "mode"])
+)
+def test_every_watched_wire_learns_of_its_event_and_a_branch_of_those_to_come(
+    occurs: dict[int, str], taken: str
+) -> None:
+    fork = Fork(taken)
+    wire, whole = WatchingWire(_at_events(), fork, lambda _name, _error: None), _at_events()[taken]
+    assert wire.awaited == {"sight", "mode"}
+    assert _fly_events(wire, occurs) == _fly_events(whole, occurs)
+    assert wire.counts == (whole.counts if whole.altered else {})
+
+
+def test_wires_of_faults_that_strike_at_times_await_no_event() -> None:
+    assert _watching(Fork(), _taps()).awaited == frozenset()

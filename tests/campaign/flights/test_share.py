@@ -77,6 +77,21 @@ def test_shared_flights_are_the_whole_flights_digest_for_digest_and_field_for_fi
 
 @pytest.mark.flight
 @pytest.mark.skipif(not CAN_FORK, reason="this platform flies every flight whole")
+def test_faults_that_strike_at_events_strike_alike_in_shared_and_in_whole_flights() -> None:
+    situation: Situation = _study().grid.situation("T0O0W0D0H1")
+    mutants = [realise(_study().matrix, name) for name in ("NO-velcmd#sight", "UNINTENDED-battery#mode")]
+    flights = tuple(Flight(mutant, situation, 0) for mutant in (None, *mutants))
+    shared, whole = _outcomes([Batch(flights, shared=True)]), _outcomes(alone(flights))
+    for name, outcome in whole.items():
+        assert asdict(shared[name]) == asdict(outcome)
+    velcmd, battery = (whole[flight.name] for flight in flights[1:])
+    assert (velcmd.altered, battery.altered) == (20, 2)
+    assert velcmd.infected_at_s is not None
+    assert 5.0 < velcmd.infected_at_s < 7.0
+
+
+@pytest.mark.flight
+@pytest.mark.skipif(not CAN_FORK, reason="this platform flies every flight whole")
 def test_a_whole_flight_that_takes_its_process_with_it_takes_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
     situation: Situation = _study().grid.situation("T0O0W0D0H1")
     names = ("MORE-depth@1.25x", "REVERSE-depth", "LATE-human@3s", "LESS-depth@0.9x")

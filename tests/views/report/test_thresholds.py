@@ -97,6 +97,8 @@ def test_magnitudes_are_in_order_and_forms_without_one_stay_as_they_are(study: S
     ids = [mutant.id for mutant in study.catalogue]
     cells = [id_.split("@")[0].split("#")[0] for id_ in sorted(ids, key=order)]
     assert cells == [id_.split("@")[0].split("#")[0] for id_ in ids]
+    phases = ["", "#5s", "#15s", "#mode", "#sight"]
+    assert sorted({f"NO-velcmd@1s{phase}" for phase in phases}, key=order) == [f"NO-velcmd@1s{p}" for p in phases]
     late = [f"LATE-human@{text}" for text in ("0.5s", "0.688s", "1s", "1.06s", "3s", "5s", "12s")]
     assert sorted(set(late), key=order) == late
 
