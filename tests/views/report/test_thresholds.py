@@ -92,6 +92,18 @@ def test_what_is_seen_without_a_verdict_is_no_kill(study: Study) -> None:
     assert entry["least"] == "seen 1-3 s"
 
 
+def test_the_page_has_each_fault_that_was_flown_at_several_phases(study: Study) -> None:
+    mutants = ("NO-velcmd@1s", "NO-velcmd@1s#5s", "NO-velcmd@1s#sight", "LATE-human@3s")
+    told = embedded(page(evidence_of(study, campaign(study, mutants, range(1))), 1), "figures")
+    (when,) = told["whens"]
+    assert when["fault"] == "NO-velcmd@1s"
+    assert [(strike["phase"], strike["at_event"]) for strike in when["strikes"]] == [
+        ("", False),
+        ("#5s", False),
+        ("#sight", True),
+    ]
+
+
 def test_magnitudes_are_in_order_and_forms_without_one_stay_as_they_are(study: Study) -> None:
     order = by_severity(study.matrix, study.roster)
     ids = [mutant.id for mutant in study.catalogue]
