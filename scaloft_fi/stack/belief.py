@@ -11,7 +11,7 @@ class Mark:
     """When a belief puts a mark into the recording of a flight, and on its map.
 
     Attributes:
-        kind: one word for marks of this kind.
+        kind: one word for marks of this kind; a fault may strike at it, as at `#recoil`.
         text: label of the mark; `{}` stands for the value's name.
         first: whether only the first occurrence is marked.
         values: names of the values 0, 1, ...; with them each change is marked, without them each rise above 0.5.
