@@ -26,7 +26,7 @@ from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.judge.space import Space
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.derive import realise, with_events
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.stack.declaration import Declaration
 from scaloft_fi.stack.reference.declaration import REFERENCE
@@ -53,7 +53,7 @@ class FakeGrid(tuple[FakeSituation, ...]):
 
 
 GRID = FakeGrid(FakeSituation(f"D{d}H{h}", 30.0 + 10 * d + 20 * h) for d in (0, 1) for h in (0, 1))
-MATRIX = load_matrix(Path(__file__).parents[2] / "hazop", REFERENCE.by_name)
+MATRIX = with_events(load_matrix(Path(__file__).parents[2] / "hazop", REFERENCE.by_name), {"sight": ""})
 LATE, MORE, CONTROL = (realise(MATRIX, name) for name in ("LATE-human@3s", "MORE-goal@1m", "REVERSE-velcmd"))
 
 

@@ -216,6 +216,9 @@ def test_a_phase_has_a_margin_of_its_own(study: Any) -> None:
     shifted = target(study.matrix, "UNINTENDED-human@20s#5s")
     assert shifted.id_of(30.0) == "UNINTENDED-human@30s#5s"
     assert shifted.subject == PhasedFault("UNINTENDED-human", "s", 5.0)
+    struck = target(study.matrix, "NO-velcmd#sight")
+    assert struck.id_of(2.0) == "NO-velcmd@2s#sight"
+    assert struck.subject == PhasedFault("NO-velcmd", "s", event="sight")
 
 
 def test_the_unit_picks_the_fault(study: Any) -> None:
