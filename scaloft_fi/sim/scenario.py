@@ -112,12 +112,14 @@ class Scenario:
         """Time at which the nominal flight first has a person in view [s]; None if it never has."""
         from scaloft_fi.sim.raster import look  # starts the compiler, which verbs that only read results do not need
 
-        scene, persons = self.world.scene, [self.world.scene.names.index(name) for name in self.persons]
+        around = self.world.surroundings()
+        scene, persons = around.scene, [around.scene.names.index(name) for name in self.persons]
         begun_s = 0.0
         for leg in self._legs(self.world.mission.cruise_mps) if persons else ():
             for k in range(math.ceil(leg.duration_s / LOOK_EVERY_S)):
                 share = k * LOOK_EVERY_S / leg.duration_s
                 x, y, z, yaw = ((1.0 - share) * a + share * b for a, b in zip(leg.start, leg.end, strict=True))
+                around.update(begun_s + k * LOOK_EVERY_S, x, y)
                 attitude = np.array([0.0, 0.0, math.sin(0.5 * yaw), math.cos(0.5 * yaw)])
                 view = look(scene, self.sensors.depth.camera, np.array([x, y, z]), attitude)
                 if any(np.count_nonzero(view.segments == person) >= SIGHTED_PIXELS for person in persons):

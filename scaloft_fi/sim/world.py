@@ -12,6 +12,7 @@ import numpy as np
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.sim import mesh
+from scaloft_fi.sim.happenings import Happening, Surroundings, check_happenings, read_happenings
 from scaloft_fi.sim.measures import SIGNALS
 from scaloft_fi.sim.mesh import Mesh
 from scaloft_fi.sim.mine import Mine, read_mine
@@ -44,6 +45,7 @@ class Body:
         role: name of its role in `ROLES`.
         mesh: its triangles [m, world].
         core: the same shape, smaller by `MARGIN_M` on all sides; the physics server adds that margin to it.
+        centre: its centre [m, world].
         reflectivity: reflected share of infrared light, 0..1.
         present: whether the body is in the mine.
     """
@@ -52,6 +54,7 @@ class Body:
     role: str
     mesh: Mesh
     core: Mesh
+    centre: Point
     reflectivity: float
     present: bool
 
@@ -105,6 +108,7 @@ class World:
         mission: the mission.
         light: brightness of visible light, 0..1.
         signals: names of the optional signals that flights in this world record.
+        happenings: what happens during a flight.
     """
 
     mine: Mine
@@ -113,6 +117,7 @@ class World:
     mission: MissionPlan
     light: float
     signals: tuple[str, ...] = ()
+    happenings: tuple[Happening, ...] = ()
 
     @cached_property
     def present(self) -> tuple[Body, ...]:
@@ -154,6 +159,11 @@ class World:
             ),
         )
 
+    def surroundings(self) -> Surroundings:
+        """The surroundings of a new flight."""
+        places = {body.name: body.centre for body in self.present}
+        return Surroundings(self.scene, self.light, places, self.happenings)
+
 
 def read_world(item: Item) -> World:
     """Read and check a world.
@@ -170,6 +180,7 @@ def read_world(item: Item) -> World:
     if "home" in waypoints:
         raise InputError(f"{waypoint_items['home'].place}: home is no waypoint of its own; it is set under mission")
     mission = _mission(mission_item, waypoints)
+    happenings = read_happenings(item.get("happenings"))
     world = World(
         mine=mine,
         bodies=bodies,
@@ -177,11 +188,13 @@ def read_world(item: Item) -> World:
         mission=mission,
         light=item.need("light").number(least=0.0, most=1.0),
         signals=_signals(item.get("signals"), (WALL, GROUND, *bodies)),
+        happenings=tuple(read.happening for read in happenings),
     )
     item.close()
     _check_height(world, mission_item)
     for name, place in {"home": home_item, **waypoint_items}.items():
         _check_free(world, name, place)
+    check_happenings(world, happenings)
     return world
 
 
@@ -236,6 +249,7 @@ def _body(name: str, item: Item) -> Body:
         role=role,
         mesh=form.moved(centre),
         core=core.moved(centre),
+        centre=centre,
         reflectivity=item.need("reflectivity").number(least=0.0, most=1.0),
         present=item.need("present").flag(),
     )
