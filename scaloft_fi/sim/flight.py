@@ -282,6 +282,7 @@ class FlightLoop:
                 observer.struck,
                 observer.struck_at_s,
                 self._stack_error,
+                self._around.began,
             ),
             beliefs=self._declared.belief_names,
         )

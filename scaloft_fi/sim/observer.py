@@ -66,7 +66,8 @@ class Observer:
         obstacles = world.bodies_with(lambda role: role.is_obstacle)
         self._obstacles = np.array([name in obstacles for name in self._scene.names])
         self._any_obstacle = bool(self._obstacles.any())
-        self._waypoints = tuple((x, y) for x, y, _ in scenario.route[:-1])
+        home = scenario.world.mission.home
+        self._waypoints = tuple((x, y) for x, y, _ in scenario.route if (x, y) != home)
         self._home = scenario.home
         self._passed = 0
         self._measures = [SIGNALS[name].make(scenario) for name in world.signals]

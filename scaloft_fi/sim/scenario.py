@@ -63,7 +63,7 @@ class Scenario:
 
     @property
     def route(self) -> tuple[Point, ...]:
-        """The waypoints of the mission in order; the last one is home [m, world]."""
+        """The waypoints of the mission in order; it lands at the last one [m, world]."""
         return self.world.route
 
     @property
@@ -128,20 +128,22 @@ class Scenario:
         return None
 
     def _legs(self, speed_mps: float) -> Iterator[Leg]:
-        """The nominal flight: climb; for each waypoint turn on the spot and fly straight; descend."""
+        """The nominal flight: climb; for each waypoint turn on the spot and fly straight; descend where it ends."""
         mission = self.world.mission
         nominal = mission.nominal
         x, y, floor_m = self.home
         z, yaw = mission.altitude_m, mission.yaw_rad
         yield Leg((z - floor_m) / nominal.climb_mps, (x, y, floor_m, yaw), (x, y, z, yaw))
         yield Leg(nominal.dwell_s, (x, y, z, yaw), (x, y, z, yaw))
-        for to_x, to_y, _ in self.route:
-            distance_m = math.hypot(to_x - x, to_y - y)
-            if distance_m > 0:
+        for to_x, to_y, to_z in self.route:
+            level_m = math.hypot(to_x - x, to_y - y)
+            if level_m > 0:
                 heading = math.atan2(to_y - y, to_x - x)
                 turned = yaw + math.remainder(heading - yaw, 2.0 * math.pi)
                 yield Leg(abs(turned - yaw) / nominal.turn_radps, (x, y, z, yaw), (x, y, z, turned))
                 yaw = turned
-                yield Leg(distance_m / speed_mps, (x, y, z, yaw), (to_x, to_y, z, yaw))
-                x, y = to_x, to_y
+            distance_m = math.hypot(level_m, to_z - z) if to_z != z else level_m
+            if distance_m > 0:
+                yield Leg(distance_m / speed_mps, (x, y, z, yaw), (to_x, to_y, to_z, yaw))
+                x, y, z = to_x, to_y, to_z
         yield Leg((z - floor_m) / nominal.sink_mps, (x, y, z, yaw), (x, y, floor_m, yaw))

@@ -47,6 +47,11 @@ class Effect(ABC):
         return ""
 
     @property
+    def path(self) -> tuple[tuple[float, float], ...]:
+        """Places (x, y) to which it moves that body, in order [m, world]."""
+        return ()
+
+    @property
     def top_body_mps(self) -> float:
         """Greatest speed of that body [m/s]."""
         return 0.0
@@ -163,6 +168,12 @@ class Surroundings:
     def names(self) -> tuple[str, ...]:
         """Names of the signals that a flight records of the happenings; none in a world without them."""
         return (*self.noted, *(f"{body}_{axis}_m" for body in self.shifts for axis in "xy"))
+
+    @property
+    def began(self) -> list[tuple[float, str]]:
+        """Start [s] and name of each happening that has started."""
+        pairs = zip(self._began_s, self._happenings, strict=True)
+        return [(began_s, happening.name) for began_s, happening in pairs if math.isfinite(began_s)]
 
     def row(self) -> list[float]:
         """The values of `names`."""

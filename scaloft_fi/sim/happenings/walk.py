@@ -21,18 +21,23 @@ class Walk(Effect):
 
     Attributes:
         body: name of the body.
-        path: places (x, y) [m, world].
+        places: places (x, y) [m, world].
         speed_mps: its speed [m/s].
     """
 
     body: str
-    path: tuple[tuple[float, float], ...]
+    places: tuple[tuple[float, float], ...]
     speed_mps: float
 
     @property
     def moved(self) -> str:
         """The body."""
         return self.body
+
+    @property
+    def path(self) -> tuple[tuple[float, float], ...]:
+        """The places."""
+        return self.places
 
     @property
     def top_body_mps(self) -> float:
@@ -56,7 +61,7 @@ class Walk(Effect):
         """
         left_m = max(0.0, since_s) * self.speed_mps
         x, y = start
-        for to_x, to_y in self.path:
+        for to_x, to_y in self.places:
             leg_m = math.hypot(to_x - x, to_y - y)
             if left_m < leg_m:
                 share = left_m / leg_m
@@ -75,7 +80,7 @@ def _check(walk: Walk, world: Any, item: Item) -> None:
     mine, body = world.mine, world.bodies[walk.body]
     z_m = body.centre[2]
     here = (body.centre[0], body.centre[1])
-    for place, entry in zip(walk.path, item.need("path"), strict=True):
+    for place, entry in zip(walk.places, item.need("path"), strict=True):
         if mine.is_between(here, place, z_m) or not mine.holds((*place, z_m)):
             raise InputError(
                 f"{entry.place}: path of {walk.body!r} from {list(here)} to {list(place)} must not lead through a wall"
