@@ -43,7 +43,7 @@ BAD = [
     ("corner: [0.0, 7.0]", "corner: [1.6, 7.0]", "corner=[1.6, 7.0] must be in the open space of the mine"),
     ("corner: [0.0, 7.0]", "corner: [-1.9, 7.7]", "corner=[-1.9, 7.7] must be in open space, not inside 'bar'"),
     ("corner: [0.0, 7.0]", "corner: [0.0, 30.0]", "must be in the open space"),
-        ("corner: [0.0, 7.0]", "corner: [0.0, seven]", "must be a number"),
+    ("corner: [0.0, 7.0]", "corner: [0.0, seven]", "must be a number"),
     ("home: [0.0, 0.0]", "home: [1.8, 0.0]", "home=[1.8, 0.0] must be in the open space"),
     ("home: [0.0, 0.0]", "home: [50.0, 0.0]", "must have the floor at z=0; there is none"),
     ("position: [-1.9, 7.7]", "position: [0.0, 0.0]", "home=[0.0, 0.0] must be in open space, not inside 'bar'"),

@@ -2,6 +2,15 @@
 
 from scaloft_fi.sim.happenings import appear, drift, dust, light, walk, wind  # noqa: F401 - they declare their kinds
 from scaloft_fi.sim.happenings.happening import Effect, Happening, Start, Surroundings
-from scaloft_fi.sim.happenings.kinds import HAPPENINGS, Kind, check_happenings, read_happenings
+from scaloft_fi.sim.happenings.kinds import HAPPENINGS, HappeningKind, check_happenings, read_happenings
 
-__all__ = ["HAPPENINGS", "Effect", "Happening", "Kind", "Start", "Surroundings", "check_happenings", "read_happenings"]
+__all__ = [
+    "HAPPENINGS",
+    "Effect",
+    "Happening",
+    "HappeningKind",
+    "Start",
+    "Surroundings",
+    "check_happenings",
+    "read_happenings",
+]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from scaloft_fi.document import Item
 from scaloft_fi.sim.happenings.happening import Effect, Surroundings
-from scaloft_fi.sim.happenings.kinds import HAPPENINGS, Kind
+from scaloft_fi.sim.happenings.kinds import HAPPENINGS, HappeningKind
 from scaloft_fi.sim.happenings.walk import check_body
 
 HIDDEN_M = (0.0, 0.0, -1000.0)
@@ -38,4 +38,6 @@ class Appear(Effect):
         around.shift(self.body, (0.0, 0.0, 0.0))
 
 
-HAPPENINGS.declare("appear", Kind(Appear.read, check=lambda effect, world, item: check_body(effect.body, world, item)))
+HAPPENINGS.declare(
+    "appear", HappeningKind(Appear.read, check=lambda effect, world, item: check_body(effect.body, world, item))
+)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from scaloft_fi.document import Item
 from scaloft_fi.sim.happenings.happening import Effect, Surroundings
-from scaloft_fi.sim.happenings.kinds import HAPPENINGS, Kind
+from scaloft_fi.sim.happenings.kinds import HAPPENINGS, HappeningKind
 
 
 @dataclass(frozen=True)
@@ -28,4 +28,4 @@ class Drift(Effect):
         around.note(drift_x_m=x, drift_y_m=y, drift_z_m=z)
 
 
-HAPPENINGS.declare("drift", Kind(Drift.read, signals=("drift_x_m", "drift_y_m", "drift_z_m")))
+HAPPENINGS.declare("drift", HappeningKind(Drift.read, signals=("drift_x_m", "drift_y_m", "drift_z_m")))

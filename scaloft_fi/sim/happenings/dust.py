@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from scaloft_fi.document import Item
 from scaloft_fi.sim.happenings.happening import Effect, Surroundings
-from scaloft_fi.sim.happenings.kinds import HAPPENINGS, Kind
+from scaloft_fi.sim.happenings.kinds import HAPPENINGS, HappeningKind
 
 MOST_PER_M = 10.0
 """Greatest extinction: at 10 per metre a wall half a metre away has less than 1 % of its contrast."""
@@ -32,4 +32,4 @@ class Dust(Effect):
         around.note(haze_per_m=self.haze_per_m)
 
 
-HAPPENINGS.declare("dust", Kind(Dust.read, signals=("haze_per_m",)))
+HAPPENINGS.declare("dust", HappeningKind(Dust.read, signals=("haze_per_m",)))

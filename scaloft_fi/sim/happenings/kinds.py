@@ -11,7 +11,7 @@ A plugin declares a kind in a module that its entry point in the group `scaloft_
             around.note(rain_per_m=self.haze_per_m)
 
     HAPPENINGS.declare(
-        "rain", Kind(lambda item: Rain(item.need("haze_per_m").number(least=0.0)), signals=("rain_per_m",))
+        "rain", HappeningKind(lambda item: Rain(item.need("haze_per_m").number(least=0.0)), signals=("rain_per_m",))
     )
 
 A happening in a study's `world.yaml` is of that kind with `kind: rain`.
@@ -31,7 +31,7 @@ from scaloft_fi.sim.happenings.happening import Effect, Happening, Start
 
 
 @dataclass(frozen=True)
-class Kind:
+class HappeningKind:
     """A declared kind of happening.
 
     Attributes:
@@ -47,14 +47,14 @@ class Kind:
     signals: tuple[str, ...] = ()
 
 
-HAPPENINGS = Registry[Kind]("kind of happening")
+HAPPENINGS = Registry[HappeningKind]("kind of happening")
 
 
 class Read(NamedTuple):
     """A happening with its kind and its entry in `world.yaml`."""
 
     happening: Happening
-    kind: Kind
+    kind: HappeningKind
     item: Item
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from scaloft_fi.document import Item
 from scaloft_fi.sim.happenings.happening import Effect, Surroundings
-from scaloft_fi.sim.happenings.kinds import HAPPENINGS, Kind
+from scaloft_fi.sim.happenings.kinds import HAPPENINGS, HappeningKind
 
 
 @dataclass(frozen=True)
@@ -25,4 +25,4 @@ class Light(Effect):
         around.light = self.light
 
 
-HAPPENINGS.declare("light", Kind(Light.read))
+HAPPENINGS.declare("light", HappeningKind(Light.read))

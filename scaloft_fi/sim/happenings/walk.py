@@ -9,7 +9,7 @@ from typing import Any
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.sim.happenings.happening import Effect, Surroundings
-from scaloft_fi.sim.happenings.kinds import HAPPENINGS, Kind
+from scaloft_fi.sim.happenings.kinds import HAPPENINGS, HappeningKind
 
 MOST_MPS = 10.0
 MOST_PLACES = 1000
@@ -101,4 +101,4 @@ def check_body(name: str, world: Any, item: Item) -> None:
         raise InputError(f"{place}: body={name!r} must be present for the happening {item.name!r}")
 
 
-HAPPENINGS.declare("walk", Kind(Walk.read, check=_check))
+HAPPENINGS.declare("walk", HappeningKind(Walk.read, check=_check))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from scaloft_fi.document import Item
 from scaloft_fi.sim.happenings.happening import Effect, Surroundings
-from scaloft_fi.sim.happenings.kinds import HAPPENINGS, Kind
+from scaloft_fi.sim.happenings.kinds import HAPPENINGS, HappeningKind
 
 MOST_MPS = 30.0
 
@@ -39,4 +39,4 @@ class Wind(Effect):
         around.note(wind_x_mps=x, wind_y_mps=y, wind_z_mps=z)
 
 
-HAPPENINGS.declare("wind", Kind(Wind.read, signals=("wind_x_mps", "wind_y_mps", "wind_z_mps")))
+HAPPENINGS.declare("wind", HappeningKind(Wind.read, signals=("wind_x_mps", "wind_y_mps", "wind_z_mps")))

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from scaloft_fi.document import load
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.happenings import HAPPENINGS, Effect, Kind, Start, Surroundings
+from scaloft_fi.sim.happenings import HAPPENINGS, Effect, HappeningKind, Start, Surroundings
 from scaloft_fi.sim.happenings.walk import Walk
 from scaloft_fi.sim.load import load as load_sim
 from scaloft_fi.sim.world import World, read_world
@@ -212,7 +212,7 @@ def test_a_kind_of_another_author_is_one_declaration(world: Make, monkeypatch: p
     def read(_item: Any) -> Effect:
         return Rain()
 
-    monkeypatch.setitem(HAPPENINGS._entries, "rain", Kind(read, signals=("rain_per_m",)))
+    monkeypatch.setitem(HAPPENINGS._entries, "rain", HappeningKind(read, signals=("rain_per_m",)))
     around = world("kind: rain").surroundings()
     assert at(around, 0.0) == {"rain_per_m": 0.1}
     assert around.haze_per_m == 0.1
