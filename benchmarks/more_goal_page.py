@@ -85,40 +85,33 @@ def flown(flights: Mapping[str, Mapping[str, Outcome]], reference: Mapping[str, 
     """
     arms = [Flown(arm, flights.get(arm.name, {}), space) for arm in ARMS]
     by_arm = {one.arm: one for one in arms}
+    valid = sum(not outcome.invalid for one in arms for outcome in one.outcomes.values())
+    rules = [*shown(arms), *masked(by_arm), stack(by_arm)] if valid == FLIGHTS else [UNFINISHED]
+    violated = (
+        [f"### Flights that violate {name}, of {len(SEEDS)}", "", BRACKETS, "", *_by_situation(arms, name)]
+        for name in SAFETY
+    )
     parts = (
-        ["## Flown", "", _complete(arms), _repeated(by_arm[AS_IT_IS], reference)],
-        ["### Rules", "", *shown(arms), *masked(by_arm), stack(by_arm)],
-        [
-            f"### Baselines that hold, of {DRAWS // 2} without (H0) and {DRAWS // 2} with a person (H1)",
-            "",
-            *_held(arms),
-        ],
+        ["## Flown", "", f"{valid:,} of {FLIGHTS:,} flights.  {_repeated(by_arm[AS_IT_IS], reference)}"],
+        ["### Rules", "", *rules],
+        ["### Baselines that hold", "", WITHOUT_AND_WITH, "", *_held(arms)],
         ["### Verdicts", "", *_verdicts(arms)],
-        *(
-            [f"### Flights that violate {name}, of {len(SEEDS)}", "", BRACKETS, "", *_by_situation(arms, name)]
-            for name in SAFETY
-        ),
+        *violated,
         ["### What was violated, where", "", PLACES, "", *_places(arms)],
     )
     return "\n" + "\n\n".join("\n".join(lines) for lines in parts) + "\n"
 
 
+UNFINISHED = "Flights are missing or invalid, so no rule is decided."
 WITHOUT_AND_WITH = f"H0: of {DRAWS // 2} draws without a person; H1: of {DRAWS // 2} with a person."
 BRACKETS = "In brackets: the pair does not put the fault to the test; for a baseline: the pair is not steady."
 PLACES = "Of mutants the violations in steady pairs, of baselines all; least and greatest time and position."
 
 
-def _complete(arms: Sequence[Flown]) -> str:
-    outcomes = [outcome for one in arms for outcome in one.outcomes.values()]
-    invalid = sum(bool(outcome.invalid) for outcome in outcomes)
-    begun = "" if len(outcomes) - invalid == FLIGHTS else "**Unfinished: no rule is decided.**  "
-    return f"{begun}{len(outcomes):,} of {FLIGHTS:,} flights, {invalid} of them invalid."
-
-
 def _repeated(as_it_is: Flown, reference: Mapping[str, str]) -> str:
     both = [outcome for name, outcome in as_it_is.outcomes.items() if name in reference]
     equal = sum(outcome.digest == reference[outcome.name] for outcome in both)
-    return f"Of {as_it_is.arm.name}, {len(both)} flights are in the reference campaign; {equal} have its digest."
+    return f"{len(both)} flights of *{as_it_is.arm.name}* are in the reference campaign; {equal} have its digest."
 
 
 def shown(arms: Iterable[Flown]) -> Iterator[str]:
