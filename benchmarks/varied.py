@@ -1,6 +1,6 @@
 """Fly the study with changed numbers, for scripts that test the effect of an assumption.
 
-Each flight is flown whole and outside a campaign; the script gets its outcome and its log.
+`flown` flies each flight whole and yields its outcome and its log; `shared` flies many flights as a campaign does.
 """
 
 from __future__ import annotations
@@ -11,18 +11,45 @@ import checkout  # noqa: F401 - first: it sets the path and the threads
 
 import argparse
 import multiprocessing
-from collections.abc import Callable, Iterable, Iterator, Mapping
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
-from scaloft_fi.campaign.flights.fly import facts
-from scaloft_fi.judge.outcome import Outcome, Subject, outcome_of
+from scaloft_fi.campaign.flights.fly import fly_log, judged
+from scaloft_fi.campaign.flights.physics import Physics
+from scaloft_fi.campaign.plan.arrange import together
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.workers.local import Local
+from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.derive import realise
-from scaloft_fi.mutants.wire import contexts, wire_for
-from scaloft_fi.sim.flight import fly
-from scaloft_fi.sim.load import load
+from scaloft_fi.sim.grid import Grid
+from scaloft_fi.sim.load import SimConfig, load
 from scaloft_fi.sim.log import FlightLog
 from scaloft_fi.study import Study
+
+
+@dataclass(frozen=True)
+class Varied(Study):
+    """A study with changed numbers.
+
+    Attributes:
+        overrides: pairs of a dotted path, as in `sim/sources.yaml`, and a number.
+    """
+
+    overrides: tuple[tuple[str, float], ...] = ()
+
+    @cached_property
+    def sim(self) -> SimConfig:
+        """Mine, vehicle, sensors, stack and situations with the changed numbers."""
+        return load(self.folder / "sim", dict(self.overrides))
+
+    @cached_property
+    def grid(self) -> Grid:
+        """The situations with the changed numbers."""
+        return self.sim.grid
 
 
 class Beside(NamedTuple):
@@ -44,25 +71,31 @@ def flown(beside: Beside) -> Iterator[tuple[Outcome, FlightLog]]:
     Raises:
         ScaloftError: the study cannot be flown with these numbers.
     """
-    study = Study.open(beside.folder)
-    config = load(beside.folder / "sim", beside.overrides)
-    scenario = config.scenario(config.grid.situation(beside.situation))
-    known = facts(scenario, config.stack.parameters)
-    for mutant_id in ("", *beside.mutants):
-        mutant = realise(study.matrix, mutant_id) if mutant_id else None
-        context = contexts(mutant_id or "baseline", beside.situation, beside.seed, known)
-        log = fly(config, scenario.situation, beside.seed, wire_for(mutant, study.stack, context))
-        yield (
-            outcome_of(
-                log,
-                Subject.of(mutant),
-                beside.situation,
-                beside.seed,
-                requirements=study.requirements,
-                realisation=None,
-            ),
-            log,
-        )
+    study = Varied(Study.open(beside.folder).folder, tuple(beside.overrides.items()))
+    situation = study.grid.situation(beside.situation)
+    for mutant in (None, *(realise(study.matrix, mutant_id) for mutant_id in beside.mutants)):
+        flight = Flight(mutant, situation, beside.seed)
+        log = fly_log(study, flight)
+        yield judged(study, flight, log), log
+
+
+def shared(study: Study, flights: Sequence[Flight], jobs: int) -> Iterator[Outcome]:
+    """Yield the outcomes of flights in any order; mutants share the beginning of their baseline, as in a campaign.
+
+    Args:
+        study: the study, which may be `Varied`.
+        flights: the flights.
+        jobs: number of processes.
+
+    Raises:
+        ScaloftError: the study cannot be flown.
+    """
+    with Local(jobs).workers(study, Physics(), stop=lambda: False, say=_say) as workers:
+        yield from workers.map(together(flights, lambda flight: study.expected_s(flight.situation), jobs))
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
 
 
 def outcomes(besides: Iterable[Beside], jobs: int) -> list[list[Outcome]]:

@@ -44,6 +44,7 @@ from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
     from scaloft_fi.campaign.runs.strategy import Asked, strategy
+    from scaloft_fi.sim.happenings import HAPPENINGS, Effect, HappeningKind, Surroundings
     from scaloft_fi.sim.roles import ROLES, Role
     from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
     from scaloft_fi.views.exchange import Dossier, export_format
@@ -51,6 +52,10 @@ if TYPE_CHECKING:
 LATE = {
     "Asked": "scaloft_fi.campaign.runs.strategy",
     "Dossier": "scaloft_fi.views.exchange",
+    "Effect": "scaloft_fi.sim.happenings",
+    "HAPPENINGS": "scaloft_fi.sim.happenings",
+    "HappeningKind": "scaloft_fi.sim.happenings",
+    "Surroundings": "scaloft_fi.sim.happenings",
     "FlightSetting": "scaloft_fi.sim.sensors.sensor",
     "Moment": "scaloft_fi.sim.sensors.sensor",
     "ROLES": "scaloft_fi.sim.roles",
@@ -64,6 +69,7 @@ LATE = {
 
 __all__ = [
     "ANYTHING",
+    "HAPPENINGS",
     "IMAGE",
     "NUMBERS",
     "ROLES",
@@ -81,11 +87,13 @@ __all__ = [
     "Declaration",
     "Degrees",
     "Dossier",
+    "Effect",
     "Example",
     "Factor",
     "Facts",
     "FastPath",
     "FlightSetting",
+    "HappeningKind",
     "Hold",
     "Image",
     "Mark",
@@ -108,6 +116,7 @@ __all__ = [
     "StackCheck",
     "Stamp",
     "Study",
+    "Surroundings",
     "Table",
     "Tap",
     "TapContext",

@@ -144,6 +144,7 @@ class Study(Setup):
         These modules and all that they import can change an outcome; a plugin that the study does not use cannot.
         """
         from scaloft_fi.mutants.operators import OPERATORS
+        from scaloft_fi.sim.happenings import HAPPENINGS
         from scaloft_fi.sim.measures import SIGNALS
 
         declared = sys.modules.get("scaloft_fi.sim.sensors.sensor")  # a plugin that declares a sensor has imported it
@@ -155,9 +156,16 @@ class Study(Setup):
             stack.make,
             *(kinds[name].make for name in sensors if name in kinds),
             *(SIGNALS[name].make for name in self.grid.world(()).signals),
+            *(HAPPENINGS[name].read for name in self._kinds_of_happenings if name in HAPPENINGS),
             *(OPERATORS[name].make for name in sorted(operators) if name in OPERATORS),
         ]
         return *FLYING, *dict.fromkeys(make.__module__ for make in makers)
+
+    @property
+    def _kinds_of_happenings(self) -> list[str]:
+        """The kinds of all happenings in the study, active or not."""
+        declared = load(self.folder / "sim" / "world.yaml").plain().get("happenings") or {}
+        return sorted({str(entry.get("kind")) for entry in declared.values() if isinstance(entry, dict)})
 
     def check(self, situations: Iterable[Situation] | None = None) -> None:
         """Read every part, and check the parts against each other.

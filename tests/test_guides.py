@@ -11,7 +11,7 @@ import pytest
 from plugins import ROOT, call, install_project
 
 BLOCK = re.compile(r"^```(\w+) ?(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-GUIDES = ("stack", "operator", "sensor_or_signal", "export_format", "choice_of_situations")
+GUIDES = ("stack", "operator", "sensor_or_signal", "export_format", "choice_of_situations", "happening")
 EXAMPLES = """
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.registry import load_plugins

@@ -66,6 +66,10 @@ class Airframe:
         self._inverse, self._rates = inverse_at(yaw_rad), list[tuple[float, ...]]()
         self.read()
 
+    def blow(self, wind_mps: Array) -> None:
+        """Set the velocity of the air (3,) [m/s, world], which pushes with the vehicle's drag."""
+        self._effect[4, 1:] = self._effect[4, 0] * wind_mps
+
     def actuate(self, order: Array) -> None:
         """Move the thrusts towards `order` (4,) [N], and set force and torque of the next step."""
         actuate(self.thrusts, order, self._lag, self._effect, self.state, self.pushed)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -65,6 +65,14 @@ def build(client: int, world: World) -> BodyIds:
     for body in world.present:
         ids[body.name] = _fixed(client, pybullet, _hull(client, pybullet, body.core))
     return BodyIds(ids)
+
+
+def place(client: int, ids: BodyIds, shifts: Mapping[str, Sequence[float]]) -> None:
+    """Put bodies at their positions plus `shifts` (3,) [m, world]."""
+    import pybullet
+
+    for name, by_m in shifts.items():
+        pybullet.resetBasePositionAndOrientation(ids.by_name[name], by_m, (0.0, 0.0, 0.0, 1.0), physicsClientId=client)
 
 
 def _triangles(client: int, pybullet: Any, mesh: Mesh) -> int:

@@ -58,16 +58,19 @@ class Feeler:
         number: body number of the vehicle.
         vehicle: what flies.
         name_of: names of the bodies of the world by number.
+        wind_mps: greatest speed of the air [m/s].
 
     Attributes:
         out_of_reach: whether the vehicle can touch nothing in the tick after `look`.
     """
 
-    def __init__(self, client: int, number: int, vehicle: Vehicle, name_of: Mapping[int, str]) -> None:
+    def __init__(
+        self, client: int, number: int, vehicle: Vehicle, name_of: Mapping[int, str], wind_mps: float = 0.0
+    ) -> None:
         self.out_of_reach = False
         self._client, self._number, self._name_of = client, number, name_of
         self._half_height_m = vehicle.half_height_m
-        self._reach = Reach(vehicle)
+        self._reach = Reach(vehicle, wind_mps)
         self._x = self._y = self._z = 0.0
         self._free_square = -1.0
 

@@ -7,6 +7,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from scaloft_fi.sim.log import Array, Count, Event
 from scaloft_fi.stack.belief import Belief, Mark
 
+HAPPENING = "#a16207"
+"""Colour of the mark of a happening on a map."""
+
 
 def events_of(
     elapsed_s: Array,
@@ -16,8 +19,9 @@ def events_of(
     struck: str,
     struck_at_s: float,
     error: str,
+    began: Iterable[tuple[float, str]] = (),
 ) -> tuple[Event, ...]:
-    """Events in order of time: marked beliefs of the stack, infection, contact, error of the stack.
+    """Events in order of time: marked beliefs of the stack, happenings, infection, contact, error of the stack.
 
     Args:
         elapsed_s: (T,) times of the samples [s].
@@ -27,6 +31,7 @@ def events_of(
         struck: body of the contact that ended the flight; "" without one.
         struck_at_s: time of that contact [s].
         error: the exception of the stack; "" without one.
+        began: start [s] and name of each happening that started.
     """
     events = [
         event
@@ -34,6 +39,7 @@ def events_of(
         if belief.mark is not None
         for event in _marks(belief.mark, elapsed_s, believed[belief.name])
     ]
+    events += [Event(t_s, "happening", f"{name} begins", HAPPENING) for t_s, name in began]
     first = [count.first_altered_s for count in counts.values() if count.first_altered_s is not None]
     if first:
         events.append(Event(min(first), "infection", "the first sample differs"))

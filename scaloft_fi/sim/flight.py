@@ -15,7 +15,7 @@ from scaloft_fi.errors import InputError, ScaloftError
 from scaloft_fi.mutants.wire import TapError
 from scaloft_fi.sim.agreement import agrees
 from scaloft_fi.sim.airframe import Airframe
-from scaloft_fi.sim.build import build, connect
+from scaloft_fi.sim.build import build, connect, place
 from scaloft_fi.sim.compiled_stepper import CompiledStepper
 from scaloft_fi.sim.contact import Feeler
 from scaloft_fi.sim.events import events_of
@@ -35,7 +35,7 @@ from scaloft_fi.stack.contract import Stack, Task
 from scaloft_fi.stack.declaration import Declaration
 from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.messages import SensorFrames
-from scaloft_fi.stack.rates import STEP_HZ, STEP_S, STEPS_PER_TICK, TICK_HZ
+from scaloft_fi.stack.rates import STEP_HZ, STEP_S, STEPS_PER_TICK, TICK_HZ, TICK_S
 from scaloft_fi.stack.seam import Wire
 
 NO_THRUST = np.zeros(4)
@@ -144,16 +144,15 @@ class FlightLoop:
         declared: Declaration | None = None,
     ) -> None:
         vehicle = scenario.vehicle
-        ids = build(client, scenario.world)
+        self._ids = ids = build(client, scenario.world)
+        self._around = around = scenario.world.surroundings()
         self._declared = declared or STACKS[config.stack.name]
         self.stack: Stack = make_stack(config, self._declared, scenario, wire)
-        self.sensors = Sensors(
-            scenario.sensors, scenario.world.scene, scenario.labels, scenario.world.light, scenario.key, seed
-        )
+        self.sensors = Sensors(scenario.sensors, around, scenario.labels, scenario.key, seed)
         self._client, self._scenario, self._wire = client, scenario, wire
         self.airframe = Airframe(client, vehicle, scenario.start, scenario.world.mission.yaw_rad)
-        self._observer = Observer(client, ids, self.airframe.number, vehicle, scenario, scenario.sensors.depth.max_m)
-        self._feeler = Feeler(client, self.airframe.number, vehicle, ids.name_of)
+        self._observer = Observer(client, ids, self.airframe.number, vehicle, scenario, around)
+        self._feeler = Feeler(client, self.airframe.number, vehicle, ids.name_of, around.top_wind_mps)
         self._lookout = Lookout.of(wire, scenario.world, self._observer.names, self._declared.beliefs)
         self._truth, self._beliefs = Recorder(self._observer.names), Recorder(self._declared.belief_names)
         self._server: Stepper = ServerStepper(self.airframe, self._drive)
@@ -167,9 +166,10 @@ class FlightLoop:
     def tick(self) -> bool:
         """Record a sample; unless the flight is over, run sensors and companion.  Returns whether it continues."""
         now_s = self.ticks / TICK_HZ
+        self._change_surroundings(now_s)
         truth = self._observer.sample(now_s, self.airframe.state, self.sensors.view)
         self._truth.add(truth)
-        self._feeler.look(self.airframe.truth, self._observer.room_m)
+        self._feeler.look(self.airframe.truth, self._observer.room_m - self._around.top_body_mps * TICK_S)
         believed = self._believed(now_s)
         self._beliefs.add(believed)
         if self._ending(now_s) is not None:
@@ -181,6 +181,15 @@ class FlightLoop:
             self._think(now_s, frames)
         self.ticks += 1
         return True
+
+    def _change_surroundings(self, now_s: float) -> None:
+        """Let happen what happens at this tick."""
+        around = self._around
+        around.update(now_s, *self.airframe.truth[:2])
+        if around.shifts:
+            place(self._client, self._ids, around.shifts)
+        if around.top_wind_mps:
+            self.airframe.blow(around.wind_mps)
 
     def _believed(self, now_s: float) -> Array:
         """The stack's beliefs.
@@ -209,6 +218,9 @@ class FlightLoop:
 
     def step(self) -> None:
         """Let the server make one physics step, and find its contacts."""
+        if self._around.top_body_mps:
+            self._around.move(self._steps * STEP_S)
+            place(self._client, self._ids, self._around.shifts)
         self._server.advance(self._steps, 1)
         self._steps += 1
         self._watch()
@@ -276,6 +288,7 @@ class FlightLoop:
                 observer.struck,
                 observer.struck_at_s,
                 self._stack_error,
+                self._around.began,
             ),
             beliefs=self._declared.belief_names,
         )

@@ -91,12 +91,19 @@ class SimConfig:
 
     def _built(self, situation: Situation) -> Scenario:
         try:
-            return Scenario(situation, *_read(self.grid.documents_of(situation.levels)))
+            scenario = Scenario(situation, *_read(self.grid.documents_of(situation.levels)))
         except InputError as error:
             values = self._to_blame(situation)
             names = " and ".join(f"{axis}{level}" for axis, level in values)
             sentence = f"{error}: {names} cannot be combined, as in situation {situation.key}"
             raise InputError(f"{sentence}; {remedy(*values)}") from error
+
+        for happening in scenario.world.happenings:
+            if happening.start.at_s >= scenario.t_max_s:
+                limit = f"before the time limit of situation {situation.key}, {scenario.t_max_s:.1f} s"
+                sentence = f"at_s={happening.start.at_s:g} must be {limit}, or {happening.name!r} cannot come"
+                raise InputError(f"{happening.place}: {sentence}")
+        return scenario
 
     def _to_blame(self, situation: Situation) -> tuple[tuple[str, int], ...]:
         """The first two values of a situation that cannot be combined; all values where any two can."""

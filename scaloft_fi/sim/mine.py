@@ -67,6 +67,10 @@ class Mine:
         x, y, z = point
         return 0.0 < z < self.height_m and inside(section(self.wall.triangles, z), x, y)
 
+    def is_between(self, start: Corner, end: Corner, z_m: float) -> bool:
+        """Whether a wall crosses the straight line from `start` to `end` [m, world] at height `z_m`."""
+        return any(_cross(start, end, *side) for side in section(self.wall.triangles, z_m))
+
     def wall_towards(self, point: Sequence[float], direction: Corner) -> WallPoint | None:
         """The nearest point to `point` (3,) [m, world] on the wall segment in a horizontal direction.
 

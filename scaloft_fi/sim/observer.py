@@ -14,6 +14,7 @@ from scaloft_fi.sim.build import BodyIds
 from scaloft_fi.sim.clearance import Clearances
 from scaloft_fi.sim.contact import Contact
 from scaloft_fi.sim.geometry import blocked, nearest
+from scaloft_fi.sim.happenings import Surroundings
 from scaloft_fi.sim.log import NEVER_S
 from scaloft_fi.sim.measures import SIGNALS
 from scaloft_fi.sim.raster import View, pixels_of
@@ -46,23 +47,27 @@ class Observer:
     """
 
     def __init__(
-        self, client: int, ids: BodyIds, body: int, vehicle: Vehicle, scenario: Scenario, range_m: float
+        self, client: int, ids: BodyIds, body: int, vehicle: Vehicle, scenario: Scenario, around: Surroundings
     ) -> None:
         world = scenario.world
-        self.names = tuple(signal.name for signal in truth_signals(world.surfaces, world.signals))
+        declared = tuple(signal.name for signal in truth_signals(world.surfaces, world.signals))
+        self.names = (*declared, *around.names)
         self.struck = ""
         self.struck_at_s = NEVER_S
         self.landed = False
         self._clearances = Clearances(client, ids, body, vehicle, world)
-        self._scenario, self._scene, self._surfaces = scenario, world.scene, world.surfaces
+        self._scenario, self._scene, self._surfaces, self._around = scenario, around.scene, world.surfaces, around
         self.room_m = 0.0
-        self._range_m = range_m
+        self._range_m = scenario.sensors.depth.max_m
         owners = {name: number for number, name in enumerate(self._scene.names)}
-        self._persons = [(owners[name], _axis_points(world.bodies[name].mesh.vertices)) for name in scenario.persons]
+        self._persons = [
+            (name, owners[name], _axis_points(world.bodies[name].mesh.vertices)) for name in scenario.persons
+        ]
         obstacles = world.bodies_with(lambda role: role.is_obstacle)
         self._obstacles = np.array([name in obstacles for name in self._scene.names])
         self._any_obstacle = bool(self._obstacles.any())
-        self._waypoints = tuple((x, y) for x, y, _ in scenario.route[:-1])
+        home = scenario.world.mission.home
+        self._waypoints = tuple((x, y) for x, y, _ in scenario.route if (x, y) != home)
         self._home = scenario.home
         self._passed = 0
         self._measures = [SIGNALS[name].make(scenario) for name in world.signals]
@@ -123,7 +128,7 @@ class Observer:
         self._airborne |= z - self._home[2] > AIRBORNE_M
         home_m = math.hypot(x - self._home[0], y - self._home[1])
         excused = self._excused(x, y)
-        self._clearances.look((x, y, z, qx, qy, qz, qw))
+        self._clearances.look((x, y, z, qx, qy, qz, qw), self._around.shifts)
         clearances = {name: self._clearance(name, excused) for name in self._surfaces}
         person_range_m, person_sight_m = self._person(state)
         clearance_m = self.room_m = min(clearances.values())
@@ -142,11 +147,12 @@ class Observer:
             float(len(scenario.route) - self._passed),
             home_m,
             float(self.landed),
-            scenario.world.light,
+            self._around.light,
             self._obstacle_pixels(view),
             clearances[WALL] if self._near_waypoint(x, y) else FAR_M,
             *clearances.values(),
             *(measure(state) for measure in self._measures),
+            *self._around.row(),
         ]
         self._top_square = 0.0
         self._touched.clear()
@@ -172,11 +178,15 @@ class Observer:
         """Range of the nearest person's surface, and of the nearest person in sight [m]."""
         scene, centre, foot = self._scene, state[:3], np.empty(3)
         range_m, sight_m = FAR_M, FAR_M
-        for owner, axis in self._persons:
+        for name, owner, axis in self._persons:
             distance_m = nearest(scene.vertices, scene.faces, scene.owner, owner, centre, foot)
             range_m = min(range_m, distance_m)
-            if distance_m < min(SIGHT_M, sight_m) and any(
-                not blocked(scene.vertices, scene.faces, scene.owner, owner, centre, point) for point in (foot, *axis)
+            if distance_m >= min(SIGHT_M, sight_m):
+                continue
+            by_m = self._around.shifts.get(name)
+            points = axis if by_m is None else [point + by_m for point in axis]
+            if any(
+                not blocked(scene.vertices, scene.faces, scene.owner, owner, centre, point) for point in (foot, *points)
             ):
                 sight_m = distance_m
         return range_m, sight_m

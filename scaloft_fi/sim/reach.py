@@ -21,18 +21,20 @@ class Reach:
 
     Args:
         vehicle: what flies.
+        wind_mps: greatest speed of the air [m/s].
 
     Attributes:
         any_turn_m: greatest loss of clearance by a rotation about the centre [m].
-        gained_m, gained_rad: greatest distance and rotation that rotors and weight can add in a tick [m, rad].
+        gained_m, gained_rad: greatest distance and rotation that rotors, wind and weight can add in a tick [m, rad].
         tumble: greatest factor by which the angular rate can grow without torque.
     """
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: Vehicle, wind_mps: float = 0.0) -> None:
         self._radius_m = 0.5 * math.hypot(*vehicle.hull_m)
         # In every attitude the hull lies in one ball about its centre and contains a smaller one.
         self.any_turn_m = self._radius_m - 0.5 * min(vehicle.hull_m)
-        self.gained_m = _GAINED_S2 * (4.0 * vehicle.max_thrust_n / vehicle.mass_kg + GRAVITY_MPS2)
+        most_n = 4.0 * vehicle.max_thrust_n + vehicle.drag * wind_mps
+        self.gained_m = _GAINED_S2 * (most_n / vehicle.mass_kg + GRAVITY_MPS2)
         most, least = max(vehicle.inertia), min(vehicle.inertia)
         # Without torque the energy of rotation is constant; the axis may change.
         self.tumble = math.sqrt(most / least)

@@ -63,7 +63,7 @@ class Scenario:
 
     @property
     def route(self) -> tuple[Point, ...]:
-        """The waypoints of the mission in order; the last one is home [m, world]."""
+        """The waypoints of the mission in order; it lands at the last one [m, world]."""
         return self.world.route
 
     @property
@@ -112,12 +112,14 @@ class Scenario:
         """Time at which the nominal flight first has a person in view [s]; None if it never has."""
         from scaloft_fi.sim.raster import look  # starts the compiler, which verbs that only read results do not need
 
-        scene, persons = self.world.scene, [self.world.scene.names.index(name) for name in self.persons]
+        around = self.world.surroundings()
+        scene, persons = around.scene, [around.scene.names.index(name) for name in self.persons]
         begun_s = 0.0
         for leg in self._legs(self.world.mission.cruise_mps) if persons else ():
             for k in range(math.ceil(leg.duration_s / LOOK_EVERY_S)):
                 share = k * LOOK_EVERY_S / leg.duration_s
                 x, y, z, yaw = ((1.0 - share) * a + share * b for a, b in zip(leg.start, leg.end, strict=True))
+                around.update(begun_s + k * LOOK_EVERY_S, x, y)
                 attitude = np.array([0.0, 0.0, math.sin(0.5 * yaw), math.cos(0.5 * yaw)])
                 view = look(scene, self.sensors.depth.camera, np.array([x, y, z]), attitude)
                 if any(np.count_nonzero(view.segments == person) >= SIGHTED_PIXELS for person in persons):
@@ -126,20 +128,22 @@ class Scenario:
         return None
 
     def _legs(self, speed_mps: float) -> Iterator[Leg]:
-        """The nominal flight: climb; for each waypoint turn on the spot and fly straight; descend."""
+        """The nominal flight: climb; for each waypoint turn on the spot and fly straight; descend where it ends."""
         mission = self.world.mission
         nominal = mission.nominal
         x, y, floor_m = self.home
         z, yaw = mission.altitude_m, mission.yaw_rad
         yield Leg((z - floor_m) / nominal.climb_mps, (x, y, floor_m, yaw), (x, y, z, yaw))
         yield Leg(nominal.dwell_s, (x, y, z, yaw), (x, y, z, yaw))
-        for to_x, to_y, _ in self.route:
-            distance_m = math.hypot(to_x - x, to_y - y)
-            if distance_m > 0:
+        for to_x, to_y, to_z in self.route:
+            level_m = math.hypot(to_x - x, to_y - y)
+            if level_m > 0:
                 heading = math.atan2(to_y - y, to_x - x)
                 turned = yaw + math.remainder(heading - yaw, 2.0 * math.pi)
                 yield Leg(abs(turned - yaw) / nominal.turn_radps, (x, y, z, yaw), (x, y, z, turned))
                 yaw = turned
-                yield Leg(distance_m / speed_mps, (x, y, z, yaw), (to_x, to_y, z, yaw))
-                x, y = to_x, to_y
+            distance_m = math.hypot(level_m, to_z - z) if to_z != z else level_m
+            if distance_m > 0:
+                yield Leg(distance_m / speed_mps, (x, y, z, yaw), (to_x, to_y, to_z, yaw))
+                x, y, z = to_x, to_y, to_z
         yield Leg((z - floor_m) / nominal.sink_mps, (x, y, z, yaw), (x, y, floor_m, yaw))

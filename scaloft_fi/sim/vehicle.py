@@ -145,7 +145,7 @@ def wrench(thrusts: Array, state: Array, effect: Array, force: Array, torque: Ar
     Args:
         thrusts: (4,) thrust of each rotor [N].
         state: (13,) state of the vehicle.
-        effect: (5, 4) from `Vehicle.effect`.
+        effect: (5, 4) from `Vehicle.effect`; the air's own force [N, world] at [4, 1:].
         force: (3,) receives the force [N, world].
         torque: (3,) receives the torque [N m, world].
     """
@@ -161,6 +161,9 @@ def wrench(thrusts: Array, state: Array, effect: Array, force: Array, torque: Ar
     force[0] = lift * ux - drag * state[7]
     force[1] = lift * uy - drag * state[8]
     force[2] = lift * uz - drag * state[9]
+    if effect[4, 1] != 0.0 or effect[4, 2] != 0.0 or effect[4, 3] != 0.0:
+        for k in range(3):
+            force[k] += effect[4, 1 + k]
     torque[0] = (1.0 - 2.0 * (y * y + z * z)) * tx + 2.0 * (x * y - z * w) * ty + ux * tz
     torque[1] = 2.0 * (x * y + z * w) * tx + (1.0 - 2.0 * (x * x + z * z)) * ty + uy * tz
     torque[2] = 2.0 * (x * z - y * w) * tx + 2.0 * (y * z + x * w) * ty + uz * tz

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,6 +12,7 @@ import numpy as np
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.sim import mesh
+from scaloft_fi.sim.happenings import Happening, Surroundings, check_happenings, read_happenings
 from scaloft_fi.sim.measures import SIGNALS
 from scaloft_fi.sim.mesh import Mesh
 from scaloft_fi.sim.mine import Mine, read_mine
@@ -44,6 +45,7 @@ class Body:
         role: name of its role in `ROLES`.
         mesh: its triangles [m, world].
         core: the same shape, smaller by `MARGIN_M` on all sides; the physics server adds that margin to it.
+        centre: its centre [m, world].
         reflectivity: reflected share of infrared light, 0..1.
         present: whether the body is in the mine.
     """
@@ -52,6 +54,7 @@ class Body:
     role: str
     mesh: Mesh
     core: Mesh
+    centre: Point
     reflectivity: float
     present: bool
 
@@ -79,8 +82,8 @@ class MissionPlan:
     Attributes:
         home: (x, y) of take-off and landing [m, world].
         yaw_rad: heading at the start [rad].
-        route: names of the waypoints in order; the last one is `home`.
-        altitude_m: altitude of flight [m].
+        route: names of the waypoints in order; it lands at the last one.
+        altitude_m: altitude of flight, where a waypoint has none of its own [m].
         cruise_mps, slow_mps: speed before and after the first detection of a person [m/s].
         nominal: other speeds of the nominal flight.
     """
@@ -101,18 +104,20 @@ class World:
     Attributes:
         mine: the rock.
         bodies: bodies by name, absent bodies included.
-        waypoints: (x, y) by name [m, world]; `home` comes from the mission.
+        waypoints: (x, y, z) by name [m, world]; `home` comes from the mission.
         mission: the mission.
         light: brightness of visible light, 0..1.
         signals: names of the optional signals that flights in this world record.
+        happenings: what happens during a flight.
     """
 
     mine: Mine
     bodies: Mapping[str, Body]
-    waypoints: Mapping[str, tuple[float, float]]
+    waypoints: Mapping[str, Point]
     mission: MissionPlan
     light: float
     signals: tuple[str, ...] = ()
+    happenings: tuple[Happening, ...] = ()
 
     @cached_property
     def present(self) -> tuple[Body, ...]:
@@ -130,8 +135,8 @@ class World:
 
     @cached_property
     def route(self) -> tuple[Point, ...]:
-        """The waypoints of the mission in order; the last one is home [m, world]."""
-        return tuple((*self.waypoints[name], self.mission.altitude_m) for name in self.mission.route)
+        """The waypoints of the mission in order; it lands at the last one [m, world]."""
+        return tuple(self.waypoints[name] for name in self.mission.route)
 
     @cached_property
     def floor_m(self) -> float:
@@ -154,6 +159,16 @@ class World:
             ),
         )
 
+    def path_of(self, body: Body) -> tuple[tuple[float, float], ...]:
+        """The places (x, y) of a body that moves, its position first [m, world]; empty for a body that stands."""
+        paths = (happening.effect.path for happening in self.happenings if happening.effect.moved == body.name)
+        return next(((body.centre[:2], *path) for path in paths if path), ())
+
+    def surroundings(self) -> Surroundings:
+        """The surroundings of a new flight."""
+        places = {body.name: body.centre for body in self.present}
+        return Surroundings(self.scene, self.light, places, self.happenings)
+
 
 def read_world(item: Item) -> World:
     """Read and check a world.
@@ -166,22 +181,25 @@ def read_world(item: Item) -> World:
     waypoint_items = item.need("waypoints").mapping()
     mission_item = item.need("mission")
     home_item = mission_item.need("home")
-    waypoints = {name: _pair(entry) for name, entry in waypoint_items.items()}
-    if "home" in waypoints:
+    if "home" in waypoint_items:
         raise InputError(f"{waypoint_items['home'].place}: home is no waypoint of its own; it is set under mission")
-    mission = _mission(mission_item, waypoints)
+    mission = _mission(mission_item, waypoint_items)
+    waypoints = {name: _waypoint(entry, mission.altitude_m) for name, entry in waypoint_items.items()}
+    happenings = read_happenings(item.get("happenings"))
     world = World(
         mine=mine,
         bodies=bodies,
-        waypoints={"home": mission.home, **waypoints},
+        waypoints={"home": (*mission.home, mission.altitude_m), **waypoints},
         mission=mission,
         light=item.need("light").number(least=0.0, most=1.0),
         signals=_signals(item.get("signals"), (WALL, GROUND, *bodies)),
+        happenings=tuple(read.happening for read in happenings),
     )
     item.close()
     _check_height(world, mission_item)
     for name, place in {"home": home_item, **waypoint_items}.items():
         _check_free(world, name, place)
+    check_happenings(world, happenings)
     return world
 
 
@@ -199,6 +217,14 @@ def _signals(item: Item | None, surfaces: Iterable[str]) -> tuple[str, ...]:
             raise InputError(f"{entry.place}: signal {name!r} is recorded already; list it once, or not at all")
         names.append(name)
     return tuple(names)
+
+
+def _waypoint(item: Item, altitude_m: float) -> Point:
+    """A waypoint [x, y] at the altitude of the mission, or [x, y, z]."""
+    numbers = item.numbers()
+    if len(numbers) not in (2, 3):
+        raise item.error("[x, y] or [x, y, z]")
+    return numbers[0], numbers[1], numbers[2] if len(numbers) == 3 else altitude_m
 
 
 def _pair(item: Item) -> tuple[float, float]:
@@ -236,6 +262,7 @@ def _body(name: str, item: Item) -> Body:
         role=role,
         mesh=form.moved(centre),
         core=core.moved(centre),
+        centre=centre,
         reflectivity=item.need("reflectivity").number(least=0.0, most=1.0),
         present=item.need("present").flag(),
     )
@@ -243,7 +270,7 @@ def _body(name: str, item: Item) -> Body:
     return body
 
 
-def _mission(item: Item, waypoints: Mapping[str, tuple[float, float]]) -> MissionPlan:
+def _mission(item: Item, waypoints: Collection[str]) -> MissionPlan:
     route_item = item.need("route")
     route = []
     for entry in route_item:
@@ -251,8 +278,8 @@ def _mission(item: Item, waypoints: Mapping[str, tuple[float, float]]) -> Missio
         if name != "home" and name not in waypoints:
             raise InputError(f"{entry.place}: no waypoint {name!r}{did_you_mean(name, ['home', *waypoints])}")
         route.append(name)
-    if not route or route[-1] != "home":
-        raise InputError(f"{route_item.place}: route must end with home")
+    if not route:
+        raise route_item.error("a list of waypoints, where the mission lands at the last one")
     nominal_item = item.need("nominal")
     nominal = Nominal(
         climb_mps=nominal_item.need("climb_mps").number(above=0.0),
@@ -284,11 +311,12 @@ def _check_height(world: World, item: Item) -> None:
 
 
 def _check_free(world: World, name: str, item: Item) -> None:
-    """Refuse a waypoint that is not in open space at the altitude of flight; for home, also just above the floor."""
-    x, y = world.waypoints[name]
+    """Refuse a waypoint that is not in open space at its altitude; home and the last one, also just above the floor."""
+    x, y, z_m = world.waypoints[name]
     shown = f"{item.place}: {name}={[x, y]!r}"
-    heights = [world.mission.altitude_m] + [world.floor_m + ON_FLOOR_M] * (name == "home")
-    for point in ((x, y, z) for z in heights):
+    floor_m = world.mine.floor_m(x, y)
+    lands = name in ("home", world.mission.route[-1]) and math.isfinite(floor_m)
+    for point in ((x, y, z) for z in [z_m] + [floor_m + ON_FLOOR_M] * lands):
         if not world.mine.holds(point):
             raise InputError(f"{shown} must be in the open space of the mine, not in the wall or outside")
         for body in world.present:

@@ -20,7 +20,7 @@ class Task:
             mapping.
         camera: geometry of the depth camera.
         home: (3,) where the vehicle stands [m, world]; yaw_rad: its heading [rad].
-        route: waypoints in order, the last one home [m, world].
+        route: waypoints in order; the mission lands at the last one [m, world].
         altitude_m: height of flight [m].
         cruise_mps, slow_mps: cruise speed, and the speed after a person was seen [m/s].
     """

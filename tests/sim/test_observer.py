@@ -26,7 +26,7 @@ def watch(client, config):
         scenario = config.scenario(config.grid.situation(key))
         ids = build(client, scenario.world)
         body = spawn(client, config.vehicle, (0, 0, 1.65), 0)
-        observer = Observer(client, ids, body, config.vehicle, scenario, config.sensors.depth.max_m)
+        observer = Observer(client, ids, body, config.vehicle, scenario, scenario.world.surroundings())
 
         def at(x, y, z=1.65, velocity=(0, 0, 0), yaw=0.0, roll=0.0):
             state = np.zeros(STATE_SIZE)

@@ -57,3 +57,14 @@ def test_the_nominal_flight_is_without_jumps(config, key):
     for before, after in pairwise(legs):
         assert before.end == after.start
     assert legs[-1].end[:3] == (0, 0, 0)
+
+
+def test_a_mission_may_fly_waypoints_at_their_own_altitudes_and_land_elsewhere(edited):
+    edited("world.yaml", "corner: [0.0, 7.0]", "corner: [0.0, 7.0, 1.0]")
+    config = load(edited("world.yaml", "route: [corner, home]", "route: [corner, end]"))
+    it = scenario(config, "T0O0W0D0H0")
+    assert it.route == ((0.0, 7.0, 1.0), (-3.0, 8.0, 1.65))
+    bend = math.degrees(math.atan2(3, 1))
+    legs_m = math.hypot(7, 0.65) + math.hypot(3, 1, 0.65)
+    nominal_s = 1.65 / 0.7 + 0.5 + (90 + bend) / 45 + legs_m / 0.5 + 1.65 / 0.5
+    assert math.isclose(it.nominal_s, nominal_s)

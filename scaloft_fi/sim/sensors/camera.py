@@ -3,7 +3,8 @@
 A pixel has a depth with probability best / (1 + exp(-(snr - snr_half) / snr_width)).  Its signal is the visible texture
 of the scene plus the infrared pattern of the camera:
 snr = passive * light * min(1, passive_range / z) + active * reflectivity / z^2.
-In the dark only the second term remains, so dark or distant surfaces vanish first.
+In dust the first term falls with exp(-haze z), the second, which goes there and back, with exp(-2 haze z).  In the dark
+only the second term remains, so dark or distant surfaces vanish first.
 
 Noise is hashed from (key, frame, pixel) by SplitMix64: one 64-bit word decides whether the pixel has a depth; the four
 16-bit parts of another word sum to a nearly normal number (Irwin-Hall, standard deviation 1, at most 3.47).
@@ -113,19 +114,17 @@ class DepthSensor:
     def __init__(self, config: DepthConfig, flight: FlightSetting) -> None:
         self._numbers = config.numbers()
         self._reflectivity = flight.scene.reflectivity
-        self._light = flight.light
         self._key = np.uint64(key_words(*flight.stream, "depth")[0])
 
     def measure(self, moment: Moment) -> DepthFrame:
         """The frame of this tick."""
-        return self.frame(moment.tick, moment.view, moment.stamps.depth_s)
+        around = moment.around
+        return self.frame(moment.tick, moment.view, moment.stamps.depth_s, around.light, around.haze_per_m)
 
-    def frame(self, tick: int, view: View, stamp_s: float) -> DepthFrame:
-        """The frame of tick `tick`."""
-        depth = np.empty_like(view.depth)
-        sense(
-            view.depth, view.segments, self._reflectivity, self._light, self._numbers, self._key, np.uint64(tick), depth
-        )
+    def frame(self, tick: int, view: View, stamp_s: float, light: float, haze_per_m: float = 0.0) -> DepthFrame:
+        """The frame of tick `tick`, in visible light `light` (0..1) and dust of this extinction [1/m]."""
+        depth, frame = np.empty_like(view.depth), np.uint64(tick)
+        sense(view.depth, view.segments, self._reflectivity, light, haze_per_m, self._numbers, self._key, frame, depth)
         return DepthFrame(stamp_s, depth)
 
 
@@ -144,6 +143,7 @@ def sense(
     segments: NDArray[np.int16],
     reflectivity: Array,
     light: float,
+    haze_per_m: float,
     numbers: Array,
     key: np.uint64,
     frame: np.uint64,
@@ -156,6 +156,7 @@ def sense(
         segments: (H, W) index of the visible body; -1 for none.
         reflectivity: (B,) reflectivity of the bodies.
         light: visible light, 0..1.
+        haze_per_m: extinction of light by dust [1/m].
         numbers: (9,) from `DepthConfig.numbers`.
         key: key of the noise.
         frame: number of the frame.
@@ -174,11 +175,14 @@ def sense(
     counter = frame * np.uint64(2 * height * columns)
     least_m = 0.5 * min_m
     uniform, value, x = np.empty(columns), np.empty(columns), np.empty(columns)
-    is_open = np.empty(columns, np.bool_)
+    is_open, seen = np.empty(columns, np.bool_), np.ones(columns)
     for j in range(height):
         line, row, bodies = depth[j], out[j], segments[j]
         for i in range(columns):
             x[i] = reflectivity[bodies[i]]
+        if haze_per_m > 0.0:
+            for i in range(columns):
+                seen[i] = math.exp(-haze_per_m * line[i])
         # The next two loops have no branches and no lookups, so that they are vectorised.
         for i in range(columns):
             pixel = counter + TWO * np.uint64(j * columns + i)
@@ -192,7 +196,7 @@ def sense(
             z = line[i]
             fall = passive_range_m / z
             fall = 1.0 if fall > 1.0 else fall
-            signal = passive * fall + active * x[i] / (z * z)
+            signal = passive * fall * seen[i] + active * x[i] / (z * z) * (seen[i] * seen[i])
             x[i] = (signal - half) / width
             within = (z >= min_m) & (z <= max_m) & (x[i] >= -CERTAIN)
             returns = (x[i] > CLEAR) & (uniform[i] < 0.99 * best)

@@ -2,7 +2,8 @@
 
 The colour camera has the view of the depth camera.  A person with n visible pixels is detected with probability
 best * light / (light + noise_light * gain) * logistic((n - pixels_half) / pixels_width)
-* exp(-0.5 (exposure error / exposure_width)^2), where n excludes the saturated share.
+* exp(-0.5 (exposure error / exposure_width)^2), where n excludes the saturated share.  Dust lowers the light of the
+person by exp(-haze * range).
 """
 
 from __future__ import annotations
@@ -102,7 +103,6 @@ class Detector:
         self._config = config
         self._metering = flight.settings["metering"]
         self._camera = flight.settings["depth"].camera
-        self._light = flight.light
         self._rays = self._camera.rays
         self._bodies = [
             (
@@ -117,24 +117,29 @@ class Detector:
 
     def measure(self, moment: Moment) -> Detections | None:
         """The detections in the picture of this tick; None without any."""
-        return self.find(moment.tick // PERIOD_TICKS, moment.view, moment.exposure, moment.stamps.person_s)
+        around, picture = moment.around, moment.tick // PERIOD_TICKS
+        stamp_s = moment.stamps.person_s
+        return self.find(picture, moment.view, moment.exposure, stamp_s, around.light, around.haze_per_m)
 
-    def find(self, picture: int, view: View, exposure: Exposure, stamp_s: float) -> Detections | None:
-        """The detections in picture number `picture`; None without any."""
+    def find(
+        self, picture: int, view: View, exposure: Exposure, stamp_s: float, light: float, haze_per_m: float = 0.0
+    ) -> Detections | None:
+        """The detections in picture number `picture`, in light (0..1) and dust [1/m]; None without any."""
         config = self._config
-        error_ev = self._metering.error_ev(self._light, exposure)
+        error_ev = self._metering.error_ev(light, exposure)
         persons = []
         for number, label, noise, chance in self._bodies:
             shown = np.flatnonzero(view.segments == number)
             if not len(shown):
                 continue
             pixels = len(shown) * (1.0 - min(1.0, max(0.0, exposure.saturated)))
-            probability = config.probability(pixels, self._light, exposure.gain, error_ev)
-            if float(chance.row(picture)[0]) >= probability:
-                continue
             rows, columns = np.divmod(shown, view.segments.shape[1])
             left = self._rays[rows, columns, 1]
             range_m = float(np.mean(view.depth[rows, columns] * np.sqrt(1.0 + left * left)))
+            contrast = math.exp(-haze_per_m * range_m) if haze_per_m else 1.0
+            probability = config.probability(pixels, light * contrast, exposure.gain, error_ev)
+            if float(chance.row(picture)[0]) >= probability:
+                continue
             draw = noise.row(picture)
             persons.append(
                 Person(

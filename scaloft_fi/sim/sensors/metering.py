@@ -48,13 +48,12 @@ class LightMeter:
 
     def __init__(self, config: MeteringConfig, flight: FlightSetting) -> None:
         self._config = config
-        self._light = flight.light
         self._noise = Table(1, *flight.stream, "metering")
 
     def measure(self, moment: Moment) -> Metering:
         """The reading at the current exposure."""
         noise_ev = self._config.sigma_ev * float(self._noise.row(moment.tick)[0])
-        return Metering(moment.now_s, self._config.error_ev(self._light, moment.exposure) + noise_ev)
+        return Metering(moment.now_s, self._config.error_ev(moment.around.light, moment.exposure) + noise_ev)
 
 
 SENSORS.declare("metering", SensorKind(LightMeter, Metering, read=MeteringConfig.read, required=True))

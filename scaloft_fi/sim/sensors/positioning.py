@@ -51,7 +51,7 @@ class Positioning:
         yaw_rad = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
         return Fix(
             moment.stamps.fix_s,
-            state[:3] + self._config.sigma_m * noise[:3],
+            state[:3] + moment.around.drift_m + self._config.sigma_m * noise[:3],
             yaw_rad + self._config.yaw_sigma_rad * float(noise[3]),
         )
 

@@ -21,6 +21,7 @@ from typing import Any, NamedTuple, Protocol
 from scaloft_fi.document import Item
 from scaloft_fi.registry import Registry
 from scaloft_fi.sim.contact import Contact
+from scaloft_fi.sim.happenings import Surroundings
 from scaloft_fi.sim.raster import Scene, View
 from scaloft_fi.stack.messages import Exposure, Stamps
 from scaloft_fi.streams import Array
@@ -32,9 +33,8 @@ class FlightSetting:
 
     Attributes:
         settings: settings of every sensor of the study, by the sensor's name.
-        scene: the triangles of the world.
+        scene: the triangles of the world; bodies that can move stand where they are at the present tick.
         labels: class label of each body that the person detector finds, by the body's name.
-        light: visible light, 0..1.
         stream: name of the flight's noise: key of the situation, and seed.  A sensor draws from
             `streams.Table(width, *stream, "name of the sensor")`.
     """
@@ -42,7 +42,6 @@ class FlightSetting:
     settings: Mapping[str, Any]
     scene: Scene
     labels: Mapping[str, str]
-    light: float
     stream: tuple[str, int]
 
 
@@ -58,6 +57,7 @@ class Moment(NamedTuple):
         contacts: contacts since the last tick.
         exposure: current exposure of the colour camera.
         stamps: current readings of the sensors' clocks.
+        around: light, dust, wind and localisation error at this tick.
     """
 
     tick: int
@@ -68,6 +68,7 @@ class Moment(NamedTuple):
     contacts: tuple[Contact, ...]
     exposure: Exposure
     stamps: Stamps
+    around: Surroundings
 
 
 class Sensor(Protocol):

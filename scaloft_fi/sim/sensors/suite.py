@@ -10,7 +10,8 @@ from typing import Any, Generic, TypeVar
 
 from scaloft_fi.document import Item
 from scaloft_fi.sim.contact import Contact
-from scaloft_fi.sim.raster import Scene, View, look
+from scaloft_fi.sim.happenings import Surroundings
+from scaloft_fi.sim.raster import View, look
 from scaloft_fi.sim.sensors import bumper, positioning  # noqa: F401 - they declare their sensors
 from scaloft_fi.sim.sensors.battery import BatteryConfig
 from scaloft_fi.sim.sensors.camera import DepthConfig
@@ -113,9 +114,8 @@ class Sensors:
 
     Args:
         config: settings of the sensors.
-        scene: the triangles of the world.
+        around: the surroundings of the flight.
         labels: class label of each body that the person detector finds, by the body's name.
-        light: visible light, 0..1.
         situation: key of the situation.
         seed: seed of the flight; situation and seed name the noise.
 
@@ -125,12 +125,12 @@ class Sensors:
     """
 
     def __init__(
-        self, config: SensorsConfig, scene: Scene, labels: Mapping[str, str], light: float, situation: str, seed: int
+        self, config: SensorsConfig, around: Surroundings, labels: Mapping[str, str], situation: str, seed: int
     ) -> None:
-        setting = FlightSetting(config.by_name, scene, labels, light, (situation, seed))
+        setting = FlightSetting(config.by_name, around.scene, labels, (situation, seed))
         self.view: View | None = None
         self.inertial = ImuSensor(config.imu, situation, seed)
-        self._scene, self._camera = scene, config.depth.camera
+        self._around, self._camera = around, config.depth.camera
         self._contacts: list[Contact] = []
         self._fitted: list[tuple[str, Sensor, int, Pipe[Any] | None]] = []
         for name, settings in config.by_name.items():
@@ -160,9 +160,9 @@ class Sensors:
             stamps: current readings of the sensors' clocks; None = the true time.
         """
         now_s = tick * TICK_S
-        self.view = look(self._scene, self._camera, state[:3], state[3:7])
+        self.view = look(self._around.scene, self._camera, state[:3], state[3:7])
         stamps = stamps or Stamps(now_s, now_s, now_s)
-        moment = Moment(tick, now_s, state, thrusts, self.view, tuple(self._contacts), exposure, stamps)
+        moment = Moment(tick, now_s, state, thrusts, self.view, tuple(self._contacts), exposure, stamps, self._around)
         self._contacts.clear()
         arrived = {}
         for name, sensor, period_ticks, pipe in self._fitted:

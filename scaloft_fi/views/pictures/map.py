@@ -33,10 +33,17 @@ SIDES = ((1.0, -0.3), (-1.0, 0.3), (0.3, 1.0), (-0.3, -1.0))
 
 @dataclass(frozen=True)
 class BodyOutline:
-    """A body seen from above.  outline: its corners in order [m, world]; kind: its role."""
+    """A body seen from above.
+
+    Attributes:
+        kind: its role.
+        outline: its corners in order at take-off [m, world].
+        path: the places of a body that moves, in order [m, world].
+    """
 
     kind: str
     outline: tuple[Point, ...]
+    path: tuple[Point, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -108,7 +115,8 @@ def draw(scene: MapScene, tracks: Sequence[Track], *, title: str, subtitle: str 
 def _extent(scene: MapScene, tracks: Sequence[Track]) -> tuple[float, float, float, float]:
     """The box around everything [m], rounded outwards to half metres."""
     points = [scene.home, *scene.waypoints]
-    for outline in (*scene.floor, *(body.outline for body in scene.bodies), *scene.walls):
+    drawn = ((*body.outline, *body.path) for body in scene.bodies)
+    for outline in (*scene.floor, *drawn, *scene.walls):
         points += outline
     for track in tracks:
         points += track.points
@@ -182,7 +190,14 @@ def _places(frame: Frame, scene: MapScene) -> list[str]:
 
 def _body(frame: Frame, body: BodyOutline) -> str:
     style = body_style(body.kind)
-    return f'<polygon points="{frame.all(body.outline)}" {style}><title>{escape(body.kind)}</title></polygon>'
+    outline = f'<polygon points="{frame.all(body.outline)}" {style}><title>{escape(body.kind)}</title></polygon>'
+    if not body.path:
+        return outline
+    (x, y), dashes = (
+        frame.pixel(body.path[-1]),
+        f'{LINE_STYLE} stroke="{INK}" stroke-width="1.6" stroke-dasharray="2 5"',
+    )
+    return f'<polyline points="{frame.all(body.path)}" {dashes}/><circle cx="{x:.1f}" cy="{y:.1f}" r="3"/>{outline}'
 
 
 def _path(frame: Frame, track: Track) -> list[str]:

@@ -27,7 +27,7 @@ def scene_of(world: World) -> MapScene:
 
     walls = tuple(section(world.mine.wall.triangles, world.mission.altitude_m))
     bodies = tuple(
-        BodyOutline(body.role, hull([(float(x), float(y)) for x, y in body.mesh.vertices[:, :2]]))
+        BodyOutline(body.role, hull([(float(x), float(y)) for x, y in body.mesh.vertices[:, :2]]), world.path_of(body))
         for body in world.present
     )
     waypoints = tuple((x, y) for x, y, _ in world.route)

@@ -31,7 +31,7 @@ def scenes(study: Study, situations: Iterable[str]) -> dict[str, Any]:
             mines.append(mine)
         by[key] = {
             "mine": mines.index(mine),
-            "bodies": [[body.kind, _outline(body.outline)] for body in scene.bodies],
+            "bodies": [[body.kind, _outline(body.outline), _outline(body.path)] for body in scene.bodies],
             "waypoints": _outline(scene.waypoints),
             "home": _rounded(scene.home),
         }

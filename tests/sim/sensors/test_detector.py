@@ -13,6 +13,7 @@ from scaloft_fi.sim.sensors.detector import Detector
 from scaloft_fi.sim.sensors.sensor import FlightSetting
 from scaloft_fi.stack.messages import Exposure
 
+LIGHT = 0.9
 GOOD = Exposure(math.log2(0.5 / 0.9), 1.0, 0.0)
 shares, lights = st.floats(0, 1), st.floats(1e-6, 1)
 
@@ -25,17 +26,17 @@ def picture(pixels=100, column=10, z=3.0):
     return View(depth, segments)
 
 
-def detector(config, light=0.9, persons=None, seed=0, **changes):
+def detector(config, persons=None, seed=0, **changes):
     changed = replace(config.sensors.detector, **changes)
     persons = {4: "person"} if persons is None else persons
     names = tuple(persons.get(number, f"body {number}") for number in range(6))
     scene = replace(config.world.scene, names=names)
     labels = dict.fromkeys(persons.values(), "person")
-    return Detector(changed, FlightSetting(config.sensors.by_name, scene, labels, light, ("S", seed)))
+    return Detector(changed, FlightSetting(config.sensors.by_name, scene, labels, ("S", seed)))
 
 
-def share_found(it, view, exposure=GOOD, pictures=400):
-    return np.mean([it.find(k, view, exposure, 0.0) is not None for k in range(pictures)])
+def share_found(it, view, exposure=GOOD, pictures=400, light=LIGHT, haze_per_m=0.0):
+    return np.mean([it.find(k, view, exposure, 0.0, light, haze_per_m) is not None for k in range(pictures)])
 
 
 def test_a_bright_near_person_is_found_as_often_as_the_formula_says(config):
@@ -57,8 +58,8 @@ def test_probability_is_a_probability_and_falls_with_every_trouble(config, light
 
 def test_in_total_darkness_the_detector_is_blind(config):
     dark = Exposure(4.0, 4.0, 0.0)
-    assert share_found(detector(config, light=0.003), picture(), dark) < 0.02
-    assert share_found(detector(config, light=0.0), picture(), dark) == 0
+    assert share_found(detector(config), picture(), dark, light=0.003) < 0.02
+    assert share_found(detector(config), picture(), dark, light=0.0) == 0
 
 
 def test_nobody_is_found_where_nobody_is(config):
@@ -78,7 +79,7 @@ def test_an_order_that_is_no_number_hides_a_person(config):
 
 def test_bearing_and_range_are_those_of_the_visible_part(config):
     it = detector(config, bearing_sigma_rad=0.0, range_sigma=0.0, best=1.0, noise_light=0.0)
-    found = it.find(0, picture(96, column=10), GOOD, 0.1).persons[0]
+    found = it.find(0, picture(96, column=10), GOOD, 0.1, LIGHT).persons[0]
     left = config.sensors.depth.camera.rays[0, 10:12, 1]
     assert found.bearing_rad == pytest.approx(math.atan(left.mean()))
     assert found.bearing_rad > 0
@@ -88,7 +89,7 @@ def test_bearing_and_range_are_those_of_the_visible_part(config):
 
 def test_bearing_and_range_are_noisy_without_offset(config):
     it = detector(config, best=1.0, noise_light=0.0)
-    found = [it.find(k, picture(), GOOD, 0.0).persons[0] for k in range(400)]
+    found = [it.find(k, picture(), GOOD, 0.0, LIGHT).persons[0] for k in range(400)]
     ranges, bearings = np.array([p.range_m for p in found]), np.array([p.bearing_rad for p in found])
     assert ranges.std() / ranges.mean() == pytest.approx(config.sensors.detector.range_sigma, rel=0.15)
     assert bearings.std() == pytest.approx(config.sensors.detector.bearing_sigma_rad, rel=0.15)
@@ -110,13 +111,13 @@ def test_false_positives_come_at_their_rate(config):
 def test_detection_depends_on_the_picture_number_only(config):
     first, second = detector(config), detector(config)
     for k in range(30):
-        first.find(k, picture(), GOOD, 0.0)
-    assert first.find(40, picture(), GOOD, 0.0) == second.find(40, picture(), GOOD, 0.0)
+        first.find(k, picture(), GOOD, 0.0, LIGHT)
+    assert first.find(40, picture(), GOOD, 0.0, LIGHT) == second.find(40, picture(), GOOD, 0.0, LIGHT)
 
 
 def test_each_person_is_found_by_itself(config):
     view = picture()
     view.segments[:, 40:44] = 5
     it = detector(config, persons={4: "miner", 5: "visitor"}, best=1.0, noise_light=0.0)
-    bearings = [person.bearing_rad for person in it.find(0, view, GOOD, 0.0).persons]
+    bearings = [person.bearing_rad for person in it.find(0, view, GOOD, 0.0, LIGHT).persons]
     assert bearings[0] > 0 > bearings[1]

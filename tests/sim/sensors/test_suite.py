@@ -27,7 +27,7 @@ def state(x=0.0, y=0.0, yaw=math.pi / 2):
 
 def suite(config, key="T0O0W0D0H1", seed=0):
     scenario = config.scenario(config.grid.situation(key))
-    return Sensors(config.sensors, scenario.world.scene, scenario.labels, scenario.world.light, key, seed)
+    return Sensors(config.sensors, scenario.world.surroundings(), scenario.labels, key, seed)
 
 
 def run(sensors, ticks, stamps=None, where=state):

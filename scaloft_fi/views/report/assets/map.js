@@ -9,7 +9,7 @@ function mapOf(situation, flight, clean) {
   if (!scene) return null;
   const mine = DATA.scenes.mines[scene.mine];
   const paths = [clean, flight].filter((one) => one?.rows).map((one) => one.rows.map((row) => [row[X()], row[Y()]]));
-  const points = [...mine.floor.flat(), ...mine.walls.flat(), scene.home, ...scene.waypoints, ...scene.bodies.flatMap(([, outline]) => outline), ...paths.flat()];
+  const points = [...mine.floor.flat(), ...mine.walls.flat(), scene.home, ...scene.waypoints, ...scene.bodies.flatMap(([, outline, path]) => [...outline, ...path]), ...paths.flat()];
   const box = [0, 1].map((axis) => {
     const values = points.map((point) => point[axis]).filter(Number.isFinite);
     return [Math.floor(2 * Math.min(...values) - 0.4) / 2, Math.ceil(2 * Math.max(...values) + 0.4) / 2];
@@ -26,6 +26,7 @@ function mapOf(situation, flight, clean) {
     mine.walls.map((wall) => s("path", { class: "wall", d: pathOf(wall.map(at)) })),
     metres(0).map((value) => s("line", { class: "metre", x1: sx(value), x2: sx(value), y1: 0, y2: height })),
     metres(1).map((value) => s("line", { class: "metre", x1: 0, x2: width, y1: sy(value), y2: sy(value) })),
+    scene.bodies.filter(([, , path]) => path.length).map(([, , path]) => s("path", { class: "walked", d: pathOf(path.map(at)) })),
     scene.bodies.map(([kind, outline]) => s("path", { class: ["obstacle", "person", "structure"].includes(kind) ? kind : "obstacle", d: closed(outline) }, s("title", {}, kind))),
     scene.waypoints.map((point) => s("circle", { class: "waypoint", cx: at(point)[0], cy: at(point)[1], r: 9 })),
     s("rect", { class: "waypoint", x: at(scene.home)[0] - 10, y: at(scene.home)[1] - 10, width: 20, height: 20, rx: 4 }),

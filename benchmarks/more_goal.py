@@ -1,0 +1,104 @@
+"""Ask whether MORE-goal is shown: with and without turning first, at three speeds, in all light situations.
+
+    python benchmarks/more_goal.py --plan [--output results/published/more_goal.md]
+    python benchmarks/more_goal.py [--jobs N] [--output results/published/more_goal.md]
+                                   [--flights results/published/more_goal_flights.jsonl.gz] [--draws N]
+
+The page states the flights and the rules of decision; `--plan` writes it without flying.  Finished flights are kept in
+the file `--flights`, at the latest after ten seconds; the same command flies only the flights that are missing there.
+Delete the file after a change of the study or of the code.  `--draws N` flies the first N draws of each arm only.
+"""
+
+from __future__ import annotations
+
+from checkout import ROOT  # first: it sets the path and the threads
+
+# isort: split
+
+import published_kernels  # noqa: F401 - it must be imported before numpy
+
+# isort: split
+
+import argparse
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
+
+from kept_flights import Flights, missing, read, write
+from more_goal_page import flown
+from more_goal_plan import ARMS, DRAWS, MUTANTS, PLAN, names_of
+from reflown import published
+from varied import Varied, shared
+
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.processes.start import cores
+from scaloft_fi.mutants.derive import realise
+from scaloft_fi.study import Study
+
+SAVE_S = 10.0
+"""Greatest time between two writes of the file of flights [s, wall]."""
+
+
+def fly(study: Study, path: Path, jobs: int, draws: int = DRAWS) -> Flights:
+    """Fly what is missing in the file of flights; returns all flights of the file.
+
+    Args:
+        study: the study.
+        path: the file of flights.
+        jobs: number of processes.
+        draws: number of draws of each arm.
+    """
+    kept = read(path)
+    for arm in ARMS:
+        own = kept.setdefault(arm.name, {})
+        wanted = missing(names_of(draws), own)
+        if not wanted:
+            continue
+        print(f"{arm.name}: {len(wanted)} flights", file=sys.stderr, flush=True)
+        varied, saved_s = Varied(study.folder, arm.overrides), time.monotonic()
+        try:
+            for outcome in shared(varied, _flights(varied, wanted), jobs):
+                own[outcome.name] = outcome
+                if time.monotonic() - saved_s >= SAVE_S:
+                    write(path, kept)
+                    saved_s = time.monotonic()
+        finally:
+            write(path, kept)
+    return kept
+
+
+def _flights(study: Study, names: list[str]) -> list[Flight]:
+    mutants = {"baseline": None, **{name: realise(study.matrix, name) for name in MUTANTS}}
+    parts = (name.split("/") for name in names)
+    return [Flight(mutants[mutant], study.grid.situation(key), int(seed)) for mutant, key, seed in parts]
+
+
+def reference_digests() -> Mapping[str, str]:
+    """The digests of the reference campaign by name of the flight."""
+    return {f"{row['mutant']}/{row['situation']}/{row['seed']}": row["digest"] for row in published()}
+
+
+def main() -> None:
+    """Write the page: its plan and, without `--plan`, its results."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--plan", action="store_true", help="fly nothing: the page without results")
+    parser.add_argument("--jobs", type=int, default=cores())
+    parser.add_argument("--output", type=Path, help="a Markdown file (default: print)")
+    kept = ROOT / "results" / "published" / "more_goal_flights.jsonl.gz"
+    parser.add_argument("--flights", type=Path, default=kept, help="the file of flights (default: published)")
+    parser.add_argument("--draws", type=int, default=DRAWS, help=f"of each arm (default: all {DRAWS})")
+    options = parser.parse_args()
+    text = PLAN
+    if not options.plan:
+        study = Study.open(ROOT)
+        flights = fly(study, options.flights, options.jobs, options.draws)
+        text += flown(flights, reference_digests(), study.space)
+    if options.output:
+        options.output.write_text(text, encoding="utf-8")
+    else:
+        print(text)
+
+
+if __name__ == "__main__":
+    main()

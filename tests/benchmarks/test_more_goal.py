@@ -1,0 +1,187 @@
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import more_goal
+import pytest
+from builders import GRID, outcome
+from kept_flights import read, write
+from more_goal_page import flown
+from more_goal_plan import ARMS, AS_IT_IS, FLIGHTS, MUTANTS, NOT_TURNING, PLAN, STRICT, Arm, names_of
+from operating_point import LIGHT, PLAIN
+from varied import Varied
+
+from scaloft_fi.analysis.scoring.stratified import Stratum, p_value
+from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.study import Study
+
+ROOT = Path(__file__).parents[2]
+CORNER = "T1O0W0D0H0"
+Told = Mapping[tuple[Arm, str, str], dict[str, float]]
+"""Violations by arm, subject and situation."""
+
+
+def campaign(told: Told) -> dict[str, dict[str, Outcome]]:
+    flights: dict[str, dict[str, Outcome]] = {}
+    for arm in ARMS:
+        for name in names_of():
+            subject, key, seed = name.split("/")
+            violated = told.get((arm, subject, key), {})
+            made = outcome(subject, key, int(seed), violated=violated, struck="wall" if "SR1" in violated else "")
+            flights.setdefault(arm.name, {})[name] = replace(made, track=b"", perceived_digest="")
+    return flights
+
+
+def page(told: Told) -> str:
+    return flown(campaign(told), {f"baseline/{CORNER}/0": "clean", f"baseline/{CORNER}/1": "another"}, GRID)
+
+
+@pytest.fixture(scope="module")
+def striking() -> str:
+    """Without turning first at 0.5 m/s MORE-goal@1m strikes the wall in the corner, and a baseline violates SR2."""
+    told = {
+        (NOT_TURNING, "MORE-goal@1m", CORNER): {"SR1": 28.0},
+        (NOT_TURNING, BASELINE, "T1O1W0D0H1"): {"SR2": 30.0},
+        (ARMS[2], BASELINE, "T1O1W0D0H1"): {"SR1": 31.0},
+    }
+    return page(told)
+
+
+def test_the_arms_are_the_ladder_with_and_without_turning_first_at_three_speeds() -> None:
+    ladder = [mutant.id for mutant in Study.open(ROOT).catalogue if mutant.cell == "MORE-goal"]
+    assert list(MUTANTS) == ladder
+    assert FLIGHTS == 2 * 3 * (len(ladder) + 1) * 16 * 10 == 4800
+    assert len(set(names_of())) * len(ARMS) == FLIGHTS
+
+
+def test_the_plan_is_written_without_flying(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(more_goal, "fly", None)
+    monkeypatch.setattr("sys.argv", ["more_goal.py", "--plan", "--output", str(tmp_path / "page.md")])
+    more_goal.main()
+    assert (tmp_path / "page.md").read_text() == PLAN
+    assert "## Flown" not in PLAN
+    published = (ROOT / "results" / "published" / "more_goal.md").read_text()
+    assert published.startswith(PLAN)
+
+
+def test_the_plan_tells_the_least_numbers_of_violations_that_show_a_fault() -> None:
+    for situations, violated in ((1, 9), (2, 6), (6, 2)):
+        p, less = (2 * p_value([Stratum(k, 10, 0, 10)] * situations) for k in (violated, violated - 1))
+        assert p <= STRICT < less
+
+
+def test_a_magnitude_that_strikes_in_one_situation_is_shown_and_masked_at_that_speed_only(striking: str) -> None:
+    assert (
+        "- MORE-goal@1m is shown by SR1 in *not turning first, 0.5 m/s*, as the paper saw it (p = 1.1e-05)." in striking
+    )
+    assert striking.count("is shown by") == 1
+    assert "- At 0.5 m/s turning first masks MORE-goal@1m." in striking
+    assert "- At 1 m/s turning first is not shown to mask any magnitude." in striking
+
+
+def test_a_magnitude_that_is_detected_with_turning_first_too_is_not_masked() -> None:
+    told = {(arm, "MORE-goal@1m", CORNER): {"SR1": 28.0} for arm in (AS_IT_IS, NOT_TURNING)}
+    text = page(told)
+    assert text.count("MORE-goal@1m is shown by SR1") == 2
+    assert "- At 0.5 m/s turning first is not shown to mask any magnitude." in text
+
+
+def test_without_a_violation_nothing_is_shown_and_the_baselines_permit_the_change() -> None:
+    text = page({})
+    assert "- MORE-goal is shown in no arm." in text
+    assert "SR1 160 against 160, SR2 160 against 160, OP1 160 against 160 of 160: the clean baselines justify" in text
+
+
+def test_one_requirement_that_fewer_baselines_hold_keeps_the_stack(striking: str) -> None:
+    assert "SR1 160 against 160, SR2 150 against 160, OP1 160 against 160 of 160: the stack stays as it is." in striking
+
+
+def test_the_tables_count_the_flights(striking: str) -> None:
+    arm = "| not turning first, 0.5 m/s |"
+    assert f"{arm} 80 | 80 | 80 | 70 | 80 | 80 | 16 | 15 |" in striking
+    assert f"{arm} MORE-goal@1m | detected by SR1 | 1.1e-05 | 1 | 16 | 1 | not detected |" in striking
+    assert f"{arm} MORE-goal@1m | SR1 | wall | 10 | 1 | 28.0 to 28.0 | 1.0 to 1.0 | 2.0 to 2.0 |" in striking
+    assert f"{arm} baseline | SR2 | - | 10 | 1 | 30.0 to 30.0 | 1.0 to 1.0 | 2.0 to 2.0 |" in striking
+
+
+def test_a_baseline_that_is_cut_short_holds_no_requirement(striking: str) -> None:
+    assert "| turning first, 1.2 m/s | 80 | 70 | 80 | 70 | 80 | 70 | 15 | 15 |" in striking
+
+
+def test_each_situation_has_its_count_in_brackets_where_the_pair_is_not_steady(striking: str) -> None:
+    by_sr1, by_sr2 = (part.split("###")[0] for part in striking.split("### Flights that violate SR")[1:])
+    arm = "| not turning first, 0.5 m/s |"
+    corner = " | ".join("10" if key == CORNER else "0" for key in LIGHT)
+    assert f"{arm} MORE-goal@1m | {corner} |" in by_sr1
+    assert f"{arm} baseline | {' | '.join('0' for _ in LIGHT)} |" in by_sr1
+    red = " | ".join("(10)" if key == "T1O1W0D0H1" else "0" for key in LIGHT if key.endswith("H1"))
+    assert f"{arm} baseline | {red} |" in by_sr2
+
+
+def test_the_page_counts_the_flights_and_compares_the_reference_digests(striking: str) -> None:
+    told = "4,800 of 4,800 flights.  2 flights of *turning first, 0.5 m/s* are in the reference campaign; 1 have"
+    assert told in striking
+
+
+def test_no_rule_is_decided_while_a_flight_is_missing_or_invalid() -> None:
+    flights = campaign({})
+    name, own = next(iter(flights[AS_IT_IS.name].items()))
+    flights[AS_IT_IS.name][name] = replace(own, invalid="it hung")
+    for unfinished in (flown(flights, {}, GRID), flown({}, {}, GRID)):
+        assert "no rule is decided" in unfinished
+        assert "the stack stays" not in unfinished
+        assert "no arm" not in unfinished
+
+
+def test_a_file_of_flights_gives_back_what_was_written(tmp_path: Path) -> None:
+    made = campaign({(NOT_TURNING, "MORE-goal@1m", CORNER): {"SR1": 28.0}})
+    flights = {arm.name: dict(list(made[arm.name].items())[:200]) for arm in (AS_IT_IS, NOT_TURNING)}
+    write(tmp_path / "flights.jsonl.gz", flights)
+    assert read(tmp_path / "flights.jsonl.gz") == flights
+    backwards = {arm: dict(reversed(own.items())) for arm, own in reversed(flights.items())}
+    write(tmp_path / "again.jsonl.gz", backwards)
+    assert (tmp_path / "again.jsonl.gz").read_bytes() == (tmp_path / "flights.jsonl.gz").read_bytes()
+
+
+def test_a_flight_in_the_file_is_not_flown_again_and_an_invalid_one_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[tuple[str, str]] = []
+
+    def shared(study: Varied, flights: list, jobs: int):  # type: ignore[no-untyped-def,type-arg]
+        arm = next(arm.name for arm in ARMS if arm.overrides == study.overrides)
+        for number, flight in enumerate(flights):
+            if len(asked) == 8:
+                raise KeyboardInterrupt
+            asked.append((arm, flight.name))
+            broken = "it hung" if arm == ARMS[0].name and number == 1 else ""
+            yield outcome(
+                flight.subject.id, flight.situation.key, flight.seed, invalid="" if len(asked) > 8 else broken
+            )
+
+    monkeypatch.setattr(more_goal, "shared", shared)
+    path, study = tmp_path / "flights.jsonl.gz", Study.open(ROOT)
+    with pytest.raises(KeyboardInterrupt):
+        more_goal.fly(study, path, 1, draws=1)
+    assert sum(map(len, read(path).values())) == 8
+    first, asked[:] = list(asked), [("", "")] * 9
+    kept = more_goal.fly(study, path, 1, draws=1)
+    again = asked[9:]
+    assert set(first) & set(again) == {(ARMS[0].name, f"MORE-goal@0.3m/{PLAIN}/0")}
+    assert {arm: set(own) for arm, own in kept.items()} == {arm.name: set(names_of(1)) for arm in ARMS}
+    assert len(again) == len(ARMS) * 5 - 7
+
+
+@pytest.mark.flight
+def test_flights_that_share_a_baseline_with_changed_numbers_have_the_digests_of_whole_flights() -> None:
+    from varied import Beside, flown, shared
+
+    arm = Arm(turns_first=False, cruise_mps=1.2)
+    study = Varied(ROOT, arm.overrides)
+    names = [f"{subject}/T0O0W0D0H0/0" for subject in (BASELINE, "MORE-goal@1m", "MORE-goal@3m")]
+    found = {o.name: o.digest for o in shared(study, more_goal._flights(study, names), 1)}
+    whole = flown(Beside(ROOT, dict(arm.overrides), "T0O0W0D0H0", 0, ("MORE-goal@1m", "MORE-goal@3m")))
+    assert found == {o.name: log.digest for o, log in whole}
+    assert len(set(found.values())) == 3
