@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -18,10 +18,12 @@ from scaloft_fi.document import load
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.facts import Facts
 from scaloft_fi.mutants.mutant import Mutant
-from scaloft_fi.mutants.wire import TappedWire, contexts, wire_for
+from scaloft_fi.mutants.wire import SeamCount, TappedWire, contexts, wire_for
 from scaloft_fi.sim.events import events_of
 from scaloft_fi.sim.flight import fly
 from scaloft_fi.sim.load import SimConfig, StackChoice
+from scaloft_fi.sim.load import load as load_sim
+from scaloft_fi.sim.log import FlightLog
 from scaloft_fi.sim.occasions import TRUTH_EVENTS, Lookout, events_in
 from scaloft_fi.stack.belief import Belief, Mark
 from scaloft_fi.stack.reference.beliefs import BELIEFS
@@ -125,16 +127,32 @@ class Switching(Hop):
         return np.array([now_s, (now_s >= 1.5) + (now_s >= 4.0)])
 
 
-@pytest.mark.flight
-def test_a_fault_strikes_a_stack_of_ones_own_at_each_change_of_mode(config: SimConfig) -> None:
-    mode = Belief("mode", "", "what it does", mark=Mark("mode", "{}", values=("rest", "hover", "sink")))
-    declared = hop(Switching, beliefs=(SOUND.beliefs[0], mode))
+MODE = Belief("mode", "", "what it does", mark=Mark("mode", "{}", values=("rest", "hover", "sink")))
+HOP = hop(Switching, beliefs=(SOUND.beliefs[0], MODE))
+
+
+def struck_at(config: SimConfig, event: str) -> tuple[FlightLog, SeamCount]:
+    """A hop of which 0.1 s of levels are lost at each occurrence of the event, and what was lost."""
     arguments = {"burst_s": 0.1, "period_s": 1.0}
-    mutant = Mutant("NO-level#mode", "NO", "level", "", 0.0, "level", "outage", arguments, "mode")
-    wire = wire_for(mutant, declared, contexts(mutant.id, "T0O0W0D0H0", 0, Facts()))
+    mutant = Mutant(f"NO-level#{event}", "NO", "level", "", 0.0, "level", "outage", arguments, event)
+    wire = wire_for(mutant, HOP, contexts(mutant.id, "T0O0W0D0H0", 0, Facts()))
     assert isinstance(wire, TappedWire)
     study = replace(config, stack=StackChoice("hop", {"mass_kg": 1.5}, load(SIM / "stack.yaml")))
-    log = fly(study, config.grid.situation("T0O0W0D0H0"), 0, wire, declared)
+    return fly(study, config.grid.situation("T0O0W0D0H0"), 0, wire, HOP), wire.counts["level"]
+
+
+@pytest.mark.flight
+def test_a_fault_strikes_a_stack_of_ones_own_at_each_change_of_mode(config: SimConfig) -> None:
+    log, lost = struck_at(config, "mode")
     assert [event.t_s for event in log.events if event.kind == "mode"] == pytest.approx([1.5, 4.0])
-    assert wire.counts["level"].first_altered_s == pytest.approx(1.5)
-    assert wire.counts["level"].altered == 4
+    assert (lost.first_altered_s, lost.altered) == (pytest.approx(1.5), 4)
+
+
+@pytest.mark.flight
+def test_a_fault_strikes_when_the_light_of_a_world_begins_to_change(edited: Callable[[str, str, str], Path]) -> None:
+    lamp = "happenings: {lamp: {kind: light, active: true, light: 0.1, start: {at_s: 2}, lasts_s: 1}}\n\nbodies:\n"
+    config = load_sim(edited("world.yaml", "bodies:\n", lamp))
+    log, lost = struck_at(config, "light")
+    changes = np.flatnonzero(np.diff(log.signals["light"])) + 1
+    assert log.signals["elapsed_s"][changes].tolist() == pytest.approx([2.0, 3.05])
+    assert (lost.first_altered_s, lost.altered) == (pytest.approx(2.0), 4)
