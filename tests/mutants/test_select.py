@@ -22,8 +22,10 @@ def test_a_bare_cell_name_is_its_default(matrix: Matrix) -> None:
 def test_a_pattern_is_the_whole_ladder_with_its_phases(matrix: Matrix) -> None:
     assert ids(matrix, "LATE-human*") == ["LATE-human@0.5s", "LATE-human@1s", "LATE-human@3s", "LATE-human@5s"]
     assert ids(matrix, "UNINTENDED-collision@20s*") == [
-        f"UNINTENDED-collision@20s{p}" for p in ("", "#5s", "#10s", "#15s")
+        f"UNINTENDED-collision@20s{phase}"
+        for phase in ("", "#5s", "#10s", "#15s", "#sight", "#obstacle", "#waypoint", "#person", "#recoil", "#mode")
     ]
+    assert ids(matrix, "UNINTENDED-collision@20s#*s") == [f"UNINTENDED-collision@20s#{p}s" for p in (5, 10, 15)]
 
 
 def test_the_unit_picks_the_operator_where_a_cell_has_two(matrix: Matrix) -> None:
