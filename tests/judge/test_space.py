@@ -1,7 +1,7 @@
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from builders import GRID, SIGNALS
@@ -12,7 +12,6 @@ from scaloft_fi.sim.load import load
 
 SIM = Path(__file__).resolve().parents[2] / "sim"
 STUDY = load(SIM).grid
-PATH = SIM / "situations.yaml"
 
 
 def test_the_space_of_the_study_is_its_grid() -> None:
@@ -25,7 +24,7 @@ def test_the_space_of_the_study_is_its_grid() -> None:
 
 
 def test_the_values_of_the_study_come_true_by_its_own_formulas() -> None:
-    realisation = Realisation.read(STUDY, PATH, SIGNALS)
+    realisation = Realisation.read(STUDY, SIGNALS)
     calm = {name: [0.0, 0.0] for name in SIGNALS}
     calm |= {"light": [1.0, 1.0], "person_sight_m": [100.0, 100.0], "waypoint_wall_m": [100.0, 100.0]}
     assert all(true for _, true in realisation.of("T0O0W0D0H0", calm))
@@ -37,10 +36,11 @@ def test_the_values_of_the_study_come_true_by_its_own_formulas() -> None:
 
 
 def test_a_predicate_that_is_no_formula_is_named_with_file_and_line(tmp_path: Path) -> None:
-    path = tmp_path / "situations.yaml"
-    path.write_text("axes:\n  T:\n    values:\n      - {id: 0}\n      - {id: 1, realised: eventually(x < -1)}\n")
-    values = (SimpleNamespace(id=0, realised=""), SimpleNamespace(id=1, realised="eventually(x < -1)"))
-    grid = SimpleNamespace(axes=(SimpleNamespace(id="T", values=values),), situations=())
+    sim = shutil.copytree(SIM, tmp_path / "sim")
+    path = sim / "situations.yaml"
+    text = path.read_text(encoding="utf-8").replace("eventually(x_m < -1)", "eventually(x < -1)")
+    path.write_text(text, encoding="utf-8")
+    line = 1 + next(number for number, row in enumerate(text.splitlines()) if "eventually(x < -1)" in row)
     with pytest.raises(InputError) as caught:
-        Realisation.read(grid, path, SIGNALS)  # type: ignore[arg-type]
-    assert str(caught.value).startswith(f"{path}:5: realised names the unknown signal 'x'")
+        Realisation.read(load(sim).grid, SIGNALS)
+    assert str(caught.value).startswith(f"{path}:{line}: realised names the unknown signal 'x'")

@@ -44,7 +44,7 @@ def analyses(evidence: Evidence, scored: Score, matrix: KillMatrix) -> dict[str,
         "thresholds": thresholds(outcomes, scored, study.matrix, study.requirements),
         "interactions": plain(listed),
         "orders": plain(orders(listed, matrix.space)),
-        "suite": plain(minimal_suite(kills, [key for key, _ in matrix.space.points])),
+        "suite": plain(minimal_suite(kills, [key for key, _ in matrix.space.situations])),
         "subsumption": plain(subsumption(kills)),
         "survivors": plain(survivors(outcomes, scored, matrix, known, short_units(study.requirements))),
     }

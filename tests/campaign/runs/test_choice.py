@@ -95,7 +95,7 @@ def test_a_choice_is_made_among_the_situations_asked_for() -> None:
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("some", "must be all, random:N, draws:N, draws:P%, first:N or a covering array such as 2-way"),
+        ("some", "must be all, random:N, draws:N, draws:P%, sobol:N, first:N or a covering array such as 2-way"),
         ("random:33", "must ask for at most 32, the situations to choose from"),
         ("first:0", "must be all"),
         ("draws:101%", "must be all"),
