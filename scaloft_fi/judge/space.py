@@ -139,15 +139,14 @@ class Realisation:
 
     Attributes:
         space: the grid.
-        axes: the axes of the grid.
-        signals: names of the log's signals.
         predicates: by axis and value a formula over the log; None for a benign value that is met if no other is.
+        axes, signals: the axes of the grid and the names of the log's signals, for the formulas of drawn numbers.
     """
 
     space: Space
-    axes: tuple[Axis, ...]
-    signals: tuple[str, ...]
     predicates: tuple[tuple[Formula | None, ...], ...] = field(repr=False)
+    axes: tuple[Axis, ...] = ()
+    signals: tuple[str, ...] = ()
 
     @classmethod
     def read(cls, grid: Grid, signals: Collection[str]) -> Realisation:
@@ -161,7 +160,7 @@ class Realisation:
             InputError: a predicate is no formula over these signals; the message names file and line.
         """
         predicates = tuple(tuple(_predicate(value, signals) for value in axis.values) for axis in grid.axes)
-        return cls(Space.of(grid), grid.axes, tuple(signals), predicates)
+        return cls(Space.of(grid), predicates, grid.axes, tuple(signals))
 
     def of(self, situation: str, signals: Signals) -> tuple[tuple[str, bool], ...]:
         """By axis, whether a flight with these signals, (T,) each at 20 Hz, met the situation's value.

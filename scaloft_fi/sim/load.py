@@ -13,7 +13,6 @@ from scaloft_fi.document import load as load_document
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.sim.grid import Grid, read_grid, remedy
 from scaloft_fi.sim.patch import PARTS, leaves, patched
-from scaloft_fi.sim.range import number_text
 from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.sensors import SensorsConfig, read_sensors
 from scaloft_fi.sim.situation import AxisValue, Situation
@@ -95,12 +94,15 @@ class SimConfig:
         try:
             return Scenario(situation, *_read(self.grid.documents_with(values.values())))
         except InputError as error:
-            for axis, number in situation.numbers:
+            written = {
+                axis: Situation.of({axis: level}, dict(situation.numbers)).key for axis, level in situation.levels
+            }
+            for axis, _ in situation.numbers:
                 if self._refused(values[axis]):
-                    sentence = f"{error}: {axis}={number_text(number)} is not possible, as in situation {situation.key}"
+                    sentence = f"{error}: {written[axis]} is not possible, as in situation {situation.key}"
                     raise InputError(f"{sentence}; the range must leave it out") from error
             blamed = self._to_blame(values)
-            names = " and ".join(f"{axis}{level}" for axis, level in blamed)
+            names = " and ".join(written[axis] for axis, _ in blamed)
             sentence = f"{error}: {names} cannot be combined, as in situation {situation.key}"
             raise InputError(f"{sentence}; {remedy(*blamed)}") from error
 

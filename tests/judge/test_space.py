@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from builders import GRID, SIGNALS
+from ranges import with_range
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.space import Realisation, Space
@@ -44,3 +45,26 @@ def test_a_predicate_that_is_no_formula_is_named_with_file_and_line(tmp_path: Pa
     with pytest.raises(InputError) as caught:
         Realisation.read(load(sim).grid, SIGNALS)
     assert str(caught.value).startswith(f"{path}:{line}: realised names the unknown signal 'x'")
+
+
+def test_drawn_situations_have_the_point_of_their_bins_and_come_after_it(tmp_path: Path) -> None:
+    grid = load(with_range(shutil.copytree(SIM, tmp_path / "sim"))).grid
+    space = Space.of(grid)
+    fast, slow, bin_ = "T0O0W0D0H0C2=0.95", "T0O0W0D0H0C2=0.81", "T0O0W0D0H0C2"
+    assert space.point[fast] == space.point[slow] == space.point[bin_] == ("0", "0", "0", "0", "0", "2")
+    assert set(space.point) == {situation.key for situation in grid.situations}
+    for key in ("T0O0W0D0H0C1=0.95", "T0O0W0D0H0C2=0.950", "T0=1O0W0D0H0C2", "C2=0.95", "nowhere", 7):
+        assert key not in space.point
+    listed = [key for key, _ in space.holding([fast, slow, "nowhere", bin_]).situations]
+    assert listed.index(bin_) + 1 == listed.index(slow) == listed.index(fast) - 1
+    assert len(listed) == len(grid) + 2
+    assert space.words_of(fast) == (*space.words_of(bin_)[:-1], "0.95 m/s")
+    assert space.rank(fast) < space.rank("T0O0W0D0H0C3") < space.rank("nowhere")
+
+
+def test_a_drawn_number_came_true_by_the_formula_of_that_number(tmp_path: Path) -> None:
+    grid = load(with_range(shutil.copytree(SIM, tmp_path / "sim"))).grid
+    realisation = Realisation.read(grid, SIGNALS)
+    signals = {name: [0.0, 0.0] for name in SIGNALS} | {"speed_mps": [0.7, 0.7]}
+    came_true = {number: dict(realisation.of(f"T0O0W0D0H0C2={number}", signals))["C"] for number in ("0.86", "0.89")}
+    assert came_true == {"0.86": True, "0.89": False}  # 0.8 * 0.86 = 0.688, 0.8 * 0.89 = 0.712

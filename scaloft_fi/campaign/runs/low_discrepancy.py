@@ -36,15 +36,17 @@ def spread(pool: Sequence[Situation], space: Space, count: int, seed: int) -> tu
     levels = {axis: sorted({one[axis] for one in pool}) for axis in space.axes}
     for axis, range_ in ranges.items():
         levels[axis].sort(key=range_.ids.index)  # neighbouring numbers in neighbouring bins
+    varied = [axis for axis in space.axes if axis in ranges or len(levels[axis]) > 1]
     scramble = key_words("choice", "sobol", seed)[0]
     known = {one.levels for one in pool}
     found: dict[Situation, None] = {}
     for log2 in range(min((count - 1).bit_length(), MOST_LOG2), MOST_LOG2 + 1):
-        sequence = qmc.Sobol(len(levels), scramble=True, seed=scramble)
+        sequence = qmc.Sobol(max(1, len(varied)), scramble=True, seed=scramble)
         for point in sequence.random_base2(log2).tolist():
+            shares = dict(zip(varied, point, strict=False))
             bins, numbers = {}, {}
-            for (axis, ids), share in zip(levels.items(), point, strict=True):
-                place, rest = divmod(share * len(ids), 1.0)
+            for axis, ids in levels.items():
+                place, rest = divmod(shares.get(axis, 0.0) * len(ids), 1.0)
                 bins[axis] = ids[int(place)]
                 if axis in ranges:
                     numbers[axis] = ranges[axis].draw(bins[axis], rest)
