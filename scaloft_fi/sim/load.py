@@ -94,13 +94,13 @@ class SimConfig:
         try:
             return Scenario(situation, *_read(self.grid.documents_with(values.values())))
         except InputError as error:
-            written = {
-                axis: Situation.of({axis: level}, dict(situation.numbers)).key for axis, level in situation.levels
-            }
-            for axis, _ in situation.numbers:
+            numbers = dict(situation.numbers)
+            written = {axis: Situation.of({axis: level}, numbers).key for axis, level in situation.levels}
+            for axis in numbers:
                 if self._refused(values[axis]):
                     sentence = f"{error}: {written[axis]} is not possible, as in situation {situation.key}"
-                    raise InputError(f"{sentence}; the range must leave it out") from error
+                    place = next(item.place for item in values[axis].changes.values())
+                    raise InputError(f"{sentence}; the range at {place} must leave it out") from error
             blamed = self._to_blame(values)
             names = " and ".join(written[axis] for axis, _ in blamed)
             sentence = f"{error}: {names} cannot be combined, as in situation {situation.key}"

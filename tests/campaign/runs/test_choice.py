@@ -154,7 +154,7 @@ def test_a_low_discrepancy_choice_keeps_to_the_situations_asked_for(ranged: Stud
     with pytest.raises(InputError, match="must ask for at most 32"):
         chosen("sobol:33")
     narrow = grid.select(["T1O0W0D0H0C1=0.7"])
-    with pytest.raises(InputError, match="must name none, as in 'T1O0W0D0H0C1=0[.]7'"):
+    with pytest.raises(InputError, match=r"must name none, as in 'T1O0W0D0H0C1=0\.7'"):
         choose("sobol:2", narrow, (0,), 0, space)
     assert choose("random:1", narrow, (0,), 0, space).situations == narrow
 
