@@ -82,3 +82,33 @@ def test_a_number_of_another_bin_writes_nothing(call: Call, ranged: Path, tmp_pa
     refused = call("run", *WORDS, "--situation", "C1=0.871T0O0W0D0H1", study=ranged)
     assert "must have 'C2=0.871', the bin of that number" in sentence(refused)
     assert not (tmp_path / "campaign").exists()
+
+
+def test_shards_of_a_drawn_choice_merge_into_the_whole(call: Call, ranged: Path, tmp_path: Path) -> None:
+    words = (*WORDS, "--situation", "C?T0O0*D0H1", "--choose", "random:3", "--baseline-seeds", "1")
+    parts = [str(tmp_path / part) for part in ("one", "two")]
+    for number, part in enumerate(parts, start=1):
+        done = call("run", *words, "--shard", f"{number}/2", "--campaign", part, study=ranged, campaign=False)
+        assert done.exit_code == 0
+    assert call("merge", *parts, study=ranged).exit_code == 0
+    merged = flown(call, ranged)
+    call("run", *words, "--campaign", str(tmp_path / "whole"), study=ranged, campaign=False)
+    whole = json.loads(call("export", "--campaign", str(tmp_path / "whole"), study=ranged, campaign=False).stdout)
+    control = "REVERSE-velcmd"  # the situation of the one flight of a control may differ
+    for rows in (merged, whole):
+        rows[:] = [row for row in rows if row["mutant"] != control]
+    assert merged == whole
+    assert len({row["situation"] for row in merged}) == 3
+
+
+def test_margins_and_dispositions_take_drawn_situations(call: Call, ranged: Path) -> None:
+    key = "C2=0.871T0O0W0D0H1"
+    done = call("margin", "LATE-human", "--situation", key, "--quiet", study=ranged)
+    assert done.exit_code == 0
+    assert key in done.stdout
+    path = ranged / "hazop" / "dispositions.yaml"
+    entry = "LATE-human: {status: accepted, owner: A. Nyone, reason: harmless, expires: 2999-01-01, situations: [%s]}"
+    path.write_text(entry % key, encoding="utf-8")
+    assert key in call("dispositions", study=ranged).stdout
+    path.write_text(entry % key.replace("C2", "C1"), encoding="utf-8")
+    assert "no situation 'C1=0.871T0O0W0D0H1'" in sentence(call("dispositions", study=ranged))

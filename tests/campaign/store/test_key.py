@@ -87,4 +87,5 @@ def test_a_drawn_number_is_part_of_the_key(copy: Path) -> None:
     study = Study(with_range(copy))
     situations = ("T0O0W0D0H0C2", "T0O0W0D0H0C2=0.871", "T0O0W0D0H0C2=0.872")
     origins = [Keys(study).origin(flight_named(study, "baseline", key, 0)) for key in situations]
+    assert study.changes(study.grid.situation(situations[1])) == {"world.mission.cruise_mps": 0.871}
     assert len({origin.situation for origin in origins}) == len({origin.realised for origin in origins}) == 3
