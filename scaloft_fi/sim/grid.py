@@ -68,7 +68,8 @@ class Grid:
         Raises:
             InputError: there is no such situation; the message names the nearest key, or the bin of the number.
         """
-        situation = self.by_key.get(self.aliases.get(name, name)) or self._drawn(name)
+        key = self.aliases.get(name, name)
+        situation = self.by_key.get(key) or self._drawn(key)
         if situation is None:
             raise InputError(self.miss(name))
         return situation
@@ -216,8 +217,10 @@ def read_grid(item: Item, documents: Mapping[str, Item]) -> Grid:
     _check_values(grid)
     _check_paths(grid)
     for alias, entry in alias_items.items():
-        if aliases[alias] not in grid.by_key:
-            raise InputError(f"{entry.place}: alias {alias!r}: {grid.miss(entry.text())}")
+        try:
+            grid.situation(aliases[alias])
+        except InputError as error:
+            raise InputError(f"{entry.place}: alias {alias!r}: {error}") from None
     for axis in axes:
         for value in (*axis.values, *axis.extremes):
             read_world(grid.documents_with([value])["world"])
@@ -265,8 +268,8 @@ def _overlap(first: str, second: str) -> bool:
 
 def _completed(key: str, axes: Iterable[Axis]) -> str:
     """Add the benign value of every axis that the key lacks, so that aliases stay valid after an axis is added."""
-    levels = dict(re.findall(r"([A-Z][a-z]*)(\d+)", key))
-    known = {axis.id for axis in axes}
-    if "".join(f"{axis}{level}" for axis, level in levels.items()) != key or not known.issuperset(levels):
+    read, known = Situation.parse(key), [axis.id for axis in axes]
+    if read is None or read.key != key or not dict(read.levels).keys() <= set(known):
         return key
-    return "".join(f"{axis.id}{levels.get(axis.id, 0)}" for axis in axes)
+    levels = dict.fromkeys(known, 0) | dict(read.levels)
+    return Situation.of(levels, dict(read.numbers)).key

@@ -78,6 +78,15 @@ def test_a_flight_is_stale_when_the_range_no_longer_holds_its_number(call: Call,
     assert "the situation is not in the grid any more" in " ".join(told.stdout.split())
 
 
+def test_a_formula_is_held_to_its_caps_at_both_ends_of_the_range(call: Call, ranged: Path) -> None:
+    path = ranged / "sim" / "situations.yaml"
+    text = path.read_text(encoding="utf-8").replace("speed_mps >= 0.8 * number", "clearance_m < number - 0.15")
+    path.write_text(text, encoding="utf-8")
+    refused = sentence(call("run", *WORDS, study=ranged))
+    assert "realised of C3 compares clearance_m with 1.05 m" in refused  # the middle of the bin: 0.95 m
+    assert "situations.yaml:" in refused
+
+
 def test_a_number_of_another_bin_writes_nothing(call: Call, ranged: Path, tmp_path: Path) -> None:
     refused = call("run", *WORDS, "--situation", "C1=0.871T0O0W0D0H1", study=ranged)
     assert "must have 'C2=0.871', the bin of that number" in sentence(refused)

@@ -233,6 +233,15 @@ def test_a_drawn_situation_flies_its_number(ranged):
     assert ranged.grid.values(drawn)["C"].realised == "eventually(speed_mps >= 0.8 * 0.871)"
 
 
+def test_an_alias_may_name_a_drawn_number(study, edited):
+    with_range(study)
+    grid = load(edited("situations.yaml", "\naliases:", "\naliases:\n  fast: T1C3=1.15")).grid
+    assert grid.situation("fast").key == "T1O0W0D0H0C3=1.15"
+    assert grid.aliases_of(grid.situation("fast")) == ("fast",)
+    with pytest.raises(InputError, match=r"alias 'fast': .*situations.yaml:\d+: situation .* must have 'C3=1.15'"):
+        load(edited("situations.yaml", "C3=1.15", "C2=1.15"))
+
+
 def test_drawn_situations_are_selected_by_key_after_their_bin(ranged):
     keys = ["T0O0W0D0H0C2=0.9", "T0O0W0D0H0C2=0.85", "T0O0W0D0H0C*", "T0O0W0D0H0C2=0.9"]
     assert [situation.key for situation in ranged.grid.select(keys)] == [

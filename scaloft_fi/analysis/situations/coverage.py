@@ -70,18 +70,19 @@ def coverage_of(clean: Iterable[Outcome], draws: Collection[tuple[str, int]], sp
     """The same of the baselines `clean` and of the `draws` in which mutants were flown."""
     from scaloft_fi.analysis.situations.t_way import t_ways
 
-    valid = (outcome for outcome in clean if not outcome.invalid and outcome.situation in space.point)
-    baselines = list({(outcome.situation, outcome.seed): outcome for outcome in valid}.values())
-    beside = {draw for draw in draws if draw[0] in space.point}
+    valid = [outcome for outcome in clean if not outcome.invalid]
+    keys = {outcome.situation for outcome in valid} | {situation for situation, _ in draws}
+    point = {key: place for key in keys if (place := space.point.get(key))}
+    baselines = list(
+        {(outcome.situation, outcome.seed): outcome for outcome in valid if outcome.situation in point}.values()
+    )
+    beside = {draw for draw in draws if draw[0] in point}
     alone = {(outcome.situation, outcome.seed) for outcome in baselines} - beside
-    judged = {space.point[outcome.situation] for outcome in baselines}
-    pairs = {outcome.situation for outcome in baselines} | {situation for situation, _ in beside}
-    flown = {space.point[key] for key in pairs}
-    came_true = {
-        (space.point[outcome.situation], axis) for outcome in baselines for axis, true in outcome.realised if true
-    }
+    judged = {point[outcome.situation] for outcome in baselines}
+    flown = set(point.values())
+    came_true = {(point[outcome.situation], axis) for outcome in baselines for axis, true in outcome.realised if true}
     whole = {
-        space.point[outcome.situation]
+        point[outcome.situation]
         for outcome in baselines
         if outcome.realised and all(true for _, true in outcome.realised)
     }
@@ -89,13 +90,13 @@ def coverage_of(clean: Iterable[Outcome], draws: Collection[tuple[str, int]], sp
         situations=Ratio(len(flown), len(space.points)),
         draws=len(beside) + len(alone),
         pool=len(alone),
-        combinations=t_ways(pairs, space, STRENGTHS),
+        combinations=t_ways(point, space, STRENGTHS),
         realised=Ratio(len(whole), len(space.points)),
-        states=_states(Pool.of(baselines), pairs),
+        states=_states(Pool.of(baselines), point),
         by_axis=tuple(
-            (axis, Ratio(sum((point, axis) in came_true for point in judged), len(judged))) for axis in space.axes
+            (axis, Ratio(sum((place, axis) in came_true for place in judged), len(judged))) for axis in space.axes
         ),
-        requirements=_requirements(baselines, space, len(judged)),
+        requirements=_requirements(baselines, point, len(judged)),
     )
 
 
@@ -105,13 +106,15 @@ def _states(pool: Pool, flown: Iterable[str]) -> dict[State, int]:
     return {state: pairs[state] for state in State}
 
 
-def _requirements(baselines: Iterable[Outcome], space: Space, judged: int) -> tuple[tuple[str, Ratio], ...]:
+def _requirements(
+    baselines: Iterable[Outcome], point: Mapping[str, Point], judged: int
+) -> tuple[tuple[str, Ratio], ...]:
     triggered: dict[str, set[Point]] = {}
     for outcome in baselines:
         for reading in outcome.readings:
             points = triggered.setdefault(reading.requirement, set())
             if reading.compliance in (Compliance.HELD, Compliance.VIOLATED):
-                points.add(space.point[outcome.situation])
+                points.add(point[outcome.situation])
     return tuple((name, Ratio(len(points), judged)) for name, points in triggered.items())
 
 
