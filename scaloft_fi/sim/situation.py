@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
+from math import isfinite
 
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
@@ -116,7 +117,8 @@ class Situation:
         levels = {part[1]: int(part[2]) for part in parts}
         if not parts or "".join(part[0] for part in parts) != text or len(levels) < len(parts):
             return None
-        return cls.of(levels, {part[1]: float(part[3]) for part in parts if part[3] is not None})
+        numbers = {part[1]: float(part[3]) for part in parts if part[3] is not None}
+        return cls.of(levels, numbers) if all(map(isfinite, numbers.values())) else None
 
     @property
     def point(self) -> Situation:
