@@ -76,26 +76,19 @@ class Setup:
         grid = load_grid(self.folder / "sim")
         caps = self._caps(grid)
         for axis in grid.axes:
-            for value in axis.values:
+            for value in (*axis.values, *axis.extremes):
                 try:
                     check_caps(value.realised, caps)
                 except FormulaError as error:
-                    raise InputError(
-                        f"{self._place(axis.id, value.id)}: realised of {axis.id}{value.id} {error}"
-                    ) from error
+                    raise InputError(f"{value.place}: realised of {axis.id}{value.id} {error}") from error
         return grid
-
-    def _place(self, axis: str, value: int) -> str:
-        """`file:line` of the predicate of an axis value."""
-        axes = load(self.folder / "sim" / "situations.yaml").need("axes")
-        return axes.need(axis).need("values").items()[value].need("realised").place
 
     @cached_property
     def signals(self) -> tuple[str, ...]:
         """Names of the signals that requirements and situations may use."""
         from scaloft_fi.sim.signals import signal_names
 
-        world = self.grid.world(())
+        world = self.grid.world()
         return signal_names(world.surfaces, self.stack.beliefs, world.signals)
 
     @cached_property
@@ -106,7 +99,7 @@ class Setup:
     def _caps(self, grid: Grid) -> Mapping[str, float]:
         from scaloft_fi.sim.measures import SIGNALS
 
-        optional = (SIGNALS[name] for name in grid.world(()).signals)
+        optional = (SIGNALS[name] for name in grid.world().signals)
         return {**self.stack.caps, **{signal.name: signal.most for signal in optional if math.isfinite(signal.most)}}
 
     @cached_property
@@ -138,7 +131,7 @@ class Setup:
         """
         from scaloft_fi.judge.space import Realisation
 
-        return Realisation.read(self.grid, self.folder / "sim" / "situations.yaml", self.signals)
+        return Realisation.read(self.grid, self.signals)
 
     def scenario(self, situation: Situation) -> Scenario:
         """The scenario of the situation."""
@@ -150,10 +143,12 @@ class Setup:
 
     def changes(self, situation: Situation) -> dict[str, Any]:
         """The values that the situation sets in the documents of world, vehicle and sensors, by dotted path."""
-        values = [axis.value(situation[axis.id]) for axis in self.grid.axes]
+        values = self.grid.values(situation).values()
         return {path: item.plain() for value in values for path, item in value.changes.items()}
 
     def realised(self, situation: Situation) -> dict[str, Any]:
         """The predicates of the situation's values by axis; for a benign value, the predicates of the other values."""
-        values = [(axis, axis.value(situation[axis.id])) for axis in self.grid.axes]
-        return {axis.id: value.realised or [other.realised for other in axis.values] for axis, value in values}
+        values = self.grid.values(situation)
+        return {
+            axis.id: values[axis.id].realised or [other.realised for other in axis.values] for axis in self.grid.axes
+        }

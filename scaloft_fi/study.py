@@ -129,7 +129,7 @@ class Study(Setup):
         sim = self.folder / "sim"
         documents = {name: load(sim / f"{name}.yaml").plain() for name in FLYING_DATA}
         others = {path.relative_to(sim).as_posix(): _bytes(path) for path in _files(sim) if path.suffix not in _APART}
-        roles = [(b.name, ROLES[b.role].seen_as) for b in self.grid.world(()).bodies.values()]
+        roles = [(b.name, ROLES[b.role].seen_as) for b in self.grid.world().bodies.values()]
         judged = [(r.name, r.kind, r.text, r.trigger, r.definitions) for r in self.requirements]
         return {
             "sim": _digest([documents, others, roles]),
@@ -155,7 +155,7 @@ class Study(Setup):
         makers = [
             stack.make,
             *(kinds[name].make for name in sensors if name in kinds),
-            *(SIGNALS[name].make for name in self.grid.world(()).signals),
+            *(SIGNALS[name].make for name in self.grid.world().signals),
             *(HAPPENINGS[name].read for name in self._kinds_of_happenings if name in HAPPENINGS),
             *(OPERATORS[name].make for name in sorted(operators) if name in OPERATORS),
         ]

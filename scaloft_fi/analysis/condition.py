@@ -26,7 +26,8 @@ MOST_EXACT = 16
 def condition(space: Space, killing: Collection[str], surviving: Collection[str]) -> str:
     """The shortest condition that is true in every killing situation and in no surviving one.
 
-    Situations in neither (nothing is known there) may fall on either side.
+    Situations in neither (nothing is known there) may fall on either side.  Numbers drawn from a range count as their
+    bin, and a bin with a kill counts as killing.
 
     Args:
         space: the grid.
@@ -41,7 +42,7 @@ def condition(space: Space, killing: Collection[str], surviving: Collection[str]
         return ""
     texts = [term_text(space, term) for term in terms]
     if texts == [""]:
-        return "everywhere" if len(set(killing)) == len(space.points) else "wherever tested"
+        return "everywhere" if len({space.point[key] for key in killing}) == len(space.points) else "wherever tested"
     return " or ".join(f"({text})" if len(texts) > 1 and " & " in text else text for text in texts)
 
 
@@ -54,10 +55,16 @@ def cover(space: Space, killing: Collection[str], surviving: Collection[str]) ->
     both = set(killing) & set(surviving)
     if both:
         raise ValueError(f"both killing and surviving: {sorted(both)}")
-    on = [space.point[key] for key in sorted(set(killing), key=space.rank)]
-    off = [space.point[key] for key in sorted(set(surviving), key=space.rank)]
+    on, off = sides(space, killing, surviving)
     primes = _primes(space, on, off)
     return tuple(sorted(_fewest(space, primes, on), key=lambda term: _order(space, term)))
+
+
+def sides(space: Space, killing: Collection[str], surviving: Collection[str]) -> tuple[list[Point], list[Point]]:
+    """The points with a kill and those with survival only, each once, in the grid's order."""
+    on = dict.fromkeys(space.point[key] for key in sorted(killing, key=space.rank))
+    off = dict.fromkeys(space.point[key] for key in sorted(surviving, key=space.rank))
+    return list(on), [point for point in off if point not in on]
 
 
 def admits(term: Term, point: Point) -> bool:

@@ -51,7 +51,8 @@ if TYPE_CHECKING:
     show_default=True,
     metavar="HOW",
     help="Which of these situations: all, random:N (distinct), draws:N (with replacement; a repetition takes the next "
-    "seed), draws:P% (until that share was drawn), first:N (in the grid's order), or a covering array such as 2-way.",
+    "seed), draws:P% (until that share was drawn), sobol:N (distinct, spread evenly over all axes), first:N (in the "
+    "grid's order), or a covering array such as 2-way.  random, draws and sobol draw numbers from ranges.",
 )
 @click.option(
     "--choose-seed",

@@ -74,7 +74,8 @@ def score_command(
     others: Iterable[Outcome] = ()
     if baseline_from:
         flown = rulings.situations
-        others = borrowed(study, baseline_from, [key for key, _ in study.space.points if key in flown])
+        listed = study.space.holding(flown).situations
+        others = borrowed(study, baseline_from, [key for key, _ in listed if key in flown])
     if warning:
         click.echo(f"warning: {warning}", err=True)
     scored = score_of(rulings, study.roster, study.space, spending, others)

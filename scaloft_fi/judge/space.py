@@ -2,22 +2,55 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from scaloft_fi.document import load
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.stl import Formula, FormulaError, Signals
+from scaloft_fi.sim.situation import Situation
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.grid import Grid
-    from scaloft_fi.sim.situation import AxisValue
+    from scaloft_fi.sim.range import Range
+    from scaloft_fi.sim.situation import Axis, AxisValue
 
 Point = tuple[str, ...]
-"""One value per axis, in the axes' order."""
+"""One value per axis, in the axes' order; of a number drawn from a range its bin."""
+
+
+Rank = tuple[int, tuple[float, ...], str]
+"""Place in the grid, drawn numbers, key."""
+
+
+class Points(Mapping[str, Point]):
+    """Point by key of the situation; its keys are those of the grid, but it finds the point of drawn numbers too."""
+
+    def __init__(self, points: Iterable[tuple[str, Point]], ranges: Mapping[str, Range]) -> None:
+        self._grid, self._drawn, self._ranges = dict(points), dict[str, Point](), ranges
+
+    def __getitem__(self, key: str) -> Point:
+        if key in self._grid:
+            return self._grid[key]
+        if key not in self._drawn:
+            situation = Situation.parse(key) if isinstance(key, str) else None
+            if situation is None or situation.key != key or not self._in_bins(situation):
+                raise KeyError(key)
+            self._drawn[key] = self._grid[situation.point.key]
+        return self._drawn[key]
+
+    def _in_bins(self, situation: Situation) -> bool:
+        return all(
+            axis in self._ranges and self._ranges[axis].bin(number) == situation[axis]
+            for axis, number in situation.numbers
+        )
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._grid)
+
+    def __len__(self) -> int:
+        return len(self._grid)
 
 
 @dataclass(frozen=True)
@@ -28,13 +61,17 @@ class Space:
         axes: names of the axes.
         values: per axis its values, the benign one first.
         words: per axis a short name of each value, such as `light`, `dark`.
-        points: key and point of each situation, in the grid's order.
+        points: key and point of each situation of the grid, in the grid's order.
+        ranges: the ranges of the axes that have one, in the axes' order.
+        drawn: keys of situations with drawn numbers, which `situations` lists too.
     """
 
     axes: tuple[str, ...]
     values: tuple[tuple[str, ...], ...]
     words: tuple[tuple[str, ...], ...]
     points: tuple[tuple[str, Point], ...]
+    ranges: tuple[tuple[str, Range], ...] = ()
+    drawn: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, grid: Grid) -> Space:
@@ -44,12 +81,25 @@ class Space:
             values=tuple(tuple(str(value.id) for value in axis.values) for axis in grid.axes),
             words=tuple(tuple(value.title for value in axis.values) for axis in grid.axes),
             points=tuple((s.key, tuple(str(s[axis.id]) for axis in grid.axes)) for s in grid.situations),
+            ranges=tuple((axis.id, axis.range) for axis in grid.axes if axis.range is not None),
         )
+
+    def holding(self, keys: Iterable[str]) -> Space:
+        """The space that lists the situations with drawn numbers among `keys` too."""
+        return replace(self, drawn=tuple(sorted({k for k in keys if k not in self.order and k in self.point})))
+
+    @property
+    def situations(self) -> tuple[tuple[str, Point], ...]:
+        """Key and point of each listed situation; drawn numbers follow the situation of their bins, ascending."""
+        if not self.drawn:
+            return self.points
+        drawn = ((key, self.point[key]) for key in self.drawn)
+        return tuple(sorted((*self.points, *drawn), key=lambda entry: self.rank(entry[0])))
 
     @cached_property
     def point(self) -> Mapping[str, Point]:
         """Point by key of the situation."""
-        return dict(self.points)
+        return Points(self.points, dict(self.ranges))
 
     @cached_property
     def order(self) -> Mapping[str, int]:
@@ -60,9 +110,27 @@ class Space:
         """The short name of a value of the axis with this index."""
         return self.words[axis][self.values[axis].index(value)]
 
-    def rank(self, key: str) -> tuple[int, str]:
-        """Sort key of a situation: the grid's order; unknown situations are last."""
-        return self.order.get(key, len(self.points)), key
+    def words_of(self, key: str) -> tuple[str, ...]:
+        """The short names of the situation's values, one for each axis; of a drawn number the number with its unit.
+
+        Raises:
+            KeyError: there is no such situation.
+        """
+        words = {axis: self.word(place, self.point[key][place]) for place, axis in enumerate(self.axes)}
+        if key not in self.order and (situation := Situation.parse(key)):
+            ranges = dict(self.ranges)
+            words |= {axis: ranges[axis].told(number) for axis, number in situation.numbers}
+        return tuple(words.values())
+
+    def rank(self, key: str) -> Rank:
+        """Sort key of a situation: the grid's order, then drawn numbers; unknown situations are last."""
+        place = self.order.get(key)
+        if place is not None:
+            return place, (), key
+        situation = Situation.parse(key) if key in self.point else None
+        if situation is None:
+            return len(self.points), (), key
+        return self.order[situation.point.key], tuple(number for _, number in situation.numbers), key
 
 
 @dataclass(frozen=True)
@@ -71,28 +139,28 @@ class Realisation:
 
     Attributes:
         space: the grid.
-        predicates: by axis and value a formula over the log; None for the benign value, which is met if no other is.
+        predicates: by axis and value a formula over the log; None for a benign value that is met if no other is.
+        axes, signals: the axes of the grid and the names of the log's signals, for the formulas of drawn numbers.
     """
 
     space: Space
     predicates: tuple[tuple[Formula | None, ...], ...] = field(repr=False)
+    axes: tuple[Axis, ...] = ()
+    signals: tuple[str, ...] = ()
 
     @classmethod
-    def read(cls, grid: Grid, path: Path, signals: Collection[str]) -> Realisation:
+    def read(cls, grid: Grid, signals: Collection[str]) -> Realisation:
         """Read the predicates of the grid's values, and check them against the names of the log's signals.
 
         Args:
             grid: grid of the study.
-            path: file of the grid, for the place of an error.
             signals: names of the log's signals.
 
         Raises:
             InputError: a predicate is no formula over these signals; the message names file and line.
         """
-        predicates = tuple(
-            tuple(_predicate(axis.id, value, path, signals) for value in axis.values) for axis in grid.axes
-        )
-        return cls(Space.of(grid), predicates)
+        predicates = tuple(tuple(_predicate(value, signals) for value in axis.values) for axis in grid.axes)
+        return cls(Space.of(grid), predicates, grid.axes, tuple(signals))
 
     def of(self, situation: str, signals: Signals) -> tuple[tuple[str, bool], ...]:
         """By axis, whether a flight with these signals, (T,) each at 20 Hz, met the situation's value.
@@ -100,24 +168,27 @@ class Realisation:
         Raises:
             ValueError: a signal is not finite.
         """
-        point = self.space.point[situation]
+        point, drawn = self.space.point[situation], Situation.parse(situation)
+        numbers = dict(drawn.numbers) if drawn else {}
         return tuple(
-            (axis, self._came_true(number, point[number], signals)) for number, axis in enumerate(self.space.axes)
+            (axis, self._came_true(place, point[place], numbers.get(axis), signals))
+            for place, axis in enumerate(self.space.axes)
         )
 
-    def _came_true(self, axis: int, value: str, signals: Signals) -> bool:
+    def _came_true(self, axis: int, value: str, number: float | None, signals: Signals) -> bool:
         by_value = dict(zip(self.space.values[axis], self.predicates[axis], strict=True))
         predicate = by_value[value]
+        if number is not None:
+            predicate = _predicate(self.axes[axis].value(int(value), number), self.signals)
         if predicate is not None:
             return predicate.robustness(signals)[0] >= 0
         return all(other.robustness(signals)[0] < 0 for other in by_value.values() if other is not None)
 
 
-def _predicate(axis: str, value: AxisValue, path: Path, signals: Collection[str]) -> Formula | None:
+def _predicate(value: AxisValue, signals: Collection[str]) -> Formula | None:
     if not value.realised:
         return None
     try:
         return Formula.parse(value.realised, signals)
     except FormulaError as error:
-        place = load(path).need("axes").need(axis).need("values").items()[value.id].need("realised").place
-        raise InputError(f"{place}: realised {error}") from error
+        raise InputError(f"{value.place}: realised {error}") from error

@@ -15,7 +15,8 @@ from scaloft_fi.document import Item, load
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.constraint import Constraint, read_constraints
 from scaloft_fi.sim.patch import PARTS, patched
-from scaloft_fi.sim.situation import Axis, Situation, read_axis
+from scaloft_fi.sim.range import number_text
+from scaloft_fi.sim.situation import Axis, AxisValue, Situation, read_axis
 from scaloft_fi.sim.world import World, read_world
 
 MOST_POINTS = 1_000_000
@@ -62,35 +63,70 @@ class Grid:
         return len(self.situations)
 
     def situation(self, name: str) -> Situation:
-        """The situation of a key or an alias.
+        """The situation of a key or an alias; the key may have numbers drawn from ranges.
 
         Raises:
-            InputError: there is no such situation; the message names the nearest key.
+            InputError: there is no such situation; the message names the nearest key, or the bin of the number.
         """
-        situation = self.by_key.get(self.aliases.get(name, name))
+        key = self.aliases.get(name, name)
+        situation = self.by_key.get(key) or self._drawn(key)
         if situation is None:
             raise InputError(self.miss(name))
         return situation
 
+    def _drawn(self, name: str) -> Situation | None:
+        """The situation of a key with drawn numbers; None for a key without, or in no bins of the grid.
+
+        Raises:
+            InputError: a number lies outside its bin, or is not written as keys write it.
+        """
+        drawn = Situation.parse(name)
+        if drawn is None or not drawn.numbers or drawn.point.key not in self.by_key:
+            return None
+        if drawn.key != name:
+            raise InputError(f"situation {name!r} must be written {drawn.key!r}")
+        axes = {axis.id: axis for axis in self.axes}
+        for axis, number in drawn.numbers:
+            range_ = axes[axis].range
+            if range_ is None:
+                raise InputError(f"situation {name!r} has a number for axis {axis!r}, which is no range")
+            bin_, place = range_.bin(number), range_.item.place
+            if bin_ is None:
+                low, high = number_text(range_.edges[0]), number_text(range_.edges[-1])
+                raise InputError(f"{place}: {axis}={number_text(number)} of {name!r} must be {low} to {high}")
+            if bin_ != drawn[axis]:
+                right = f"{axis}{bin_}={number_text(number)}"
+                raise InputError(f"{place}: situation {name!r} must have {right!r}, the bin of that number")
+        return drawn
+
     def select(self, patterns: Iterable[str]) -> tuple[Situation, ...]:
         """The situations that match a pattern (key, alias or glob such as `T1*H?`), in the grid's order.
 
-        Without patterns, all situations.
+        Without patterns, all situations of the grid.  A pattern matches no drawn numbers; a key with drawn numbers
+        selects its situation, which follows the one of its bins.
 
         Raises:
             InputError: a pattern matches nothing; the message names the nearest key.
         """
-        wanted: set[str] = set()
+        wanted: dict[str, Situation] = {}
         patterns = tuple(patterns)
         for pattern in patterns:
             if any(mark in pattern for mark in "*?["):
-                matches = {key for key in self.by_key if fnmatch.fnmatchcase(key, pattern)}
+                matches = {key: one for key, one in self.by_key.items() if fnmatch.fnmatchcase(key, pattern)}
                 if not matches:
                     raise InputError(self.miss(pattern))
                 wanted |= matches
             else:
-                wanted.add(self.situation(pattern).key)
-        return tuple(situation for situation in self.situations if not patterns or situation.key in wanted)
+                situation = self.situation(pattern)
+                wanted[situation.key] = situation
+        if not patterns:
+            return self.situations
+        return tuple(sorted(wanted.values(), key=lambda one: (self._places[one.point.key], one.numbers)))
+
+    @cached_property
+    def _places(self) -> Mapping[str, int]:
+        """Index of each situation by key."""
+        return {key: place for place, key in enumerate(self.by_key)}
 
     def gray_order(self) -> tuple[Situation, ...]:
         """Every situation once; each differs from its predecessor in one axis by one step (reflected Gray code).
@@ -104,37 +140,43 @@ class Grid:
         return self._feasible(walks)
 
     def titles(self, situation: Situation) -> tuple[str, ...]:
-        """The titles of the situation's values, one for each axis."""
-        return tuple(axis.value(situation[axis.id]).title for axis in self.axes)
+        """The titles of the situation's values, one for each axis; of a drawn number the number with its unit."""
+        return tuple(value.title for value in self.values(situation).values())
 
     def aliases_of(self, situation: Situation) -> tuple[str, ...]:
         """The other names of a situation."""
         return tuple(alias for alias, key in self.aliases.items() if key == situation.key)
 
-    def documents_of(self, levels: Iterable[tuple[str, int]]) -> Mapping[str, Item]:
-        """The documents with these axis values.
+    def values(self, situation: Situation) -> dict[str, AxisValue]:
+        """The value of each axis."""
+        numbers = dict(situation.numbers)
+        return {axis.id: axis.value(situation[axis.id], numbers.get(axis.id)) for axis in self.axes}
+
+    def documents_with(self, values: Iterable[AxisValue]) -> Mapping[str, Item]:
+        """The documents with these values of axes.
 
         Raises:
             InputError: a change names an unknown path.
         """
-        axes, documents = {axis.id: axis for axis in self.axes}, self.documents
-        for name, level in levels:
-            documents = patched(documents, axes[name].value(level).changes)
+        documents = self.documents
+        for value in values:
+            documents = patched(documents, value.changes)
         return documents
 
-    def world(self, levels: Iterable[tuple[str, int]]) -> World:
-        """The world with these axis values.
+    def world(self, situation: Situation | None = None) -> World:
+        """The world of a situation; without one, the world that no axis changes.
 
         Raises:
             InputError: a change names an unknown path or sets a value that is not allowed.
         """
-        return read_world(self.documents_of(levels)["world"])
+        return read_world(self.documents_with(self.values(situation).values() if situation else ())["world"])
 
     def miss(self, name: str) -> str:
         """The error message for a name without a situation: the constraint that excludes it, or the nearest key."""
         written = {axis.lower(): int(level) for axis, level in re.findall(r"([A-Za-z][a-z]*)(\d+)", name)}
         levels = {axis.id: written.get(axis.id.lower(), -1) for axis in self.axes}
-        why = self._excluding(levels) if Situation.of(levels).key == name else None
+        read = Situation.parse(name)
+        why = self._excluding(levels) if read and read.point == Situation.of(levels) else None
         if why is not None:
             return f"situation {name!r} is excluded by {why.place}: {why.reason}"
         near = min(self.situations, key=lambda other: sum(levels[axis] != level for axis, level in other.levels))
@@ -175,11 +217,13 @@ def read_grid(item: Item, documents: Mapping[str, Item]) -> Grid:
     _check_values(grid)
     _check_paths(grid)
     for alias, entry in alias_items.items():
-        if aliases[alias] not in grid.by_key:
-            raise InputError(f"{entry.place}: alias {alias!r}: {grid.miss(entry.text())}")
+        try:
+            grid.situation(aliases[alias])
+        except InputError as error:
+            raise InputError(f"{entry.place}: alias {alias!r}: {error}") from None
     for axis in axes:
-        for value in axis.values:
-            grid.world([(axis.id, value.id)])
+        for value in (*axis.values, *axis.extremes):
+            read_world(grid.documents_with([value])["world"])
     return grid
 
 
@@ -224,8 +268,8 @@ def _overlap(first: str, second: str) -> bool:
 
 def _completed(key: str, axes: Iterable[Axis]) -> str:
     """Add the benign value of every axis that the key lacks, so that aliases stay valid after an axis is added."""
-    levels = dict(re.findall(r"([A-Z][a-z]*)(\d+)", key))
-    known = {axis.id for axis in axes}
-    if "".join(f"{axis}{level}" for axis, level in levels.items()) != key or not known.issuperset(levels):
+    read, known = Situation.parse(key), [axis.id for axis in axes]
+    if read is None or read.key != key or not dict(read.levels).keys() <= set(known):
         return key
-    return "".join(f"{axis.id}{levels.get(axis.id, 0)}" for axis in axes)
+    levels = dict.fromkeys(known, 0) | dict(read.levels)
+    return Situation.of(levels, dict(read.numbers)).key

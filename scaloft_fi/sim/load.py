@@ -15,7 +15,7 @@ from scaloft_fi.sim.grid import Grid, read_grid, remedy
 from scaloft_fi.sim.patch import PARTS, leaves, patched
 from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.sensors import SensorsConfig, read_sensors
-from scaloft_fi.sim.situation import Situation
+from scaloft_fi.sim.situation import AxisValue, Situation
 from scaloft_fi.sim.vehicle import Vehicle, read_vehicle
 from scaloft_fi.sim.world import World, read_world
 
@@ -90,13 +90,21 @@ class SimConfig:
         return self._scenarios[situation.key]
 
     def _built(self, situation: Situation) -> Scenario:
+        values = self.grid.values(situation)
         try:
-            scenario = Scenario(situation, *_read(self.grid.documents_of(situation.levels)))
+            scenario = Scenario(situation, *_read(self.grid.documents_with(values.values())))
         except InputError as error:
-            values = self._to_blame(situation)
-            names = " and ".join(f"{axis}{level}" for axis, level in values)
+            numbers = dict(situation.numbers)
+            written = {axis: Situation.of({axis: level}, numbers).key for axis, level in situation.levels}
+            for axis in numbers:
+                if self._refused(values[axis]):
+                    sentence = f"{error}: {written[axis]} is not possible, as in situation {situation.key}"
+                    place = next(item.place for item in values[axis].changes.values())
+                    raise InputError(f"{sentence}; the range at {place} must leave it out") from error
+            blamed = self._to_blame(values)
+            names = " and ".join(written[axis] for axis, _ in blamed)
             sentence = f"{error}: {names} cannot be combined, as in situation {situation.key}"
-            raise InputError(f"{sentence}; {remedy(*values)}") from error
+            raise InputError(f"{sentence}; {remedy(*blamed)}") from error
 
         for happening in scenario.world.happenings:
             if happening.start.at_s >= scenario.t_max_s:
@@ -105,14 +113,18 @@ class SimConfig:
                 raise InputError(f"{happening.place}: {sentence}")
         return scenario
 
-    def _to_blame(self, situation: Situation) -> tuple[tuple[str, int], ...]:
+    def _to_blame(self, values: Mapping[str, AxisValue]) -> tuple[tuple[str, int], ...]:
         """The first two values of a situation that cannot be combined; all values where any two can."""
-        for pair in combinations(situation.levels, 2):
-            try:
-                _read(self.grid.documents_of(pair))
-            except InputError:
-                return pair
-        return situation.levels
+        pairs = (pair for pair in combinations(values.items(), 2) if self._refused(*(value for _, value in pair)))
+        return tuple((axis, value.id) for axis, value in next(pairs, values.items()))
+
+    def _refused(self, *values: AxisValue) -> bool:
+        """Whether these values cannot be."""
+        try:
+            _read(self.grid.documents_with(values))
+        except InputError:
+            return True
+        return False
 
     def source_of(self, path: str) -> Source | None:
         """The source of the number at `path`, or of its nearest parent with a source."""
@@ -151,9 +163,9 @@ def load(
     documents = patched(documents, places)
     grid = grid or read_grid(documents["situations"], documents)
     for axis in grid.axes:
-        for value in axis.values:
+        for value in (*axis.values, *axis.extremes):
             if any(not path.startswith("world.") for path in value.changes):  # the grid itself has read the world
-                _read(grid.documents_of([(axis.id, value.id)]))
+                _read(grid.documents_with([value]))
     world, vehicle, sensors = _read(documents)
     return SimConfig(
         world=world,

@@ -6,8 +6,10 @@ import pytest
 from builders import GRID
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from ranges import RANGED, drawn
 
 from scaloft_fi.analysis.condition import admits, condition, cover
+from scaloft_fi.analysis.kills.interaction import order
 from scaloft_fi.judge.space import Space
 
 KEYS = [key for key, _ in GRID.points]
@@ -122,3 +124,11 @@ def test_many_axes_of_many_values_are_still_answered() -> None:
     wide = Space(tuple("vwxyz"), (values,) * 5, (values,) * 5, points)
     keys = [key for key, _ in points]
     assert condition(wide, [k for k in keys if k[0] == "a"], [k for k in keys if k[0] != "a"]) == "a"
+
+
+def test_numbers_of_a_bin_count_as_the_bin_and_one_kill_as_a_kill() -> None:
+    killing = [drawn(key, 0.5) for key, point in GRID.points if point[4] == "1"]
+    surviving = [drawn(key, 0.9) for key, _ in GRID.points]
+    assert condition(RANGED, killing, surviving) == "human"
+    assert condition(RANGED, [drawn(key, 0.1) for key, _ in GRID.points], surviving) == "everywhere"
+    assert order(RANGED, killing, surviving) == 1

@@ -1,10 +1,11 @@
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from builders import GRID, SIGNALS
+from ranges import with_range
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.space import Realisation, Space
@@ -12,7 +13,6 @@ from scaloft_fi.sim.load import load
 
 SIM = Path(__file__).resolve().parents[2] / "sim"
 STUDY = load(SIM).grid
-PATH = SIM / "situations.yaml"
 
 
 def test_the_space_of_the_study_is_its_grid() -> None:
@@ -25,7 +25,7 @@ def test_the_space_of_the_study_is_its_grid() -> None:
 
 
 def test_the_values_of_the_study_come_true_by_its_own_formulas() -> None:
-    realisation = Realisation.read(STUDY, PATH, SIGNALS)
+    realisation = Realisation.read(STUDY, SIGNALS)
     calm = {name: [0.0, 0.0] for name in SIGNALS}
     calm |= {"light": [1.0, 1.0], "person_sight_m": [100.0, 100.0], "waypoint_wall_m": [100.0, 100.0]}
     assert all(true for _, true in realisation.of("T0O0W0D0H0", calm))
@@ -37,10 +37,34 @@ def test_the_values_of_the_study_come_true_by_its_own_formulas() -> None:
 
 
 def test_a_predicate_that_is_no_formula_is_named_with_file_and_line(tmp_path: Path) -> None:
-    path = tmp_path / "situations.yaml"
-    path.write_text("axes:\n  T:\n    values:\n      - {id: 0}\n      - {id: 1, realised: eventually(x < -1)}\n")
-    values = (SimpleNamespace(id=0, realised=""), SimpleNamespace(id=1, realised="eventually(x < -1)"))
-    grid = SimpleNamespace(axes=(SimpleNamespace(id="T", values=values),), situations=())
+    sim = shutil.copytree(SIM, tmp_path / "sim")
+    path = sim / "situations.yaml"
+    text = path.read_text(encoding="utf-8").replace("eventually(x_m < -1)", "eventually(x < -1)")
+    path.write_text(text, encoding="utf-8")
+    line = 1 + next(number for number, row in enumerate(text.splitlines()) if "eventually(x < -1)" in row)
     with pytest.raises(InputError) as caught:
-        Realisation.read(grid, path, SIGNALS)  # type: ignore[arg-type]
-    assert str(caught.value).startswith(f"{path}:5: realised names the unknown signal 'x'")
+        Realisation.read(load(sim).grid, SIGNALS)
+    assert str(caught.value).startswith(f"{path}:{line}: realised names the unknown signal 'x'")
+
+
+def test_drawn_situations_have_the_point_of_their_bins_and_come_after_it(tmp_path: Path) -> None:
+    grid = load(with_range(shutil.copytree(SIM, tmp_path / "sim"))).grid
+    space = Space.of(grid)
+    fast, slow, bin_ = "T0O0W0D0H0C2=0.95", "T0O0W0D0H0C2=0.81", "T0O0W0D0H0C2"
+    assert space.point[fast] == space.point[slow] == space.point[bin_] == ("0", "0", "0", "0", "0", "2")
+    assert set(space.point) == {situation.key for situation in grid.situations}
+    for key in ("T0O0W0D0H0C1=0.95", "T0O0W0D0H0C2=0.950", "T0=1O0W0D0H0C2", "C2=0.95", "nowhere", 7):
+        assert key not in space.point
+    listed = [key for key, _ in space.holding([fast, slow, "nowhere", bin_]).situations]
+    assert listed.index(bin_) + 1 == listed.index(slow) == listed.index(fast) - 1
+    assert len(listed) == len(grid) + 2
+    assert space.words_of(fast) == (*space.words_of(bin_)[:-1], "0.95 m/s")
+    assert space.rank(fast) < space.rank("T0O0W0D0H0C3") < space.rank("nowhere")
+
+
+def test_a_drawn_number_came_true_by_the_formula_of_that_number(tmp_path: Path) -> None:
+    grid = load(with_range(shutil.copytree(SIM, tmp_path / "sim"))).grid
+    realisation = Realisation.read(grid, SIGNALS)
+    signals = {name: [0.0, 0.0] for name in SIGNALS} | {"speed_mps": [0.7, 0.7]}
+    came_true = {number: dict(realisation.of(f"T0O0W0D0H0C2={number}", signals))["C"] for number in ("0.86", "0.89")}
+    assert came_true == {"0.86": True, "0.89": False}  # 0.8 * 0.86 = 0.688, 0.8 * 0.89 = 0.712

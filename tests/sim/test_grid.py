@@ -4,6 +4,7 @@ import itertools
 from itertools import pairwise
 
 import pytest
+from ranges import CRUISE, with_range
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.load import load
@@ -201,3 +202,98 @@ def test_axes_that_make_too_many_situations_are_refused(edited):
     )
     with pytest.raises(InputError, match=r"axes make 2097152 situations, they must make at most 1000000"):
         load(edited("situations.yaml", "\naliases:", f"{many}\n\naliases:"))
+
+
+@pytest.fixture
+def ranged(study):
+    return load(with_range(study))
+
+
+def test_a_grid_has_a_range_as_bins_with_the_benign_one_first(ranged):
+    grid = ranged.grid
+    assert len(grid) == 128
+    values = grid.axes[-1].values
+    assert [(value.id, value.title) for value in values] == [
+        (0, "0.4 to 0.6 m/s"),
+        (1, "0.6 to 0.8 m/s"),
+        (2, "0.8 to 1 m/s"),
+        (3, "1 to 1.2 m/s"),
+    ]
+    flown = [value.changes["world.mission.cruise_mps"].value for value in values]
+    assert flown == pytest.approx([0.5, 0.7, 0.9, 1.1], abs=0.001)
+    assert values[0].realised == "eventually(speed_mps >= 0.8 * 0.5)"
+    assert grid.situation("32").key == "T1O1W1D1H0C0"
+
+
+def test_a_drawn_situation_flies_its_number(ranged):
+    drawn = ranged.grid.situation("T1O0W0D0H0C2=0.871")
+    assert ranged.grid.titles(drawn)[-1] == "0.871 m/s"
+    assert ranged.scenario(drawn).world.mission.cruise_mps == 0.871
+    assert ranged.grid.world(drawn).mission.cruise_mps == 0.871
+    assert ranged.grid.values(drawn)["C"].realised == "eventually(speed_mps >= 0.8 * 0.871)"
+
+
+def test_an_alias_may_name_a_drawn_number(study, edited):
+    with_range(study)
+    grid = load(edited("situations.yaml", "\naliases:", "\naliases:\n  fast: T1C3=1.15")).grid
+    assert grid.situation("fast").key == "T1O0W0D0H0C3=1.15"
+    assert grid.aliases_of(grid.situation("fast")) == ("fast",)
+    with pytest.raises(InputError, match=r"alias 'fast': .*situations.yaml:\d+: situation .* must have 'C3=1.15'"):
+        load(edited("situations.yaml", "C3=1.15", "C2=1.15"))
+
+
+def test_drawn_situations_are_selected_by_key_after_their_bin(ranged):
+    keys = ["T0O0W0D0H0C2=0.9", "T0O0W0D0H0C2=0.85", "T0O0W0D0H0C*", "T0O0W0D0H0C2=0.9"]
+    assert [situation.key for situation in ranged.grid.select(keys)] == [
+        "T0O0W0D0H0C0",
+        "T0O0W0D0H0C1",
+        "T0O0W0D0H0C2",
+        "T0O0W0D0H0C2=0.85",
+        "T0O0W0D0H0C2=0.9",
+        "T0O0W0D0H0C3",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("name", "sentence"),
+    [
+        ("T0O0W0D0H0C1=0.871", r"situations.yaml:\d+: situation .* must have 'C2=0.871', the bin of that number"),
+        ("T0O0W0D0H0C3=1.3", r"situations.yaml:\d+: C=1.3 of .* must be 0.4 to 1.2"),
+        ("T0O0W0D0H0C2=0.8710", "must be written 'T0O0W0D0H0C2=0.871'"),
+        ("T0O0W0D0H0C2=0.87123", "must be written 'T0O0W0D0H0C2=0.8712'"),
+        ("T0O0W0D0H0=0.5C2", "has a number for axis 'H', which is no range"),
+        ("T0O0W0D0C2=0.871", "no situation .* did you mean 'T0O0W0D0H0C2'"),
+        ("T0O0W0D0H0C9=0.871", "no situation"),
+    ],
+)
+def test_a_number_that_cannot_be_is_refused(ranged, name, sentence):
+    with pytest.raises(InputError, match=sentence) as error:
+        ranged.grid.situation(name)
+    assert "\n" not in str(error.value)
+
+
+def test_a_drawn_number_in_an_excluded_bin_is_refused_with_the_reason(study, edited):
+    constraint = "constraints: [{exclude: {T: 1, C: 2}, reason: too fast to turn}]"
+    with_range(study)
+    config = load(edited("situations.yaml", "\naliases:", f"\n{constraint}\naliases:"))
+    with pytest.raises(InputError, match=r"excluded by .*situations.yaml:\d+: too fast to turn"):
+        config.grid.situation("T1O0W0D0H0C2=0.871")
+
+
+def test_a_number_between_the_ends_that_the_world_refuses_is_named(study, edited):
+    edited("world.yaml", "end: [-3.0, 8.0]", "end: [-1.9, 8.0]")  # the bar stands at [-1.9, 7.7]
+    axis = CRUISE.replace("mission.cruise_mps", "waypoints.end.1").replace("bins: 4", "bins: 2")
+    axis = axis.replace("from: 0.4", "from: 7.2").replace("to: 1.2", "to: 8.6").replace("benign: 0.5", "benign: 8")
+    config = load(with_range(study, axis))
+    sentence = "C1=7.7 is not possible, as in situation T0O0W0D0H0C1=7.7; the range at .*situations.yaml:"
+    with pytest.raises(InputError, match=rf"not inside 'bar': {sentence}"):
+        config.scenario(config.grid.situation("T0O0W0D0H0C1=7.7"))
+
+
+def test_a_number_that_another_axis_excludes_is_named_with_it(study):
+    axis = CRUISE.replace("mission.cruise_mps", "bodies.obstacle.position.1").replace("bins: 4", "bins: 2")
+    axis = axis.replace("from: 0.4", "from: 4").replace("to: 1.2", "to: 8.6").replace("benign: 0.5", "benign: 5")
+    config = load(with_range(study, axis))
+    sentence = r"O1 and C1=7 cannot be combined, .*constraints: \{exclude: \{O: 1, C: 1\}, reason: ...\}"
+    with pytest.raises(InputError, match=sentence):
+        config.scenario(config.grid.situation("T0O1W0D0H0C1=7"))

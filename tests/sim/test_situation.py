@@ -1,10 +1,15 @@
 from __future__ import annotations
 
+import re
+
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.stl import Formula
 from scaloft_fi.sim.load import load
+from scaloft_fi.sim.range import number_text
 from scaloft_fi.sim.signals import signal_names
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.stack.reference.beliefs import BELIEFS
@@ -59,3 +64,28 @@ def test_situations_that_cannot_be_are_refused_with_their_line(edited, old, new,
     assert sentence in str(error.value)
     assert "situations.yaml:" in str(error.value)
     assert "\n" not in str(error.value)
+
+
+@given(
+    st.dictionaries(st.from_regex(r"[A-Z][a-z]{0,3}", fullmatch=True), st.integers(0, 99), min_size=1, max_size=5),
+    st.lists(st.floats(-1e12, 1e12).map(lambda number: float(number_text(number))), min_size=5, max_size=5),
+    st.integers(0, 31),
+)
+def test_a_key_with_drawn_numbers_names_its_situation(levels, numbers, some):
+    drawn = {axis: numbers[place] for place, axis in enumerate(levels) if some >> place & 1}
+    situation = Situation.of(levels, drawn)
+    assert Situation.parse(situation.key) == situation
+    assert dict(situation.numbers) == drawn
+    assert situation.point == Situation.of(levels)
+    assert re.fullmatch(r"[A-Za-z0-9.=-]+", situation.key)  # plain in shells, globs, file names, CSV and web addresses
+
+
+NO_KEYS = ["", "t0", "T", "T0=", "T0=x", "T0=1e", "T0T1", "T0 ", "T0=1+2", "T0=--1", "T0=1e999", "T\u0663", "T0\n"]
+
+
+NO_KEYS = ["", "t0", "T", "T0=", "T0=x", "T0=1e", "T0T1", "T0 ", "T0=1+2", "T0=--1", "T\u0663", "T0\n"]
+
+
+@pytest.mark.parametrize("text", NO_KEYS)
+def test_a_text_that_is_no_key_names_no_situation(text):
+    assert Situation.parse(text) is None

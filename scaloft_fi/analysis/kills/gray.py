@@ -9,7 +9,7 @@ from scaloft_fi.judge.space import Space
 
 
 def gray_order(space: Space) -> tuple[str, ...]:
-    """The keys of the grid's situations in the order of the reflected mixed-radix Gray code, the first axis slowest.
+    """The keys of the listed situations in the order of the reflected mixed-radix Gray code, the first axis slowest.
 
     In a grid of every combination, neighbours differ on one axis, by neighbouring values; where constraints leave
     situations out the rest keep their order.  Source: Knuth, The Art of Computer Programming 4A, 7.2.1.1, algorithm H.
@@ -20,7 +20,7 @@ def gray_order(space: Space) -> tuple[str, ...]:
         digits = [values.index(value) for values, value in zip(space.values, entry[1], strict=True)]
         return gray_rank(digits, radices)
 
-    return tuple(key for key, _ in sorted(space.points, key=rank))
+    return tuple(key for key, _ in sorted(space.situations, key=rank))
 
 
 def gray_rank(digits: Sequence[int], radices: Sequence[int]) -> int:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
-from scaloft_fi.analysis.condition import condition
+from scaloft_fi.analysis.condition import condition, sides
 from scaloft_fi.analysis.kills.kill_matrix import KillMatrix, KillRow
 from scaloft_fi.analysis.plain import by_field, plain
 from scaloft_fi.judge.space import Space
@@ -96,6 +96,7 @@ def interaction(space: Space, row: KillRow) -> Interaction:
         ValueError: it is killed nowhere.
     """
     killing, surviving = row.killing, row.surviving
+    known = {space.point[key] for key in (*killing, *surviving)}
     others = [key for key, _ in space.points if key not in set(killing)]
     return Interaction(
         mutant=row.id,
@@ -104,7 +105,7 @@ def interaction(space: Space, row: KillRow) -> Interaction:
         order=order(space, killing, surviving),
         order_at_most=order(space, killing, others),
         killing=len(killing),
-        unknown=len(space.points) - len(killing) - len(surviving),
+        unknown=len(space.points) - len(known),
     )
 
 
@@ -125,8 +126,7 @@ def order(space: Space, killing: Collection[str], surviving: Collection[str]) ->
     Raises:
         ValueError: nothing kills, or a situation both kills and is survived.
     """
-    on = [space.point[key] for key in killing]
-    off = [space.point[key] for key in surviving]
+    on, off = sides(space, killing, surviving)
     for size in range(len(space.axes) + 1) if on else ():
         for axes in combinations(range(len(space.axes)), size):
             spared = {tuple(point[axis] for axis in axes) for point in off}

@@ -54,7 +54,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class KillRow:
-    """A mutant in every situation of the grid.
+    """A mutant in every situation of the grid, and in every one with drawn numbers that was flown.
 
     Attributes:
         subject: the mutant.
@@ -135,7 +135,7 @@ class KillMatrix:
     def flown(self) -> tuple[str, ...]:
         """Situations with a flight that counts, in the grid's order."""
         flown = {entry.situation for row in self.rows for entry in row.entries if entry.flown}
-        return tuple(key for key, _ in self.space.points if key in flown)
+        return tuple(key for key, _ in self.space.situations if key in flown)
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values: axes, situations in both orders, per mutant its entries in the grid's order."""
@@ -145,7 +145,7 @@ class KillMatrix:
                 {"id": axis, "values": [{"id": v, "word": w} for v, w in zip(values, words, strict=True)]}
                 for axis, values, words in zip(space.axes, space.values, space.words, strict=True)
             ],
-            "situations": [{"key": key, "point": list(point)} for key, point in space.points],
+            "situations": [{"key": key, "point": list(point)} for key, point in space.situations],
             "gray": list(gray_order(space)),
             "states": [*(status.value for status in Status), NOT_FLOWN],
             "mutants": [_row_json(row) for row in self.rows],
@@ -156,6 +156,7 @@ def kill_matrix(scored: Score, roster: Roster, space: Space) -> KillMatrix:
     """The kill matrix of a campaign's score; the roster says which mutants the ratios count."""
     placebo = [scored.placebo] if scored.placebo else []
     groups = (("mutant", scored.mutants), ("control", scored.controls), ("placebo", placebo))
+    space = space.holding({result.situation for _, members in groups for one in members for result in one.results})
     rows = [_row(mutant, kind, roster, space) for kind, members in groups for mutant in members]
     return KillMatrix(space, tuple(rows))
 
@@ -169,7 +170,7 @@ def _row(mutant: MutantScore, kind: str, roster: Roster, space: Space) -> KillRo
         status=mutant.status,
         verdict=mutant.verdict,
         kill_rate=mutant.kill_rate,
-        entries=tuple(_entry(key, results.get(key)) for key, _ in space.points),
+        entries=tuple(_entry(key, results.get(key)) for key, _ in space.situations),
     )
 
 

@@ -13,7 +13,7 @@ from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.judge.flights import apart
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Compliance, Kind
-from scaloft_fi.judge.space import Space
+from scaloft_fi.judge.space import Point, Space
 
 if TYPE_CHECKING:
     from scaloft_fi.analysis.situations.t_way import TWay
@@ -25,7 +25,7 @@ SHARES = (0.5, 0.75, 1.0)
 
 @dataclass(frozen=True)
 class Coverage:
-    """Coverage of the situation space.
+    """Coverage of the situation space.  A number drawn from a range covers its bin: bins count, not drawn numbers.
 
     Attributes:
         situations: distinct situations flown, of the grid.
@@ -33,7 +33,8 @@ class Coverage:
         pool: those of them in which the baseline alone was flown, to decide by.
         combinations: per strength t, the combinations of values of t axes that were flown, of all that situations have.
         realised: situations whose every value came true together in a baseline flight, of the grid.
-        states: how many safety pairs (situation flown x safety requirement) the baseline pool finds in each state.
+        states: how many safety pairs (situation flown x safety requirement) the baseline pool finds in each state; a
+            situation with drawn numbers has pairs of its own.
         by_axis: per axis, the situations whose value there came true in a baseline flight, of those with one.
         requirements: per requirement, the situations where it was triggered in a baseline flight, of those with one: in
             the others it was vacuous or left open, and nothing was tested by it.
@@ -69,27 +70,33 @@ def coverage_of(clean: Iterable[Outcome], draws: Collection[tuple[str, int]], sp
     """The same of the baselines `clean` and of the `draws` in which mutants were flown."""
     from scaloft_fi.analysis.situations.t_way import t_ways
 
-    valid = (outcome for outcome in clean if not outcome.invalid and outcome.situation in space.point)
-    baselines = list({(outcome.situation, outcome.seed): outcome for outcome in valid}.values())
-    beside = {draw for draw in draws if draw[0] in space.point}
+    valid = [outcome for outcome in clean if not outcome.invalid]
+    keys = {outcome.situation for outcome in valid} | {situation for situation, _ in draws}
+    point = {key: place for key in keys if (place := space.point.get(key))}
+    baselines = list(
+        {(outcome.situation, outcome.seed): outcome for outcome in valid if outcome.situation in point}.values()
+    )
+    beside = {draw for draw in draws if draw[0] in point}
     alone = {(outcome.situation, outcome.seed) for outcome in baselines} - beside
-    judged = {outcome.situation for outcome in baselines}
-    flown = judged | {situation for situation, _ in beside}
-    came_true = {(outcome.situation, axis) for outcome in baselines for axis, true in outcome.realised if true}
+    judged = {point[outcome.situation] for outcome in baselines}
+    flown = set(point.values())
+    came_true = {(point[outcome.situation], axis) for outcome in baselines for axis, true in outcome.realised if true}
     whole = {
-        outcome.situation for outcome in baselines if outcome.realised and all(true for _, true in outcome.realised)
+        point[outcome.situation]
+        for outcome in baselines
+        if outcome.realised and all(true for _, true in outcome.realised)
     }
     return Coverage(
         situations=Ratio(len(flown), len(space.points)),
         draws=len(beside) + len(alone),
         pool=len(alone),
-        combinations=t_ways(flown, space, STRENGTHS),
+        combinations=t_ways(point, space, STRENGTHS),
         realised=Ratio(len(whole), len(space.points)),
-        states=_states(Pool.of(baselines), flown),
+        states=_states(Pool.of(baselines), point),
         by_axis=tuple(
-            (axis, Ratio(sum((key, axis) in came_true for key in judged), len(judged))) for axis in space.axes
+            (axis, Ratio(sum((place, axis) in came_true for place in judged), len(judged))) for axis in space.axes
         ),
-        requirements=_requirements(baselines, len(judged)),
+        requirements=_requirements(baselines, point, len(judged)),
     )
 
 
@@ -99,14 +106,16 @@ def _states(pool: Pool, flown: Iterable[str]) -> dict[State, int]:
     return {state: pairs[state] for state in State}
 
 
-def _requirements(baselines: Iterable[Outcome], judged: int) -> tuple[tuple[str, Ratio], ...]:
-    triggered: dict[str, set[str]] = {}
+def _requirements(
+    baselines: Iterable[Outcome], point: Mapping[str, Point], judged: int
+) -> tuple[tuple[str, Ratio], ...]:
+    triggered: dict[str, set[Point]] = {}
     for outcome in baselines:
         for reading in outcome.readings:
-            keys = triggered.setdefault(reading.requirement, set())
+            points = triggered.setdefault(reading.requirement, set())
             if reading.compliance in (Compliance.HELD, Compliance.VIOLATED):
-                keys.add(outcome.situation)
-    return tuple((name, Ratio(len(keys), judged)) for name, keys in triggered.items())
+                points.add(point[outcome.situation])
+    return tuple((name, Ratio(len(points), judged)) for name, points in triggered.items())
 
 
 def coverage_json(covered: Coverage) -> dict[str, Any]:

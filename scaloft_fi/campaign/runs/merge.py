@@ -15,6 +15,7 @@ from scaloft_fi.campaign.store.store import Planned, Store
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.flights import baselines_of
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.space import Rank
 from scaloft_fi.study import Study
 
 
@@ -97,7 +98,7 @@ def _spare_canaries(study: Study, rows: dict[str, Outcome], plans: Sequence[Plan
     canaries = {flight.key: flight for flight in plans if flight.canary and flight.key not in asked}
     baselines = baselines_of(rows.values())
 
-    def rank(flight: Planned) -> tuple[int, tuple[int, str], int]:
+    def rank(flight: Planned) -> tuple[int, Rank, int]:
         baseline = baselines.get((flight.situation, flight.seed))
         return (-held_requirements(baseline) if baseline else 0, study.space.rank(flight.situation), flight.seed)
 

@@ -13,6 +13,7 @@ from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
+from scaloft_fi.sim.situation import Situation
 
 
 def violation_id(outcome: Outcome, violation: Violation) -> str:
@@ -48,7 +49,10 @@ def mission_log(
         "violations": safety,
         "operability_violations": [_entry(o, v) for o in listed for v in o.violations if v.kind is Kind.OPERABILITY],
         "coverage": {
-            "distinct_situations": {"part": len(situations & set(space.point)), "whole": len(space.points)},
+            "distinct_situations": {
+                "part": len({space.point[key] for key in situations if key in space.point}),
+                "whole": len(space.points),
+            },
             "draws": len(draws),
         },
     }
@@ -57,8 +61,10 @@ def mission_log(
 def _situation(space: Space, key: str, seed: int) -> dict[str, Any]:
     """`type` and `parameters` as in the published log: the values that are not benign, and the value on each axis."""
     point = space.point.get(key, ())
-    unusual = [space.word(axis, value) for axis, value in enumerate(point) if value != space.values[axis][0]]
-    parameters = dict(zip(space.axes, point, strict=False))
+    words = space.words_of(key) if point else ()
+    unusual = [words[axis] for axis, value in enumerate(point) if value != space.values[axis][0]]
+    drawn = Situation.parse(key) if point and key not in space.order else None
+    parameters = dict(zip(space.axes, point, strict=False)) | (dict(drawn.numbers) if drawn else {})
     return {"type": "+".join(unusual) or "none", "parameters": parameters, "situation": key, "seed": seed}
 
 

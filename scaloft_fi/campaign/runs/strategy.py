@@ -1,4 +1,4 @@
-r"""Strategies for choosing situations: all, at random, by draws, the first of the grid, a covering array.
+r"""Strategies for choosing situations: all, at random, by draws, evenly spread, the first ones, a covering array.
 
 A plugin declares a strategy with one decorated function, in a module that its entry point in the group
 `scaloft_fi.plugins` names:
@@ -20,13 +20,13 @@ from typing import TYPE_CHECKING
 from scaloft_fi.analysis.situations.covering import covering_array
 from scaloft_fi.errors import InputError
 from scaloft_fi.registry import Registry
+from scaloft_fi.sim.situation import Situation
 from scaloft_fi.streams import key_words
 
 if TYPE_CHECKING:
     from scaloft_fi.judge.space import Space
-    from scaloft_fi.sim.situation import Situation
 
-Draws = tuple[tuple["Situation", int], ...]
+Draws = tuple[tuple[Situation, int], ...]
 """Situation and seed of each test case, in the order in which they are chosen."""
 
 
@@ -53,6 +53,22 @@ class Asked:
     def each(self, situations: Iterable[Situation]) -> Draws:
         """Every situation with every seed."""
         return tuple((situation, seed) for situation in situations for seed in self.seeds)
+
+    def drawn(self, situation: Situation, *stream: object) -> Situation:
+        """The situation with a number drawn from each range of its axes, inside the bin that it has there.
+
+        Bins have equal probability, so a number in a random bin follows the distribution of the range.  A number that
+        the situation has already is kept.
+
+        Args:
+            situation: a situation of the pool.
+            stream: name of the stream of the numbers, beside the seed of the choice.
+        """
+        numbers = dict(situation.numbers)
+        for axis, range_ in self.space.ranges:
+            share = (key_words("choice", *stream, self.seed, axis)[0] >> 11) / 2**53  # exact, below 1
+            numbers.setdefault(axis, range_.draw(situation[axis], share))
+        return Situation.of(dict(situation.levels), numbers)
 
     def error(self, allowed: str) -> InputError:
         """The error that refuses the text; `allowed` completes its message."""
@@ -101,7 +117,7 @@ def every(asked: Asked) -> Draws:
 def at_random(asked: Asked) -> Draws:
     """Distinct situations at random; a larger choice includes every smaller one of the same seed."""
     ordered = sorted(asked.pool, key=lambda one: key_words("choice", "random", asked.seed, one.key))
-    return asked.each(ordered[: _count(asked)])
+    return asked.each(asked.drawn(one, "random", one.key) for one in ordered[: _count(asked)])
 
 
 @strategy("draws", r"draws:([1-9]\d{0,8}|([1-9]\d?(?:\.\d+)?|100)%)", "draws:N, draws:P%")
@@ -112,7 +128,25 @@ def draws(asked: Asked) -> Draws:
     share = asked.match[2]
     target = math.ceil(Fraction(share) / 100 * len(asked.pool)) if share else None
     drawn = _until(asked.pool, asked.seed, target) if target else _numbered(asked.pool, asked.seed, int(asked.match[1]))
-    return tuple(_with_seeds(drawn, asked.seeds[0]))
+    numbered = (asked.drawn(one, "draws", number) for number, one in enumerate(drawn))
+    return tuple(_with_seeds(numbered, asked.seeds[0]))
+
+
+@strategy("sobol", r"sobol:([1-9]\d{0,8})", "sobol:N")
+def sobol(asked: Asked) -> Draws:
+    """Distinct situations spread evenly over all axes; a larger choice includes every smaller one of the same seed."""
+    from scaloft_fi.campaign.runs.low_discrepancy import spread
+
+    if not asked.space.ranges:
+        _count(asked)
+    drawn = next((one.key for one in asked.pool if one.numbers), None)
+    if drawn is not None:
+        raise asked.error(f"draws the numbers of ranges itself: --situation must name none, as in {drawn!r}")
+    count = int(asked.match[1])
+    found = spread(asked.pool, asked.space, count, asked.seed)
+    if len(found) < count:
+        raise asked.error(f"must ask for at most {len(found)}, the distinct situations that it finds")
+    return asked.each(found)
 
 
 @strategy("first", r"first:([1-9]\d{0,8})", "first:N")

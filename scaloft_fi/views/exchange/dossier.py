@@ -116,5 +116,4 @@ class Dossier:
 
     def words(self, situation: str) -> str:
         """A situation in words: `corner, light`."""
-        point = self.space.point.get(situation)
-        return ", ".join(self.space.word(axis, value) for axis, value in enumerate(point)) if point else situation
+        return ", ".join(self.space.words_of(situation)) if situation in self.space.point else situation

@@ -97,7 +97,7 @@ def situation_table(listed: Sequence[SituationKills], space: Space, *, short: bo
 
 
 def _words(space: Space, key: str) -> str:
-    return ", ".join(space.word(axis, value) for axis, value in enumerate(space.point[key]))
+    return ", ".join(space.words_of(key))
 
 
 def suite_table(suite: Suite, matrix: KillMatrix) -> Table:

@@ -92,7 +92,8 @@ def margin(case: Case) -> str:
 
 def left(case: Case) -> str:
     """What of the grid is left to fly."""
-    count = len(case.campaign.space.points) - len(case.flown)
+    space = case.campaign.space
+    count = len(space.points) - len({space.point[key] for key in case.flown if key in space.point})
     if not count:
         return "the whole grid was flown: add a situation."
     return f"{situations(count)} of the grid {'was' if count == 1 else 'were'} not flown."

@@ -46,7 +46,7 @@ def analyses(evidence: Evidence, scored: Score, matrix: KillMatrix) -> dict[str,
         "whens": plain(whens(outcomes, scored)),
         "interactions": plain(listed),
         "orders": plain(orders(listed, matrix.space)),
-        "suite": plain(minimal_suite(kills, [key for key, _ in matrix.space.points])),
+        "suite": plain(minimal_suite(kills, [key for key, _ in matrix.space.situations])),
         "subsumption": plain(subsumption(kills)),
         "survivors": plain(survivors(outcomes, scored, matrix, known, short_units(study.requirements))),
     }

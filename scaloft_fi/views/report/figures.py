@@ -44,7 +44,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         InputError: a part of the study is not what it should be.
     """
     study, outcomes = evidence.study, evidence.outcomes
-    roster, space = study.roster, study.space
+    roster, space = study.roster, study.space.holding(outcome.situation for outcome in outcomes)
     rulings = rulings_of(outcomes)
     scored = score_of(rulings, roster, space, evidence.spending)
     order = matrices.situations(space, study.grid)
@@ -105,7 +105,7 @@ def _gates(evidence: Evidence, scored: Score, mutants: Iterable[Mapping[str, Any
     outcomes, roster = evidence.outcomes, evidence.study.roster
     flown = {outcome.situation for outcome in outcomes}
     try:
-        check(outcomes, roster, canary=None, whole_grid=len(flown) == len(evidence.study.space.points))
+        check(outcomes, roster, canary=None, whole_grid=flown == evidence.study.space.point.keys())
         failed = ""
     except GateError as error:
         failed = str(error)

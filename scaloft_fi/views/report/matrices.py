@@ -39,7 +39,7 @@ def situations(space: Space, grid: Grid) -> list[dict[str, Any]]:
         {
             "key": key,
             "levels": [space.values[axis].index(value) for axis, value in enumerate(space.point[key])],
-            "words": [space.word(axis, value) for axis, value in enumerate(space.point[key])],
+            "words": list(space.words_of(key)),
             "aliases": list(grid.aliases_of(grid.situation(key))),
         }
         for key in gray_order(space)

@@ -23,7 +23,7 @@ def scenes(study: Study, situations: Iterable[str]) -> dict[str, Any]:
     mines: list[dict[str, Any]] = []
     by: dict[str, Any] = {}
     for key in situations:
-        scene = scene_of(study.grid.world(study.grid.situation(key).levels))
+        scene = scene_of(study.grid.world(study.grid.situation(key)))
         floor = [_outline(ring) for ring in scene.floor]
         # a closed floor draws its own walls
         mine = {"floor": floor, "walls": [] if floor else [_outline(segment) for segment in scene.walls]}

@@ -12,6 +12,7 @@ from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.pool import LEAST
 from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.sim.situation import Situation
 
 SHOWN, NOT_SHOWN, HOW_SURE, NEXT = NAMES = ("Shown", "Not shown", "How sure", "What next")
 MOST_NAMED = 4
@@ -134,7 +135,7 @@ def _next(asked: Asked) -> str:
 
 
 def command(campaign: str, mutants: Sequence[MutantScore], seeds: int, defaults: Collection[str] = ()) -> str:
-    """The `run` that flies these mutants, and no others.
+    """The `run` that flies these mutants, and no others; drawn numbers are of no grid, so their situations are named.
 
     Args:
         campaign: its name.
@@ -148,6 +149,9 @@ def command(campaign: str, mutants: Sequence[MutantScore], seeds: int, defaults:
     ids = [mutant.subject.id for mutant in mutants]
     if len(ids) <= MOST_NAMED or set(ids) != set(defaults):
         words += [f"--mutant {id_}" for id_ in ids]
+    flown = dict.fromkeys(result.situation for mutant in mutants for result in mutant.results)
+    if any((situation := Situation.parse(key)) and situation.numbers for key in flown):
+        words += [f"--situation {key}" for key in flown]
     if seeds > 1:
         words.append(f"--seeds {seeds}")
     return " ".join(words)

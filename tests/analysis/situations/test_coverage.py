@@ -5,6 +5,8 @@ from itertools import combinations, product
 import pytest
 from builders import GRID, campaigns, flights, outcome, pool
 from hypothesis import given
+from hypothesis import strategies as st
+from ranges import RANGED, drawn
 
 from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.scoring.pool import State
@@ -102,3 +104,19 @@ def test_t_way_coverage_is_counted_as_by_hand(outcomes: list[Outcome]) -> None:
             if any(all(GRID.point[k][a] == v for a, v in zip(axes, values, strict=True)) for k in flown)
         ]
         assert ratio.part == len(wanted)
+
+
+@given(st.dictionaries(st.sampled_from(KEYS), st.floats(0, 1, exclude_max=True), min_size=1), st.booleans())
+def test_drawn_numbers_cover_what_their_bins_cover(shares: dict[str, float], mutated: bool) -> None:
+    def flown(keys: list[str]) -> list[Outcome]:
+        clean = [outcome(situation=key, realised=place % 2 == 0) for place, key in enumerate(keys)]
+        return clean + [outcome("LATE-human@3s", key) for key in keys if mutated]
+
+    binned = coverage(flown(list(shares)), RANGED)
+    assert coverage(flown([drawn(*entry) for entry in shares.items()]), RANGED) == binned
+
+
+def test_two_numbers_of_a_bin_cover_one_situation_in_two_draws() -> None:
+    keys = [drawn(KEYS[1], share) for share in (0.1, 0.9)]
+    found = coverage([outcome(situation=key) for key in keys], RANGED)
+    assert (found.situations, found.draws, found.realised) == (Ratio(1, 32), 2, Ratio(1, 32))

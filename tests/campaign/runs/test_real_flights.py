@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
+from ranges import with_range
 
 ROOT = Path(__file__).parents[3]
 pytestmark = pytest.mark.flight
@@ -55,3 +57,20 @@ def test_a_replay_is_bit_for_bit_the_campaigns_flight_and_draws_it(campaign: Pat
     done = _call("replay", "LATE-human@3s/T0O0W0D0H1/0", "--campaign", campaign, "--output", picture)
     assert "bit for bit" in done.stdout
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_replay_of_a_drawn_number_is_bit_for_bit_the_campaigns_flight(tmp_path: Path) -> None:
+    study = tmp_path / "study"
+    for name in ("hazop", "mutants", "sim"):
+        shutil.copytree(ROOT / name, study / name)
+    where = ("--study", with_range(study), "--campaign", tmp_path / "c")
+    corner = ("--situation", "T0O0W0D1H0C1", "--situation", "T0O0W0D1H0C3", "--choose", "random:2")
+    _call("run", "--mutant", "PLACEBO", *corner, "--baseline-seeds", "1", "--jobs", "1", "--quiet", *where)
+    rows = [row for row in json.loads(_call("export", *where).stdout) if row["mutant"] == "baseline"]
+    slow, fast = (row["situation"] for row in rows)
+    assert slow.startswith("T0O0W0D1H0C1=")
+    assert fast.startswith("T0O0W0D1H0C3=")
+    assert rows[0]["duration_s"] > rows[1]["duration_s"] + 1
+    done = _call("replay", f"baseline/{fast}/0", *where)
+    assert "bit for bit" in done.stdout
+    assert f"{float(fast.split('=')[1]):g} m/s" in done.stdout

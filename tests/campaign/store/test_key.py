@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from ranges import with_range
 
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.store.held import flight_named
@@ -80,3 +81,11 @@ def test_one_key_and_many_are_made_alike() -> None:
     for flight in _flights(study).values():
         assert keys.key(flight) == flight_key(study, flight) == keys.planned(flight).key
         assert keys.key(flight) != keys.key(replace(flight, seed=1))
+
+
+def test_a_drawn_number_is_part_of_the_key(copy: Path) -> None:
+    study = Study(with_range(copy))
+    situations = ("T0O0W0D0H0C2", "T0O0W0D0H0C2=0.871", "T0O0W0D0H0C2=0.872")
+    origins = [Keys(study).origin(flight_named(study, "baseline", key, 0)) for key in situations]
+    assert study.changes(study.grid.situation(situations[1])) == {"world.mission.cruise_mps": 0.871}
+    assert len({origin.situation for origin in origins}) == len({origin.realised for origin in origins}) == 3
