@@ -14,7 +14,7 @@ from scaloft_fi.campaign.runs.choice import Remembered, remembered
 from scaloft_fi.campaign.runs.spending import spending_of
 from scaloft_fi.campaign.store.folder import campaign_folder, existing
 from scaloft_fi.campaign.store.held import Held, current_in, held_in, latest_in, nothing_to_show
-from scaloft_fi.campaign.store.platforms import warning_for
+from scaloft_fi.campaign.store.platforms import Platforms, warning_for
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.store.tracks import with_tracks
 from scaloft_fi.judge.outcome import Outcome
@@ -80,13 +80,23 @@ class Snapshot:
 
     @cached_property
     def platform(self) -> Mapping[str, str]:
-        """On which the campaign was flown, part by part."""
-        return self.store.meta()
+        """On which most flights that count were flown, part by part."""
+        platforms = Platforms(self.store)
+        return next((platform for platform, _ in platforms.by_platform(self.held.current)), platforms.own)
+
+    @cached_property
+    def mixture(self) -> str:
+        """A sentence about the platforms of the flights that count; empty for one platform."""
+        return Platforms(self.store).mixture(self.held.current)
 
     @cached_property
     def platform_warning(self) -> str:
-        """What a reader must know of the platform of the flights; empty when there is nothing."""
-        return warning_for(self.store)
+        """What a reader must know of the platforms of the flights; empty when there is nothing.
+
+        Raises:
+            InputError: there are no outcomes.
+        """
+        return warning_for(self.store, self.outcomes)
 
     @cached_property
     def choices(self) -> Sequence[Remembered]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import platform
+from collections.abc import Mapping
 from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
@@ -33,10 +34,12 @@ def fingerprint() -> dict[str, str]:
     return facts | versions | {f"{package} kernels": _kernels(package) for package in BRING_OPENBLAS}
 
 
-def differences(ours: dict[str, str], theirs: dict[str, str]) -> list[str]:
-    """The differences, each as `numpy 2.4.6 here, 1.26.4 there`."""
+def differences(
+    ours: Mapping[str, str], theirs: Mapping[str, str], words: str = "{} {} here, {} there"
+) -> list[str]:
+    """The differences, each as `numpy 2.4.6 here, 1.26.4 there`, or in other `words`."""
     return [
-        f"{name} {ours.get(name, 'none')} here, {theirs.get(name, 'none')} there"
+        words.format(name, ours.get(name, "none"), theirs.get(name, "none"))
         for name in sorted(ours.keys() | theirs.keys())
         if ours.get(name) != theirs.get(name)
     ]
