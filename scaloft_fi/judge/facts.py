@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from scaloft_fi.judge.flights import flights_of
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.status import Status, baseline_status
+from scaloft_fi.judge.track import TRACK_COLUMNS, unpack_track
+
+APART_M = 0.001
+"""Distance of two positions at which two tracks part [m]; a track of single floats resolves 1e-5 m in a mine."""
+_TIME, _PLACE = TRACK_COLUMNS.index("elapsed_s"), slice(TRACK_COLUMNS.index("x_m"), TRACK_COLUMNS.index("z_m") + 1)
 
 
 @dataclass(frozen=True)
@@ -65,6 +71,14 @@ def facts_of(outcomes: Iterable[Outcome]) -> dict[str, Facts]:
         )
         for outcome in listed
     }
+
+
+def parting_s(first: bytes, second: bytes) -> float | None:
+    """The first time at which two tracks are more than `APART_M` apart; None if they never are [s from take-off]."""
+    for one, other in zip(unpack_track(first), unpack_track(second), strict=False):
+        if math.dist(one[_PLACE], other[_PLACE]) > APART_M:
+            return one[_TIME]
+    return None
 
 
 def agreement(first: Iterable[Outcome], second: Iterable[Outcome]) -> Agreement:

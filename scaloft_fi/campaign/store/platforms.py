@@ -16,7 +16,7 @@ from typing import TypeVar
 from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
 from scaloft_fi.campaign.store.origin import Origin
 from scaloft_fi.campaign.store.selection import Flown
-from scaloft_fi.campaign.store.store import NOTE, Store
+from scaloft_fi.campaign.store.store import NOTE, Planned, Store
 from scaloft_fi.judge.outcome import Outcome
 
 Pair = tuple[str, int]
@@ -168,6 +168,16 @@ def _set_apart(
         connection.execute(
             "UPDATE OR REPLACE outcomes SET key = ?, origin = ? WHERE key = ?", (apart, number, key)
         )
+
+
+def set_apart(store: Store) -> list[Planned]:
+    """The flights that were set apart, as entries of a plan, which carry their origins into another store."""
+    origins = {number: origin for number, origin in store.origins().items() if origin.platform}
+    return [
+        Planned(flight.key, flight.mutant, flight.situation, flight.seed, origin=origins[flight.origin])
+        for flight in store.flights()
+        if flight.origin in origins
+    ]
 
 
 def is_pair_note(name: str) -> bool:
