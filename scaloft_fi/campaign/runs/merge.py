@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -89,13 +89,14 @@ class _Joined:
         self.rows, self.taken = dict(target.keyed()), dict[str, Path]()
         self._known = Platforms(target)
         self.own = self._known.own
-        self._pairs = {pair: self._known.of(pair) for pair in _pairs(self.rows, set_apart(target))}
+        self._apart = {flight.key for flight in set_apart(target)}
         self._current = {outcome.name: outcome for outcome in current_in(study, target)}
+        self._pairs = {_pair(o): self._known.of(_pair(o)) for o in self._current.values() if not o.invalid}
 
     @property
     def valid(self) -> set[str]:
-        """Keys of the valid outcomes."""
-        return {key for key, outcome in self.rows.items() if not outcome.invalid}
+        """Keys of the valid outcomes that were not set apart."""
+        return {key for key, outcome in self.rows.items() if not outcome.invalid} - self._apart
 
     def join(self, source: Store, path: Path) -> list[str]:
         """Add the flights of a store; returns the warnings.
@@ -103,9 +104,10 @@ class _Joined:
         Raises:
             GateError: a flight has other digests on one platform, or other facts on two.
         """
-        rows, known, apart = dict(source.keyed()), Platforms(source), set_apart(source)
+        rows, known, apart = dict(source.keyed()), Platforms(source), {flight.key for flight in set_apart(source)}
+        self._apart |= apart
         self.own = self.own or known.own
-        pairs = {pair: known.of(pair) for pair in _pairs(rows, apart)}
+        pairs = {_pair(o): known.of(_pair(o)) for key, o in rows.items() if not o.invalid and key not in apart}
         other = {
             pair: theirs
             for pair, theirs in pairs.items()
@@ -118,7 +120,7 @@ class _Joined:
         warnings = self._compare(current, other, known, path)
         kept = _other_baselines(self.rows, rows, other)
         if kept:
-            out = [key for key, outcome in rows.items() if _pair(outcome) in kept and key not in self.rows]
+            out = [key for key, outcome in rows.items() if _pair(outcome) in kept and key not in self.rows.keys() | apart]
             warnings += [
                 f"{len(out)} flights of {path.parent} are left out, because {self._folder} has flights of another "
                 f"platform in the same situations and seeds ({len(kept)}); `run` flies what is missing there"
@@ -192,12 +194,6 @@ def _other_baselines(
             same = key in mine and digests(mine[key]) == digests(outcome)
             equal[pair] = equal.get(pair, True) and same
     return {pair for pair in pairs if not equal.get(pair, False)}
-
-
-def _pairs(rows: Mapping[str, Outcome], apart: Iterable[Planned]) -> set[Pair]:
-    """The pairs of situation and seed with a valid flight that was not set apart."""
-    keys = {flight.key for flight in apart}
-    return {_pair(outcome) for key, outcome in rows.items() if not outcome.invalid and key not in keys}
 
 
 def _pair(outcome: Outcome) -> Pair:

@@ -16,6 +16,24 @@ NUMERIC = ("numpy", "numba", "llvmlite", "filterpy", "scipy", "pybullet", "rtamt
 """Packages whose versions can change the last bit of a flight or a reading."""
 BRING_OPENBLAS = ("numpy", "scipy")
 """Packages whose wheels contain an OpenBLAS, in a folder `<package>.libs` beside the package."""
+DECIDES = {
+    "system": "yes, by its libraries",
+    "machine": "yes, by its instructions",
+    "processor": "yes: numba compiles for it, and OpenBLAS chooses its kernels by it",
+    "libc": "yes: sines, roots and exponentials",
+    "python": "yes: sums and mathematical functions",
+    "scaloft-fi": "no: the hash of its code is part of each flight's key",
+    "numpy": "yes",
+    "numba": "yes: the compiled kernels",
+    "llvmlite": "yes: the compiled kernels",
+    "filterpy": "yes: the covariance of the filter",
+    "scipy": "yes",
+    "pybullet": "yes: rigid bodies and contacts",
+    "rtamt": "no digest; the robustness of requirements",
+    "numpy kernels": "yes: the order of additions in a product",
+    "scipy kernels": "yes: the order of additions in a product",
+}
+"""Whether each part of a fingerprint decides the bits of a flight."""
 CORE_NAMES = tuple(f"{prefix}openblas_get_corename{suffix}" for prefix in ("scipy_", "") for suffix in ("64_", ""))
 """Possible names of OpenBLAS's function for the name of its kernels; the name depends on the build."""
 
