@@ -156,11 +156,15 @@ def _compared(study: Study, campaign: str, flight: Flight, outcome: Outcome, *, 
     changed = ", ".join(differences(fingerprint(), theirs))
     where = f"on another platform ({changed})" if changed else "on the same platform"
     if same_platform or (not changed and study.stack.deterministic):
-        raise GateError(f"{outcome.name} differs from the flight in {path.parent}, flown {where}: digest {known.digest} there")
+        raise GateError(
+            f"{outcome.name} differs from the flight in {path.parent}, flown {where}: digest {known.digest} there"
+        )
     again = [_fly(study, clean)] if flight.mutant is not None and beside is not None else []
     compared = agreement([known, *([beside] if again and beside else [])], [outcome, *again])
     apart_s = parting_s(known.track, outcome.track)
-    parted = f"more than {APART_M * 1000:g} mm apart " + ("at no time" if apart_s is None else f"from {apart_s:.2f} s on")
+    parted = f"more than {APART_M * 1000:g} mm apart " + (
+        "at no time" if apart_s is None else f"from {apart_s:.2f} s on"
+    )
     if outcome.name in compared.facts:
         theirs_, ours = compared.facts[outcome.name]
         raise GateError(

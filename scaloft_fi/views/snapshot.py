@@ -80,14 +80,18 @@ class Snapshot:
 
     @cached_property
     def platform(self) -> Mapping[str, str]:
-        """On which most flights that count were flown, part by part."""
-        platforms = Platforms(self.store)
-        return next((platform for platform, _ in platforms.by_platform(self.held.current)), platforms.own)
+        """On which most flights that count were flown, part by part; `other platforms` tells of the rest."""
+        platform = next((one for one, _ in self._platforms.by_platform(self.held.current)), self._platforms.own)
+        return {**platform, **({"other platforms": self.mixture} if self.mixture else {})}
 
     @cached_property
     def mixture(self) -> str:
         """A sentence about the platforms of the flights that count; empty for one platform."""
-        return Platforms(self.store).mixture(self.held.current)
+        return self._platforms.mixture(self.held.current)
+
+    @cached_property
+    def _platforms(self) -> Platforms:
+        return Platforms(self.store)
 
     @cached_property
     def platform_warning(self) -> str:
@@ -96,7 +100,7 @@ class Snapshot:
         Raises:
             InputError: there are no outcomes.
         """
-        return warning_for(self.store, self.outcomes)
+        return warning_for(self._platforms, self.outcomes)
 
     @cached_property
     def choices(self) -> Sequence[Remembered]:

@@ -119,12 +119,12 @@ class _Joined:
         current = current_in(self._study, source)
         warnings = self._compare(current, other, known, path)
         kept = _other_baselines(self.rows, rows, other)
-        if kept:
-            out = [key for key, outcome in rows.items() if _pair(outcome) in kept and key not in self.rows.keys() | apart]
-            warnings += [
+        apart = self._apart | self.rows.keys()
+        if out := [key for key, outcome in rows.items() if _pair(outcome) in kept and key not in apart]:
+            warnings.append(
                 f"{len(out)} flights of {path.parent} are left out, because {self._folder} has flights of another "
                 f"platform in the same situations and seeds ({len(kept)}); `run` flies what is missing there"
-            ] * bool(out)
+            )
         for key, outcome in rows.items():
             if _pair(outcome) not in kept and (key not in self.rows or self.rows[key].invalid):
                 self.rows[key], self.taken[key] = outcome, path
@@ -177,15 +177,11 @@ class _Joined:
             raise GateError(f"{platform}, and --same-platform allows equal digests only: {why}; nothing was merged")
         if not both:
             return [f"{platform}; no flight is in both, so nothing could be compared"]
-        return [
-            f"{platform}: of {both} flights in both {len(compared.equal)} have equal digests, and {len(compared.bits)} "
-            "differ in bits only, with the same status, ending and violations"
-        ]
+        told = f"{len(compared.equal)} have equal digests, and {len(compared.bits)} differ in bits only"
+        return [f"{platform}: of {both} flights in both {told}, with the same status, ending and violations"]
 
 
-def _other_baselines(
-    mine: Mapping[str, Outcome], theirs: Mapping[str, Outcome], pairs: Collection[Pair]
-) -> set[Pair]:
+def _other_baselines(mine: Mapping[str, Outcome], theirs: Mapping[str, Outcome], pairs: Collection[Pair]) -> set[Pair]:
     """The `pairs` in which flights of two platforms may not be judged together: those without equal baselines."""
     equal: dict[Pair, bool] = {}
     for key, outcome in theirs.items():

@@ -56,7 +56,7 @@ def prove_platform(
     for theirs, stored in known.by_platform(counting_flights(study, store)):
         if known.equal(theirs, ours):
             continue
-        changed = ', '.join(differences(ours, theirs))
+        changed = ", ".join(differences(ours, theirs))
         if known.shown(FACTS, theirs, ours):
             if same_platform:
                 _outgrow(store, stored, ours)
@@ -69,7 +69,9 @@ def prove_platform(
             return
         if not (compared.bits or compared.facts):
             remember(store, BITS, theirs, ours)
-            say(f"{len(compared.equal)} stored flights have the same digests on this platform: the stored flights count")
+            say(
+                f"{len(compared.equal)} stored flights have the same digests on this platform: the stored flights count"
+            )
         elif compared.facts or same_platform:
             _outgrow(store, stored, ours)
             say(_stale(compared, len(stored)))

@@ -52,9 +52,7 @@ def fingerprint() -> dict[str, str]:
     return facts | versions | {f"{package} kernels": _kernels(package) for package in BRING_OPENBLAS}
 
 
-def differences(
-    ours: Mapping[str, str], theirs: Mapping[str, str], words: str = "{} {} here, {} there"
-) -> list[str]:
+def differences(ours: Mapping[str, str], theirs: Mapping[str, str], words: str = "{} {} here, {} there") -> list[str]:
     """The differences, each as `numpy 2.4.6 here, 1.26.4 there`, or in other `words`."""
     return [
         words.format(name, ours.get(name, "none"), theirs.get(name, "none"))

@@ -94,9 +94,10 @@ class Platforms:
         if len(groups) < 2:
             return ""
         (first, most), *rest = groups
-        others = (
-            f"{len(group)} of another ({', '.join(differences(other, first, '{} {}, not {}'))})" for other, group in rest
-        )
+        others = [
+            f"{len(flights)} of another ({', '.join(differences(other, first, '{} {}, not {}'))})"
+            for other, flights in rest
+        ]
         return (
             f"{len(most)} flights of one platform and {' and '.join(others)}: "
             "each mutant is judged beside a baseline of its own platform"
@@ -106,9 +107,9 @@ class Platforms:
         return self.own if hash_ == self._own else dict(json.loads(self._notes[_PLATFORM + hash_]))
 
 
-def warning_for(store: Store, outcomes: Iterable[Outcome]) -> str:
+def warning_for(known: Platforms, outcomes: Iterable[Outcome]) -> str:
     """The warning about the platforms of `outcomes` for verbs that only read; empty without one."""
-    known, listed = Platforms(store), list(outcomes)
+    listed = list(outcomes)
     changed = "; ".join(known.unproved(fingerprint(), listed))
     unsampled = f"flown on another platform, and no sample was flown again on this one: {changed}" if changed else ""
     return "; ".join(filter(None, (known.mixture(listed), unsampled)))
@@ -165,9 +166,7 @@ def _set_apart(
             (number,) = connection.execute("SELECT id FROM origins WHERE parts = ?", (parts,)).fetchone()
         apart = sha256(f"{_digest(theirs)}\n{key}".encode()).hexdigest()
         # a flight that was set apart before for the same reason has the same bits: one is enough
-        connection.execute(
-            "UPDATE OR REPLACE outcomes SET key = ?, origin = ? WHERE key = ?", (apart, number, key)
-        )
+        connection.execute("UPDATE OR REPLACE outcomes SET key = ?, origin = ? WHERE key = ?", (apart, number, key))
 
 
 def set_apart(store: Store) -> list[Planned]:

@@ -61,8 +61,8 @@ def comparison_table(comparison: Comparison, first: str, second: str) -> Table:
         for d in comparison.differences
     )
     note = (
-        f"{comparison.same} flights are the same bit for bit, {comparison.other_bits} more have the same status, ending "
-        f"and violations; {len(rows)} differ."
+        f"{comparison.same} flights are the same bit for bit, {comparison.other_bits} more have the same status, "
+        f"ending and violations; {len(rows)} differ."
     )
     return Table(f"{first} and {second}", ("mutant", "situation", "seed", first, second), rows, (note,))
 

@@ -20,7 +20,7 @@ from scaloft_fi.campaign.runs.platform import BASELINES, MUTANTS, sample_of
 from scaloft_fi.campaign.runs.run import Report, run
 from scaloft_fi.campaign.store.folder import STORE_NAME
 from scaloft_fi.campaign.store.held import Held, current_in, held_in
-from scaloft_fi.campaign.store.platforms import warning_for
+from scaloft_fi.campaign.store.platforms import Platforms, warning_for
 from scaloft_fi.campaign.store.selection import Flown
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.workers.interrupt import Interrupted
@@ -49,7 +49,7 @@ def move(monkeypatch: pytest.MonkeyPatch) -> Move:
 
 def _warning(study: Any) -> str:
     with Store(study.folder / "c" / STORE_NAME, create=False) as store:
-        return warning_for(store, current_in(study, store))
+        return warning_for(Platforms(store), current_in(study, store))
 
 
 def _held(study: Any) -> Held:
@@ -63,7 +63,9 @@ def _plan(study: Any, seeds: tuple[int, ...] = (0,)) -> Plan:
 
 def _run(study: Any, log: Any, planned: Plan | None = None, **options: Any) -> tuple[Report, str]:
     stream, options = io.StringIO(), RunOptions(**options)
-    report = run(study, planned or _plan(study), study.folder / "c", options, progress=Progress(stream=stream), flyer=log)
+    report = run(
+        study, planned or _plan(study), study.folder / "c", options, progress=Progress(stream=stream), flyer=log
+    )
     return report, stream.getvalue()
 
 
@@ -221,7 +223,8 @@ def test_what_is_outgrown_and_not_asked_for_is_not_flown_again(study: Any, log: 
     report, _ = _run(study, log, planned, same_platform=True)
     assert report.flown == 3
     assert _held(study).stale == FLIGHTS
-    assert _held(study).owed == FLIGHTS - len({o.name for o in report.outcomes} & {f"{o}/D0H0/0" for o in ("baseline", "PLACEBO", CONTROL)})
+    again = {f"{subject}/D0H0/0" for subject in ("baseline", "PLACEBO", CONTROL)}
+    assert _held(study).owed == FLIGHTS - len({outcome.name for outcome in report.outcomes} & again)
 
 
 def test_there_and_back_again_loses_no_flight_and_doubles_none(study: Any, log: Any, move: Move) -> None:
