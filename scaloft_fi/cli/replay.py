@@ -159,18 +159,14 @@ def _compared(study: Study, campaign: str, flight: Flight, outcome: Outcome, *, 
         raise GateError(
             f"{outcome.name} differs from the flight in {path.parent}, flown {where}: digest {known.digest} there"
         )
-    again = [_fly(study, clean)] if flight.mutant is not None and beside is not None else []
-    compared = agreement([known, *([beside] if again and beside else [])], [outcome, *again])
+    pair = ([], []) if flight.mutant is None or beside is None else ([beside], [_fly(study, clean)])
+    compared = agreement([known, *pair[0]], [outcome, *pair[1]])
     apart_s = parting_s(known.track, outcome.track)
-    parted = f"more than {APART_M * 1000:g} mm apart " + (
-        "at no time" if apart_s is None else f"from {apart_s:.2f} s on"
-    )
-    if outcome.name in compared.facts:
-        theirs_, ours = compared.facts[outcome.name]
-        raise GateError(
-            f"{outcome.name} differs in more than bits from the flight in {path.parent}, flown {where}: {ours} here, "
-            f"{theirs_} there; {parted}"
-        )
+    when = "at no time" if apart_s is None else f"from {apart_s:.2f} s on"
+    parted = f"the drones are more than {APART_M * 1000:g} mm apart {when}"
+    if compared.facts:
+        differs = f"the flight differs in more than bits from that in {path.parent}, flown {where}"
+        raise GateError(f"{differs}: {compared.named()}; {parted}")
     return (
         f"other bits than the flight in {path.parent}, which was flown {where}, and the same status, ending and "
         f"violations; {parted}"
