@@ -76,7 +76,7 @@ def test_a_plugin_that_does_not_load_is_named_and_everything_else_is_told(
     call: Call, answer: object, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     plugins = [EntryPoint("odd", "no_such_module_at_all", "g"), EntryPoint("well", "json", "g")]
-    monkeypatch.setattr("scaloft_fi.views.runs.installation.entry_points", lambda group: plugins)
+    monkeypatch.setattr("scaloft_fi.views.runs.installation.entry_points", lambda **_: plugins)
     result = call("doctor", "--format", "json", campaign=False)
     assert result.exit_code == 2
     assert "plugin 'odd' of package 'no_such_module_at_all' cannot be loaded: ModuleNotFoundError" in result.stderr

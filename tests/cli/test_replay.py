@@ -85,7 +85,7 @@ class _Replayed:
         """What `replay` says of `outcome` on the platform `numpy`, whose baseline has the digest `clean`."""
         self._monkeypatch.setattr("scaloft_fi.campaign.store.fingerprint.fingerprint", lambda: {"numpy": numpy})
         again = replace(self.baseline, digest=clean)
-        self._monkeypatch.setattr("scaloft_fi.cli.replay._fly", lambda _study, flight: again)
+        self._monkeypatch.setattr("scaloft_fi.cli.replay._fly", lambda *_: again)
         return _compared(self.study, f"{self._folder}/", self.flight, outcome, same_platform=same_platform)
 
 
