@@ -17,6 +17,7 @@ from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
 from scaloft_fi.campaign.store.origin import Origin
 from scaloft_fi.campaign.store.selection import Flown
 from scaloft_fi.campaign.store.store import NOTE, Planned, Store
+from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 
 Pair = tuple[str, int]
@@ -38,15 +39,27 @@ class Platforms:
 
     Attributes:
         own: platform of the flights of every pair without a note; empty in a new store.
+
+    Raises:
+        InputError: a note about a pair names no platform.
     """
 
     def __init__(self, store: Store) -> None:
         self.own: Platform = store.meta()
         self._notes = store.notes()
         self._own = _hash(self.own)
-        self._pairs = {
-            _pair(name.removeprefix(_PAIR)): text for name, text in self._notes.items() if name.startswith(_PAIR)
-        }
+        self._pairs: dict[Pair, str] = {}
+        self._platforms: dict[str, Platform] = {}
+        for name, hash_ in self._notes.items():
+            if not is_pair_note(name):
+                continue
+            try:
+                self._pairs[_pair(name.removeprefix(_PAIR))] = hash_
+                if hash_ not in self._platforms:
+                    entries = json.loads(self._notes[_PLATFORM + hash_])
+                    self._platforms[hash_] = {str(part): str(value) for part, value in entries.items()}
+            except (ValueError, KeyError, AttributeError) as error:
+                raise InputError(f"{store.path}: the note {name!r}={hash_!r} does not name a platform") from error
 
     def of(self, pair: Pair) -> Platform:
         """The platform of the flights of a pair."""
@@ -58,8 +71,10 @@ class Platforms:
 
     def by_platform(self, flights: Iterable[F]) -> list[tuple[Platform, list[F]]]:
         """The flights of each platform; the platform with most flights is first."""
-        groups: dict[str, list[F]] = {}
-        for flight in flights:
+        listed, groups = list(flights), dict[str, list[F]]()
+        if not self._pairs:  # the store has one platform
+            return [(self.own, listed)] if listed else []
+        for flight in listed:
             groups.setdefault(self._pairs.get((flight.situation, flight.seed), self._own), []).append(flight)
         most_first = sorted(groups.items(), key=lambda group: (-len(group[1]), group[0]))
         return [(self._named(hash_), group) for hash_, group in most_first]
@@ -88,8 +103,6 @@ class Platforms:
 
     def mixture(self, outcomes: Iterable[Outcome]) -> str:
         """A sentence about `outcomes` that come from several platforms; empty for one platform."""
-        if not self._pairs:  # the store has one platform
-            return ""
         groups = self.by_platform(outcomes)
         if len(groups) < 2:
             return ""
@@ -104,7 +117,7 @@ class Platforms:
         )
 
     def _named(self, hash_: str) -> Platform:
-        return self.own if hash_ == self._own else dict(json.loads(self._notes[_PLATFORM + hash_]))
+        return self._platforms.get(hash_, self.own)
 
 
 def warning_for(known: Platforms, outcomes: Iterable[Outcome]) -> str:

@@ -163,6 +163,9 @@ def test_parts_of_two_platforms_join_and_every_mutant_keeps_a_baseline_of_its_ow
         assert {n: f for n, f in facts_of(current).items() if n in asked} == {
             n: f for n, f in facts_of(alone).items() if n in asked
         }
+    before = _export(study, whole)
+    merge(study, whole, [folder])  # what a source notes of its situations and seeds does not hold here
+    assert _export(study, whole) == before
 
 
 def test_mutants_that_only_the_second_platform_flew_beside_a_baseline_of_the_first_are_left_out(
