@@ -13,6 +13,7 @@ from scaloft_fi.cli.options import (
     format_option,
     operability_option,
     quiet_option,
+    same_platform_option,
     study_option,
     typed,
     warnings_option,
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
 )
 @operability_option
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
+@same_platform_option
 @format_option
 @warnings_option
 @quiet_option
@@ -57,6 +59,7 @@ def margin_command(
     tolerance: float | None,
     operability: bool,
     jobs: int | None,
+    same_platform: bool,
     style: str,
     warnings: bool,
     quiet: bool,
@@ -91,7 +94,7 @@ def margin_command(
         chosen,
         numbers,
         campaign_folder(study, campaign),
-        RunOptions(jobs=jobs or cores(), warnings=warnings, command=typed()),
+        RunOptions(jobs=jobs or cores(), warnings=warnings, same_platform=same_platform, command=typed()),
         kind=Kind.OPERABILITY if operability else Kind.SAFETY,
         progress=Silence if quiet else Progress,
     )

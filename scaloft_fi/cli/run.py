@@ -14,6 +14,7 @@ from scaloft_fi.cli.options import (
     fail_under_option,
     format_option,
     quiet_option,
+    same_platform_option,
     study_option,
     typed,
     warnings_option,
@@ -99,6 +100,7 @@ if TYPE_CHECKING:
     metavar="SHARE",
     help="Exit with 4 when the harness fails over a larger share (0..1) of the flights.",
 )
+@same_platform_option
 @all_option
 @format_option
 @fail_under_option
@@ -121,6 +123,7 @@ def run_command(
     no_share: bool,
     budget: str | None,
     max_invalid: float,
+    same_platform: bool,
     everything: bool,
     style: str,
     fail_under: float | None,
@@ -185,6 +188,7 @@ def run_command(
         budget_s=None if budget is None else budget_s(budget),
         max_invalid=max_invalid,
         warnings=warnings,
+        same_platform=same_platform,
         command=typed(),
     )
     keys = [situation.key for situation in chosen.situations]
@@ -197,6 +201,8 @@ def run_command(
     else:
         flown = run(study, planned, folder, options, progress=progress)
         extra = unflown_tables(planned, flown.left)
+    if flown.mixture:
+        click.echo(f"warning: {flown.mixture}", err=True)
     rulings = rulings_of(flown.outcomes)
     return report(
         study,

@@ -20,6 +20,7 @@ from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.spending import remember_seeds, spending_of
 from scaloft_fi.campaign.store.folder import LOG_NAME
 from scaloft_fi.campaign.store.held import current_in
+from scaloft_fi.campaign.store.platforms import Platforms
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
@@ -34,12 +35,14 @@ class Report:
         flown: number of flights that this run flew.
         left: flights of the plan without an outcome, because the run ended early.
         spending: the campaign's spending of alpha on its mutants.
+        mixture: a sentence about the platforms of the outcomes; empty for one platform.
     """
 
     outcomes: tuple[Outcome, ...]
     flown: int
     left: tuple[Flight, ...] = ()
     spending: Spending = field(default_factory=Spending)
+    mixture: str = ""
 
 
 def run(
@@ -107,7 +110,8 @@ def finish(campaign: Campaign, planned: Plan, flights: Sequence[Flight], left: t
     campaign.reporter.close()
     outcomes = campaign.outcomes((*flights, *([canary] if canary else [])))
     write_log(campaign.study, campaign.folder, current_in(campaign.study, campaign.store))
-    return Report(outcomes, campaign.flown, left, spending_of(campaign.study, campaign.store))
+    mixture = Platforms(campaign.store).mixture(outcomes)
+    return Report(outcomes, campaign.flown, left, spending_of(campaign.study, campaign.store), mixture)
 
 
 def fly_pool(planned: Plan, campaign: Campaign, budget: Budget | None = None) -> tuple[Flight, ...]:
