@@ -6,6 +6,7 @@ written is one; a message that cannot be written never stops the work that it is
 
 from __future__ import annotations
 
+import errno
 import io
 import os
 import sys
@@ -36,8 +37,8 @@ def stand() -> None:
             stream.reconfigure(errors="backslashreplace")
 
 
-def tell(content: str | bytes, *, styled: bool = False) -> bool:
-    """Write a result to standard output; returns whether its reader is still there.
+def tell(content: str | bytes, *, styled: bool = False) -> None:
+    """Write a result to standard output.
 
     Args:
         content: a text, or the bytes of a file, which only a terminal gets as printable text.
@@ -56,13 +57,20 @@ def tell(content: str | bytes, *, styled: bool = False) -> bool:
         else:
             sys.stdout.write(text)
         sys.stdout.flush()
-    except BrokenPipeError:
-        _silence(sys.stdout)
-        return False
     except OSError as error:
-        _silence(sys.stdout)
-        raise InputError(f"standard output cannot be written: {error.strerror}") from error
-    return True
+        lost(error)
+
+
+def lost(error: OSError) -> None:
+    """Give up standard output, where writing failed: quietly where its reader has left.
+
+    Raises:
+        InputError: it cannot be written for another reason.
+    """
+    _silence(sys.stdout)
+    if not isinstance(error, BrokenPipeError):
+        reason = "it is closed" if error.errno == errno.EBADF else error.strerror
+        raise InputError(f"standard output cannot be written: {reason}") from error
 
 
 def tell_line(sentence: str) -> None:

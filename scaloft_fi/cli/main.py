@@ -8,13 +8,14 @@ import sys
 import traceback
 from collections.abc import Sequence
 from importlib import import_module
+from traceback import walk_tb
 from typing import Any, NoReturn
 
 import click
 
 from scaloft_fi import __version__
-from scaloft_fi.cli.refusal import refusal
-from scaloft_fi.console import say, stand, tell
+from scaloft_fi.cli.refusal import check_memory, refusal
+from scaloft_fi.console import lost, say, stand, tell
 from scaloft_fi.errors import ScaloftError, did_you_mean
 from scaloft_fi.registry import in_one_line, plugin_behind
 
@@ -59,6 +60,7 @@ class Pipeline(click.Group):
         """Import the verb's file."""
         if cmd_name not in VERBS:
             return None
+        check_memory(cmd_name)
         module, attribute = VERBS[cmd_name][0].split(":")
         command = getattr(import_module(module), attribute)
         assert isinstance(command, click.Command)
@@ -121,10 +123,12 @@ class Pipeline(click.Group):
                 return self.invoke(context)
         except click.exceptions.Exit as left:
             return left.exit_code
-        except OSError:
-            if not tell(""):  # click's own text met a reader who had left; on a full disk this raises
-                return 0
-            raise
+        except OSError as error:
+            *_, (innermost, _) = walk_tb(error.__traceback__)
+            if innermost.f_globals.get("__name__") != click.echo.__module__:
+                raise
+            lost(error)  # click could not print a help or the version
+            return 0
 
 
 def _unforeseen(error: Exception) -> int:
