@@ -48,7 +48,7 @@ def test_a_message_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EBADF, errno.EIO])
 def test_a_result_that_cannot_be_written_is_an_error(monkeypatch: pytest.MonkeyPatch, number: int) -> None:
     monkeypatch.setattr("sys.stdout", Failing(number))
-    with pytest.raises(InputError, match="standard output cannot be written: (no room|it is closed)"):
+    with pytest.raises(InputError, match=r"standard output cannot be written: (no room|it is closed)"):
         console.tell("a")
 
 

@@ -27,9 +27,8 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 
 EVIL = "=1+1|<b>x</b>\x1b[31m\x9b\x7f\u202e\u200b\x07 & % \\input{x} [l](javascript:1)"
-FREE = set(
-    ["title", "intent", "meaning", "node", "deviation", "reason", "effect", "causes", "predicted", "category", "source"]
-)
+_ANYWHERE = {"title", "intent", "meaning", "node", "category", "source"}
+FREE = _ANYWHERE | {"deviation", "reason", "effect", "causes", "predicted"}
 """Keys of a study whose values are texts that nothing reads but people."""
 FORMATS = ("table", "markdown", "csv", "json", "latex")
 VERBS: tuple[tuple[str, ...], ...] = (
