@@ -107,4 +107,6 @@ def _wrapped(cell: str, limit: int | None) -> str:
 
 def _in_csv(value: object) -> object:
     """A text that a spreadsheet takes for a number, and the sign `-` alone, are no formulas."""
+    if isinstance(value, str) and value[:1].isalnum() and value.isprintable():
+        return value  # nearly every cell, without a search
     return spreadsheet_text(value) if isinstance(value, str) and not _HARMLESS.fullmatch(value) else value
