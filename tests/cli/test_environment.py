@@ -49,7 +49,7 @@ ROWS = {
 def _shell(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
     variables = ENVIRONMENT | {"S": COMMAND, "ROOT": str(ROOT), "LC_ALL": "C.UTF-8"}
     return subprocess.run(
-        ["bash", "-c", line], cwd=folder, env=variables, capture_output=True, text=True, check=False, timeout=120
+        ["bash", "-c", line], cwd=folder, env=variables, capture_output=True, text=True, check=False, timeout=300
     )
 
 
@@ -85,11 +85,11 @@ def test_a_run_without_streams_in_a_campaign_of_an_odd_name_loses_no_flight(tmp_
 def test_a_terminal_that_closes_interrupts_a_run_which_saves_everything_and_leaves_no_process(tmp_path: Path) -> None:
     words = [*COMMAND.split(), *FLY.split(), "--seeds", "40", "--study", str(ROOT), "--campaign", f"{tmp_path}/c"]
     run = subprocess.Popen(words, env=ENVIRONMENT, stderr=subprocess.PIPE, text=True, start_new_session=True)
-    store, until_s = tmp_path / "c" / "outcomes.sqlite", time.monotonic() + 60
+    store, until_s = tmp_path / "c" / "outcomes.sqlite", time.monotonic() + 300  # kernels may have to be compiled
     while not _saved(store) and time.monotonic() < until_s:
         time.sleep(0.05)
     os.killpg(run.pid, signal.SIGHUP)
-    _, told = run.communicate(timeout=60)
+    _, told = run.communicate(timeout=300)
     saved = _saved(store)
     assert run.returncode == 130
     assert 0 < saved < 80
