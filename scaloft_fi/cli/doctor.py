@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from scaloft_fi.cli.options import format_option, study_option
+from scaloft_fi.console import say, tell
 from scaloft_fi.errors import InputError
 
 
@@ -34,11 +35,11 @@ def doctor_command(study_folder: Path | None, style: str, no_flight: bool) -> No
         from scaloft_fi.errors import GateError
 
         try:
-            told = fly_again(lambda text: click.echo(text, err=True))
+            told = fly_again(say)
         except GateError as error:
             told, failure = str(error), error
         tables.append(Table("Known flight", ("answer",), ((told,),)))
-    click.echo(render(tables, Format(style)), nl=False)
+    tell(render(tables, Format(style)))
     if failure is not None:
         raise failure
     if broken or faults:

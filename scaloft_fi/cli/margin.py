@@ -18,6 +18,8 @@ from scaloft_fi.cli.options import (
     typed,
     warnings_option,
 )
+from scaloft_fi.console import tell
+from scaloft_fi.inert import json_text
 
 if TYPE_CHECKING:
     from scaloft_fi.analysis.margin import Margin
@@ -98,7 +100,7 @@ def margin_command(
         kind=Kind.OPERABILITY if operability else Kind.SAFETY,
         progress=Silence if quiet else Progress,
     )
-    click.echo(_text(study, by_fault, len(numbers), Format(style)), nl=False)
+    tell(_text(study, by_fault, len(numbers), Format(style)))
 
 
 def _text(study: Study, by_fault: Mapping[PhasedFault, Sequence[Margin]], seeds: int, style: str) -> str:
@@ -107,6 +109,4 @@ def _text(study: Study, by_fault: Mapping[PhasedFault, Sequence[Margin]], seeds:
 
     if style != Format.JSON:
         return render(margin_tables(by_fault, study.requirements, seeds), Format(style))
-    import json
-
-    return json.dumps(margin_json(by_fault), indent=2, allow_nan=False) + "\n"
+    return json_text(margin_json(by_fault), indent=2) + "\n"

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from scaloft_fi.cli.options import campaign_option, study_option
+from scaloft_fi.console import say, tell_line
 
 
 @click.command("merge")
@@ -35,5 +36,5 @@ def merge_command(sources: tuple[str, ...], study_folder: Path | None, campaign:
     folder = campaign_folder(study, campaign)
     merged = merge(study, folder, [campaign_folder(study, source) for source in sources], same_platform=same_platform)
     for warning in merged.warnings:
-        click.echo(f"warning: {warning}", err=True)
-    click.echo(f"{merged.added} flights added to {folder}, {merged.known} known already")
+        say(f"warning: {warning}")
+    tell_line(f"{merged.added} flights added to {folder}, {merged.known} known already")

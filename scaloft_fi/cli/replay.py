@@ -9,6 +9,7 @@ import click
 
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.options import campaign_option, study_option
+from scaloft_fi.console import say, tell, tell_line
 from scaloft_fi.errors import GateError, InputError
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ def replay_command(
     study = Study.open(study_folder)
     flight = _flight(study, name)
     study.check((flight.situation,))
-    Physics().prepare(study, lambda text: click.echo(text, err=True))
+    Physics().prepare(study, say)
     if gui:
         from scaloft_fi.campaign.flights.window import fly_in_window
 
@@ -66,15 +67,15 @@ def replay_command(
     else:
         log = fly_log(study, flight)
     outcome = judged(study, flight, log)
-    click.echo(_facts(study, flight, outcome, log))
+    tell(f"{_facts(study, flight, outcome, log)}\n")
     if output is not None and output.suffix.lower() == RECORDING:
         from scaloft_fi.views.flights.mcap import mcap
 
         write(output, mcap(log, outcome.name))
-        click.echo(f"recording: {output}")
+        tell_line(f"recording: {output}")
     elif output is not None:
         _draw(study, flight, outcome, log, output)
-    click.echo(_compared(study, campaign, flight, outcome, same_platform=same_platform))
+    tell_line(_compared(study, campaign, flight, outcome, same_platform=same_platform))
 
 
 def _flight(study: Study, name: str) -> Flight:
@@ -125,7 +126,7 @@ def _draw(study: Study, flight: Flight, outcome: Outcome, log: FlightLog, output
     title = f"{flight.subject.id} in {flight.situation.key}, seed {flight.seed}"
     svg = draw(scene_of(study.scenario(flight.situation).world), tracks, title=title, subtitle=words)
     write(output, png(svg) if output.suffix.lower() == ".png" else svg.encode())
-    click.echo(f"map: {output}")
+    tell_line(f"map: {output}")
 
 
 def _compared(study: Study, campaign: str, flight: Flight, outcome: Outcome, *, same_platform: bool) -> str:

@@ -19,6 +19,7 @@ from scaloft_fi.cli.options import (
     typed,
     warnings_option,
 )
+from scaloft_fi.console import say
 from scaloft_fi.errors import InputError
 
 if TYPE_CHECKING:
@@ -202,7 +203,7 @@ def run_command(
         flown = run(study, planned, folder, options, progress=progress)
         extra = unflown_tables(planned, flown.left)
     if flown.mixture:
-        click.echo(f"warning: {flown.mixture}", err=True)
+        say(f"warning: {flown.mixture}")
     rulings = rulings_of(flown.outcomes)
     return report(
         study,

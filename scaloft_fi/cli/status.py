@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from scaloft_fi.cli.options import campaign_option, format_option, study_option
+from scaloft_fi.console import tell
 
 AGAIN = "The same `run` flies them again; no flight log is kept from which they could be judged anew."
 WAITING = "waiting for their baseline"
@@ -55,4 +56,4 @@ def status_command(study_folder: Path | None, campaign: str, style: str) -> None
         ),
     )
     stale = Table("Stale flights", ("why", "number"), tuple(content.why.items()), (AGAIN,))
-    click.echo(render((table, stale) if content.stale else (table,), Format(style)), nl=False)
+    tell(render((table, stale) if content.stale else (table,), Format(style)))

@@ -19,7 +19,10 @@ def campaign_folder(study: Study, name: str) -> Path:
         InputError: the name is no valid name of a folder.
     """
     if "/" in name or os.sep in name:
-        return Path(name).expanduser()
+        try:
+            return Path(name).expanduser()
+        except RuntimeError as error:
+            raise InputError(f"--campaign: name={name!r} begins with a user who has no home folder") from error
     if not name.strip() or name in {".", ".."} or "\0" in name:
         raise InputError(f"--campaign: name={name!r} must be the name of a folder, such as 'default'")
     return study.results_folder / "campaigns" / name
