@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, TypeVar
 
 from scaloft_fi.campaign.store.cells import decoded, shown
 from scaloft_fi.campaign.store.opening import connected, is_new, prepare, sentences
@@ -22,6 +22,7 @@ from scaloft_fi.campaign.store.tables import Planned, facts, origins, planned
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 
+T = TypeVar("T")
 NOTE = "note: "
 """Prefix of the names of notes in the table `meta`."""
 
@@ -271,21 +272,21 @@ class Store:
         """The notes recorded by `set_notes`."""
         return {name.removeprefix(NOTE): text for name, text in self._facts() if name.startswith(NOTE)}
 
-    def records(self, prefix: str) -> list[Any]:
-        """The notes whose name begins with `prefix` and a space, parsed from JSON, in the order of their names.
+    def records(self, prefix: str, read: Callable[[Any], T]) -> list[T]:
+        """What `read` makes of the JSON of each note whose name begins with `prefix` and a space, in their order.
 
         Raises:
-            InputError: a note is no JSON.
+            InputError: a note is no JSON, or `read` raises an error for it.
         """
-        return [self._parsed(name, text) for name, text in self.notes().items() if name.startswith(f"{prefix} ")]
-
-    def _parsed(self, name: str, text: str) -> Any:
-        try:
-            return decoded(text)
-        except ValueError as error:
-            raise InputError(
-                f"{self.path}: table meta, name {shown(NOTE + name)}: value={shown(text)} must be JSON"
-            ) from error
+        found = []
+        for name, text in self.notes().items():
+            if name.startswith(f"{prefix} "):
+                try:
+                    found.append(read(decoded(text)))
+                except (ValueError, TypeError, KeyError, OverflowError) as error:
+                    row = f"table meta, name {shown(NOTE + name)}"
+                    raise InputError(f"{self.path}: {row}: value={shown(text)} must be a record of `run`") from error
+        return found
 
     def _facts(self) -> list[tuple[str, str]]:
         with self._sentences():
