@@ -32,7 +32,7 @@ CHUNK = 2000
 Check = Callable[[str, Sequence[Any]], object]
 """Checks a column of this name; raises `BadCellError`."""
 _LABEL = f"a text of at most {MOST_LABEL} printable characters"
-_SHOWN = 60
+_SHOWN = 80
 """Characters of a value that a message shows."""
 
 
