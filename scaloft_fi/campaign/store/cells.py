@@ -32,6 +32,8 @@ CHUNK = 2000
 Check = Callable[[str, Sequence[Any]], object]
 """Checks a column of this name; raises `BadCellError`."""
 _LABEL = f"a text of at most {MOST_LABEL} printable characters"
+_MOST_DIGITS = 15
+"""Greatest length of a whole number in JSON, below `MOST_COUNT`."""
 _SHOWN = 80
 """Characters of a value that a message shows."""
 
@@ -224,4 +226,10 @@ def _refused(constant: str) -> NoReturn:
     raise ValueError(f"{constant} is not allowed")
 
 
-_DECODER = json.JSONDecoder(parse_constant=_refused)
+def _whole(text: str) -> int:
+    if len(text) > _MOST_DIGITS:
+        raise ValueError("a whole number is too long")
+    return int(text)
+
+
+_DECODER = json.JSONDecoder(parse_constant=_refused, parse_int=_whole)
