@@ -63,7 +63,7 @@ class Store:
         new = is_new(self._connection, self.path)
         if not create:
             if new:
-                raise InputError(f"{self.path}: the file is empty, so it holds no campaign; `run` makes one")
+                raise InputError(f"{self.path}: the file has no tables, so it holds no campaign; `run` makes one")
             return None
         prepare(self._connection)
         if new:

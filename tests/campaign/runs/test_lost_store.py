@@ -27,7 +27,9 @@ from scaloft_fi.mutants.derive import realise
 
 
 def _run(study: Any, flyer: Any, *, jobs: int = 1) -> int:
-    planned = plan(study.grid, (0, 1), [realise(study.matrix, "LATE-human@3s")], realise(study.matrix, "REVERSE-velcmd"))
+    planned = plan(
+        study.grid, (0, 1), [realise(study.matrix, "LATE-human@3s")], realise(study.matrix, "REVERSE-velcmd")
+    )
     quiet = Progress(stream=io.StringIO())
     return run(study, planned, study.folder / "c", RunOptions(jobs), progress=quiet, flyer=flyer).flown
 
@@ -48,7 +50,9 @@ def test_a_run_stops_at_the_next_save_and_its_copy_is_a_campaign_that_goes_on(
                 lose(folder)
         return outcome
 
-    with pytest.raises(InputError, match=rf"the campaign's store is lost: .* flights is in {rescued}, which --campaign"):
+    with pytest.raises(
+        InputError, match=rf"the campaign's store is lost: .* flights is in {rescued}, which --campaign"
+    ):
         _run(study, replace(log, change=losing), jobs=2)
     assert multiprocessing.active_children() == []
     flown = len(log.flown)
