@@ -152,6 +152,7 @@ def _lines() -> Iterator[Crafted]:
         ("violations", '["SR2", "safety", 8.0, 0.0, null, 1.6, ""]'),
         ("violations", '["SR2", "safety", 8.0, 0.0, 1.0, 1.6, 3]'),
         ("violations", "null"),
+        ("violations", '["SR2", "safety", 8.0, 0.0, 1.0, 1.6, ""]\n["SR2", "safety", 9.0, 0.0, 1.0, 1.6, ""]'),
         ("realised", '["T", 1]'),
         ("realised", '[["T"], true]'),
     ):

@@ -13,12 +13,12 @@ from scaloft_fi.errors import InputError
 
 MOST_FLIGHTS = "SCALOFT_MOST_FLIGHTS"
 """Name of the environment variable that raises the limit of rows."""
-DEFAULT_MOST_FLIGHTS = 500_000
-"""Default greatest number of rows that are read from a table; a score of 500,000 flights takes about 850 MiB."""
+DEFAULT_MOST_FLIGHTS = 250_000
+"""Default greatest number of rows of a table; a report of 250,000 flights takes about 850 MiB."""
 MOST_CELL_BYTES = 65_536
 """Greatest size of a cell of an outcome."""
 MOST_BYTES = 16 * 1024**2
-"""Greatest size of any other cell: a note with 500,000 draws, a packed track."""
+"""Greatest size of any other cell: a note with 250,000 draws, a packed track."""
 MOST_LABEL = 256
 """Greatest length of a name."""
 MOST_LINE = 4096
@@ -81,7 +81,7 @@ def shown(value: object) -> str:
 
 
 def most_flights() -> int:
-    """The greatest number of rows that are read from a table.
+    """The greatest number of rows of a table.
 
     Raises:
         InputError: the environment variable is no positive whole number.

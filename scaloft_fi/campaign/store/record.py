@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields
 from itertools import groupby, repeat
+from operator import attrgetter
 from sys import intern
 from typing import Any, Generic, TypeVar
 
@@ -54,8 +55,8 @@ and `Lines` parses a line once.
 
 MOST_REASON = 10_000
 """Greatest length of an error's text in a store; a longer text is cut."""
-_TEXT_PER_FLIGHT, _LINES_PER_FLIGHT = 512, 256
-"""Greatest mean number of characters of a flight's texts and of its lines that no other flight has."""
+_PER_FLIGHT = 512
+"""Greatest mean number of characters of a flight's texts, and of its lines that no other flight has."""
 
 
 def to_row(outcome: Outcome) -> Record:
@@ -93,10 +94,10 @@ class Reader:
     def __init__(self) -> None:
         self._subjects = _Subjects()
         self._readings = Lines("readings", _readings)
-        self._violations = Lines("violations", _violations)
+        self._violations = Lines("violations", _violations, attrgetter("requirement"))
         self._realised = Lines("realised", _came_true)
         self._characters = 0
-        self._most_characters = most_flights() * _TEXT_PER_FLIGHT
+        self._most_characters = most_flights() * _PER_FLIGHT
 
     def __call__(self, rows: Sequence[Record], tracks: Iterable[bytes] = repeat(b"")) -> list[Outcome]:
         """The outcomes of rows, with their tracks; a row begins with the values of `to_row`.
@@ -169,13 +170,14 @@ class Lines(Generic[T]):
     Args:
         name: name of the column.
         read: makes entries from the columns of their fields, which it checks.
+        once: the property of an entry that no other entry of the same cell has; None if any may repeat.
     """
 
-    def __init__(self, name: str, read: Callable[..., Iterable[T]]) -> None:
-        self._name, self._read = name, read
+    def __init__(self, name: str, read: Callable[..., Iterable[T]], once: Callable[[T], str] | None = None) -> None:
+        self._name, self._read, self._once = name, read, once
         self._lines: dict[str, T] = {}
         self._characters = 0
-        self._most_characters = most_flights() * _LINES_PER_FLIGHT
+        self._most_characters = most_flights() * _PER_FLIGHT
 
     def of(self, column: Sequence[str]) -> Iterable[tuple[T, ...]]:
         """The entries of each text of a column; equal texts are split once.
@@ -197,7 +199,10 @@ class Lines(Generic[T]):
             lines = "\n".join(texts).split("\n")
             self._learn(list(set(lines).difference(self._lines)))
             entries = map(self._lines.__getitem__, lines)
-            read.update(zip(texts, zip(*repeat(entries, breaks + 1), strict=True), strict=True))
+            cells = list(zip(*repeat(entries, breaks + 1), strict=True))
+            if breaks and self._once and any(len(set(map(self._once, cell))) <= breaks for cell in cells):
+                raise ValueError("an entry occurs twice")
+            read.update(zip(texts, cells, strict=True))
         return map(read.__getitem__, column)
 
     def _learn(self, lines: Sequence[str]) -> None:

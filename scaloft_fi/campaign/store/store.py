@@ -10,7 +10,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, TypeVar
 
-from scaloft_fi.campaign.store.cells import decoded, shown
+from scaloft_fi.campaign.store.cells import TooLargeError, decoded, most_flights, shown
 from scaloft_fi.campaign.store.opening import connected, is_new, prepare, sentences
 from scaloft_fi.campaign.store.origin import Origin
 from scaloft_fi.campaign.store.place import Place, rescue, told_when_slow
@@ -28,10 +28,7 @@ NOTE = "note: "
 
 
 class Store:
-    """Outcomes by key; a key is a hash of everything that can change the outcome.
-
-    A context manager; every `put` is on the disk, in the file at `path`, when it returns.
-    """
+    """Outcomes by key, a hash of what can change the outcome; every `put` is in the file at `path` when it returns."""
 
     def __init__(self, path: Path, *, create: bool = True, say: Callable[[str], None] | None = None) -> None:
         """Open the store, to write if `create`, else to read; a missing store and its folder are created if `create`.
@@ -228,6 +225,9 @@ class Store:
                     " WHERE canary > excluded.canary",
                     (*flight[:5], origins[flight.origin] if flight.origin is not None else None),
                 )
+            (number,) = self._connection.execute("SELECT count(*) FROM plan").fetchone()
+            if number > most_flights():
+                raise TooLargeError("plan")
 
     def _origin(self, origin: Origin) -> int:
         """The number of an origin; flights with equal origins share one row."""

@@ -259,3 +259,14 @@ def test_processes_that_begin_one_store_at_once_wait_for_each_other(tmp_path: Pa
         assert [said.get() for _ in processes] == [""] * 6
         for process in processes:
             process.join()
+
+
+def test_a_plan_above_the_limit_is_refused_before_anything_is_flown(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SCALOFT_MOST_FLIGHTS", "2")
+    with Store(tmp_path / "s.sqlite") as store:
+        store.plan([Planned(key, M, "T0O0W0D0H0", 0) for key in "ab"])
+        with pytest.raises(InputError, match=r"more rows than the limit for 2 flights; .* SCALOFT_MOST"):
+            store.plan([Planned("c", M, "T0O0W0D0H0", 0)])
+        assert [flight.key for flight in store.planned()] == ["a", "b"]
