@@ -206,6 +206,7 @@ def _files() -> Iterator[Crafted]:
     yield Crafted("notes", lambda path: path.write_text("notes of mine\n" * 500), "file is not a database")
     yield Crafted("a letter", lambda path: path.write_text("a"), "the file has no tables")
     yield Crafted("alien", lambda path: (path.unlink(), _all("CREATE TABLE mine (a)")(path)), "has the table 'mine'")
+    yield Crafted("no UTF-8 in the tables", _misspelt, "sqlite: the campaign's store cannot be used")
     yield Crafted("cut", lambda path: path.write_bytes(path.read_bytes()[:-30_000]))
     for place in range(40, 16_384 * 12, 16_384 // 2 + 7):
         yield Crafted(f"damaged at {place}", _damaged(place))
@@ -226,6 +227,10 @@ def _all(*statements: str) -> Callable[[Path], None]:
                 connection.execute(statement)
 
     return make
+
+
+def _misspelt(path: Path) -> None:
+    path.write_bytes(path.read_bytes().replace(b"CREATE TABLE origins (id", b"CREATE TABL\x86 \xf1rigins (id"))
 
 
 def _damaged(place: int) -> Callable[[Path], None]:

@@ -116,5 +116,7 @@ def sentences(path: Path, kept: Callable[[], str] = lambda: "") -> Iterator[None
         reason = next((words for name, words in _REASONS.items() if code.startswith(name)), own)
         rest = kept()
         raise InputError(f"{path}: the campaign's store cannot be used: {reason}{rest and f'; {rest}'}") from error
+    except UnicodeDecodeError as error:  # SQLite quotes the damaged text of a table in its own message
+        raise InputError(f"{path}: the campaign's store cannot be used: its tables are damaged") from error
     except OSError as error:
         raise InputError(f"{path}: the results folder cannot be written: {error.strerror}") from error
