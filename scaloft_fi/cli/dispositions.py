@@ -89,6 +89,7 @@ def _judged(study: Study, scored: Score, today: date | None) -> tuple[Judged, ..
 def _append(study: Study, judged: Sequence[Judged]) -> None:
     from scaloft_fi.analysis.disposition import Standing
     from scaloft_fi.dispositions import HEADER, draft
+    from scaloft_fi.output import write_whole
 
     opened = [entry.mutant for entry in judged if entry.state is Standing.OPEN]
     if not opened:
@@ -99,7 +100,7 @@ def _append(study: Study, judged: Sequence[Judged]) -> None:
         raise InputError(f"{path}: the packaged study cannot be written; copy it and name the copy by --study")
     try:
         before = path.read_text(encoding="utf-8") if path.exists() else HEADER
-        path.write_text(before.rstrip("\n") + "\n" + draft(opened), encoding="utf-8")
+        write_whole(path, (before.rstrip("\n") + "\n" + draft(opened)).encode())
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from error
     say(f"{path}: {_counted(len(opened))} to decide on; fill in owner, reason and expires")

@@ -11,6 +11,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.mutants.derive import derive
 from scaloft_fi.mutants.mutant import Mutant
+from scaloft_fi.output import write_whole
 
 FILE = "catalogue.jsonl"
 _REMEDY = "write it with `scaloft-fi mutants --write`"
@@ -30,7 +31,7 @@ def write(folder: Path, catalogue: Iterable[Mutant]) -> Path:
     path = folder / FILE
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        path.write_text("".join(f"{line}\n" for line in lines(catalogue)), encoding="utf-8", newline="\n")
+        write_whole(path, "".join(f"{line}\n" for line in lines(catalogue)).encode())
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from error
     return path

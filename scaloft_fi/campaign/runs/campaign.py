@@ -260,11 +260,12 @@ def opened(
     ):
         if not _all_flown(study, first, folder / STORE_NAME):
             workers.ready()
-        with Store(writable(folder) / STORE_NAME) as store:
+        with Store(writable(folder) / STORE_NAME, say=progress.line) as store:
             prove_platform(
                 study, store, workers, say=progress.line, stopped=stopped, same_platform=options.same_platform
             )
             yield Campaign(study, folder, store, workers, progress, options, stopped)
+            store.confirm()
 
 
 def _all_flown(study: Study, flights: Iterable[Flight], path: Path) -> bool:

@@ -12,7 +12,8 @@ from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
 from scaloft_fi.campaign.store.folder import STORE_NAME, existing, writable
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.campaign.store.platforms import Pair, Platform, Platforms, claim, is_pair_note, set_apart
-from scaloft_fi.campaign.store.store import Planned, Store
+from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.campaign.store.tables import Planned
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.facts import agreement, digests
 from scaloft_fi.judge.flights import baselines_of

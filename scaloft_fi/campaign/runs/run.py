@@ -23,6 +23,7 @@ from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.campaign.store.platforms import Platforms
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.output import write_whole
 from scaloft_fi.study import Study
 
 
@@ -134,6 +135,6 @@ def write_log(study: Study, folder: Path, outcomes: Sequence[Outcome]) -> None:
     """
     path = folder / LOG_NAME
     try:
-        path.write_text(to_json(mission_log(outcomes, study.roster, study.space)), encoding="utf-8")
+        write_whole(path, to_json(mission_log(outcomes, study.roster, study.space)).encode())
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from error

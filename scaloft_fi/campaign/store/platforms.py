@@ -16,7 +16,8 @@ from typing import TypeVar
 from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
 from scaloft_fi.campaign.store.origin import Origin
 from scaloft_fi.campaign.store.selection import Flown
-from scaloft_fi.campaign.store.store import NOTE, Planned, Store
+from scaloft_fi.campaign.store.store import NOTE, Store
+from scaloft_fi.campaign.store.tables import Planned
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 
