@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+from itertools import islice
 
 
 class ScaloftError(Exception):
@@ -28,6 +29,22 @@ class GateError(ScaloftError):
     exit_code = 4
 
 
+_MOST_NAMES, _LONGEST_NAME = 2_000, 200
+"""What the search for a near name compares at most; its time grows with the square of the length."""
+_LONGEST_SHOWN = 80
+
+
+def shown(value: object) -> str:
+    """A value of the user as a message shows it: `repr`, shortened in the middle.
+
+    >>> shown("x" * 100)
+    "'xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx...xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx'"
+    """
+    text = repr(value)
+    half = (_LONGEST_SHOWN - 3) // 2
+    return text if len(text) <= _LONGEST_SHOWN else f"{text[: half + 1]}...{text[-half:]}"
+
+
 def did_you_mean(name: str, allowed: Iterable[str]) -> str:
     """The hint after an unknown name: the nearest allowed name, else all allowed names if they are few.
 
@@ -36,8 +53,8 @@ def did_you_mean(name: str, allowed: Iterable[str]) -> str:
     >>> did_you_mean("zzz", ["a", "b"])
     "; allowed: 'a', 'b'"
     """
-    names = sorted(map(str, allowed))
-    near = difflib.get_close_matches(str(name), names, n=1, cutoff=0.5)
+    names = sorted(islice(map(str, allowed), _MOST_NAMES))
+    near = difflib.get_close_matches(str(name)[:_LONGEST_NAME], names, n=1, cutoff=0.5)
     if near:
         return f"; did you mean {near[0]!r}?"
     if 0 < len(names) <= 24:

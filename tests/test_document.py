@@ -40,7 +40,7 @@ def test_plain_gives_the_bare_values_back(read):
         ("", "a.yaml:1: the file is empty"),
         ("a: [1\n", "a.yaml:2: not valid YAML"),
         ("a: 1\na: 2\n", "a.yaml:2: key 'a' occurs twice"),
-        ("a: !!python/object:os.system x\n", "a.yaml:1: not valid YAML"),
+        ("a: !!python/object:os.system x\n", "a.yaml:1: a has the tag 'tag:yaml.org,2002:python/object:os.system'"),
         ("a: &x [*x]\n", "a.yaml:1: a[0] contains itself"),
         ("? [1, 2]\n: 3\n", "a.yaml:1: a key of a.yaml must be a single word"),
         (b"\xff\xfe\x00", "cannot be read: not UTF-8 text"),

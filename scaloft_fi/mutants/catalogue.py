@@ -11,6 +11,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.mutants.derive import derive
 from scaloft_fi.mutants.mutant import Mutant
+from scaloft_fi.reading import CATALOGUE_BYTES, UnreadableError, read_text
 
 FILE = "catalogue.jsonl"
 _REMEDY = "write it with `scaloft-fi mutants --write`"
@@ -77,15 +78,14 @@ def _difference(path: Path, number: int, line: str | None, derived: Sequence[Mut
 def _text(folder: Path) -> list[str]:
     path = folder / FILE
     try:
-        return path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
-        raise InputError(f"{path}: cannot be read: {reason}; {_REMEDY}") from error
+        return read_text(path, CATALOGUE_BYTES).splitlines()
+    except UnreadableError as error:
+        raise InputError(f"{error}; {_REMEDY}") from error
 
 
 def _mutant(path: Path, number: int, line: str) -> Mutant:
     try:
         return Mutant.from_json(json.loads(line))
-    except (ValueError, TypeError, AttributeError, InputError) as error:
+    except (ValueError, TypeError, AttributeError, RecursionError, InputError) as error:
         reason = str(error) if isinstance(error, InputError) else "not a mutant in JSON"
         raise InputError(f"{path}:{number}: {reason}; {_REMEDY}") from error

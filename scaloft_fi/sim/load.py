@@ -10,6 +10,7 @@ from typing import Any
 from scaloft_fi.document import Item
 from scaloft_fi.document import load as load_document
 from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.reading import is_there
 from scaloft_fi.sim.grid import Grid, read_grid
 from scaloft_fi.sim.patch import leaves, overridden
 from scaloft_fi.sim.scenario import Scenario
@@ -129,7 +130,7 @@ def load(
         sensors=read_sensors(documents["sensors"]),
         grid=read_grid(documents["situations"], documents["world"]) if grid is None else grid,
         stack=_stack(documents["stack"]),
-        sources=_sources(load_document(sources), documents) if (sources := folder / "sources.yaml").exists() else {},
+        sources=_sources(load_document(sources), documents) if is_there(sources := folder / "sources.yaml") else {},
         numbers=_numbers(documents),
     )
 

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim import mesh
+from scaloft_fi.sim.obj import read_obj
 
 sizes = st.floats(0.1, 3.0)
 
@@ -86,7 +87,7 @@ def test_an_obj_file_is_read_with_quads_negative_indices_and_objects(tmp_path):
         "# a square and a triangle\no floor\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1/1/1 2/2/1 3/3/1 4/4/1\n"
         "g roof top\nv 0 0 1\nf -1 1 2\n"
     )
-    form, names = mesh.read_obj(path, "world.yaml:3", 2.0)
+    form, names = read_obj(path, "world.yaml:3", 2.0)
     assert names == ("floor", "floor", "roof top")
     assert np.array_equal(form.triangles[2], [[0, 0, 2], [0, 0, 0], [2, 0, 0]])
 
@@ -106,7 +107,7 @@ def test_a_broken_obj_file_is_refused_with_its_line(tmp_path, text, sentence):
     path = tmp_path / "mine.obj"
     path.write_text(text)
     with pytest.raises(InputError, match="must") as error:
-        mesh.read_obj(path, "world.yaml:3", 1.0)
+        read_obj(path, "world.yaml:3", 1.0)
     assert sentence in str(error.value)
 
 
@@ -116,7 +117,7 @@ def test_an_unreadable_obj_file_is_refused_with_the_place_that_names_it(tmp_path
     if content is not None:
         path.write_bytes(content)
     with pytest.raises(InputError, match=r"^world.yaml:3: mesh=.* cannot be read"):
-        mesh.read_obj(path, "world.yaml:3", 1.0)
+        read_obj(path, "world.yaml:3", 1.0)
 
 
 def test_without_a_name_the_floor_is_what_is_level_and_has_nothing_below():

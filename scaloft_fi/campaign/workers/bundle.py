@@ -13,6 +13,10 @@ from pathlib import Path
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.folder import FOLDERS
+from scaloft_fi.reading import FILE_BYTES, is_file, read_bytes
+
+MOST_BYTES = FILE_BYTES
+"""Largest archive of a study."""
 
 
 def packed(study: Path) -> bytes:
@@ -25,9 +29,9 @@ def packed(study: Path) -> bytes:
     with tarfile.open(fileobj=content, mode="w") as archive:
         for path in sorted(path for name in FOLDERS for path in (study / name).rglob("*")):
             name = path.relative_to(study)
-            if path.is_file() and not any(part.startswith((".", "__")) for part in name.parts):
+            if is_file(path) and not any(part.startswith((".", "__")) for part in name.parts):
                 entry = tarfile.TarInfo(name.as_posix())
-                data = _bytes(path)
+                data = read_bytes(path, MOST_BYTES - content.tell())
                 entry.size = len(data)
                 archive.addfile(entry, io.BytesIO(data))
     return lzma.compress(content.getvalue())
@@ -42,7 +46,7 @@ def unpacked(bundle: bytes, folder: Path) -> Path:
     """Unpack the study of `bundle` into `folder` once; other processes may do the same at the same time."""
     if not folder.is_dir():
         begun = Path(tempfile.mkdtemp(prefix=f"{folder.name}-", dir=folder.parent))
-        with tarfile.open(fileobj=io.BytesIO(lzma.decompress(bundle))) as archive:
+        with tarfile.open(fileobj=io.BytesIO(_decompressed(bundle))) as archive:
             archive.extractall(begun, filter="data")
         try:
             os.rename(begun, folder)  # noqa: PTH104 - it must fail if another process was faster
@@ -51,8 +55,17 @@ def unpacked(bundle: bytes, folder: Path) -> Path:
     return folder
 
 
-def _bytes(path: Path) -> bytes:
+def _decompressed(bundle: bytes) -> bytes:
+    """The archive of a bundle.
+
+    Raises:
+        InputError: the bundle is damaged, or its archive is larger than `MOST_BYTES`.
+    """
+    unpacking = lzma.LZMADecompressor()
     try:
-        return path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
+        content = unpacking.decompress(bundle, MOST_BYTES)
+    except lzma.LZMAError as error:
+        raise InputError(f"the study that was sent cannot be unpacked: {error}") from error
+    if not unpacking.eof:
+        raise InputError(f"the study that was sent is damaged, or unpacks to more than {MOST_BYTES:,} bytes")
+    return content
