@@ -213,7 +213,7 @@ class _Document:
 
     def _read(self, event: Any, name: str, key_line: int, depth: int) -> Item:
         """The item that begins with `event`; the place of a mapping or list under a key is the place of the key."""
-        line = event.start_mark.line + 1
+        line = _line(event)
         self._count(event, depth)
         if isinstance(event, yaml.AliasEvent):
             if event.anchor not in self._anchors:
@@ -247,7 +247,7 @@ class _Document:
                 raise self._error(event, f"key {shown(key)} must have at most {KEY} characters")
             if key in entries:
                 raise self._error(event, f"key {key!r} occurs twice in {name}")
-            entries[key] = self._read(next_event(), key, event.start_mark.line + 1, depth)
+            entries[key] = self._read(next_event(), key, _line(event), depth)
         return entries
 
     def _list(self, name: str, depth: int) -> tuple[Item, ...]:
@@ -291,4 +291,9 @@ class _Document:
             raise self._error(event, f"the file must be nested at most {DEPTH} deep")
 
     def _error(self, event: Any, sentence: str) -> InputError:
-        return InputError(f"{self._path}:{event.start_mark.line + 1}: {sentence}")
+        return InputError(f"{self._path}:{_line(event)}: {sentence}")
+
+
+def _line(event: Any) -> int:
+    line: int = event.start_mark.line + 1
+    return line

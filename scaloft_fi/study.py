@@ -178,6 +178,7 @@ class Study(Setup):
                     raise InputError(f"{cell.requirements_place}: {name!r} of {cell.name} is no requirement{hint}")
         # reading a part checks it
         _ = (
+            self.sim.stack.settings(self.stack),
             self.catalogue,
             self.realisation,
             [self.scenario(situation) for situation in situations or self.grid.situations],
