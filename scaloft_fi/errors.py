@@ -6,11 +6,18 @@ import difflib
 from collections.abc import Iterable
 from itertools import islice
 
+_LONGEST_SENTENCE = 1_600
+
 
 class ScaloftError(Exception):
     """Base class of the errors that this package raises."""
 
     exit_code = 70
+
+    def __str__(self) -> str:
+        """The sentence; one that quotes pages of input is shortened in the middle."""
+        text = super().__str__()
+        return text if len(text) <= _LONGEST_SENTENCE else f"{text[: _LONGEST_SENTENCE // 2]} [...] {text[-200:]}"
 
 
 class InputError(ScaloftError):

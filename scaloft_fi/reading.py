@@ -34,11 +34,16 @@ _KINDS = {
 
 
 class UnreadableError(InputError):
-    """A file cannot be read.  reason: why, without the name of the file."""
+    """A file cannot be read.  path: the file; reason: why, without the name of the file."""
 
     def __init__(self, path: Path, reason: str) -> None:
-        super().__init__(f"{path}: cannot be read: {reason}")
+        super().__init__(path, reason)
+        self.path = path
         self.reason = reason
+
+    def __str__(self) -> str:
+        """The sentence."""
+        return f"{self.path}: cannot be read: {self.reason}"
 
 
 def read_bytes(path: Path, most_bytes: int = FILE_BYTES) -> bytes:
@@ -100,16 +105,23 @@ def _opened(path: Path, most_bytes: int) -> Iterator[BufferedReader]:
     except (OSError, ValueError) as error:
         raise _unreadable(path, error) from error
     try:
+        _check(path, os.fstat(number), most_bytes)
+    except UnreadableError:
+        os.close(number)
+        raise
+    try:
         with open(number, "rb") as file:  # noqa: PTH123 - it is open
-            status = os.fstat(number)
-            if not stat.S_ISREG(status.st_mode):
-                kind = _KINDS.get(stat.S_IFMT(status.st_mode), "of another kind")
-                raise UnreadableError(path, f"it is {kind}, and must be a regular file")
-            if status.st_size > most_bytes:
-                raise UnreadableError(path, _too_large(most_bytes))
             yield file
     except OSError as error:
         raise _unreadable(path, error) from error
+
+
+def _check(path: Path, status: os.stat_result, most_bytes: int) -> None:
+    if not stat.S_ISREG(status.st_mode):
+        kind = _KINDS.get(stat.S_IFMT(status.st_mode), "of another kind")
+        raise UnreadableError(path, f"it is {kind}, and must be a regular file")
+    if status.st_size > most_bytes:
+        raise UnreadableError(path, _too_large(most_bytes))
 
 
 def _unreadable(path: Path, error: OSError | ValueError) -> UnreadableError:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from itertools import zip_longest
 from pathlib import Path
 
-from scaloft_fi.errors import InputError
+from scaloft_fi.errors import InputError, shown
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.mutants.derive import derive
 from scaloft_fi.mutants.mutant import Mutant
@@ -69,10 +69,10 @@ def _difference(path: Path, number: int, line: str | None, derived: Sequence[Mut
         return f"{expected!r} is missing"
     written = _mutant(path, number, line).id
     if expected is None:
-        return f"{written!r} is not in the matrix"
+        return f"{shown(written)} is not in the matrix"
     if written == expected:
-        return f"{written!r} differs from the matrix"
-    return f"{written!r} stands where the matrix gives {expected!r}"
+        return f"{shown(written)} differs from the matrix"
+    return f"{shown(written)} stands where the matrix gives {expected!r}"
 
 
 def _text(folder: Path) -> list[str]:

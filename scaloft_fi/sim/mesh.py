@@ -185,16 +185,13 @@ def winding(triangles: Array, point: Sequence[float]) -> float:
 
 def section(triangles: Array, z_m: float) -> list[tuple[tuple[float, float], tuple[float, float]]]:
     """Segments (x, y) [m] in which the horizontal plane at height `z_m` intersects the triangles."""
-    segments = []
     is_below = triangles[:, :, 2] < z_m
-    for triangle in triangles[is_below.any(axis=1) & ~is_below.all(axis=1)]:
-        cuts = []
-        for p, q in ((0, 1), (1, 2), (2, 0)):
-            low, high = triangle[p], triangle[q]
-            if (low[2] < z_m) != (high[2] < z_m):
-                share = (z_m - low[2]) / (high[2] - low[2])
-                x, y = low[:2] + share * (high[:2] - low[:2])
-                cuts.append((float(x), float(y)))
-        if len(cuts) == 2:
-            segments.append((cuts[0], cuts[1]))
-    return segments
+    crossed = is_below.any(axis=1) & ~is_below.all(axis=1)
+    low, is_below = triangles[crossed], is_below[crossed]
+    high = np.roll(low, -1, axis=1)
+    is_cut = is_below != np.roll(is_below, -1, axis=1)  # two edges of each crossed triangle
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = (z_m - low[..., 2]) / (high[..., 2] - low[..., 2])
+        places = low[..., :2] + share[..., None] * (high[..., :2] - low[..., :2])
+    ends = places[is_cut].reshape(-1, 2, 2).tolist()
+    return [((x0, y0), (x1, y1)) for (x0, y0), (x1, y1) in ends]
