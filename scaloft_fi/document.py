@@ -18,7 +18,7 @@ LARGEST = 1e9
 """Largest number of a setting that states no bounds of its own."""
 DEPTH = 50
 """Deepest nesting of a document."""
-ITEMS = 100_000
+ITEMS = 30_000
 """Most values of a document, those that an alias repeats included."""
 DIGITS = 100
 """Most characters of a number."""

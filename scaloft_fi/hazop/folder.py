@@ -23,7 +23,12 @@ def find_study(path: Path | str | None = None) -> Path:
             allowed = "a folder with hazop/, mutants/ and sim/"
             raise InputError(f"--study={str(path)!r} must be {allowed}; it lacks {', '.join(lacking)}")
         return Path(path)
-    here = Path.cwd()
+    try:
+        here = Path.cwd()
+    except OSError as error:
+        raise InputError(
+            f"the current folder cannot be read: {error.strerror}; go to another or name --study"
+        ) from error
     for folder in (here, *here.parents, _PACKAGE / "_study", _PACKAGE.parent):
         if folder != _PACKAGE and all(is_folder(folder / name) for name in FOLDERS):  # the package has such folders too
             return folder

@@ -124,7 +124,7 @@ class Grid:
         for name, level in levels:
             for path, value in axes[name].value(level).changes.items():
                 document = patched(document, path, value)
-        unchanged = document.mapping()["mine"] is self.document.mapping().get("mine")
+        unchanged = document.mapping().get("mine") is self.document.mapping().get("mine")
         return read_world(document, self._mine if unchanged else None)
 
     @cached_property
