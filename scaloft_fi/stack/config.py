@@ -78,9 +78,13 @@ def _convert(hint: Any, value: Any, path: str) -> Any:
     if not isinstance(value, list | tuple):
         raise ConfigError(path, f"{value!r} must be a list")
     inner = hint.__args__
-    if inner[-1] is not Ellipsis and len(inner) != len(value):
+    if inner[-1] is Ellipsis:
+        inner = inner[:1] * len(value)
+    if len(inner) != len(value):
         raise ConfigError(path, f"must be a list of {len(inner)}")
-    return tuple(_convert(inner[0], entry, f"{path}[{i}]") for i, entry in enumerate(value))
+    return tuple(
+        _convert(each, entry, f"{path}[{i}]") for i, (each, entry) in enumerate(zip(inner, value, strict=True))
+    )
 
 
 def _bounded(value: Number, marks: tuple[Any, ...], path: str) -> Number:
