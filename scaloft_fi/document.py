@@ -89,9 +89,9 @@ class Item:
                 return self.value
             raise self.error("a finite number")
         if not (least <= self.value <= most and self.value > above):
-            bounds = {f">= {least:g}": least, f"> {above:g}": above, f"<= {most:g}": most}
+            lowest = (f"> {above:g}", above) if above >= least else (f">= {least:g}", least)
             beyond = abs(self.value) > LARGEST
-            told = [text for text, bound in bounds.items() if math.isfinite(bound) and (beyond or abs(bound) < LARGEST)]
+            told = [text for text, bound in (lowest, (f"<= {most:g}", most)) if beyond or abs(bound) < LARGEST]
             raise self.error(" and ".join(told))
         return float(self.value)
 

@@ -82,9 +82,7 @@ def _convert(hint: Any, value: Any, path: str) -> Any:
         inner = inner[:1] * len(value)
     if len(inner) != len(value):
         raise ConfigError(path, f"must be a list of {len(inner)}")
-    return tuple(
-        _convert(each, entry, f"{path}[{i}]") for i, (each, entry) in enumerate(zip(inner, value, strict=True))
-    )
+    return tuple(_convert(inner[i], entry, f"{path}[{i}]") for i, entry in enumerate(value))
 
 
 def _bounded(value: Number, marks: tuple[Any, ...], path: str) -> Number:
