@@ -19,8 +19,8 @@ from scaloft_fi.errors import InputError
 MIB = 1 << 20
 DOCUMENT_BYTES = 4 * MIB
 """Largest YAML file; those of the reference study have at most 25 kB."""
-CATALOGUE_BYTES = 64 * MIB
-"""Largest catalogue: some 200,000 mutants."""
+CATALOGUE_BYTES = 16 * MIB
+"""Largest catalogue: some 60,000 mutants."""
 FILE_BYTES = 1024 * MIB
 """Largest file of any other kind in a study."""
 

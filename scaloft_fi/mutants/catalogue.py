@@ -14,6 +14,8 @@ from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.reading import CATALOGUE_BYTES, UnreadableError, read_text
 
 FILE = "catalogue.jsonl"
+LONGEST_LINE = 10_000
+"""Most characters of a line; those of the reference study have at most 290."""
 _REMEDY = "write it with `scaloft-fi mutants --write`"
 
 
@@ -84,6 +86,8 @@ def _text(folder: Path) -> list[str]:
 
 
 def _mutant(path: Path, number: int, line: str) -> Mutant:
+    if len(line) > LONGEST_LINE:
+        raise InputError(f"{path}:{number}: the line must have at most {LONGEST_LINE:,} characters; {_REMEDY}")
     try:
         return Mutant.from_json(json.loads(line))
     except (ValueError, TypeError, AttributeError, RecursionError, InputError) as error:
