@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from pathlib import Path
 
 from scaloft_fi.errors import InputError, did_you_mean, shown
@@ -31,7 +32,8 @@ def _reached(name: str) -> Path:
     """The folder at the path `name`, which need not exist."""
     try:
         folder = Path(name).expanduser()
-        folder.exists()  # raises where the system refuses the name
+        with suppress(FileNotFoundError, NotADirectoryError, PermissionError):
+            folder.stat()  # raises where the system refuses the name
     except (OSError, RuntimeError, ValueError) as error:
         reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
         raise InputError(f"--campaign: name={shown(name)} must be the path of a folder: {reason}") from error

@@ -11,7 +11,7 @@ from scaloft_fi.study import Study
 
 @pytest.mark.parametrize("name", ["~nosuchuser/a", "/" + "a" * 300, "a/b\0", "a" * 256, "é" * 128, "..", " ", "a\0"])
 def test_a_name_that_the_system_refuses_is_refused_in_a_sentence(tmp_path, name):
-    with pytest.raises(InputError, match="^--campaign: name=.* must be the (path|name) of a folder"):
+    with pytest.raises(InputError, match=r"^--campaign: name=.* must be the (path|name) of a folder"):
         campaign_folder(Study(tmp_path), name)
 
 
