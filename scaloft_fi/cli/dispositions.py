@@ -90,6 +90,7 @@ def _append(study: Study, judged: Sequence[Judged]) -> None:
     from scaloft_fi.analysis.disposition import Standing
     from scaloft_fi.dispositions import HEADER, draft
     from scaloft_fi.output import write_whole
+    from scaloft_fi.reading import is_there, read_text
 
     opened = [entry.mutant for entry in judged if entry.state is Standing.OPEN]
     if not opened:
@@ -98,8 +99,8 @@ def _append(study: Study, judged: Sequence[Judged]) -> None:
     path = study.dispositions_path
     if study.packaged:
         raise InputError(f"{path}: the packaged study cannot be written; copy it and name the copy by --study")
+    before = read_text(path) if is_there(path) else HEADER
     try:
-        before = path.read_text(encoding="utf-8") if path.exists() else HEADER
         write_whole(path, (before.rstrip("\n") + "\n" + draft(opened)).encode())
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from error

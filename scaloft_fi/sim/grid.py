@@ -14,12 +14,14 @@ from pathlib import Path
 from scaloft_fi.document import Item, load
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.constraint import Constraint, read_constraints
+from scaloft_fi.sim.mine import Mine, read_mine
 from scaloft_fi.sim.patch import patched
 from scaloft_fi.sim.situation import Axis, Situation, read_axis
 from scaloft_fi.sim.world import World, read_world
 
 MOST_POINTS = 1_000_000
 """Largest product of the axes; all points are held in memory."""
+MOST_AXES = 100
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +124,13 @@ class Grid:
         for name, level in levels:
             for path, value in axes[name].value(level).changes.items():
                 document = patched(document, path, value)
-        return read_world(document)
+        unchanged = document.mapping().get("mine") is self.document.mapping().get("mine")
+        return read_world(document, self._mine if unchanged else None)
+
+    @cached_property
+    def _mine(self) -> Mine:
+        """The mine of every world whose situation does not change it; reading a mesh takes seconds."""
+        return read_mine(self.document.need("mine"))
 
     def miss(self, name: str) -> str:
         """The error message for a name without a situation: the constraint that excludes it, or the nearest key."""
@@ -153,7 +161,7 @@ def read_grid(item: Item, world_document: Item) -> Grid:
             constraints exclude every situation of a value.
     """
     axes_item = item.need("axes")
-    axes = tuple(read_axis(name, entry) for name, entry in axes_item.mapping().items())
+    axes = tuple(read_axis(name, entry) for name, entry in axes_item.mapping(most=MOST_AXES).items())
     if not axes:
         raise InputError(f"{item.place}: axes must name at least one axis")
     points = math.prod(len(axis.values) for axis in axes)

@@ -10,6 +10,7 @@ from typing import Any
 from scaloft_fi.document import Item
 from scaloft_fi.document import load as load_document
 from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.reading import is_there
 from scaloft_fi.sim.grid import Grid, read_grid
 from scaloft_fi.sim.patch import leaves, overridden
 from scaloft_fi.sim.scenario import Scenario
@@ -17,8 +18,12 @@ from scaloft_fi.sim.sensors import SensorsConfig, read_sensors
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.sim.vehicle import Vehicle, read_vehicle
 from scaloft_fi.sim.world import World, read_world
+from scaloft_fi.stack.config import ConfigError, build
+from scaloft_fi.stack.declaration import Declaration
 
 DOCUMENTS = ("world", "vehicle", "sensors", "situations", "stack")
+MOST_NOMINAL_S = 3_600.0
+"""Longest nominal mission time [s]: no battery lasts longer, and a log grows by some 10 kB each second."""
 KINDS = ("published", "datasheet", "derived", "assumption")
 
 
@@ -43,6 +48,19 @@ class StackChoice:
     name: str
     parameters: Mapping[str, Any]
     document: Item
+
+    def settings(self, declared: Declaration) -> Any:
+        """The settings in the schema that the stack declares.
+
+        Raises:
+            InputError: the settings do not fit; the message names the place.
+        """
+        if declared.settings is None:
+            return self.parameters
+        try:
+            return build(declared.settings(), self.parameters)
+        except ConfigError as error:
+            raise InputError(f"{self.place_of(error.path)}: {error}") from error
 
     def place_of(self, path: str) -> str:
         """`file:line` of the setting at `path`, such as `stack.mission.goal_radius_m`, or of its nearest parent."""
@@ -82,11 +100,16 @@ class SimConfig:
         """The scenario of a situation, made once.
 
         Raises:
-            InputError: the values of the axes contradict each other.
+            InputError: the values of the axes contradict each other, or the mission takes too long.
         """
         if situation.key not in self._scenarios:
             world = self.grid.world(situation.levels)
-            self._scenarios[situation.key] = Scenario(situation, world, self.sensors.depth.camera)
+            scenario = Scenario(situation, world, self.sensors.depth.camera)
+            if not scenario.nominal_s <= MOST_NOMINAL_S:
+                place = self.grid.document.need("mission").place
+                lasts = f"the mission in {situation.key} must last at most {MOST_NOMINAL_S:,.0f} s"
+                raise InputError(f"{place}: {lasts} at its speeds, it lasts {scenario.nominal_s:,.0f} s")
+            self._scenarios[situation.key] = scenario
         return self._scenarios[situation.key]
 
     def source_of(self, path: str) -> Source | None:
@@ -124,12 +147,12 @@ def load(
     documents = {name: load_document(folder / f"{name}.yaml") for name in DOCUMENTS}
     documents = overridden(documents, overrides or {})
     return SimConfig(
-        world=read_world(documents["world"]),
+        world=read_world(documents["world"]) if grid is None else grid.world(()),
         vehicle=read_vehicle(documents["vehicle"]),
         sensors=read_sensors(documents["sensors"]),
         grid=read_grid(documents["situations"], documents["world"]) if grid is None else grid,
         stack=_stack(documents["stack"]),
-        sources=_sources(load_document(sources), documents) if (sources := folder / "sources.yaml").exists() else {},
+        sources=_sources(load_document(sources), documents) if is_there(sources := folder / "sources.yaml") else {},
         numbers=_numbers(documents),
     )
 

@@ -9,6 +9,9 @@ from dataclasses import dataclass
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
 
+MOST_VALUES = 200
+"""Most values of an axis; the world of each is read with the study."""
+
 AXIS_ID = re.compile(r"[A-Z][a-z]*")
 
 
@@ -88,7 +91,7 @@ def read_axis(name: str, item: Item) -> Axis:
         raise InputError(f"{item.place}: axis {name!r} must be named by a capital letter, then small ones")
     values: list[AxisValue] = []
     values_item = item.need("values")
-    for entry in values_item:
+    for entry in values_item.items(most=MOST_VALUES):
         number_item = entry.need("id")
         number = number_item.whole()
         if number != len(values):

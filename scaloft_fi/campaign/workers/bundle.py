@@ -13,6 +13,7 @@ from pathlib import Path, PurePosixPath
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.folder import FOLDERS
+from scaloft_fi.reading import is_file, read_bytes
 
 MOST_FILES = 10_000
 """Greatest number of files in a bundle."""
@@ -32,9 +33,9 @@ def packed(study: Path) -> bytes:
     with tarfile.open(fileobj=content, mode="w") as archive:
         for path in sorted(path for name in FOLDERS for path in (study / name).rglob("*")):
             name = path.relative_to(study)
-            if path.is_file() and not any(part.startswith((".", "__")) for part in name.parts):
+            if is_file(path) and not any(part.startswith((".", "__")) for part in name.parts):
                 entry = tarfile.TarInfo(name.as_posix())
-                data = _bytes(path)
+                data = read_bytes(path, MOST_BYTES - content.tell())
                 entry.size = len(data)
                 archive.addfile(entry, io.BytesIO(data))
     return lzma.compress(content.getvalue())
@@ -93,10 +94,3 @@ def _files(bundle: bytes) -> dict[str, bytes]:
 
 def _refused(reason: str) -> InputError:
     return InputError(f"the bundle of the study is refused: {reason}")
-
-
-def _bytes(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from error

@@ -17,9 +17,10 @@ from scaloft_fi.campaign.plan.batch import Batch
 from scaloft_fi.campaign.processes.pool import Pool
 from scaloft_fi.campaign.processes.start import started_clean
 from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
-from scaloft_fi.campaign.workers.bundle import digest_of, unpacked
+from scaloft_fi.campaign.workers.bundle import MOST_BYTES, digest_of, unpacked
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.reading import UnreadableError, read_bytes
 from scaloft_fi.study import Study
 
 TOPIC = "scaloft-fi"
@@ -148,8 +149,8 @@ def _study(scratch: Path, bundle: str) -> Path:
     due_s = time.monotonic() + ARRIVAL_S
     while time.monotonic() < due_s:
         try:
-            content = (scratch / bundle).read_bytes()
-        except FileNotFoundError:
+            content = read_bytes(scratch / bundle, MOST_BYTES)
+        except UnreadableError:
             content = b""
         if digest_of(content) == bundle:
             return unpacked(content, scratch / f"study-{bundle}")
