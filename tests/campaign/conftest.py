@@ -174,6 +174,9 @@ class DaskProcesses:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
+        self.key_file = folder / "cluster.key"
+        self.key_file.touch(mode=0o600)
+        self.key_file.write_text("a key of the tests, which only their workers have\n")
         self._all: list[subprocess.Popen[bytes]] = []
 
     def scheduler(self, **environment: str) -> str:
@@ -187,10 +190,16 @@ class DaskProcesses:
         return str(json.loads(path.read_text())["address"]).removeprefix("tcp://")
 
     def worker(self, address: str, *words: str, **environment: str) -> subprocess.Popen[bytes]:
-        """Start one with a thread."""
+        """Start one with a thread and the key."""
+        environment = {"SCALOFT_CLUSTER_KEY": str(self.key_file), **environment}
         own = self._folder / f"worker-{len(self._all)}"
         local = ("--host", "127.0.0.1", "--no-dashboard", "--nthreads", "1", "--local-directory", own)
         return self._start("worker", f"tcp://{address}", *local, *words, environment=environment)
+
+    @property
+    def key(self) -> bytes:
+        """What the key file holds."""
+        return self.key_file.read_bytes().strip()
 
     def _start(self, *words: str | Path, environment: Mapping[str, str]) -> subprocess.Popen[bytes]:
         log = (self._folder / f"dask-{len(self._all)}.log").open("wb")

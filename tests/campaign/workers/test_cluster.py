@@ -35,6 +35,8 @@ import os, signal, time
 from dataclasses import dataclass
 from scaloft_fi.judge.outcome import Outcome
 
+FLOWN = {"ending": "landed", "digest": "0" * 64, "perceived_digest": "0" * 64}
+
 @dataclass(frozen=True)
 class Flyer:
     deadly: str = ""  # over this flight the Dask worker dies
@@ -52,7 +54,7 @@ class Flyer:
         if flight.name == self.deadly:
             os.kill(os.getppid(), signal.SIGKILL)
             time.sleep(60.0)
-        return Outcome(flight.subject, flight.situation.key, flight.seed, ending="landed", digest=str(study.folder))
+        return Outcome(flight.subject, flight.situation.key, flight.seed, **FLOWN, stack_error=str(study.folder))
 
     def share(self, study, batch, home):
         for flight in batch.flights:
@@ -95,6 +97,9 @@ def _tasks(flights: list[Flight]) -> list[Batch]:
     return [Batch(tuple(f for f in flights if f.situation.key == key), shared=True) for key in keys]
 
 
+KEY = b"a key of the tests, which only their workers have"
+
+
 def _flown(
     address: str,
     study: Study,
@@ -105,7 +110,7 @@ def _flown(
     """What comes home, and what was said."""
     home: list[Outcome] = []
     said: list[str] = []
-    with Cluster(address).workers(study, flyer, stop=lambda: stop(home), say=said.append) as workers:
+    with Cluster(address, KEY).workers(study, flyer, stop=lambda: stop(home), say=said.append) as workers:
         home.extend(workers.map(_tasks(flights)))
     return home, said
 
@@ -122,7 +127,7 @@ def test_every_outcome_comes_home_once_and_was_flown_from_the_study_that_was_sen
     assert _names(home) == _names(flights)
     assert {outcome.invalid for outcome in home} == {""}
     assert said == []
-    (folder,) = {outcome.digest for outcome in home}
+    (folder,) = {outcome.stack_error for outcome in home}
     assert Path(folder) != ROOT
     assert (Path(folder) / "sim" / "world.yaml").read_bytes() == (ROOT / "sim" / "world.yaml").read_bytes()
 
@@ -130,7 +135,7 @@ def test_every_outcome_comes_home_once_and_was_flown_from_the_study_that_was_sen
 def test_outcomes_come_home_before_their_task_is_done(address: str, reference: Study, flyer: Any) -> None:
     times_s: list[float] = []
     batch = Batch(tuple(_flights(reference, LATE, MORE)[:3]), shared=True)
-    with Cluster(address).workers(reference, flyer(slow_s=0.5), stop=lambda: False, say=print) as workers:
+    with Cluster(address, KEY).workers(reference, flyer(slow_s=0.5), stop=lambda: False, say=print) as workers:
         times_s.extend(time.monotonic() for _ in workers.map([batch]))
     assert min(later - sooner for sooner, later in pairwise(times_s)) > 0.25
 
@@ -153,7 +158,7 @@ def test_what_flies_for_a_run_that_is_killed_ends_with_it(
         "from scaloft_fi.campaign.plan.batch import Batch\n"
         "from scaloft_fi.study import Study\n"
         f"study, flyer = Study.open({str(ROOT)!r}), cluster_flyer.Flyer(slow_s=300.0, mark={str(tmp_path / 'pid')!r})\n"
-        f"with Cluster({address!r}).workers(study, flyer, stop=lambda: False, say=print) as workers:\n"
+        f"with Cluster({address!r}, {KEY!r}).workers(study, flyer, stop=lambda: False, say=print) as workers:\n"
         "    list(workers.map([Batch((Flight(None, study.grid.situations[0], 0),))]))\n"
     )
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
@@ -166,7 +171,7 @@ def test_what_flies_for_a_run_that_is_killed_ends_with_it(
 
 
 def test_another_platform_is_said(address: str, reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("scaloft_fi.campaign.workers.cluster.fingerprint", lambda: {"machine": "PDP-11"})
+    monkeypatch.setattr("scaloft_fi.campaign.workers.cluster_run.fingerprint", lambda: {"machine": "PDP-11"})
     home, said = _flown(address, reference, flyer(), _flights(reference))
     assert len(home) == 3
     assert len(said) == 1
@@ -195,7 +200,7 @@ def test_a_worker_with_other_code_flies_nothing_while_others_do(
 def test_a_flight_over_which_every_worker_dies_is_invalid_with_the_reason(
     dask: Any, reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("scaloft_fi.campaign.workers.cluster.ATTEMPTS", 1)  # a worker takes seconds to come back
+    monkeypatch.setattr("scaloft_fi.campaign.workers.cluster_run.ATTEMPTS", 1)  # a worker takes seconds to come back
     address = dask.scheduler(DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES="0")
     dask.worker(address, "--nanny")
     flights = _flights(reference, LATE, MORE)
@@ -215,7 +220,7 @@ def test_a_run_waits_for_workers_and_takes_those_that_join(dask: Any, reference:
         said.append(line)
         dask.worker(address, "--no-nanny")
 
-    with Cluster(address).workers(reference, flyer(), stop=lambda: False, say=say) as workers:
+    with Cluster(address, KEY).workers(reference, flyer(), stop=lambda: False, say=say) as workers:
         assert _names(workers.map(_tasks(flights))) == _names(flights)
     assert len(said) == 1
     assert said[0].startswith("waiting for workers")
