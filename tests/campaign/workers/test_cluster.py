@@ -21,8 +21,6 @@ from scaloft_fi.campaign.plan.batch import Batch
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.workers.cluster import Cluster
 from scaloft_fi.campaign.workers.interrupt import Interrupted
-from scaloft_fi.campaign.workers.local import Local
-from scaloft_fi.campaign.workers.named import executor_named
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.derive import realise
@@ -260,17 +258,6 @@ def test_without_distributed_it_is_said_how_to_install_it(
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match=r"pip install 'scaloft-fi\[cluster\]'"):
         _flown("127.0.0.1:9", reference, flyer(), _flights(reference))
-
-
-def test_an_executor_is_local_or_the_address_of_a_scheduler() -> None:
-    assert executor_named("local", 3) == Local(3)
-    assert executor_named("dask://head-node:8786", None) == Cluster("head-node:8786")
-    assert executor_named("dask://[::1]:8786/", None) == Cluster("[::1]:8786")
-    for name in ("dask", "dask://", "dask://host", "ray://host:1", "tcp://host:8786", "dask://host:port"):
-        with pytest.raises(InputError, match=r"must be 'local' or 'dask://HOST:PORT'"):
-            executor_named(name, None)
-    with pytest.raises(InputError, match="--jobs=2 is for --executor=local"):
-        executor_named("dask://host:1", 2)
 
 
 def _wait_for(fact: Callable[[], bool]) -> None:
