@@ -173,7 +173,7 @@ class DaskProcesses:
     """Schedulers and workers of Dask in processes of their own, on the loopback interface."""
 
     def __init__(self, folder: Path) -> None:
-        self._folder = folder
+        self.folder = self._folder = folder
         self.key_file = folder / "cluster.key"
         self.key_file.touch(mode=0o600)
         self.key_file.write_text("a key of the tests, which only their workers have\n")

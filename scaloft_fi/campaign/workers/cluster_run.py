@@ -20,7 +20,7 @@ from scaloft_fi.campaign.workers.interrupt import Interrupted
 from scaloft_fi.campaign.workers.key import VARIABLE, Message
 from scaloft_fi.campaign.workers.plain import batch_to_plain, flyer_to_plain, outcome_from_plain
 from scaloft_fi.campaign.workers.slot import fly_batch, join
-from scaloft_fi.errors import InputError, ScaloftError
+from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 
@@ -53,12 +53,20 @@ def disconnecting() -> Iterator[None]:
 
 @dataclass
 class _Trial:
-    """A batch that was handed out, to which workers, its outcomes so far, and the starts without any outcome."""
+    """A batch that was handed out.
+
+    Attributes:
+        where: addresses of the workers that may fly it.
+        begun: number of starts without any outcome.
+        lost_before: how often messages were lost before it was handed out.
+        arrived: its outcomes so far, by name.
+    """
 
     batch: Batch
     future: Future[None]
     where: frozenset[str]
     begun: int
+    lost_before: int
     arrived: dict[str, Outcome] = field(default_factory=dict)
 
 
@@ -146,7 +154,7 @@ class ClusterRun:
             workers=sorted(where),
             pure=False,
         )
-        self._trials[number] = _Trial(batch, future, where, begun)
+        self._trials[number] = _Trial(batch, future, where, begun, self._inbox.lost)
 
     def _has_ended(self, trial: _Trial) -> bool:
         """Whether a batch is done, or waits for workers that are gone."""
@@ -190,9 +198,7 @@ class ClusterRun:
         elif message.kind == "platform":
             self._say_once(f"warning: {place} is another platform, digests may differ: {message.content}")
         elif message.kind == "failed":
-            raise InputError(f"{place} cannot fly the study: {message.content}")
-        elif message.kind == "broken":
-            raise ScaloftError(f"{place} failed: {message.content}")
+            self._bar(message.worker, f"{place} cannot fly the study: {message.content}")
         else:
             self._inbox.nonsense += 1
             self._bar(message.worker, f"{place} sent a message of no known kind")
@@ -212,7 +218,9 @@ class ClusterRun:
         left = left_of(trial.batch, trial.arrived.values())
         if left is None:
             return
-        begun = 0 if trial.arrived else trial.begun  # Dask also gives up batches that only waited on workers that died
+        # Dask also gives up batches that only waited on workers that died
+        is_unsure = trial.arrived or self._inbox.lost > trial.lost_before
+        begun = 0 if is_unsure else trial.begun
         self._silent += 1
         if self._silent > SILENT:
             raise InputError("the Dask workers begin no batch; what was flown is saved, their logs tell the reason")
@@ -238,6 +246,9 @@ class ClusterRun:
             self._greet(worker)
         for worker in self._joins.keys() - self._threads.keys():
             del self._joins[worker]
+        for worker in [worker for worker, future in self._joins.items() if future.status == "finished"]:
+            if worker not in self._ready | self._barred.keys():  # its answer was lost, or is about to arrive
+                self._greet(worker)
         mute = {worker for worker, future in self._joins.items() if future.status == "error"}
         for worker in sorted(mute):
             self._say_once(

@@ -16,6 +16,11 @@ class Inbox:
 
     Args:
         key: key of the cluster.
+
+    Attributes:
+        strange: number of messages that were none of this run's.
+        nonsense: number of messages with the key that made no sense.
+        lost: number of times at which messages of our workers may have been lost among strange ones.
     """
 
     def __init__(self, key: bytes) -> None:
@@ -23,7 +28,7 @@ class Inbox:
         self._messages: SimpleQueue[Message] = SimpleQueue()
         self._numbers = 0
         self._heard: dict[tuple[int, str], int] = {}
-        self.strange, self.nonsense = 0, 0
+        self.strange, self.nonsense, self.lost = 0, 0, 0
 
     def order(self, kind: str, content: Any, worker: str = "") -> tuple[int, str]:
         """The number of a new task, and the sealed order for it; `worker` = "" is for any worker."""
@@ -40,20 +45,21 @@ class Inbox:
         try:
             message = unsealed(self._key, event[1])
         except (ValueError, TypeError, LookupError):
-            self.skip()
+            self.strange += 1
             return
         if message.run != self._run:  # another run with the same key uses the same topic
             return
         sender = message.number, message.worker
         if message.number > self._numbers or message.order <= self._heard.get(sender, 0):
-            self.skip()
+            self.strange += 1
             return
         self._heard[sender] = message.order
         self._messages.put(message)
 
     def skip(self) -> None:
-        """Count a message that is none of ours."""
+        """Count what the connection did not read; messages of our workers may have been packed with it."""
         self.strange += 1
+        self.lost += 1
 
     def messages(self, wait_s: float) -> Iterator[Message]:
         """The messages that have arrived; wait at most `wait_s` for the first of them [s, wall]."""

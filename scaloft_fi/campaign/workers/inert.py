@@ -1,8 +1,9 @@
 """A connection to a Dask scheduler through which no bytes pass, so that Dask's client unpickles nothing.
 
 A scheduler passes on what any client and any worker sends, and Dask's client unpickles results, exceptions and
-warnings.  Every pickle travels as bytes.  This connection reads plain messages only: it skips the frames for pickled
-and compressed objects, and replaces bytes by None.  It also skips a message that is too large, before it is in memory.
+warnings.  Every pickle travels as bytes, or in a frame of its own beside the plain part of a message.  This connection
+skips these frames, and reads None in place of bytes and of what is in the frames.  It also skips a message whose plain
+part is too large, without holding it in memory.
 """
 
 from __future__ import annotations
@@ -122,7 +123,7 @@ async def _skip(stream: IOStream, size: int) -> None:
 
 
 def plain(frame: bytes) -> Any:
-    """A message without bytes and without events of other topics; None for what is no message.
+    """A message without bytes, objects of other frames and events of other topics; None for what is no message.
 
     >>> plain(msgpack.packb([{"op": "task-erred", "key": "k", "exception": b"a pickle"}]))
     ({'op': 'task-erred', 'key': 'k', 'exception': None},)
@@ -143,6 +144,8 @@ def _is_ours(message: Any) -> bool:
 
 def _without_bytes(value: Any) -> Any:
     if isinstance(value, dict):
+        if "__Serialized__" in value or "__Pickled__" in value:  # stands for an object in another frame
+            return None
         return {_without_bytes(key): _without_bytes(entry) for key, entry in value.items()}
     if isinstance(value, tuple):
         return tuple(map(_without_bytes, value))

@@ -99,7 +99,7 @@ def _send_outcome(send: Send, flight: Flight, outcome: Outcome) -> None:
 def _opened(order: str, kind: str) -> Iterator[tuple[Mapping[str, Any], Path, Send, Callable[[], bool]]]:
     """Content of a sealed order, folder of the worker, a function that sends, and whether the run gave the order up.
 
-    An error inside the context is sent: one of the user's input as `failed`, any other as `broken`.
+    An error inside the context is sent as `failed`.
     """
     from distributed import get_worker
 
@@ -131,7 +131,7 @@ def _opened(order: str, kind: str) -> Iterator[tuple[Mapping[str, Any], Path, Se
     try:
         yield message.content, Path(worker.local_directory), send, stop
     except Exception as error:  # noqa: BLE001 - an exception would reach the run as a pickle, which it does not read
-        send(*(("failed", str(error)) if isinstance(error, InputError) else ("broken", in_one_line(error))))
+        send("failed", str(error) if isinstance(error, InputError) else in_one_line(error))
 
 
 @dataclass
