@@ -63,7 +63,7 @@ class Cluster:
                     name="scaloft-fi",
                     security=security_of(self.certificates),
                 )
-            except (OSError, ValueError) as error:
+            except (OSError, ValueError, TypeError, LookupError, AttributeError, AssertionError) as error:
                 reason = f"no Dask scheduler answers there within {CONNECT_S:g} s"
                 if self.certificates is not None:
                     reason += f" with the certificates in {self.certificates}"

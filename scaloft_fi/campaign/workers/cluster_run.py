@@ -236,10 +236,10 @@ class ClusterRun:
         if self._client.status == "closed":  # the client has given up
             raise Interrupted(GONE)
         try:
-            found = self._client.nthreads()
-        except OSError as error:
+            found = self._client.nthreads().items()
+            self._threads = {worker: int(threads) for worker, threads in found if _ADDRESS.fullmatch(worker)}
+        except Exception as error:
             raise Interrupted(GONE) from error
-        self._threads = {worker: threads for worker, threads in found.items() if _ADDRESS.fullmatch(worker)}
         self._counted_s = time.monotonic()
         self._ready &= self._threads.keys()
         for worker in self._threads.keys() - self._joins.keys():
