@@ -33,6 +33,9 @@ MOST_FRAME: Final = 1 << 24
 """Greatest size of the plain part of a message; the scheduler packs the events of 10 ms into one message [bytes]."""
 MOST_FRAMES: Final = 1 << 16
 """Greatest number of frames of a message."""
+MOST_PARTS: Final = 1 << 19
+"""Greatest number of bytes above 127 in a message: every part but a small number begins with one, and takes memory."""
+_HIGH = bytes(range(128, 256))
 _CHUNK = 1 << 20
 _OWN_TOPICS = "scaloft-fi-"
 
@@ -128,6 +131,8 @@ def plain(frame: bytes) -> Any:
     >>> plain(msgpack.packb([{"op": "task-erred", "key": "k", "exception": b"a pickle"}]))
     ({'op': 'task-erred', 'key': 'k', 'exception': None},)
     """
+    if len(frame) - len(frame.translate(None, _HIGH)) > MOST_PARTS:
+        return None
     try:
         message = _without_bytes(msgpack.unpackb(frame, use_list=False, strict_map_key=False))
     except (ValueError, TypeError, RecursionError, msgpack.UnpackException):

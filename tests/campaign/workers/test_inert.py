@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.campaign.workers.inert import inert_scheme, plain
+from scaloft_fi.campaign.workers.inert import MOST_PARTS, inert_scheme, plain
 
 VALUES = st.recursive(
     st.none() | st.booleans() | st.integers(-(2**63), 2**64 - 1) | st.floats(allow_nan=False) | st.text() | st.binary(),
@@ -38,6 +38,12 @@ def test_no_frame_raises(frame: bytes) -> None:
 )
 def test_what_is_no_message_is_none(frame: bytes) -> None:
     assert plain(frame) is None
+
+
+def test_a_message_of_too_many_parts_is_none() -> None:
+    for count in (MOST_PARTS - 5, MOST_PARTS + 1):
+        message = plain(b"\xdd" + count.to_bytes(4, "big") + b"\x80" * count)
+        assert (message is None) == (count > MOST_PARTS)
 
 
 def test_plain_values_pass_and_objects_of_other_frames_do_not() -> None:
