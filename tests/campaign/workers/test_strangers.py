@@ -100,7 +100,6 @@ class Attacked(NamedTuple):
     said: list[str]
     evil: set[str]
     growth_mb: float
-    addresses: list[str]
 
 
 @pytest.fixture(scope="module")
@@ -117,7 +116,7 @@ def address(dask: Any, flyer: Any, tmp_path_factory: pytest.TempPathFactory) -> 
         (folder / name).write_text(text)
     path = os.pathsep.join([*sys.path, str(folder)])
     address = dask.scheduler(PYTHONPATH=path)
-    dask.worker(address, "--no-nanny")
+    dask.worker(address, "--no-nanny", "--name", "honest")
     dask.worker(address, "--no-nanny", "--preload", folder / "liar.py", PYTHONPATH=path)
     dask.worker(
         address,
@@ -158,7 +157,7 @@ def attacked(
     assert stranger.wait() == 0
     growth_mb = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before_kb) / 1024
     planned = [flight for batch in batches for flight in batch.flights]
-    return Attacked(planned, home, said, {path.name for path in evil.iterdir()}, growth_mb, [address])
+    return Attacked(planned, home, said, {path.name for path in evil.iterdir()}, growth_mb)
 
 
 def test_no_outcome_is_changed_lost_or_repeated(attacked: Attacked) -> None:
@@ -198,20 +197,15 @@ def test_a_huge_message_is_not_held_in_memory(attacked: Attacked) -> None:
     assert attacked.growth_mb < HUGE_MB / 2
 
 
-def test_work_that_is_sent_again_is_not_flown_again(
-    address: str, dask: Any, flyer: Any, reference: Study, attacked: Attacked, tmp_path: Path
-) -> None:
-    mark = tmp_path / "flown"
+def test_work_without_the_key_or_sent_again_is_not_flown(address: str, dask: Any, flyer: Any, reference: Study) -> None:
     batch = Batch((Flight(None, reference.grid.situations[0], 0),))
-    content = {
-        "bundle": "none",
-        "flyer": flyer_to_plain(flyer(mark=str(mark))),
-        "batch": batch_to_plain(batch),
-    }
+    content = {"bundle": "none", "flyer": flyer_to_plain(flyer()), "batch": batch_to_plain(batch)}
     _, order = Inbox(dask.key).order("fly", content)
+    _, forged = Inbox(b"another key, which a stranger made up").order("fly", content)
     with distributed.Client(f"tcp://{address}", set_as_default=False) as client:
-        (own, *_) = client.nthreads()
-        first = client.submit(fly_batch, order, workers=[own], pure=False)
+        refused = client.submit(fly_batch, forged, workers=["honest"], pure=False)
+        assert "does not carry the key" in str(refused.exception())
+        first = client.submit(fly_batch, order, workers=["honest"], pure=False)
         assert first.exception() is None
-        again = client.submit(fly_batch, order, workers=[own], pure=False)
+        again = client.submit(fly_batch, order, workers=["honest"], pure=False)
         assert "was sent twice" in str(again.exception())
