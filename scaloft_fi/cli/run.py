@@ -86,6 +86,21 @@ if TYPE_CHECKING:
     metavar="local|dask://HOST:PORT",
     help="What runs the flights: processes of this machine, or the workers of a Dask scheduler.",
 )
+@click.option(
+    "--cluster-key",
+    "cluster_key",
+    type=click.Path(path_type=Path),
+    envvar="SCALOFT_CLUSTER_KEY",
+    metavar="FILE",
+    help="The key file that the workers of --executor=dask://... have too.  [default: $SCALOFT_CLUSTER_KEY]",
+)
+@click.option(
+    "--cluster-security",
+    "certificates",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Connect to the Dask scheduler by TLS with DIR/ca.pem, DIR/cert.pem and DIR/key.pem.",
+)
 @click.option("--shard", metavar="K/N", help="Fly the K-th of N parts of the run; `merge` joins them.")
 @click.option("--no-share", is_flag=True, help="Fly every flight whole from take-off; the outcomes are the same.")
 @click.option(
@@ -120,6 +135,8 @@ def run_command(
     sequential: bool,
     jobs: int | None,
     executor: str,
+    cluster_key: Path | None,
+    certificates: Path | None,
     shard: str | None,
     no_share: bool,
     budget: str | None,
@@ -183,7 +200,7 @@ def run_command(
             raise InputError(f"--shard={shard!r} has no flights: there are fewer situations and seeds than shards")
     progress = Silence() if quiet else Progress()
     options = RunOptions(
-        executor=executor_named(executor, jobs),
+        executor=executor_named(executor, jobs, cluster_key, certificates),
         share=CAN_FORK and not no_share,
         part=shard is not None,
         budget_s=None if budget is None else budget_s(budget),
