@@ -27,6 +27,8 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 
 EVIL = "=1+1|<b>x</b>\x1b[31m\x9b\x7f\u202e\u200b\x07 & % \\input{x} [l](javascript:1)"
+MARKED = "=1+1|<b>x</b> & % \\input{x} [l](javascript:1)"
+"""The same without control characters, which no store holds in the name of a body."""
 _ANYWHERE = {"title", "intent", "meaning", "node", "category", "source"}
 FREE = _ANYWHERE | {"deviation", "reason", "effect", "causes", "predicted"}
 """Keys of a study whose values are texts that nothing reads but people."""
@@ -61,9 +63,9 @@ class Evil:
 
     def __call__(self, study: Study, flown: Flight, baseline: Outcome | None = None) -> Outcome:
         outcome = flight(study, flown.subject.id, flown.situation.key, flown.seed)
-        struck = tuple(replace(violation, struck=f"{EVIL}\nwall") for violation in outcome.violations)
+        struck = tuple(replace(violation, struck=f"{MARKED} wall") for violation in outcome.violations)
         error = EVIL if flown.mutant else ""
-        return replace(outcome, subject=flown.subject, violations=struck, struck=EVIL, stack_error=error)
+        return replace(outcome, subject=flown.subject, violations=struck, struck=MARKED, stack_error=error)
 
 
 def _hostile(value: Any) -> Any:
