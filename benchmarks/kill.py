@@ -1,12 +1,16 @@
 """Test that a campaign survives SIGKILL of all or one of its processes at random moments, again and again.
 
     python benchmarks/kill.py [--json] [--kills N] [--seed N] [--mutant ID]... [--situation KEY|GLOB]...
-        [--baseline-seeds N] [--jobs N]
+        [--baseline-seeds N] [--jobs N] [--cluster]
 
 The script flies a small campaign undisturbed and keeps its export.  Then it starts the campaign again and sends SIGKILL
 after a random part of that time: in half of the cases to the whole process group, otherwise to one process.  It repeats
 command and kill until the campaign is complete; the export must equal the undisturbed one, byte for byte.  New
 campaigns follow until the number of kills is reached.
+
+With `--cluster` a Dask cluster on the loopback interface flies: a scheduler and as many workers as `--jobs`.  Then the
+victim is, with equal chance, the run as above, the scheduler, a worker, or a process of a worker.  What was killed of
+the cluster is started again; a run outlives its workers, and ends when its scheduler does.
 
 kills: number of kills by target.  campaigns: number of completed campaigns.  equal: number of equal exports.  sound:
 number of kills after which SQLite found its file intact.  outlived: number of processes that outlived their run.
@@ -22,8 +26,10 @@ import argparse
 import json
 import os
 import random
+import secrets
 import shutil
 import signal
+import socket
 import sqlite3
 import subprocess
 import sys
@@ -46,8 +52,9 @@ GRACE_S = 5.0
 class Campaign:
     """A campaign in its own folder, flown by commands that can be killed."""
 
-    def __init__(self, folder: Path, words: Sequence[str]) -> None:
+    def __init__(self, folder: Path, words: Sequence[str], cluster: Cluster | None = None) -> None:
         self.folder = folder
+        self._cluster = cluster
         self._words = ["run", *words, "--quiet", "--campaign", str(folder)]
 
     def run(self, kill_after_s: float | None, draw: random.Random) -> tuple[bool, str, int]:
@@ -55,6 +62,8 @@ class Campaign:
 
         Returns whether the command ended by itself with success, what was killed, and how many processes outlived it.
         """
+        if self._cluster:
+            self._cluster.heal()
         # a new session, which identifies all of its processes
         run = subprocess.Popen(
             _call(*self._words), cwd=checkout.ROOT, stdout=subprocess.DEVNULL, start_new_session=True
@@ -63,7 +72,11 @@ class Campaign:
         try:
             run.wait(kill_after_s)
         except subprocess.TimeoutExpired:
-            killed = _kill(run.pid, draw)
+            targets = self._cluster.targets if self._cluster else {}
+            target = draw.choice(["run", *targets])
+            killed = _kill(run.pid, draw) if target == "run" else f"{target}: {_kill(targets[target], draw)}"
+            if self._cluster:
+                self._cluster.heal()
         run.wait()
         if not killed and run.returncode:
             raise SystemExit(f"{' '.join(self._words)}: exit code {run.returncode}")
@@ -82,6 +95,59 @@ class Campaign:
         """The export of the campaign."""
         call = _call("export", "--campaign", str(self.folder))
         return subprocess.run(call, cwd=checkout.ROOT, check=True, capture_output=True).stdout
+
+
+class Cluster:
+    """A scheduler and workers of Dask on the loopback interface, each in a session of its own."""
+
+    def __init__(self, folder: Path, workers: int) -> None:
+        folder.mkdir(parents=True)
+        self._folder, self._workers = folder, workers
+        self.key = folder / "cluster.key"
+        self.key.write_text(secrets.token_hex(32))
+        self.key.chmod(0o600)
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            self.address = f"127.0.0.1:{probe.getsockname()[1]}"
+        self._processes: dict[str, subprocess.Popen[bytes]] = {}
+
+    @property
+    def targets(self) -> dict[str, int]:
+        """The sessions that can be killed, by name."""
+        return {name: process.pid for name, process in self._processes.items()}
+
+    def heal(self) -> None:
+        """Start what does not run; workers find a new scheduler at the old address by themselves."""
+        _, port = self.address.split(":")
+        self._start("scheduler", "scheduler", "--host", "127.0.0.1", "--port", port, "--no-dashboard")
+        for number in range(self._workers):
+            local = ("--local-directory", str(self._folder / f"worker{number}"), "--no-dashboard", "--nthreads", "1")
+            self._start(f"worker {number}", "worker", f"tcp://{self.address}", "--host", "127.0.0.1", *local)
+
+    def _start(self, name: str, *words: str) -> None:
+        running = self._processes.get(name)
+        if running is not None and running.poll() is None:
+            return
+        if running is not None:
+            _outlived(running.pid)
+        environment = {**os.environ, "PYTHONPATH": str(checkout.ROOT), "SCALOFT_CLUSTER_KEY": str(self.key)}
+        with (self._folder / f"{name}.log").open("ab") as log:
+            self._processes[name] = subprocess.Popen(
+                [sys.executable, "-m", "dask", *words],
+                cwd=self._folder,
+                env=environment,
+                stdout=log,
+                stderr=log,
+                start_new_session=True,
+            )
+
+    def end(self) -> int:
+        """Ask all of it to end; returns the number of processes that do not."""
+        for process in reversed(self._processes.values()):
+            process.send_signal(signal.SIGTERM)
+        for process in self._processes.values():
+            process.wait()
+        return sum(_outlived(process.pid) for process in self._processes.values())
 
 
 def _call(*words: str) -> list[str]:
@@ -124,10 +190,14 @@ def _outlived(session: int) -> int:
     return len(left)
 
 
-def measure(words: Sequence[str], kills: int, seed: int, folder: Path) -> dict[str, Any]:
+def measure(
+    words: Sequence[str], kills: int, seed: int, folder: Path, cluster: Cluster | None = None
+) -> dict[str, Any]:
     """Fly, kill and resume campaigns until the number of kills is reached."""
+    if cluster:
+        words = [*words, "--executor", f"dask://{cluster.address}", "--cluster-key", str(cluster.key)]
     draw = random.Random(seed)
-    calm = Campaign(folder / "calm", words)
+    calm = Campaign(folder / "calm", words, cluster)
     calm.run(None, draw)  # once before, so that the timed run compiles nothing
     shutil.rmtree(calm.folder)
     begin_s = time.monotonic()
@@ -136,7 +206,7 @@ def measure(words: Sequence[str], kills: int, seed: int, folder: Path) -> dict[s
     killed: Counter[str] = Counter()
     campaigns = equal = sound = outlived = 0
     while killed.total() < kills:
-        campaign = Campaign(folder / f"campaign{campaigns}", words)
+        campaign = Campaign(folder / f"campaign{campaigns}", words, cluster)
         done = False
         while not done:
             moment_s = draw.uniform(0.0, whole_s) if killed.total() < kills else None
@@ -147,6 +217,8 @@ def measure(words: Sequence[str], kills: int, seed: int, folder: Path) -> dict[s
                 sound += campaign.sound()
         campaigns += 1
         equal += campaign.export() == expected
+    if cluster:
+        outlived += cluster.end()
     return {
         "kills": killed.total(),
         "killed": dict(sorted(killed.items())),
@@ -169,13 +241,16 @@ def main() -> None:
     parser.add_argument("--situation", action="append", default=[], help="key or glob, repeatable")
     parser.add_argument("--baseline-seeds", type=int, default=10, help="of the baseline pool (default: 10)")
     parser.add_argument("--jobs", type=int, default=2, help="worker processes (default: 2)")
+    parser.add_argument("--cluster", action="store_true", help="fly on a Dask cluster, and kill its processes too")
     options = parser.parse_args()
     words = [word for mutant in options.mutant or MUTANTS for word in ("--mutant", mutant)]
     words += [word for key in options.situation or SITUATIONS for word in ("--situation", key)]
     folder = Path(tempfile.mkdtemp(prefix="kill"))
     try:
-        words += ["--baseline-seeds", str(options.baseline_seeds), "--jobs", str(options.jobs)]
-        figures = measure(words, options.kills, options.seed, folder)
+        words += ["--baseline-seeds", str(options.baseline_seeds)]
+        words += [] if options.cluster else ["--jobs", str(options.jobs)]
+        cluster = Cluster(folder / "cluster", options.jobs) if options.cluster else None
+        figures = measure(words, options.kills, options.seed, folder, cluster)
     finally:
         shutil.rmtree(folder)
     if options.json:

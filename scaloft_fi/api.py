@@ -33,6 +33,7 @@ from scaloft_fi.sim.measures import signal
 from scaloft_fi.sim.stacks import declare_stack
 from scaloft_fi.stack import messages
 from scaloft_fi.stack.belief import Belief, Mark
+from scaloft_fi.stack.config import Bounds
 from scaloft_fi.stack.contract import PlainStack, Stack, Task
 from scaloft_fi.stack.declaration import Declaration
 from scaloft_fi.stack.fast_path import FastPath
@@ -83,6 +84,7 @@ __all__ = [
     "Asked",
     "Axis",
     "Belief",
+    "Bounds",
     "Component",
     "Declaration",
     "Degrees",

@@ -12,6 +12,7 @@ from scaloft_fi.document import Item, load
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.mutants.derive import realise
+from scaloft_fi.reading import is_there
 
 HEADER = """\
 # Accepted survivors; `scaloft-fi score --ratchet` fails on any other survivor.
@@ -32,7 +33,7 @@ def load_dispositions(path: Path, matrix: Matrix, situations: Collection[str]) -
         InputError: a mutant, a situation or a date does not exist, a key is missing, empty or unknown, or a mutant
             occurs twice; the message names the place.
     """
-    if not path.exists():
+    if not is_there(path):
         return ()
     dispositions: dict[str, Disposition] = {}
     for name, item in load(path).mapping().items():

@@ -11,9 +11,25 @@ from typing import Any
 
 import yaml
 
-from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.errors import InputError, did_you_mean, shown
+from scaloft_fi.reading import read_text
+
+LARGEST = 1e9
+"""Largest number of a setting that states no bounds of its own."""
+DEPTH = 50
+"""Deepest nesting of a document."""
+ITEMS = 30_000
+"""Most values of a document, those that an alias repeats included."""
+DIGITS = 100
+"""Most characters of a number."""
+KEY = 200
+"""Most characters of a key."""
+MOST = 1_000
+"""Most entries of a list or mapping of which each entry costs time or memory in every flight."""
 
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_TEXT = "tag:yaml.org,2002:str"
+_NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
 Scalar = str | int | float | bool | None
 
 
@@ -34,21 +50,23 @@ class Item:
 
     def error(self, allowed: str) -> InputError:
         """The error for a value that is not allowed here."""
-        shown = (
-            "{...}" if isinstance(self.value, dict) else "[...]" if isinstance(self.value, tuple) else repr(self.value)
-        )
-        return InputError(f"{self.place}: {self.name}={shown} must be {allowed}")
+        value = "{...}" if isinstance(self.value, dict) else "[...]" if isinstance(self.value, tuple) else None
+        return InputError(f"{self.place}: {self.name}={value or shown(self.value)} must be {allowed}")
 
-    def mapping(self) -> dict[str, Item]:
-        """The entries of a mapping, by key."""
+    def mapping(self, *, most: int = ITEMS) -> dict[str, Item]:
+        """The entries of a mapping by key, at most `most` of them."""
         if not isinstance(self.value, dict):
             raise self.error("a mapping of keys to values")
+        if len(self.value) > most:
+            raise self.error(f"a mapping of at most {most:,} keys")
         return self.value
 
-    def items(self) -> tuple[Item, ...]:
-        """The entries of a list."""
+    def items(self, *, most: int = ITEMS) -> tuple[Item, ...]:
+        """The entries of a list, at most `most` of them."""
         if not isinstance(self.value, tuple):
             raise self.error("a list")
+        if len(self.value) > most:
+            raise self.error(f"a list of at most {most:,} values")
         return self.value
 
     def __iter__(self) -> Iterator[Item]:
@@ -60,19 +78,28 @@ class Item:
             raise self.error("a text")
         return " ".join(self.value.split())
 
-    def number(self, *, least: float = -math.inf, most: float = math.inf, above: float = -math.inf) -> float:
-        """A finite number within `least` <= value <= `most` and value > `above`."""
+    def number(
+        self, *, least: float = -LARGEST, most: float = LARGEST, above: float = -math.inf, infinite: bool = False
+    ) -> float:
+        """A number within `least` <= value <= `most` and value > `above`; `infinite` allows the infinities too."""
         if isinstance(self.value, bool) or not isinstance(self.value, int | float) or math.isnan(self.value):
             raise self.error("a number")
+        if math.isinf(self.value):
+            if infinite:
+                return self.value
+            raise self.error("a finite number")
         if not (least <= self.value <= most and self.value > above):
-            bounds = {f">= {least:g}": least, f"> {above:g}": above, f"<= {most:g}": most}
-            raise self.error(" and ".join(text for text, bound in bounds.items() if math.isfinite(bound)))
+            lowest = (f"> {above:g}", above) if above >= least else (f">= {least:g}", least)
+            beyond = abs(self.value) > LARGEST
+            told = [text for text, bound in (lowest, (f"<= {most:g}", most)) if beyond or abs(bound) < LARGEST]
+            raise self.error(" and ".join(told))
         return float(self.value)
 
-    def whole(self, *, least: int = 0) -> int:
-        """A whole number >= `least`."""
-        if isinstance(self.value, bool) or not isinstance(self.value, int) or self.value < least:
-            raise self.error(f"a whole number >= {least}")
+    def whole(self, *, least: int = 0, most: int = int(LARGEST)) -> int:
+        """A whole number within `least` <= value <= `most`."""
+        if isinstance(self.value, bool) or not isinstance(self.value, int) or not least <= self.value <= most:
+            within = f" and <= {most}" if isinstance(self.value, int) and self.value > most else ""
+            raise self.error(f"a whole number >= {least}{within}")
         return self.value
 
     def flag(self) -> bool:
@@ -85,22 +112,28 @@ class Item:
         """One of `allowed`."""
         if str(self.value) not in allowed:
             hint = did_you_mean(str(self.value), allowed)
-            raise InputError(f"{self.place}: {self.name}={self.value!r} is not known{hint}")
+            raise InputError(f"{self.place}: {self.name}={shown(self.value)} is not known{hint}")
         return str(self.value)
 
-    def numbers(self, count: int | None = None) -> tuple[float, ...]:
-        """A list of numbers, `count` of them when given."""
-        values = tuple(item.number() for item in self.items())
+    def numbers(self, count: int | None = None, *, least: float = -LARGEST, most: float = LARGEST) -> tuple[float, ...]:
+        """A list of numbers within `least` <= value <= `most`, `count` of them when given."""
+        values = tuple(item.number(least=least, most=most) for item in self.items())
         if count is not None and len(values) != count:
             raise self.error(f"a list of {count} numbers")
         return values
 
     def plain(self) -> Any:
-        """The bare Python value: dicts, lists and scalars."""
+        """The bare Python value: dicts, lists and scalars.
+
+        Raises:
+            InputError: a number is not finite.
+        """
         if isinstance(self.value, dict):
             return {key: item.plain() for key, item in self.value.items()}
         if isinstance(self.value, tuple):
             return [item.plain() for item in self.value]
+        if isinstance(self.value, float) and not math.isfinite(self.value):
+            raise self.error("a finite number")
         return self.value
 
     def get(self, key: str) -> Item | None:
@@ -117,7 +150,7 @@ class Item:
         entry = self.get(key)
         if entry is None:
             entries = self.mapping()
-            for near in difflib.get_close_matches(key, sorted(entries.keys() - self._taken), n=1, cutoff=0.75):
+            for near in difflib.get_close_matches(key, sorted(entries.keys() - self._taken)[:MOST], n=1, cutoff=0.75):
                 raise InputError(f"{entries[near].place}: unknown key {near!r} in {self.name}; did you mean {key!r}?")
             raise InputError(f"{self.place}: {self.name} lacks the key {key!r}")
         return entry
@@ -134,22 +167,15 @@ class Item:
 
 
 def load(path: Path) -> Item:
-    """Read one YAML file with the safe loader.
+    """Read one YAML file.
 
     Raises:
-        InputError: the file cannot be read, is not YAML, or repeats a key.
+        InputError: the file cannot be read, is not YAML, repeats a key, has a tag, or exceeds a limit.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
-        raise InputError(f"{path}: cannot be read: {reason}") from error
+    text = read_text(path)
     loader = _LOADER(text)
     try:
-        node = loader.get_single_node()
-        if node is None:
-            raise InputError(f"{path}:1: the file is empty")
-        return _item(loader, node, path, path.name)
+        return _Document(loader, path).item()
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
         line = mark.line + 1 if mark else 1
@@ -160,31 +186,114 @@ def load(path: Path) -> Item:
         loader.dispose()
 
 
-def _item(loader: Any, node: yaml.Node, path: Path, name: str, key_line: int = 0, inside: tuple[int, ...] = ()) -> Item:
-    """The item of a node; the place of a mapping or list under a key is the place of the key."""
-    if id(node) in inside:
-        raise InputError(f"{path}:{node.start_mark.line + 1}: {name} contains itself")
-    inside = (*inside, id(node))
-    line = key_line or node.start_mark.line + 1
-    if isinstance(node, yaml.MappingNode):
+class _Document:
+    """Builds the items of one document from the events of the parser, so that every limit holds before memory is used.
+
+    Aliases are allowed: an alias stands for a copy of the anchored value, and the copies count against `ITEMS`.
+    """
+
+    def __init__(self, loader: Any, path: Path) -> None:
+        self._loader = loader
+        self._path = path
+        self._left = ITEMS
+        self._anchors: dict[str, Item | None] = {}
+        """The value of each anchor; None while the value is being read."""
+
+    def item(self) -> Item:
+        """The one value of the document."""
+        next_event = self._loader.get_event
+        next_event()  # the start of the stream
+        if isinstance(next_event(), yaml.StreamEndEvent):
+            raise InputError(f"{self._path}:1: the file is empty")
+        item = self._read(next_event(), self._path.name, 0, 0)
+        next_event()  # the end of the document
+        if not isinstance(event := next_event(), yaml.StreamEndEvent):
+            raise self._error(event, "a second document must stand in a file of its own")
+        return item
+
+    def _read(self, event: Any, name: str, key_line: int, depth: int) -> Item:
+        """The item that begins with `event`; the place of a mapping or list under a key is the place of the key."""
+        line = _line(event)
+        self._count(event, depth)
+        if isinstance(event, yaml.AliasEvent):
+            if event.anchor not in self._anchors:
+                raise self._error(event, f"alias {shown(event.anchor)} has no anchor above it")
+            anchored = self._anchors[event.anchor]
+            if anchored is None:
+                raise self._error(event, f"{name} contains itself")
+            return self._copy(event, anchored, name, key_line, depth)
+        if event.tag is not None:
+            raise self._error(event, f"{name} has the tag {shown(event.tag)}; write the value without a tag")
+        if event.anchor is not None:
+            self._anchors[event.anchor] = None
+        if isinstance(event, yaml.ScalarEvent):
+            item = Item(self._path, line, name, self._scalar(event, name))
+        else:
+            inner = self._entries if isinstance(event, yaml.MappingStartEvent) else self._list
+            item = Item(self._path, key_line or line, name, inner(name, depth + 1))
+        if event.anchor is not None:
+            self._anchors[event.anchor] = item
+        return item
+
+    def _entries(self, name: str, depth: int) -> dict[str, Item]:
         entries: dict[str, Item] = {}
-        for key_node, value_node in node.value:
-            place = key_node.start_mark.line + 1
-            if not isinstance(key_node, yaml.ScalarNode):
-                raise InputError(f"{path}:{place}: a key of {name} must be a single word")
-            # Keys are the text of the node, because YAML would read a bare NO as false.
-            key = key_node.value
+        next_event: Any = self._loader.get_event
+        while not isinstance(event := next_event(), yaml.MappingEndEvent):
+            if not isinstance(event, yaml.ScalarEvent) or event.tag is not None:
+                raise self._error(event, f"a key of {name} must be a single word")
+            # Keys are the text of the event, because YAML would read a bare NO as false.
+            key: str = event.value
+            if len(key) > KEY:
+                raise self._error(event, f"key {shown(key)} must have at most {KEY} characters")
             if key in entries:
-                raise InputError(f"{path}:{place}: key {key!r} occurs twice in {name}")
-            entries[key] = _item(loader, value_node, path, key, place, inside)
-        return Item(path, line, name, entries)
-    if isinstance(node, yaml.SequenceNode):
-        items = (_item(loader, entry, path, f"{name}[{i}]", 0, inside) for i, entry in enumerate(node.value))
-        return Item(path, line, name, tuple(items))
-    try:
-        value = loader.construct_object(node)
-    except ValueError as error:  # a value that looks like a date but is none
-        raise InputError(f"{path}:{node.start_mark.line + 1}: {name}={node.value!r} cannot be read: {error}") from error
-    if value is not None and not isinstance(value, str | int | float | bool):
-        value = str(getattr(node, "value", value))
-    return Item(path, node.start_mark.line + 1, name, value)
+                raise self._error(event, f"key {key!r} occurs twice in {name}")
+            entries[key] = self._read(next_event(), key, _line(event), depth)
+        return entries
+
+    def _list(self, name: str, depth: int) -> tuple[Item, ...]:
+        items: list[Item] = []
+        while not isinstance(event := self._loader.get_event(), yaml.SequenceEndEvent):
+            items.append(self._read(event, f"{name}[{len(items)}]", 0, depth))
+        return tuple(items)
+
+    def _scalar(self, event: Any, name: str) -> Scalar:
+        text: str = event.value
+        tag = self._loader.resolve(yaml.ScalarNode, text, event.implicit)
+        if tag == _TEXT:
+            return text
+        if tag in _NUMBERS and len(text) > DIGITS:
+            raise self._error(event, f"{name}={shown(text)} must have at most {DIGITS} digits")
+        try:
+            value = self._loader.construct_object(yaml.ScalarNode(tag, text, event.start_mark, event.end_mark))
+        except ValueError as error:  # a value that looks like a date but is none
+            raise self._error(event, f"{name}={shown(text)} cannot be read: {error}") from error
+        return value if value is None or isinstance(value, int | float) else text
+
+    def _copy(self, event: Any, item: Item, name: str, key_line: int, depth: int) -> Item:
+        """A copy of an anchored item under another name, which knows no key yet."""
+        if isinstance(item.value, dict):
+            entries = {key: self._again(event, entry, key, depth) for key, entry in item.value.items()}
+            return Item(item.path, key_line or item.line, name, entries)
+        if isinstance(item.value, tuple):
+            items = (self._again(event, entry, f"{name}[{i}]", depth) for i, entry in enumerate(item.value))
+            return Item(item.path, key_line or item.line, name, tuple(items))
+        return Item(item.path, item.line, name, item.value)
+
+    def _again(self, event: Any, entry: Item, name: str, depth: int) -> Item:
+        self._count(event, depth + 1)
+        return self._copy(event, entry, name, 0, depth + 1)
+
+    def _count(self, event: Any, depth: int) -> None:
+        self._left -= 1
+        if self._left < 0:
+            raise self._error(event, f"the file must have at most {ITEMS:,} values, those that aliases repeat included")
+        if depth > DEPTH:
+            raise self._error(event, f"the file must be nested at most {DEPTH} deep")
+
+    def _error(self, event: Any, sentence: str) -> InputError:
+        return InputError(f"{self._path}:{_line(event)}: {sentence}")
+
+
+def _line(event: Any) -> int:
+    line: int = event.start_mark.line + 1
+    return line

@@ -141,6 +141,10 @@ class Setup:
         """Expected duration of a flight in the situation: its nominal mission time [s]."""
         return self.scenario(situation).nominal_s
 
+    def limit_s(self, situation: Situation) -> float:
+        """Time limit of a flight in the situation [s]."""
+        return self.scenario(situation).t_max_s
+
     def changes(self, situation: Situation) -> dict[str, Any]:
         """The values that the situation sets in the documents of world, vehicle and sensors, by dotted path."""
         values = self.grid.values(situation).values()

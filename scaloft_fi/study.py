@@ -16,6 +16,7 @@ from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.folder import find_study
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.reading import digest, is_file, is_there
 from scaloft_fi.registry import load_plugins
 from scaloft_fi.setup import Setup
 from scaloft_fi.sim.roles import ROLES
@@ -104,7 +105,7 @@ class Study(Setup):
         from scaloft_fi.analysis.scoring.detection import ALPHA, MOST_ALPHA
 
         path = self.folder / "hazop" / "score.yaml"
-        if not path.exists():
+        if not is_there(path):
             return ALPHA
         document = load(path)
         alpha = document.need("alpha").number(above=0.0, most=MOST_ALPHA)
@@ -128,7 +129,7 @@ class Study(Setup):
         """Hashes of everything that decides an outcome, by part; comments and the order of keys do not count."""
         sim = self.folder / "sim"
         documents = {name: load(sim / f"{name}.yaml").plain() for name in FLYING_DATA}
-        others = {path.relative_to(sim).as_posix(): _bytes(path) for path in _files(sim) if path.suffix not in _APART}
+        others = {path.relative_to(sim).as_posix(): digest(path) for path in _files(sim) if path.suffix not in _APART}
         roles = [(b.name, ROLES[b.role].seen_as) for b in self.grid.world().bodies.values()]
         judged = [(r.name, r.kind, r.text, r.trigger, r.definitions) for r in self.requirements]
         return {
@@ -189,6 +190,7 @@ class Study(Setup):
                     raise InputError(f"{cell.requirements_place}: {name!r} of {cell.name} is no requirement{hint}")
         # reading a part checks it
         _ = (
+            self.sim.stack.settings(self.stack),
             self.catalogue,
             self.realisation,
             [self.scenario(situation) for situation in situations or self.grid.situations],
@@ -196,14 +198,7 @@ class Study(Setup):
 
 
 def _files(folder: Path) -> Iterator[Path]:
-    return (path for path in sorted(folder.rglob("*")) if path.is_file() and not path.name.startswith("."))
-
-
-def _bytes(path: Path) -> str:
-    try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
+    return (path for path in sorted(folder.rglob("*")) if is_file(path) and not path.name.startswith("."))
 
 
 def _digest(content: Any) -> str:

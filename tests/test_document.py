@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
-from scaloft_fi.document import load
+from scaloft_fi.document import ITEMS, load
 from scaloft_fi.errors import InputError
 
 
@@ -40,7 +42,7 @@ def test_plain_gives_the_bare_values_back(read):
         ("", "a.yaml:1: the file is empty"),
         ("a: [1\n", "a.yaml:2: not valid YAML"),
         ("a: 1\na: 2\n", "a.yaml:2: key 'a' occurs twice"),
-        ("a: !!python/object:os.system x\n", "a.yaml:1: not valid YAML"),
+        ("a: !!python/object:os.system x\n", "a.yaml:1: a has the tag 'tag:yaml.org,2002:python/object:os.system'"),
         ("a: &x [*x]\n", "a.yaml:1: a[0] contains itself"),
         ("? [1, 2]\n: 3\n", "a.yaml:1: a key of a.yaml must be a single word"),
         (b"\xff\xfe\x00", "cannot be read: not UTF-8 text"),
@@ -95,3 +97,64 @@ def test_not_a_number_is_no_number(read):
 def test_a_date_that_is_none_is_refused_with_its_place(read):
     with pytest.raises(InputError, match=r"a\.yaml:2: day='2027-02-30' cannot be read"):
         read("a: 1\nday: 2027-02-30\n")
+
+
+def test_an_alias_stands_for_a_copy_that_knows_its_own_name_and_place(read):
+    document = read("one: &a {b: [1, &c 2]}\ntwo: *a\nthree: *c\n")
+    assert document.need("two").plain() == {"b": [1, 2]}
+    assert (document.need("two").line, document.need("two").name) == (2, "two")
+    assert document.need("three").number() == 2
+    document.need("one").need("b")
+    with pytest.raises(InputError, match="unknown key 'b' in two"):
+        document.need("two").close()
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("a: *b\n", "a.yaml:1: alias 'b' has no anchor above it"),
+        ("a: !!str 1\n", "a.yaml:1: a has the tag 'tag:yaml.org,2002:str'; write the value without a tag"),
+        ("!x a: 1\n", "a key of a.yaml must be a single word"),
+        ("a: 1\n---\nb: 1\n", "a.yaml:2: a second document must stand in a file of its own"),
+        ("a:\n  b: " + "1" * 101, "a.yaml:2: b='1"),
+        (
+            "a: &a [1]\nb: [*a,\n *a]\nc: " + "[" * 50 + "*a" + "]" * 50,
+            "a.yaml:4: the file must be nested at most 50",
+        ),
+    ],
+)
+def test_what_exceeds_a_limit_is_refused_with_its_line(read, text, sentence):
+    with pytest.raises(InputError) as error:
+        read(text)
+    assert sentence in str(error.value)
+
+
+def test_a_document_of_the_largest_depth_and_number_of_values_is_read(read):
+    assert read("[" * 50 + "]" * 50).items()
+    assert len(read(f"[{'1,' * (ITEMS - 1)}]").items()) == ITEMS - 1
+    with pytest.raises(InputError, match="must have at most 30,000 values"):
+        read(f"[{'1,' * ITEMS}]")
+
+
+@pytest.mark.parametrize(
+    ("ask", "sentence"),
+    [
+        (lambda d: d.plain(), "a.yaml:1: far=inf must be a finite number"),
+        (lambda d: d.need("far").number(), "far=inf must be a finite number"),
+        (lambda d: d.need("huge").number(), "huge=10000000000.0 must be >= -1e+09 and <= 1e+09"),
+        (lambda d: d.need("huge").number(above=0.0), "huge=10000000000.0 must be > 0 and <= 1e+09"),
+        (lambda d: d.need("many").whole(), "many=10000000000 must be a whole number >= 0 and <= 1000000000"),
+        (lambda d: d.need("list").items(most=2), "list=[...] must be a list of at most 2 values"),
+        (lambda d: d.mapping(most=2), "a.yaml={...} must be a mapping of at most 2 keys"),
+    ],
+)
+def test_a_number_or_a_count_beyond_its_bounds_is_refused(read, ask, sentence):
+    with pytest.raises(InputError) as error:
+        ask(read("far: .inf\nhuge: 1.0e+10\nmany: 10000000000\nlist: [1, 2, 3]\n"))
+    assert sentence in str(error.value)
+
+
+def test_a_setting_may_allow_what_never_ends_or_is_larger(read):
+    document = read("far: .inf\nhuge: 1.0e+10\n")
+    assert document.need("far").number(infinite=True) == math.inf
+    assert document.need("huge").number(most=1e12) == 1e10

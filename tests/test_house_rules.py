@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import subprocess
 import sys
 from pathlib import Path
@@ -44,6 +45,43 @@ def test_a_data_folder_is_never_a_package() -> None:
 
 def test_tests_are_not_a_package() -> None:
     assert list((ROOT / "tests").rglob("__init__.py")) == []
+
+
+READERS = {
+    "reading.py": "the one reader",
+    "sources.py": "source files of packages",
+    "stack/kernel.py": "source files of the kernels",
+    "campaign/store/fingerprint.py": "/proc/cpuinfo",
+    "views/report/page.py": "files of this package",
+    "campaign/flights/physics.py": "the null device",
+    "campaign/runs/known_flight.py": "files of this package",
+    "campaign/store/place.py": "the file of the store, to watch it",
+    "console.py": "the standard streams",
+    "output.py": "the files that it writes",
+    "views/runs/installation.py": "/proc/meminfo",
+}
+"""The modules that open files, and which."""
+NO_FILES = {"Study", "windows", "self.windows", "tarfile", "stream"}
+"""What has a method `open` that opens no file that a user names."""
+
+
+def _opens(node: ast.AST) -> bool:
+    if not isinstance(node, ast.Call):
+        return False
+    owner, _, name = ast.unparse(node.func).rpartition(".")
+    if name in {"read_text", "read_bytes"}:
+        return bool(owner) and owner not in NO_FILES  # without an owner it is the function of `reading.py`
+    return name in {"open", "fdopen"} and owner not in NO_FILES
+
+
+def test_one_module_opens_the_files_of_users() -> None:
+    package = ROOT / "scaloft_fi"
+    opening = {
+        path.relative_to(package).as_posix()
+        for path in package.rglob("*.py")
+        if any(map(_opens, ast.walk(ast.parse(path.read_text()))))
+    }
+    assert opening == set(READERS)
 
 
 def test_every_module_says_what_it_is() -> None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from scaloft_fi.cli.options import campaign_option, format_option, study_option
+from scaloft_fi.console import tell
+from scaloft_fi.inert import json_text
 
 if TYPE_CHECKING:
     from scaloft_fi.campaign.runs.choice import Remembered
@@ -32,10 +33,10 @@ def coverage_command(study_folder: Path | None, campaign: str, style: str) -> No
     covered = coverage_of(rulings.baselines, rulings.draws, study.space)
     if style == Format.JSON:
         content = {"coverage": coverage_json(covered), "choices": [_choice(one) for one in choices]}
-        click.echo(json.dumps(content, indent=2, allow_nan=False))
+        tell(f"{json_text(content, indent=2)}\n")
         return
     made = [(one.text, one.seed, len(one.draws), len({key for key, _ in one.draws})) for one in choices]
-    click.echo(render(coverage_tables(covered, study.space, made), Format(style)), nl=False)
+    tell(render(coverage_tables(covered, study.space, made), Format(style)))
 
 
 def _choice(one: Remembered) -> dict[str, object]:

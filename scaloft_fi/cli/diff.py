@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from scaloft_fi.cli.options import format_option, study_option
+from scaloft_fi.console import tell
 
 
 @click.command("diff")
@@ -27,4 +28,4 @@ def diff_command(first: str, second: str, study_folder: Path | None, style: str)
     study = Study.open(study_folder)
     with snapshot(study, first) as here, snapshot(study, second) as there:
         compared = compare(here.latest, there.latest, study.roster, study.space)
-    click.echo(render((comparison_table(compared, first, second),), Format(style)), nl=False)
+    tell(render((comparison_table(compared, first, second),), Format(style)))

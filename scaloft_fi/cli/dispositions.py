@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from scaloft_fi.cli.options import campaign_option, format_option, study_option, today_option
+from scaloft_fi.console import say, tell
 from scaloft_fi.errors import InputError
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ def dispositions_command(
     study = Study.open(study_folder)
     with snapshot(study, campaign) as now:
         judged = _judged(study, now.score, today)
-    click.echo(render((disposition_table(judged),), Format(style)), nl=False)
+    tell(render((disposition_table(judged),), Format(style)))
     if writing:
         _append(study, judged)
 
@@ -66,12 +67,12 @@ def ratchet(study: Study, scored: Score, today: date | None) -> int:
     judged = _judged(study, scored, today)
     for entry in judged:
         if entry.state is Standing.STALE:
-            click.echo(f"warning: {complaint(entry)}", err=True)
+            say(f"warning: {complaint(entry)}")
     failing = [entry for entry in judged if entry.state.fails]
     for entry in failing:
-        click.echo(f"ratchet: {complaint(entry)}", err=True)
+        say(f"ratchet: {complaint(entry)}")
     if not scored.tested.part:
-        click.echo("ratchet: no counted mutant was put to the test; there is nothing to hold", err=True)
+        say("ratchet: no counted mutant was put to the test; there is nothing to hold")
     return UNACCEPTED if failing or not scored.tested.part else 0
 
 
@@ -88,20 +89,22 @@ def _judged(study: Study, scored: Score, today: date | None) -> tuple[Judged, ..
 def _append(study: Study, judged: Sequence[Judged]) -> None:
     from scaloft_fi.analysis.disposition import Standing
     from scaloft_fi.dispositions import HEADER, draft
+    from scaloft_fi.output import write_whole
+    from scaloft_fi.reading import is_there, read_text
 
     opened = [entry.mutant for entry in judged if entry.state is Standing.OPEN]
     if not opened:
-        click.echo("nothing to write: no survivor without a disposition", err=True)
+        say("nothing to write: no survivor without a disposition")
         return
     path = study.dispositions_path
     if study.packaged:
         raise InputError(f"{path}: the packaged study cannot be written; copy it and name the copy by --study")
+    before = read_text(path) if is_there(path) else HEADER
     try:
-        before = path.read_text(encoding="utf-8") if path.exists() else HEADER
-        path.write_text(before.rstrip("\n") + "\n" + draft(opened), encoding="utf-8")
+        write_whole(path, (before.rstrip("\n") + "\n" + draft(opened)).encode())
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from error
-    click.echo(f"{path}: {_counted(len(opened))} to decide on; fill in owner, reason and expires", err=True)
+    say(f"{path}: {_counted(len(opened))} to decide on; fill in owner, reason and expires")
 
 
 def _counted(survivors: int) -> str:

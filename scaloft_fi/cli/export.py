@@ -8,6 +8,7 @@ import click
 
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.options import campaign_option, study_option
+from scaloft_fi.console import tell
 from scaloft_fi.errors import InputError
 from scaloft_fi.registry import load_plugins
 
@@ -47,6 +48,6 @@ def export_command(study_folder: Path | None, campaign: str, style: str, output:
         raise InputError(f"--format={style!r} is no text: give --output FILE")
     content = chosen.content(dossier(study, campaign))
     if output is None:
-        click.echo(content, nl=False)
+        tell(content)
     else:
         write(output, content)

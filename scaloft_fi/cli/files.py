@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 from scaloft_fi.errors import InputError
+from scaloft_fi.output import write_whole
 
 
 def check_writable(path: Path | None) -> None:
@@ -16,6 +17,12 @@ def check_writable(path: Path | None) -> None:
     """
     if path is None:
         return
+    try:
+        path.stat()
+    except FileNotFoundError:
+        pass
+    except (OSError, ValueError) as error:
+        raise InputError(f"--output={str(path)!r} cannot be written: {_reason(error)}") from error
     if path.is_dir():
         raise InputError(f"--output={str(path)!r} cannot be written: it is a folder")
     if not path.parent.is_dir():
@@ -25,12 +32,16 @@ def check_writable(path: Path | None) -> None:
 
 
 def write(path: Path, content: bytes) -> None:
-    """Write the whole file.
+    """Write the whole file, or leave what was there.
 
     Raises:
         InputError: it cannot be written.
     """
     try:
-        path.write_bytes(content)
-    except OSError as error:
-        raise InputError(f"--output={str(path)!r} cannot be written: {error.strerror}") from error
+        write_whole(path, content)
+    except (OSError, ValueError) as error:
+        raise InputError(f"--output={str(path)!r} cannot be written: {_reason(error)}") from error
+
+
+def _reason(error: OSError | ValueError) -> str:
+    return (error.strerror if isinstance(error, OSError) else None) or str(error)

@@ -10,7 +10,9 @@ import click
 
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.options import campaign_option, format_option, study_option
+from scaloft_fi.console import tell, tell_line
 from scaloft_fi.errors import InputError
+from scaloft_fi.inert import json_text
 
 if TYPE_CHECKING:
     from scaloft_fi.analysis.kills.kill_matrix import KillMatrix
@@ -85,16 +87,14 @@ def kills_command(
     chosen = [situation.key for situation in study.grid.select(situations)] if situations else []
     results = _results(matrix, _graph(matrix, by_requirement), cases, wanted, chosen)
     if style == Format.JSON:
-        import json
-
         from scaloft_fi.analysis.plain import plain
 
         content = plain({"matrix": matrix, "detected_without_kill": matrix.scattered, **results})
-        click.echo(json.dumps(content, indent=2, allow_nan=False))
+        tell(f"{json_text(content, indent=2)}\n")
         return
     from scaloft_fi.views.tables.table import render
 
-    click.echo(render(_tables(results, matrix, short=not parts), Format(style)), nl=False)
+    tell(render(_tables(results, matrix, short=not parts), Format(style)))
 
 
 def _chosen(study: Study, matrix: KillMatrix, patterns: Sequence[str]) -> KillMatrix:
@@ -165,7 +165,7 @@ def _tables(results: Mapping[str, Any], matrix: KillMatrix, *, short: bool) -> l
     """A table for each result, but none for redundancies where there are none."""
     from scaloft_fi.views.kills import kill_tables as tables
 
-    tell: dict[str, Callable[[Any], Table]] = {
+    made: dict[str, Callable[[Any], Table]] = {
         "chosen": tables.chosen_table,
         "conditions": tables.interaction_table,
         "orders": tables.order_table,
@@ -175,7 +175,7 @@ def _tables(results: Mapping[str, Any], matrix: KillMatrix, *, short: bool) -> l
         "redundancies": tables.redundancy_table,
         "survivors": tables.survivor_summary if short else tables.survivor_table,
     }
-    shown = [tell[name](result) for name, result in results.items() if result or name != "redundancies"]
+    shown = [made[name](result) for name, result in results.items() if result or name != "redundancies"]
     kills = shown[:-1] if "survivors" in results else shown
     return [*tables.with_scattered(kills, matrix), *shown[len(kills) :]]
 
@@ -190,4 +190,4 @@ def _draw(graph: Subsumption, output: Path) -> None:
     else:
         svg = draw_subsumption(graph)
         write(output, png(svg) if suffix == ".png" else svg.encode())
-    click.echo(f"subsumption graph: {output}")
+    tell_line(f"subsumption graph: {output}")

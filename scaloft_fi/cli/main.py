@@ -8,11 +8,14 @@ import sys
 import traceback
 from collections.abc import Sequence
 from importlib import import_module
+from traceback import walk_tb
 from typing import Any, NoReturn
 
 import click
 
 from scaloft_fi import __version__
+from scaloft_fi.cli.refusal import check_memory, refusal
+from scaloft_fi.console import lost, say, stand, tell
 from scaloft_fi.errors import ScaloftError, did_you_mean
 from scaloft_fi.registry import in_one_line, plugin_behind
 
@@ -39,6 +42,7 @@ VERBS: dict[str, tuple[str, str]] = {
     "export": ("scaloft_fi.cli.export:export_command", "write one row per flight, or a file for another tool"),
     "report": ("scaloft_fi.cli.report:report_command", "write one HTML file with the whole campaign"),
     "replay": ("scaloft_fi.cli.replay:replay_command", "fly one flight again, bit for bit, and draw it"),
+    "doctor": ("scaloft_fi.cli.doctor:doctor_command", "show what decides the bits of a flight, and what is installed"),
 }
 
 INTERNAL, INTERRUPTED, USAGE = 70, 130, 2
@@ -57,6 +61,7 @@ class Pipeline(click.Group):
         """Import the verb's file."""
         if cmd_name not in VERBS:
             return None
+        check_memory(cmd_name)
         module, attribute = VERBS[cmd_name][0].split(":")
         command = getattr(import_module(module), attribute)
         assert isinstance(command, click.Command)
@@ -84,42 +89,60 @@ class Pipeline(click.Group):
         **extra: Any,
     ) -> NoReturn:
         """Run one verb and leave the process with its exit code."""
-        sys.exit(self._exit_code(args, prog_name or "scaloft-fi", complete_var, extra))
+        stand()
+        prog = prog_name or "scaloft-fi"
+        self._main_shell_completion(extra, prog, complete_var)
+        sys.exit(self._exit_code(sys.argv[1:] if args is None else args, prog))
 
-    def _exit_code(self, args: Sequence[str] | None, prog: str, complete_var: str | None, extra: dict[str, Any]) -> int:
+    def _exit_code(self, args: Sequence[str], prog: str) -> int:
         try:
-            outcome = super().main(args, prog, complete_var, standalone_mode=False, **extra)
+            outcome = self._invoked(args, prog)
         except click.UsageError as error:
             command = error.ctx.command_path if error.ctx else prog
             sentence = error.format_message().rstrip(".")
-            _say(f"{command}: {sentence[:1].lower()}{sentence[1:]}; see {command} --help")
+            say(f"error: {command}: {sentence[:1].lower()}{sentence[1:]}; see {command} --help")
             return USAGE
         except click.ClickException as error:
-            _say(error.format_message())
+            say(f"error: {error.format_message()}")
             return USAGE
         except ScaloftError as error:
             plugin = plugin_behind(error) if error.exit_code == INTERNAL else ""
-            _say(f"{plugin}: {error}" if plugin else str(error))
+            say(f"error: {plugin}: {error}" if plugin else f"error: {error}")
             return error.exit_code
         except (KeyboardInterrupt, click.Abort):
-            _say("interrupted")
+            say("")  # below the ^C that a terminal shows
+            say("error: interrupted")
             return INTERRUPTED
         except Exception as error:  # noqa: BLE001 - the last line of defence: no traceback reaches a user unasked
-            return _internal(error)
+            return _unforeseen(error)
         return outcome if isinstance(outcome, int) else 0
 
+    def _invoked(self, args: Sequence[str], prog: str) -> Any:
+        """What the verb returns; help and version are results like any other."""
+        try:
+            with self.make_context(prog, list(args)) as context:
+                return self.invoke(context)
+        except click.exceptions.Exit as left:
+            return left.exit_code
+        except OSError as error:
+            *_, (innermost, _) = walk_tb(error.__traceback__)
+            if innermost.f_globals.get("__name__") != click.echo.__module__:
+                raise
+            lost(error)  # click could not print a help or the version
+            return 0
 
-def _internal(error: Exception) -> int:
-    """Say whose error it is: a plugin's, by name, else ours.  Both are errors of a program, not of its input: 70."""
+
+def _unforeseen(error: Exception) -> int:
+    """Say whose error it is: a plugin's, by name, the environment's (2), or ours; those of programs are 70."""
     if os.environ.get("SCALOFT_DEBUG"):
         traceback.print_exception(error)
-    whose = plugin_behind(error) or "internal error"
-    _say(f"{whose}: {in_one_line(error)} (SCALOFT_DEBUG=1 shows where)")
+    plugin = plugin_behind(error)
+    refused = "" if plugin else refusal(error)
+    if refused:
+        say(f"error: {refused}")
+        return USAGE
+    say(f"error: {plugin or 'internal error'}: {in_one_line(error)} (SCALOFT_DEBUG=1 shows where)")
     return INTERNAL
-
-
-def _say(sentence: str) -> None:
-    click.echo(f"error: {' '.join(sentence.split())}", err=True)
 
 
 @click.group(
@@ -138,4 +161,4 @@ def main(context: click.Context) -> None:
     """
     gc.set_threshold(*COLLECT_AFTER)
     if context.invoked_subcommand is None:
-        click.echo(context.get_help())
+        tell(f"{context.get_help()}\n")

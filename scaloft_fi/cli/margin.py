@@ -13,12 +13,15 @@ from scaloft_fi.cli.options import (
     format_option,
     operability_option,
     quiet_option,
+    same_platform_option,
     study_option,
     typed,
     warnings_option,
 )
+from scaloft_fi.console import tell
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.name import cell_of
+from scaloft_fi.inert import json_text
 
 if TYPE_CHECKING:
     from scaloft_fi.analysis.margin import Margin
@@ -52,6 +55,7 @@ if TYPE_CHECKING:
 )
 @operability_option
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
+@same_platform_option
 @format_option
 @warnings_option
 @quiet_option
@@ -65,6 +69,7 @@ def margin_command(
     when: bool,
     operability: bool,
     jobs: int | None,
+    same_platform: bool,
     style: str,
     warnings: bool,
     quiet: bool,
@@ -81,7 +86,7 @@ def margin_command(
     if when:
         if situations or seeds != "1" or tolerance is not None:
             raise click.UsageError("--when flies nothing and goes with no --situation, --seeds or --tolerance")
-        click.echo(_when(mutants, study_folder, campaign, style, operability=operability), nl=False)
+        tell(_when(mutants, study_folder, campaign, style, operability=operability))
         return
     from scaloft_fi.campaign.processes.start import cores, one_thread_each
     from scaloft_fi.campaign.runs.options import RunOptions
@@ -105,11 +110,11 @@ def margin_command(
         chosen,
         numbers,
         campaign_folder(study, campaign),
-        RunOptions(jobs=jobs or cores(), warnings=warnings, command=typed()),
+        RunOptions(jobs=jobs or cores(), warnings=warnings, same_platform=same_platform, command=typed()),
         kind=Kind.OPERABILITY if operability else Kind.SAFETY,
         progress=Silence if quiet else Progress,
     )
-    click.echo(_text(study, by_fault, len(numbers), Format(style)), nl=False)
+    tell(_text(study, by_fault, len(numbers), Format(style)))
 
 
 def _text(study: Study, by_fault: Mapping[PhasedFault, Sequence[Margin]], seeds: int, style: str) -> str:
@@ -118,9 +123,7 @@ def _text(study: Study, by_fault: Mapping[PhasedFault, Sequence[Margin]], seeds:
 
     if style != Format.JSON:
         return render(margin_tables(by_fault, study.requirements, seeds), Format(style))
-    import json
-
-    return json.dumps(margin_json(by_fault), indent=2, allow_nan=False) + "\n"
+    return json_text(margin_json(by_fault), indent=2) + "\n"
 
 
 def _when(mutants: tuple[str, ...], study_folder: Path | None, campaign: str, style: str, *, operability: bool) -> str:
@@ -148,7 +151,5 @@ def _when(mutants: tuple[str, ...], study_folder: Path | None, campaign: str, st
             raise InputError(f"campaign {campaign!r} has fewer than two phases of {bare}; fly them: {command}")
         found += own
     if style == Format.JSON:
-        import json
-
-        return json.dumps(when_json(found), indent=2, allow_nan=False) + "\n"
+        return json_text(when_json(found), indent=2) + "\n"
     return render(when_tables(found), Format(style))

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import click
 
 from scaloft_fi.cli.options import campaign_option, format_option, operability_option, study_option
+from scaloft_fi.console import tell
 from scaloft_fi.hazop.folder import find_study
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.render import blocks, cells, grid_table, overview, sheet, tally
 from scaloft_fi.hazop.worksheet import HEADER, SHORT_HEADER, record, rows, short_rows
+from scaloft_fi.inert import json_text
+from scaloft_fi.views.tables.table import Format, csv_text, tabulated
 
 
 @click.command("matrix")
@@ -49,13 +51,13 @@ def matrix_command(
     if cell or style == "json":
         matrix = _with_events(matrix, study_folder)
     if cell:
-        click.echo(_one(matrix, cell, style, study_folder))
+        tell(f"{_one(matrix, cell, style, study_folder)}\n")
         return
     shown = matrix.only([word.upper() for word in guidewords], [name.lower() for name in parameters])
     if with_margins:
-        click.echo(_margins(shown, study_folder, campaign, style, operability=operability))
+        tell(f"{_margins(shown, study_folder, campaign, style, operability=operability)}\n")
         return
-    click.echo(_grid(shown, style) if grid_only else _all(shown, style))
+    tell(f"{_grid(shown, style) if grid_only else _all(shown, style)}\n")
 
 
 def _with_events(matrix: Matrix, study_folder: Path | None) -> Matrix:
@@ -72,7 +74,7 @@ def _all(matrix: Matrix, style: str) -> str:
         hint = f"one cell whole: scaloft-fi matrix --cell {next(iter(matrix)).name}; the grid alone: --grid"
         return "\n\n".join([overview(matrix), cells(matrix), hint])
     if style == "json":
-        return json.dumps([record(cell) for cell in matrix], indent=1)
+        return json_text([record(cell) for cell in matrix], indent=1)
     if style == "csv":
         return _tabulated(HEADER, rows(matrix), style)
     return _tabulated(SHORT_HEADER, short_rows(matrix), style)
@@ -84,7 +86,7 @@ def _grid(matrix: Matrix, style: str) -> str:
     header, lines = grid_table(matrix)
     header = ["parameter", *header[1:]]
     if style == "json":
-        return json.dumps([dict(zip(header, line, strict=True)) for line in lines], indent=1)
+        return json_text([dict(zip(header, line, strict=True)) for line in lines], indent=1)
     return _tabulated(header, lines, style)
 
 
@@ -100,7 +102,7 @@ def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: st
     with snapshot(study, campaign) as now:
         by_cell = cell_margins(now.outcomes, now.score, study.matrix, kind)
     if style == "json":
-        return json.dumps([{**record(cell), "margin": by_cell[cell.name]} for cell in matrix], indent=1)
+        return json_text([{**record(cell), "margin": by_cell[cell.name]} for cell in matrix], indent=1)
     header = ["parameter", *(word.id for word in matrix.guidewords)]
     lines = [[p.id, *(by_cell[f"{word.id}-{p.id}"] for word in matrix.guidewords)] for p in matrix.parameters]
     if style == "table":
@@ -113,7 +115,7 @@ def _one(matrix: Matrix, name: str, style: str, study_folder: Path | None) -> st
     if style == "table":
         return sheet(matrix, cell, _edges(study_folder) if cell.faults else {})
     if style == "json":
-        return json.dumps(record(cell), indent=1)
+        return json_text(record(cell), indent=1)
     row = rows(matrix.only([cell.guideword], [cell.parameter]))[0]
     if style == "csv":
         return _tabulated(HEADER, [row], style)
@@ -129,10 +131,5 @@ def _edges(study_folder: Path | None) -> Mapping[str, str]:
 
 def _tabulated(header: Sequence[str], lines: Sequence[Sequence[str]], style: str) -> str:
     if style == "csv":
-        from scaloft_fi.views.tables.table import csv_text
-
         return csv_text(header, lines).rstrip("\n")
-    from tabulate import tabulate  # only where a format needs it
-
-    table = {"markdown": "github", "latex": "latex_longtable"}[style]
-    return tabulate(lines, headers=header, tablefmt=table, disable_numparse=True)
+    return tabulated(header, lines, Format(style), "latex_longtable" if style == Format.LATEX else "")

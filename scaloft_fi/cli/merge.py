@@ -7,14 +7,24 @@ from pathlib import Path
 import click
 
 from scaloft_fi.cli.options import campaign_option, study_option
+from scaloft_fi.console import say, tell_line
 
 
 @click.command("merge")
 @click.argument("sources", metavar="CAMPAIGN...", nargs=-1, required=True)
 @study_option
 @campaign_option
-def merge_command(sources: tuple[str, ...], study_folder: Path | None, campaign: str) -> None:
+@click.option(
+    "--same-platform",
+    is_flag=True,
+    help="Refuse a campaign of another platform unless flights in both show equal digests.  "
+    "[default: refuse it where a flight in both has another status, ending or violation]",
+)
+def merge_command(sources: tuple[str, ...], study_folder: Path | None, campaign: str, same_platform: bool) -> None:
     """Join CAMPAIGNs, such as those flown with `run --shard K/N`, into the one named by --campaign.
+
+    Campaigns of two platforms are compared, flight by flight; where both flew the same situation and seed, the flights
+    of the first stay, because a mutant is judged beside a baseline of its own platform.
 
     The run's own command, without --shard, then holds the gates over the whole and prints the tables; it flies nothing.
     """
@@ -24,7 +34,7 @@ def merge_command(sources: tuple[str, ...], study_folder: Path | None, campaign:
 
     study = Study.open(study_folder)
     folder = campaign_folder(study, campaign)
-    merged = merge(study, folder, [campaign_folder(study, source) for source in sources])
+    merged = merge(study, folder, [campaign_folder(study, source) for source in sources], same_platform=same_platform)
     for warning in merged.warnings:
-        click.echo(f"warning: {warning}", err=True)
-    click.echo(f"{merged.added} flights added to {folder}, {merged.known} known already")
+        say(f"warning: {warning}")
+    tell_line(f"{merged.added} flights added to {folder}, {merged.known} known already")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import textwrap
 from collections.abc import Collection, Sequence
 from pathlib import Path
@@ -12,17 +11,18 @@ import click
 from tabulate import tabulate
 
 from scaloft_fi.cli.options import format_option, study_option
+from scaloft_fi.console import say, tell, tell_line
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.inert import json_text
 from scaloft_fi.mutants import catalogue
 from scaloft_fi.mutants.derive import default_of, defaults, derive
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.select import select
 from scaloft_fi.study import Study
-from scaloft_fi.views.tables.table import csv_text
+from scaloft_fi.views.tables.table import Format, csv_text, tabulated
 
 _COLUMNS = ("id", "default", "parameter", "guideword", "seam", "operator", "arguments")
-_TABULATE = {"markdown": "github", "latex": "latex"}
 _ARGUMENT_COLUMNS = 44  # what 120 columns leave
 
 
@@ -56,13 +56,13 @@ def mutants_command(
     matrix, folder = study.matrix, study.folder / "mutants"
     derived = catalogue.check(folder, matrix) if check else derive(matrix)
     if write:
-        click.echo(f"{catalogue.write(folder, derived)}: {_size(derived, matrix)}")
+        tell_line(f"{catalogue.write(folder, derived)}: {_size(derived, matrix)}")
     elif check:
-        click.echo(f"{folder / catalogue.FILE}: current, {_size(derived, matrix)}")
+        tell_line(f"{folder / catalogue.FILE}: current, {_size(derived, matrix)}")
     else:
         _warn_if_stale(folder, matrix)
         chosen = _chosen(derived, matrix, patterns, cells, only_defaults=only_defaults)
-        click.echo(_table(chosen, {mutant.id for mutant in defaults(matrix)}, style))
+        tell(f"{_table(chosen, {mutant.id for mutant in defaults(matrix)}, style)}\n")
 
 
 def _size(derived: Sequence[Mutant], matrix: Matrix) -> str:
@@ -73,7 +73,7 @@ def _warn_if_stale(folder: Path, matrix: Matrix) -> None:
     try:
         catalogue.check(folder, matrix)
     except InputError as error:
-        click.echo(f"warning: {error}", err=True)
+        say(f"warning: {error}")
 
 
 def _chosen(
@@ -94,7 +94,7 @@ def _chosen(
 
 def _table(mutants: Sequence[Mutant], default_ids: Collection[str], style: str) -> str:
     if style == "json":
-        return json.dumps([m.to_json() | {"default": m.id in default_ids} for m in mutants], indent=1)
+        return json_text([m.to_json() | {"default": m.id in default_ids} for m in mutants], indent=1)
     rows = [_row(mutant, mutant.id in default_ids) for mutant in mutants]
     if style == "csv":
         return csv_text(_COLUMNS, (row.values() for row in rows)).rstrip("\n")
@@ -104,7 +104,9 @@ def _table(mutants: Sequence[Mutant], default_ids: Collection[str], style: str) 
         for row in short:
             row["arguments"] = "\n".join(textwrap.wrap(row["arguments"], _ARGUMENT_COLUMNS))
         return tabulate(short, headers="keys", disable_numparse=True)
-    return tabulate(rows, headers="keys", tablefmt=_TABULATE[style], disable_numparse=True)
+    return tabulated(
+        _COLUMNS, [list(row.values()) for row in rows], Format(style), "latex" if style == Format.LATEX else ""
+    )
 
 
 def _row(mutant: Mutant, default: bool) -> dict[str, Any]:

@@ -127,6 +127,16 @@ def warnings_option(function: F) -> F:
     )(function)
 
 
+def same_platform_option(function: F) -> F:
+    """`--same-platform`: only flights with the bits of this platform count."""
+    return click.option(
+        "--same-platform",
+        is_flag=True,
+        help="Make stored flights of another platform stale when a sample of them has other digests here.  "
+        "[default: when it has another status, ending or violation]",
+    )(function)
+
+
 def quiet_option(function: F) -> F:
     """`--quiet`: print only the result."""
     return click.option(

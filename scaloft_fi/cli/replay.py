@@ -9,6 +9,7 @@ import click
 
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.options import campaign_option, study_option
+from scaloft_fi.console import say, tell, tell_line
 from scaloft_fi.errors import GateError, InputError
 
 if TYPE_CHECKING:
@@ -32,8 +33,16 @@ RECORDING = ".mcap"
     help="Write a map of the flight (.svg, .png), or a recording for Foxglove (.mcap).",
 )
 @click.option("--gui", is_flag=True, help="Watch the flight in PyBullet's window, in real time.")
-def replay_command(name: str, study_folder: Path | None, campaign: str, output: Path | None, gui: bool) -> None:
-    """Fly one flight again and compare its digest with the campaign's.
+@click.option(
+    "--same-platform",
+    is_flag=True,
+    help="Exit with 4 when the digest differs from that of a flight of another platform.  "
+    "[default: when status, ending or violations differ]",
+)
+def replay_command(
+    name: str, study_folder: Path | None, campaign: str, output: Path | None, gui: bool, same_platform: bool
+) -> None:
+    """Fly one flight again and compare its digest with the campaign's; on another platform, status and ending too.
 
     MUTANT is `baseline`, `PLACEBO` or a mutant's id.  The map shows the baseline beside the mutant.
     """
@@ -50,7 +59,7 @@ def replay_command(name: str, study_folder: Path | None, campaign: str, output: 
     study = Study.open(study_folder)
     flight = _flight(study, name)
     study.check((flight.situation,))
-    Physics().prepare(study, lambda text: click.echo(text, err=True))
+    Physics().prepare(study, say)
     if gui:
         from scaloft_fi.campaign.flights.window import fly_in_window
 
@@ -58,15 +67,15 @@ def replay_command(name: str, study_folder: Path | None, campaign: str, output: 
     else:
         log = fly_log(study, flight)
     outcome = judged(study, flight, log)
-    click.echo(_facts(study, flight, outcome, log))
+    tell(f"{_facts(study, flight, outcome, log)}\n")
     if output is not None and output.suffix.lower() == RECORDING:
         from scaloft_fi.views.flights.mcap import mcap
 
         write(output, mcap(log, outcome.name))
-        click.echo(f"recording: {output}")
+        tell_line(f"recording: {output}")
     elif output is not None:
         _draw(study, flight, outcome, log, output)
-    click.echo(_compared(study, campaign, flight, outcome))
+    tell_line(_compared(study, campaign, flight, outcome, same_platform=same_platform))
 
 
 def _flight(study: Study, name: str) -> Flight:
@@ -117,35 +126,55 @@ def _draw(study: Study, flight: Flight, outcome: Outcome, log: FlightLog, output
     title = f"{flight.subject.id} in {flight.situation.key}, seed {flight.seed}"
     svg = draw(scene_of(study.scenario(flight.situation).world), tracks, title=title, subtitle=words)
     write(output, png(svg) if output.suffix.lower() == ".png" else svg.encode())
-    click.echo(f"map: {output}")
+    tell_line(f"map: {output}")
 
 
-def _compared(study: Study, campaign: str, flight: Flight, outcome: Outcome) -> str:
+def _compared(study: Study, campaign: str, flight: Flight, outcome: Outcome, *, same_platform: bool) -> str:
     """How the flight compares with the campaign's.
 
     Raises:
-        GateError: on the same platform the digests differ.
+        GateError: the digests differ on the same platform or with `same_platform`, or the facts differ.
     """
+    from scaloft_fi.campaign.plan.flight import Flight
     from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
     from scaloft_fi.campaign.store.folder import STORE_NAME, campaign_folder
     from scaloft_fi.campaign.store.key import flight_key
+    from scaloft_fi.campaign.store.platforms import Platforms
     from scaloft_fi.campaign.store.store import Store
+    from scaloft_fi.judge.facts import APART_M, agreement, digests, parting_s
 
+    clean = Flight(None, flight.situation, flight.seed)
     path = campaign_folder(study, campaign) / STORE_NAME
     if not path.is_file():
         return f"no campaign in {path.parent} to compare with"
     with Store(path, create=False) as store:
-        known, theirs = store.get(flight_key(study, flight)), store.meta()
+        known, beside = (store.get(flight_key(study, one)) for one in (flight, clean))
+        theirs = Platforms(store).of((flight.situation.key, flight.seed))
     if known is None or known.invalid:
         return f"the campaign in {path.parent} holds no such flight to compare with"
-    if (known.digest, known.perceived_digest) == (outcome.digest, outcome.perceived_digest):
+    if digests(known) == digests(outcome):
         return f"bit for bit the flight in {path.parent}"
-    changed = differences(fingerprint(), theirs)
-    if not changed:
-        raise GateError(f"{outcome.name} differs from the flight in {path.parent}: digest {known.digest} there")
-    mine, other = (sorted(v.requirement for v in o.violations) for o in (outcome, known))
-    same = "the same requirements are violated" if mine == other else f"violated here {mine}, there {other}"
+    changed = ", ".join(differences(fingerprint(), theirs))
+    where = f"on another platform ({changed})" if changed else "on the same platform"
+    if same_platform or (not changed and study.stack.deterministic):
+        raise GateError(
+            f"{outcome.name} differs from the flight in {path.parent}, flown {where}: digest {known.digest} there"
+        )
+    pair = ([], []) if flight.mutant is None or beside is None else ([beside], [_fly(study, clean)])
+    compared = agreement([known, *pair[0]], [outcome, *pair[1]])
+    apart_s = parting_s(known.track, outcome.track)
+    when = "at no time" if apart_s is None else f"from {apart_s:.2f} s on"
+    parted = f"the drones are more than {APART_M * 1000:g} mm apart {when}"
+    if compared.facts:
+        differs = f"the flight differs in more than bits from that in {path.parent}, flown {where}"
+        raise GateError(f"{differs}: {compared.named()}; {parted}")
     return (
-        f"the digest differs from that of the flight in {path.parent}, which was flown on another platform "
-        f"({', '.join(changed)}); {same}"
+        f"other bits than the flight in {path.parent}, which was flown {where}, and the same status, ending and "
+        f"violations; {parted}"
     )
+
+
+def _fly(study: Study, flight: Flight) -> Outcome:
+    from scaloft_fi.campaign.flights.fly import fly_log, judged
+
+    return judged(study, flight, fly_log(study, flight))

@@ -9,6 +9,7 @@ import click
 
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.options import as_of_option, campaign_option, study_option
+from scaloft_fi.console import tell_line
 
 NAME = "report.html"
 
@@ -36,4 +37,4 @@ def report_command(study_folder: Path | None, campaign: str, output: Path | None
     path = output or campaign_folder(study, campaign) / NAME
     content = page(evidence).encode()
     write(path, content)
-    click.echo(f"report: {path} ({len(content) / 1e6:.1f} MB)")
+    tell_line(f"report: {path} ({len(content) / 1e6:.1f} MB)")

@@ -14,10 +14,12 @@ from scaloft_fi.cli.options import (
     fail_under_option,
     format_option,
     quiet_option,
+    same_platform_option,
     study_option,
     typed,
     warnings_option,
 )
+from scaloft_fi.console import say
 from scaloft_fi.errors import InputError
 
 if TYPE_CHECKING:
@@ -85,6 +87,21 @@ if TYPE_CHECKING:
     metavar="local|dask://HOST:PORT",
     help="What runs the flights: processes of this machine, or the workers of a Dask scheduler.",
 )
+@click.option(
+    "--cluster-key",
+    "cluster_key",
+    type=click.Path(path_type=Path),
+    envvar="SCALOFT_CLUSTER_KEY",
+    metavar="FILE",
+    help="The key file that the workers of --executor=dask://... have too.  [default: $SCALOFT_CLUSTER_KEY]",
+)
+@click.option(
+    "--cluster-security",
+    "certificates",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Connect to the Dask scheduler by TLS with DIR/ca.pem, DIR/cert.pem and DIR/key.pem.",
+)
 @click.option("--shard", metavar="K/N", help="Fly the K-th of N parts of the run; `merge` joins them.")
 @click.option("--no-share", is_flag=True, help="Fly every flight whole from take-off; the outcomes are the same.")
 @click.option(
@@ -100,6 +117,7 @@ if TYPE_CHECKING:
     metavar="SHARE",
     help="Exit with 4 when the harness fails over a larger share (0..1) of the flights.",
 )
+@same_platform_option
 @all_option
 @format_option
 @fail_under_option
@@ -118,10 +136,13 @@ def run_command(
     sequential: bool,
     jobs: int | None,
     executor: str,
+    cluster_key: Path | None,
+    certificates: Path | None,
     shard: str | None,
     no_share: bool,
     budget: str | None,
     max_invalid: float,
+    same_platform: bool,
     everything: bool,
     style: str,
     fail_under: float | None,
@@ -180,12 +201,13 @@ def run_command(
             raise InputError(f"--shard={shard!r} has no flights: there are fewer situations and seeds than shards")
     progress = Silence() if quiet else Progress()
     options = RunOptions(
-        executor=executor_named(executor, jobs),
+        executor=executor_named(executor, jobs, cluster_key, certificates),
         share=CAN_FORK and not no_share,
         part=shard is not None,
         budget_s=None if budget is None else budget_s(budget),
         max_invalid=max_invalid,
         warnings=warnings,
+        same_platform=same_platform,
         command=typed(),
     )
     keys = [situation.key for situation in chosen.situations]
@@ -198,6 +220,8 @@ def run_command(
     else:
         flown = run(study, planned, folder, options, progress=progress)
         extra = unflown_tables(planned, flown.left)
+    if flown.mixture:
+        say(f"warning: {flown.mixture}")
     rulings = rulings_of(flown.outcomes)
     return report(
         study,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 from collections.abc import Iterable, Sequence
@@ -21,7 +20,9 @@ from scaloft_fi.cli.options import (
     study_option,
     today_option,
 )
+from scaloft_fi.console import say, tell
 from scaloft_fi.errors import InputError
+from scaloft_fi.inert import json_text
 
 if TYPE_CHECKING:
     from scaloft_fi.analysis.scoring.score import Score
@@ -77,7 +78,7 @@ def score_command(
         listed = study.space.holding(flown).situations
         others = borrowed(study, baseline_from, [key for key, _ in listed if key in flown])
     if warning:
-        click.echo(f"warning: {warning}", err=True)
+        say(f"warning: {warning}")
     scored = score_of(rulings, study.roster, study.space, spending, others)
     code = report(
         study,
@@ -129,11 +130,14 @@ def report(
             f"--fail-under={fail_under:g} needs a baseline pool: campaign {campaign!r} has fewer than ten baseline "
             "flights wherever a mutant infects; `scaloft-fi run` flies them"
         )
-    click.echo(_text(study, rulings, scored, campaign, grouping, everything, style, extra), nl=False)
+    tell(
+        _text(study, rulings, scored, campaign, grouping, everything, style, extra),
+        styled=style == "table" and _coloured(),
+    )
     ratio = scored.mutation_score
     if fail_under is None or (ratio.value is not None and ratio.value >= fail_under):
         return 0
-    click.echo(f"mutation score {ratio} is below --fail-under {fail_under:g}", err=True)
+    say(f"mutation score {ratio} is below --fail-under {fail_under:g}")
     return BELOW
 
 
@@ -164,7 +168,7 @@ def _text(
         values = score_json(scored, covered, violated, parts)
         for table in extra:
             values[table.title.lower().replace(",", "").replace(" ", "_")] = table.records()
-        return json.dumps(values, indent=2, allow_nan=False) + "\n"
+        return json_text(values, indent=2) + "\n"
     screen = first_screen(
         scored,
         study.roster,

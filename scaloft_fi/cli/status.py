@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from scaloft_fi.cli.options import campaign_option, format_option, study_option
+from scaloft_fi.console import tell
 
 AGAIN = "The same `run` flies them again; no flight log is kept from which they could be judged anew."
 WAITING = "waiting for their baseline"
@@ -30,7 +31,7 @@ def status_command(study_folder: Path | None, campaign: str, style: str) -> None
 
     study = Study.open(study_folder)
     with snapshot(study, campaign) as now:
-        content = now.held
+        content, mixture = now.held, now.mixture
     flown = ordered(content.current, study.roster, study.space)
     clean = [outcome for outcome in flown if outcome.mutant == BASELINE]
     baselines = Counter(f"{BASELINE} {baseline_status(outcome)}" for outcome in clean)
@@ -49,7 +50,10 @@ def status_command(study_folder: Path | None, campaign: str, style: str) -> None
             ("planned, not flown", content.owed),
             ("stale, not counted", content.stale),
         ),
-        (f"{len({o.mutant for o in flown})} subjects in {len({o.situation for o in flown})} situations.",),
+        (
+            f"{len({o.mutant for o in flown})} subjects in {len({o.situation for o in flown})} situations.",
+            *([f"{mixture[:1].upper()}{mixture[1:]}."] if mixture else []),
+        ),
     )
     stale = Table("Stale flights", ("why", "number"), tuple(content.why.items()), (AGAIN,))
-    click.echo(render((table, stale) if content.stale else (table,), Format(style)), nl=False)
+    tell(render((table, stale) if content.stale else (table,), Format(style)))

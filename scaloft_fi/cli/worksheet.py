@@ -10,6 +10,7 @@ import click
 
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.options import FORMATS, campaign_option, study_option
+from scaloft_fi.console import tell
 
 if TYPE_CHECKING:
     from scaloft_fi.views.worksheet.worksheet import SheetRow
@@ -46,7 +47,7 @@ def worksheet_command(study_folder: Path | None, campaign: str, style: str, outp
         rows = worksheet(study.matrix, now.outcomes, now.score, study.space, study.dispositions)
     content = _content(rows, style)
     if output is None:
-        click.echo(content.decode(), nl=False)
+        tell(content)
     else:
         write(output, content)
 
@@ -57,11 +58,10 @@ def _content(rows: Sequence[SheetRow], style: str) -> bytes:
 
         return to_xlsx(rows)
     if style == "json":
-        import json
-
+        from scaloft_fi.inert import json_text
         from scaloft_fi.views.worksheet.worksheet import to_records
 
-        return (json.dumps(to_records(rows), indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()
+        return f"{json_text(to_records(rows), indent=1, letters=True)}\n".encode()
     from scaloft_fi.views.worksheet.worksheet_text import to_csv, to_latex, to_markdown, to_text
 
     return {"table": to_text, "markdown": to_markdown, "csv": to_csv, "latex": to_latex}[style](rows).encode()

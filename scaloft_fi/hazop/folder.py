@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from scaloft_fi.errors import InputError
+from scaloft_fi.reading import is_folder
 
 FOLDERS = ("hazop", "mutants", "sim")
 _PACKAGE = Path(__file__).resolve().parents[1]
@@ -17,13 +18,18 @@ def find_study(path: Path | str | None = None) -> Path:
         InputError: `path` is not a study, or no study exists in any of these places.
     """
     if path is not None:
-        lacking = [f"{name}/" for name in FOLDERS if not (Path(path) / name).is_dir()]
+        lacking = [f"{name}/" for name in FOLDERS if not is_folder(Path(path) / name)]
         if lacking:
             allowed = "a folder with hazop/, mutants/ and sim/"
             raise InputError(f"--study={str(path)!r} must be {allowed}; it lacks {', '.join(lacking)}")
         return Path(path)
-    here = Path.cwd()
+    try:
+        here = Path.cwd()
+    except OSError as error:
+        raise InputError(
+            f"the current folder cannot be read: {error.strerror}; go to another or name --study"
+        ) from error
     for folder in (here, *here.parents, _PACKAGE / "_study", _PACKAGE.parent):
-        if folder != _PACKAGE and all((folder / name).is_dir() for name in FOLDERS):  # the package has such folders too
+        if folder != _PACKAGE and all(is_folder(folder / name) for name in FOLDERS):  # the package has such folders too
             return folder
     raise InputError(f"no study in {here} or above it: a folder with hazop/, mutants/ and sim/; name one with --study")

@@ -19,6 +19,7 @@ from scaloft_fi.hazop.guideword import Guideword
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.parameter import Parameter
 from scaloft_fi.hazop.severity import Worse, worse
+from scaloft_fi.reading import is_there
 
 
 class Carrier(Protocol):
@@ -31,6 +32,10 @@ class Carrier(Protocol):
 
 
 Seams = Mapping[str, Carrier]
+
+MOST_ENTRIES = 100
+"""Most causes, requirements or faults of a cell, and most magnitudes of a ladder."""
+LARGEST_ARGUMENT = 1e12
 
 _UNIT = re.compile(r"[A-Za-z%][A-Za-z0-9%]*")
 _NAMED_RUNG = re.compile(r"[A-Za-z][A-Za-z0-9_.]*")
@@ -55,7 +60,7 @@ def load_matrix(hazop: Path, seams: Seams | None = None) -> Matrix:
     cells: dict[tuple[str, str], Cell] = {}
     for parameter in parameters:
         path = folder / f"{parameter.id}.yaml"
-        if not path.is_file():
+        if not is_there(path):
             raise InputError(f"{places[parameter.id]}: parameter {parameter.id!r} has no cells; {path} is missing")
         for cell in load_cells(path, guidewords, seams):
             cells[cell.guideword, cell.parameter] = cell
@@ -240,7 +245,7 @@ def _guard_units(cell: Cell) -> None:
 
 
 def _nonempty(item: Item) -> tuple[Item, ...]:
-    entries = item.items()
+    entries = item.items(most=MOST_ENTRIES)
     if not entries:
         raise item.error("a list of at least one")
     return entries
@@ -257,7 +262,12 @@ def _rung(item: Item) -> Rung:
         if not _NAMED_RUNG.fullmatch(item.value):
             raise item.error("a number, or a name of letters, digits, _ and .")
         return item.value
-    return item.number()
+    return _number(item)
+
+
+def _number(item: Item) -> float:
+    """A magnitude or an argument; an operator may allow `.inf`, such as a hold that never ends."""
+    return item.number(least=-LARGEST_ARGUMENT, most=LARGEST_ARGUMENT, infinite=True)
 
 
 def _written(rung: Rung) -> str:
@@ -267,4 +277,4 @@ def _written(rung: Rung) -> str:
 def _value(item: Item) -> Value:
     if isinstance(item.value, bool):
         return item.value
-    return item.text() if isinstance(item.value, str) else item.number()
+    return item.text() if isinstance(item.value, str) else _number(item)

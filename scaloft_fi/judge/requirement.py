@@ -152,6 +152,9 @@ def episodes(robustness: Sequence[float]) -> int:
     return holds.startswith(b"\1") + holds.count(b"\0\1")
 
 
+MOST = 100
+"""Most requirements, and most definitions, of a study."""
+
 Check = Callable[[str, Collection[str]], Formula]
 """`Formula.parse`, or `Formula.unparsed`, which does not start RTAMT."""
 
@@ -170,7 +173,7 @@ def load_requirements(path: Path, signals: Collection[str], check: Check = Formu
     """
     document = load(path)
     definitions = document.get("definitions")
-    shared = definitions.mapping() if definitions else {}
+    shared = definitions.mapping(most=MOST) if definitions else {}
     names = set(signals)
     for key, item in shared.items():
         if key in names or key in WORDS or key == TRIGGER:
@@ -178,9 +181,8 @@ def load_requirements(path: Path, signals: Collection[str], check: Check = Formu
         _check(item, item.text(), names, check)
         names.add(key)
     texts = {key: item.text() for key, item in shared.items()}
-    requirements = [
-        _requirement(name, item, texts, names, check) for name, item in document.need("requirements").mapping().items()
-    ]
+    entries = document.need("requirements").mapping(most=MOST)
+    requirements = [_requirement(name, item, texts, names, check) for name, item in entries.items()]
     document.close()
     if not any(requirement.kind is Kind.SAFETY for requirement in requirements):
         raise InputError(f"{document.need('requirements').place}: requirements must have at least one of kind safety")

@@ -29,6 +29,9 @@ ARITHMETIC = frozenset({"abs", "sqrt"})
 WORDS = PAST | FUTURE | LOGIC | ARITHMETIC
 """The words of a formula; every other name is a signal or a definition."""
 
+LONGEST, DEEPEST, LONGEST_S = 2_000, 20, 600
+"""Most characters of a formula, deepest brackets and longest interval [s]: the time of RTAMT grows with each."""
+
 LARGEST = 1e9
 """Greatest absolute robustness: the robustness of an empty window is infinite, which JSON cannot hold."""
 
@@ -131,10 +134,13 @@ def tokenize(text: str) -> list[str]:
     ['always', '(', 'a', '/', '3', '<=', '1', ')']
 
     Raises:
-        FormulaError: a character belongs to no name, number or mark.
+        FormulaError: a character belongs to no name, number or mark, or the text is too long or too deep.
     """
-    tokens, at = [], 0
+    tokens: list[str] = []
+    at = depth = 0
     text = text.strip()
+    if len(text) > LONGEST:
+        raise FormulaError(f"must have at most {LONGEST:,} characters; name parts of it in definitions")
     while at < len(text):
         match = _TOKEN.match(text, at)
         if match is None:
@@ -144,6 +150,9 @@ def tokenize(text: str) -> list[str]:
             )
         tokens.append(match.group().strip())
         at = match.end()
+        depth += (tokens[-1] == "(") - (tokens[-1] == ")")
+        if depth > DEEPEST:
+            raise FormulaError(f"has brackets more than {DEEPEST} deep; name parts of it in definitions")
     return tokens
 
 
@@ -188,6 +197,8 @@ def _check_intervals(spaced: str) -> None:
         shown = f"{operator}[{bounds[0]}:{bounds[1]}]"
         if any(abs(bound - round(bound)) > 1e-6 for bound in (low, high)):
             raise FormulaError(f"has {shown}, which must be of two times that are multiples of {SAMPLE_MS / 1000:g} s")
+        if high > 1000 * LONGEST_S / SAMPLE_MS:
+            raise FormulaError(f"has {shown}, which must end within {LONGEST_S} s; without times it has no end")
         if low > high:
             raise FormulaError(f"has {shown}, which must not end before it begins")
 

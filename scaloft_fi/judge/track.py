@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import zlib
 from array import array
 from collections.abc import Callable, Mapping, Sequence
@@ -21,6 +22,9 @@ TRACK: Mapping[str, Callable[[Sequence[float]], float]] = {
 TRACK_COLUMNS = tuple(TRACK)
 TRACK_EVERY = 4
 """Every fourth sample of 20 Hz is stored: 5 Hz."""
+MOST_ROWS = 24 * 3600 * 5
+"""Greatest number of rows of a track that is unpacked: a day."""
+_ROW_BYTES = 4 * len(TRACK_COLUMNS)
 
 
 def pack_track(signals: Signals) -> bytes:
@@ -42,10 +46,38 @@ def _pairs(columns: list[list[float]]) -> list[tuple[list[float], Callable[[Sequ
 
 
 def unpack_track(track: bytes) -> list[tuple[float, ...]]:
-    """Unpack the rows of `TRACK_COLUMNS`; an empty track has no rows."""
-    if not track:
-        return []
-    values = array("f")
-    values.frombytes(zlib.decompress(track))
-    width = len(TRACK_COLUMNS)
+    """Unpack the rows of `TRACK_COLUMNS`; an empty track has no rows.
+
+    Raises:
+        ValueError: the track is damaged, or has more than `MOST_ROWS` rows.
+    """
+    values, width = track_values(track), len(TRACK_COLUMNS)
     return [tuple(values[i : i + width]) for i in range(0, len(values), width)]
+
+
+def track_values(track: bytes, most_rows: int = MOST_ROWS) -> array[float]:
+    """Unpack the values of a track, row by row; an empty track has none.
+
+    Args:
+        track: a packed track, from anywhere.
+        most_rows: greatest number of rows; no more memory is used, however many the track has.
+
+    Raises:
+        ValueError: the track is damaged, has more rows, or has a number that is not finite.
+    """
+    values = array("f")
+    if not track:
+        return values
+    unpacking = zlib.decompressobj()
+    try:
+        content = unpacking.decompress(track, most_rows * _ROW_BYTES + 1)
+    except zlib.error as error:
+        raise ValueError("damaged") from error
+    if len(content) > most_rows * _ROW_BYTES:
+        raise ValueError(f"longer than {most_rows} rows")
+    if not unpacking.eof or len(content) % _ROW_BYTES:
+        raise ValueError("damaged")
+    values.frombytes(content)
+    if not math.isfinite(sum(values)):
+        raise ValueError("not finite")
+    return values

@@ -7,12 +7,16 @@ from collections.abc import Iterable, Sequence
 from itertools import zip_longest
 from pathlib import Path
 
-from scaloft_fi.errors import InputError
+from scaloft_fi.errors import InputError, shown
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.mutants.derive import derive
 from scaloft_fi.mutants.mutant import Mutant
+from scaloft_fi.output import write_whole
+from scaloft_fi.reading import CATALOGUE_BYTES, UnreadableError, read_text
 
 FILE = "catalogue.jsonl"
+LONGEST_LINE = 10_000
+"""Most characters of a line; those of the reference study have at most 290."""
 _REMEDY = "write it with `scaloft-fi mutants --write`"
 
 
@@ -30,7 +34,7 @@ def write(folder: Path, catalogue: Iterable[Mutant]) -> Path:
     path = folder / FILE
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        path.write_text("".join(f"{line}\n" for line in lines(catalogue)), encoding="utf-8", newline="\n")
+        write_whole(path, "".join(f"{line}\n" for line in lines(catalogue)).encode())
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from error
     return path
@@ -68,24 +72,25 @@ def _difference(path: Path, number: int, line: str | None, derived: Sequence[Mut
         return f"{expected!r} is missing"
     written = _mutant(path, number, line).id
     if expected is None:
-        return f"{written!r} is not in the matrix"
+        return f"{shown(written)} is not in the matrix"
     if written == expected:
-        return f"{written!r} differs from the matrix"
-    return f"{written!r} stands where the matrix gives {expected!r}"
+        return f"{shown(written)} differs from the matrix"
+    return f"{shown(written)} stands where the matrix gives {expected!r}"
 
 
 def _text(folder: Path) -> list[str]:
     path = folder / FILE
     try:
-        return path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
-        raise InputError(f"{path}: cannot be read: {reason}; {_REMEDY}") from error
+        return read_text(path, CATALOGUE_BYTES).splitlines()
+    except UnreadableError as error:
+        raise InputError(f"{error}; {_REMEDY}") from error
 
 
 def _mutant(path: Path, number: int, line: str) -> Mutant:
+    if len(line) > LONGEST_LINE:
+        raise InputError(f"{path}:{number}: the line must have at most {LONGEST_LINE:,} characters; {_REMEDY}")
     try:
         return Mutant.from_json(json.loads(line))
-    except (ValueError, TypeError, AttributeError, InputError) as error:
+    except (ValueError, TypeError, AttributeError, RecursionError, InputError) as error:
         reason = str(error) if isinstance(error, InputError) else "not a mutant in JSON"
         raise InputError(f"{path}:{number}: {reason}; {_REMEDY}") from error

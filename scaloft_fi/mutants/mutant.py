@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from scaloft_fi.errors import InputError
+from scaloft_fi.errors import InputError, shown
 from scaloft_fi.hazop.cell import Value
 from scaloft_fi.hazop.name import Name
 
@@ -63,7 +63,7 @@ class Mutant:
         expected = set(cls.__dataclass_fields__)
         if wrong := expected ^ {*data, "event"}:
             key = sorted(wrong)[0]
-            raise InputError(f"key {key!r} is {'missing' if key in expected else 'unknown'}")
+            raise InputError(f"key {shown(key)} is {'missing' if key in expected else 'unknown'}")
         arguments = {name: math.inf if value == "inf" else value for name, value in data["arguments"].items()}
         return cls(**{**data, "arguments": arguments})
 

@@ -9,6 +9,9 @@ from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.sim.situation import Axis
 
+MOST_CONSTRAINTS = 100
+"""Each is compared with every point of the grid."""
+
 
 @dataclass(frozen=True)
 class Constraint:
@@ -40,7 +43,7 @@ def read_constraints(item: Item | None, axes: Iterable[Axis]) -> tuple[Constrain
         InputError: a constraint names an unknown axis or value, names fewer than two axes, or lacks its reason.
     """
     known = {axis.id: axis for axis in axes}
-    return tuple(_constraint(entry, known) for entry in item) if item else ()
+    return tuple(_constraint(entry, known) for entry in item.items(most=MOST_CONSTRAINTS)) if item else ()
 
 
 def _constraint(item: Item, axes: Mapping[str, Axis]) -> Constraint:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from scaloft_fi.sim.build import build, connect, place
 from scaloft_fi.sim.compiled_stepper import CompiledStepper
 from scaloft_fi.sim.contact import Feeler
 from scaloft_fi.sim.events import events_of
-from scaloft_fi.sim.load import SimConfig, StackChoice
+from scaloft_fi.sim.load import SimConfig
 from scaloft_fi.sim.log import Count, Ending, FlightLog, Recorder
 from scaloft_fi.sim.observer import Observer
 from scaloft_fi.sim.occasions import Lookout
@@ -30,7 +29,6 @@ from scaloft_fi.sim.stacks import STACKS
 from scaloft_fi.sim.stepper import ServerStepper, Stepper
 from scaloft_fi.stack.camera import DepthCamera
 from scaloft_fi.stack.config import ConfigError
-from scaloft_fi.stack.config import build as build_settings
 from scaloft_fi.stack.contract import Stack, Task
 from scaloft_fi.stack.declaration import Declaration
 from scaloft_fi.stack.fields import Array
@@ -94,7 +92,7 @@ def make_stack(config: SimConfig, declared: Declaration, scenario: Scenario, wir
     """
     mission, camera = scenario.world.mission, scenario.sensors.depth.camera
     task = Task(
-        settings=stack_settings(config.stack, declared),
+        settings=config.stack.settings(declared),
         camera=DepthCamera(camera.rays, camera.ahead_m),
         home=scenario.start,
         yaw_rad=mission.yaw_rad,
@@ -107,20 +105,6 @@ def make_stack(config: SimConfig, declared: Declaration, scenario: Scenario, wir
         return declared.make(task, wire)
     except ConfigError as error:
         raise InputError(f"{config.stack.place_of(error.path)}: {error}") from error
-
-
-def stack_settings(choice: StackChoice, declared: Declaration) -> Any:
-    """The settings of `sim/stack.yaml` in the schema that the stack declares.
-
-    Raises:
-        InputError: the settings do not fit; the message names the place.
-    """
-    if declared.settings is None:
-        return choice.parameters
-    try:
-        return build_settings(declared.settings(), choice.parameters)
-    except ConfigError as error:
-        raise InputError(f"{choice.place_of(error.path)}: {error}") from error
 
 
 class FlightLoop:

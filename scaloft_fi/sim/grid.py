@@ -14,6 +14,7 @@ from pathlib import Path
 from scaloft_fi.document import Item, load
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.constraint import Constraint, read_constraints
+from scaloft_fi.sim.mine import Mine, read_mine
 from scaloft_fi.sim.patch import PARTS, patched
 from scaloft_fi.sim.range import number_text
 from scaloft_fi.sim.situation import Axis, AxisValue, Situation, read_axis
@@ -21,6 +22,7 @@ from scaloft_fi.sim.world import World, read_world
 
 MOST_POINTS = 1_000_000
 """Largest product of the axes; all points are held in memory."""
+MOST_AXES = 100
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,7 +171,22 @@ class Grid:
         Raises:
             InputError: a change names an unknown path or sets a value that is not allowed.
         """
-        return read_world(self.documents_with(self.values(situation).values() if situation else ())["world"])
+        return self.world_of(self.documents_with(self.values(situation).values() if situation else ()))
+
+    def world_of(self, documents: Mapping[str, Item]) -> World:
+        """The world of documents that a situation may have changed.
+
+        Raises:
+            InputError: a value is not allowed.
+        """
+        document, own = documents["world"], self.documents["world"]
+        unchanged = document.mapping().get("mine") is own.mapping().get("mine")
+        return read_world(document, self._mine if unchanged else None)
+
+    @cached_property
+    def _mine(self) -> Mine:
+        """The mine of every world whose situation does not change it; reading a mesh takes seconds."""
+        return read_mine(self.documents["world"].need("mine"))
 
     def miss(self, name: str) -> str:
         """The error message for a name without a situation: the constraint that excludes it, or the nearest key."""
@@ -202,7 +219,7 @@ def read_grid(item: Item, documents: Mapping[str, Item]) -> Grid:
             constraints exclude every situation of a value, or leave one in which two axes set one path.
     """
     axes_item = item.need("axes")
-    axes = tuple(read_axis(name, entry) for name, entry in axes_item.mapping().items())
+    axes = tuple(read_axis(name, entry) for name, entry in axes_item.mapping(most=MOST_AXES).items())
     if not axes:
         raise InputError(f"{item.place}: axes must name at least one axis")
     points = math.prod(len(axis.values) for axis in axes)

@@ -11,15 +11,20 @@ from typing import Any
 from scaloft_fi.document import Item
 from scaloft_fi.document import load as load_document
 from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.reading import is_there
 from scaloft_fi.sim.grid import Grid, read_grid, remedy
 from scaloft_fi.sim.patch import PARTS, leaves, patched
 from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.sensors import SensorsConfig, read_sensors
 from scaloft_fi.sim.situation import AxisValue, Situation
 from scaloft_fi.sim.vehicle import Vehicle, read_vehicle
-from scaloft_fi.sim.world import World, read_world
+from scaloft_fi.sim.world import World
+from scaloft_fi.stack.config import ConfigError, build
+from scaloft_fi.stack.declaration import Declaration
 
 DOCUMENTS = (*PARTS, "situations", "stack")
+MOST_NOMINAL_S = 3_600.0
+"""Longest nominal mission time [s]: no battery lasts longer, and a log grows by some 10 kB each second."""
 KINDS = ("published", "datasheet", "derived", "assumption")
 
 
@@ -44,6 +49,19 @@ class StackChoice:
     name: str
     parameters: Mapping[str, Any]
     document: Item
+
+    def settings(self, declared: Declaration) -> Any:
+        """The settings in the schema that the stack declares.
+
+        Raises:
+            InputError: the settings do not fit; the message names the place.
+        """
+        if declared.settings is None:
+            return self.parameters
+        try:
+            return build(declared.settings(), self.parameters)
+        except ConfigError as error:
+            raise InputError(f"{self.place_of(error.path)}: {error}") from error
 
     def place_of(self, path: str) -> str:
         """`file:line` of the setting at `path`, such as `stack.mission.goal_radius_m`, or of its nearest parent."""
@@ -83,7 +101,7 @@ class SimConfig:
         """The scenario of a situation, made once.
 
         Raises:
-            InputError: the values of the axes contradict each other.
+            InputError: the values of the axes contradict each other, or the mission takes too long.
         """
         if situation.key not in self._scenarios:
             self._scenarios[situation.key] = self._built(situation)
@@ -92,7 +110,7 @@ class SimConfig:
     def _built(self, situation: Situation) -> Scenario:
         values = self.grid.values(situation)
         try:
-            scenario = Scenario(situation, *_read(self.grid.documents_with(values.values())))
+            scenario = Scenario(situation, *_read(self.grid, self.grid.documents_with(values.values())))
         except InputError as error:
             numbers = dict(situation.numbers)
             written = {axis: Situation.of({axis: level}, numbers).key for axis, level in situation.levels}
@@ -106,6 +124,10 @@ class SimConfig:
             sentence = f"{error}: {names} cannot be combined, as in situation {situation.key}"
             raise InputError(f"{sentence}; {remedy(*blamed)}") from error
 
+        if not scenario.nominal_s <= MOST_NOMINAL_S:
+            place = self.grid.documents["world"].need("mission").place
+            lasts = f"the mission in {situation.key} must last at most {MOST_NOMINAL_S:,.0f} s"
+            raise InputError(f"{place}: {lasts} at its speeds, it lasts {scenario.nominal_s:,.0f} s")
         for happening in scenario.world.happenings:
             if happening.start.at_s >= scenario.t_max_s:
                 limit = f"before the time limit of situation {situation.key}, {scenario.t_max_s:.1f} s"
@@ -121,7 +143,7 @@ class SimConfig:
     def _refused(self, *values: AxisValue) -> bool:
         """Whether these values cannot be."""
         try:
-            _read(self.grid.documents_with(values))
+            _read(self.grid, self.grid.documents_with(values))
         except InputError:
             return True
         return False
@@ -165,21 +187,21 @@ def load(
     for axis in grid.axes:
         for value in (*axis.values, *axis.extremes):
             if any(not path.startswith("world.") for path in value.changes):  # the grid itself has read the world
-                _read(grid.documents_with([value]))
-    world, vehicle, sensors = _read(documents)
+                _read(grid, grid.documents_with([value]))
+    world, vehicle, sensors = _read(grid, documents)
     return SimConfig(
         world=world,
         vehicle=vehicle,
         sensors=sensors,
         grid=grid,
         stack=_stack(documents["stack"]),
-        sources=_sources(load_document(sources), documents) if (sources := folder / "sources.yaml").exists() else {},
+        sources=_sources(load_document(sources), documents) if is_there(sources := folder / "sources.yaml") else {},
         numbers=_numbers(documents),
     )
 
 
-def _read(documents: Mapping[str, Item]) -> tuple[World, Vehicle, SensorsConfig]:
-    return read_world(documents["world"]), read_vehicle(documents["vehicle"]), read_sensors(documents["sensors"])
+def _read(grid: Grid, documents: Mapping[str, Item]) -> tuple[World, Vehicle, SensorsConfig]:
+    return grid.world_of(documents), read_vehicle(documents["vehicle"]), read_sensors(documents["sensors"])
 
 
 def _stack(item: Item) -> StackChoice:

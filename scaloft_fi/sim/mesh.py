@@ -1,12 +1,11 @@
-"""Triangle meshes: the shapes of the world, and meshes read from OBJ files."""
+"""Triangle meshes: the shapes of the world, and the questions about them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +15,12 @@ from scaloft_fi.errors import InputError, did_you_mean
 Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
 ROUND_SIDES = 16
+COLUMNS = 128
+"""Most upright columns along each horizontal axis in which faces are compared with each other."""
+PAIRS_AT_ONCE, MOST_PAIRS = 100_000, 200_000_000
+"""Pairs of faces that are compared at once, and altogether: bounds of memory and time."""
+EDGE_M = 1e-6
+"""A face this much lower than another lies beneath it, and a face reaches this much beyond its edges [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,64 +95,6 @@ def capsule(radius_m: float, height_m: float) -> Mesh:
     return lathe(bottom + (top if waist > 0 else top[1:]))
 
 
-def read_obj(path: Path, place: str, scale: float) -> tuple[Mesh, tuple[str, ...]]:
-    """Read the faces of a Wavefront OBJ file; polygons become fans of triangles.
-
-    Args:
-        path: the file.
-        place: `file:line` of the key that names the file, for error messages.
-        scale: metres per unit of the file.
-
-    Returns:
-        The mesh, and for each face the name of its object or group ("" before the first name).
-
-    Raises:
-        InputError: the file cannot be read or is not a mesh.
-    """
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
-        raise InputError(f"{place}: mesh={str(path)!r} cannot be read: {reason}") from error
-    vertices: list[tuple[float, ...]] = []
-    faces: list[tuple[int, int, int]] = []
-    names: list[str] = []
-    name = ""
-    for number, line in enumerate(lines, 1):
-        word, *rest = line.split("#", 1)[0].split() or [""]
-        try:
-            if word == "v":
-                x, y, z = (float(value) for value in rest[:3])
-                if not all(map(math.isfinite, (x, y, z))):
-                    raise ValueError
-                vertices.append((x, y, z))
-            elif word == "f":
-                corners = [_corner(value, len(vertices)) for value in rest]
-                fan = [(corners[0], b, c) for b, c in pairwise(corners[1:])]
-                if not fan:
-                    raise ValueError
-                faces += fan
-                names += [name] * len(fan)
-            elif word in ("o", "g"):
-                name = " ".join(rest)
-        except (ValueError, IndexError):
-            raise InputError(
-                f"{path}:{number}: {line.strip()!r} must be a vertex `v x y z` or a face of known vertices"
-            ) from None
-    if not faces:
-        raise InputError(f"{place}: mesh={str(path)!r} must have faces (lines `f ...`)")
-    return Mesh(np.array(vertices) * scale, np.array(faces, np.int64)), tuple(names)
-
-
-def _corner(text: str, count: int) -> int:
-    """Index of the vertex at a corner of a face: OBJ counts from 1, or from the end with negative numbers."""
-    index = int(text.split("/", 1)[0])
-    place = index - 1 if index > 0 else count + index
-    if index == 0 or not 0 <= place < count:
-        raise IndexError
-    return place
-
-
 def split_floor(mesh: Mesh, names: Sequence[str], floor: Sequence[str], place: str) -> tuple[Mesh, Mesh]:
     """Split a mine into (rock, floor).
 
@@ -162,35 +109,66 @@ def split_floor(mesh: Mesh, names: Sequence[str], floor: Sequence[str], place: s
             raise InputError(
                 f"{place}: ground={name!r} is no object of the mesh{did_you_mean(name, set(names) - {''})}"
             )
-    is_floor = np.array([name in floor for name in names]) if floor else _lowest(mesh.triangles)
+    is_floor = np.array([name in floor for name in names]) if floor else _lowest(mesh.triangles, place)
     if is_floor.all() or not is_floor.any():
         raise InputError(f"{place}: mesh must have a floor and walls; name the floor's objects under `ground`")
     return mesh.part(~is_floor), mesh.part(is_floor)
 
 
-def _lowest(triangles: Array) -> NDArray[np.bool_]:
+def _lowest(triangles: Array, place: str) -> NDArray[np.bool_]:
     """(F,) whether each face is no steeper than 45 degrees and has no other face beneath its centre."""
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
     normal = np.cross(b - a, c - a)
     flat = np.abs(normal[:, 2]) >= math.sqrt(0.5) * np.linalg.norm(normal, axis=1)
     flat &= np.abs(normal[:, 2]) > 0
     is_lowest = np.zeros(len(triangles), np.bool_)
-    for i in np.flatnonzero(flat):
-        centre = triangles[i].mean(axis=0)
-        below = heights_at(triangles, centre[0], centre[1])
-        is_lowest[i] = not (below < centre[2] - 1e-6).any()
+    centres, pairs = triangles.mean(axis=1), 0
+    for column, near in _columns(triangles, centres, np.flatnonzero(flat)):
+        pairs += len(column) * len(near)
+        if pairs > MOST_PAIRS:
+            raise InputError(
+                f"{place}: level faces of the mesh overlap too often; name the floor's objects under `ground`"
+            )
+        step = 1 + PAIRS_AT_ONCE // len(near)
+        for some in (column[k : k + step] for k in range(0, len(column), step)):
+            x, y, z = (centres[some, axis, None] for axis in range(3))
+            heights, hit = _crossings(triangles[near], x, y)
+            is_lowest[some] = ~(hit & (heights < z - EDGE_M)).any(axis=1)
     return is_lowest
+
+
+def _columns(triangles: Array, centres: Array, wanted: Faces) -> Iterator[tuple[Faces, Faces]]:
+    """Split the world into upright columns: the `wanted` faces with their centre there, and all faces that reach there.
+
+    Without columns, the time to compare all faces with each other grows with the square of their number.
+    """
+    low, high = triangles.min(axis=1)[:, :2] - EDGE_M, triangles.max(axis=1)[:, :2] + EDGE_M
+    origin, count = low.min(axis=0), min(COLUMNS, 1 + math.isqrt(len(triangles) // 16))
+    size_m = (high.max(axis=0) - origin) / count
+    places = (((xy - origin) / size_m).astype(np.int64).clip(0, count - 1) for xy in (low, high, centres[:, :2]))
+    first, last, own = places
+    for j in np.unique(own[wanted, 1]):
+        in_row = np.flatnonzero((first[:, 1] <= j) & (last[:, 1] >= j))
+        own_row = wanted[own[wanted, 1] == j]
+        for i in np.unique(own[own_row, 0]):
+            yield own_row[own[own_row, 0] == i], in_row[(first[in_row, 0] <= i) & (last[in_row, 0] >= i)]
 
 
 def heights_at(triangles: Array, x: float, y: float) -> Array:
     """(N,) heights at which the vertical line through (x, y) intersects the triangles [m]."""
+    heights, hit = _crossings(triangles, np.array([[x]]), np.array([[y]]))
+    return np.asarray(heights[hit])
+
+
+def _crossings(triangles: Array, x: Array, y: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Heights (P, F) at which the upright lines through x, y (P, 1) meet the triangles' planes; whether inside them."""
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
     area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         u = ((x - a[:, 0]) * (c[:, 1] - a[:, 1]) - (y - a[:, 1]) * (c[:, 0] - a[:, 0])) / area
         v = ((b[:, 0] - a[:, 0]) * (y - a[:, 1]) - (b[:, 1] - a[:, 1]) * (x - a[:, 0])) / area
         hit = (u >= 0) & (v >= 0) & (u + v <= 1) & (area != 0)
-        return np.asarray((a[:, 2] + u * (b[:, 2] - a[:, 2]) + v * (c[:, 2] - a[:, 2]))[hit])
+        return a[:, 2] + u * (b[:, 2] - a[:, 2]) + v * (c[:, 2] - a[:, 2]), hit
 
 
 def winding(triangles: Array, point: Sequence[float]) -> float:
@@ -207,15 +185,13 @@ def winding(triangles: Array, point: Sequence[float]) -> float:
 
 def section(triangles: Array, z_m: float) -> list[tuple[tuple[float, float], tuple[float, float]]]:
     """Segments (x, y) [m] in which the horizontal plane at height `z_m` intersects the triangles."""
-    segments = []
-    for triangle in triangles:
-        cuts = []
-        for p, q in ((0, 1), (1, 2), (2, 0)):
-            low, high = triangle[p], triangle[q]
-            if (low[2] < z_m) != (high[2] < z_m):
-                share = (z_m - low[2]) / (high[2] - low[2])
-                x, y = low[:2] + share * (high[:2] - low[:2])
-                cuts.append((float(x), float(y)))
-        if len(cuts) == 2:
-            segments.append((cuts[0], cuts[1]))
-    return segments
+    is_below = triangles[:, :, 2] < z_m
+    crossed = is_below.any(axis=1) & ~is_below.all(axis=1)
+    low, is_below = triangles[crossed], is_below[crossed]
+    high = np.roll(low, -1, axis=1)
+    is_cut = is_below != np.roll(is_below, -1, axis=1)  # two edges of each crossed triangle
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = (z_m - low[..., 2]) / (high[..., 2] - low[..., 2])
+        places = low[..., :2] + share[..., None] * (high[..., :2] - low[..., :2])
+    ends = places[is_cut].reshape(-1, 2, 2).tolist()
+    return [((x0, y0), (x1, y1)) for (x0, y0), (x1, y1) in ends]

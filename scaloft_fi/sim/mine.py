@@ -13,11 +13,15 @@ import numpy as np
 
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.mesh import Array, Faces, Mesh, heights_at, join, read_obj, section, split_floor, winding
+from scaloft_fi.sim.mesh import Array, Faces, Mesh, heights_at, join, section, split_floor, winding
+from scaloft_fi.sim.obj import FARTHEST_M, MeshLimits, read_obj
 from scaloft_fi.streams import generator
 
 SLAB_M = 0.5
 """Floor and ceiling extend beyond the footprint by this [m]."""
+
+MOST_CORNERS = 500
+"""Most corners of a footprint with its pillars; each side is compared with each other side."""
 
 Corner = tuple[float, float]
 Ring = tuple[Corner, ...]
@@ -110,19 +114,28 @@ def read_mine(item: Item) -> Mine:
         scale_item, ground_item = item.get("scale_m"), item.get("ground")
         scale = scale_item.number(above=0.0) if scale_item else 1.0
         floor = [name.text() for name in ground_item] if ground_item else []
+        limits = MeshLimits.read(item.get("mesh_limits"))
         item.close()
         path = _beside(mesh_item)
-        mesh, names = read_obj(path, mesh_item.place, scale)
+        mesh, names = read_obj(path, mesh_item.place, scale, limits)
         wall, ground = split_floor(mesh, names, floor, (ground_item or mesh_item).place)
         return Mine(wall, ground, False, wall_reflectivity, ground_reflectivity, (), math.nan)
-    outer = _ring(item.need("footprint"))
-    pillars_item = item.get("pillars")
-    pillars = tuple(_ring(ring) for ring in pillars_item) if pillars_item else ()
-    height_m = item.need("height_m").number(above=0.0)
-    cell_m = item.need("cell_m").number(least=0.1)
+    footprint_item, pillars_item = item.need("footprint"), item.get("pillars")
+    outer = _ring(footprint_item)
+    pillars = tuple(_ring(ring) for ring in pillars_item.items(most=MOST_CORNERS)) if pillars_item else ()
+    height_m = item.need("height_m").number(above=0.0, most=FARTHEST_M)
+    cell_item = item.need("cell_m")
+    cell_m = cell_item.number(least=0.1)
     roughness_m = item.need("roughness_m").number(least=0.0, most=0.5 * cell_m)
     item.close()
+    if (corners := sum(map(len, (outer, *pillars)))) > MOST_CORNERS:
+        allowed = f"must have at most {MOST_CORNERS} corners, pillars included"
+        raise InputError(f"{footprint_item.place}: footprint {allowed}, it has {corners:,}; a mesh may have more")
     rings = (_oriented(outer, 1.0), *(_oriented(ring, -1.0) for ring in pillars))
+    triangles = sum(2 * _rows(height_m, cell_m) * sum(_counts(ring, cell_m)) for ring in rings)
+    if triangles > MeshLimits.triangles:
+        allowed = f"so coarse that the walls have at most {MeshLimits.triangles:,} triangles, not {triangles:,}"
+        raise cell_item.error(allowed)
     walls = [_wall(ring, i, height_m, cell_m, roughness_m) for i, ring in enumerate(rings)]
     low, high = np.min(outer, axis=0) - SLAB_M, np.max(outer, axis=0) + SLAB_M
     ceiling, ground = _plate(low, high, height_m, upward=False), _plate(low, high, 0.0, upward=True)
@@ -135,7 +148,8 @@ def _beside(item: Item) -> Path:
 
 
 def _ring(item: Item) -> Ring:
-    points = tuple((x, y) for x, y in (corner.numbers(2) for corner in item))
+    corners = (corner.numbers(2, least=-FARTHEST_M, most=FARTHEST_M) for corner in item.items(most=MOST_CORNERS))
+    points = tuple((x, y) for x, y in corners)
     if len(points) < 3 or abs(_area(points)) < 1e-6:
         raise InputError(f"{item.place}: {item.name} must be a list of at least 3 corners [x, y] that enclose an area")
     if len(set(points)) < len(points):
@@ -189,13 +203,13 @@ def _plate(low: Array, high: Array, z_m: float, *, upward: bool) -> Mesh:
 def _wall(ring: Ring, number: int, height_m: float, cell_m: float, roughness_m: float) -> Mesh:
     """The wall along a ring as a strip of triangles; its grid points are displaced by up to `roughness_m`."""
     columns: list[tuple[float, float, float, float]] = []
-    for before, (x0, y0), (x1, y1) in zip(ring[-1:] + ring[:-1], ring, ring[1:] + ring[:1], strict=True):
+    sides = zip(ring[-1:] + ring[:-1], ring, ring[1:] + ring[:1], _counts(ring, cell_m), strict=True)
+    for before, (x0, y0), (x1, y1), count in sides:
         inward = _inward((x0, y0), (x1, y1))
-        count = max(1, round(math.hypot(x1 - x0, y1 - y0) / cell_m))
         for k in range(count):
             nx, ny = inward if k else _bisector(_inward(before, (x0, y0)), inward)
             columns.append((x0 + (x1 - x0) * k / count, y0 + (y1 - y0) * k / count, nx, ny))
-    rows = max(1, round(height_m / cell_m))
+    rows = _rows(height_m, cell_m)
     push = generator("mine", number).uniform(-roughness_m, roughness_m, (len(columns), rows + 1))
     grid = np.array(columns)
     vertices = np.empty((len(columns), rows + 1, 3))
@@ -208,6 +222,17 @@ def _wall(ring: Ring, number: int, height_m: float, cell_m: float, roughness_m: 
             a, b = i * (rows + 1) + j, right * (rows + 1) + j
             faces += [(a, b + 1, b), (a, a + 1, b + 1)]
     return Mesh(vertices.reshape(-1, 3), np.array(faces, np.int64))
+
+
+def _counts(ring: Ring, cell_m: float) -> list[int]:
+    """Number of grid cells along each side of a ring."""
+    sides = zip(ring, ring[1:] + ring[:1], strict=True)
+    return [max(1, round(math.hypot(x1 - x0, y1 - y0) / cell_m)) for (x0, y0), (x1, y1) in sides]
+
+
+def _rows(height_m: float, cell_m: float) -> int:
+    """Number of grid cells from floor to ceiling."""
+    return max(1, round(height_m / cell_m))
 
 
 def _inward(p: Corner, q: Corner) -> Corner:

@@ -13,6 +13,9 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.sim.patch import qualified
 from scaloft_fi.sim.range import Range, number_text, read_range
 
+MOST_VALUES = 200
+"""Most values of an axis; the world of each is read with the study."""
+
 AXIS_ID = re.compile(r"[A-Z][a-z]*")
 _LEVEL = re.compile(r"([A-Z][a-z]*)([0-9]{1,9})(?:=(-?[0-9]+(?:\.[0-9]+)?(?:e-?[0-9]{1,3})?))?")
 _NUMBER = re.compile(r"\bnumber\b")
@@ -158,7 +161,7 @@ def read_axis(name: str, item: Item) -> Axis:
 
 def _values(name: str, values_item: Item) -> tuple[AxisValue, ...]:
     values: list[AxisValue] = []
-    for entry in values_item:
+    for entry in values_item.items(most=MOST_VALUES):
         number_item = entry.need("id")
         number = number_item.whole()
         if number != len(values):

@@ -16,6 +16,9 @@ from scaloft_fi.stack.rates import STEP_S
 
 Array = NDArray[np.float64]
 
+SMALLEST, LARGEST = 1e-6, 1e4
+"""Bounds of every mass, inertia, length, thrust and time of a vehicle, far beyond those of any drone."""
+
 POSITION, ATTITUDE, VELOCITY, RATE = slice(0, 3), slice(3, 7), slice(7, 10), slice(10, 13)
 """Layout of the vehicle's state (13,): position [m, world], attitude quaternion x, y, z, w (body to world),
 velocity [m/s, world], angular rate [rad/s, world]."""
@@ -83,19 +86,20 @@ def read_vehicle(item: Item) -> Vehicle:
     inertia_item, hull_item, rotors_item, spins_item = (
         item.need(k) for k in ("inertia_kgm2", "hull_m", "rotors_m", "spins")
     )
-    inertia, hull, spins = inertia_item.numbers(3), hull_item.numbers(3), spins_item.numbers(4)
-    if min(inertia) <= 0:
-        raise inertia_item.error("3 numbers > 0")
-    if min(hull) <= 0:
-        raise hull_item.error("3 numbers > 0")
+    inertia, hull = (item.numbers(3, most=LARGEST) for item in (inertia_item, hull_item))
+    spins = spins_item.numbers(4)
+    if min(inertia) < SMALLEST:
+        raise inertia_item.error(f"3 numbers >= {SMALLEST:g}")
+    if min(hull) < SMALLEST:
+        raise hull_item.error(f"3 numbers >= {SMALLEST:g}")
     if any(abs(spin) != 1 for spin in spins):
         raise spins_item.error("4 numbers, each 1 or -1")
-    rotors = np.array([rotor.numbers(2) for rotor in rotors_item])
+    rotors = np.array([rotor.numbers(2, least=-LARGEST, most=LARGEST) for rotor in rotors_item])
     if rotors.shape != (4, 2):
         raise rotors_item.error("4 places [x, y]")
-    mass_kg = item.need("mass_kg").number(above=0.0)
+    mass_kg = item.need("mass_kg").number(least=SMALLEST, most=LARGEST)
     thrust_item = item.need("max_thrust_n")
-    max_thrust_n = thrust_item.number(above=0.0)
+    max_thrust_n = thrust_item.number(least=SMALLEST, most=LARGEST)
     if 4.0 * max_thrust_n <= mass_kg * GRAVITY_MPS2:
         raise InputError(
             f"{thrust_item.place}: max_thrust_n={max_thrust_n:g} must be > {mass_kg * GRAVITY_MPS2 / 4:.2f} to lift off"
@@ -106,11 +110,11 @@ def read_vehicle(item: Item) -> Vehicle:
         hull_m=(hull[0], hull[1], hull[2]),
         rotors=rotors,
         spins=np.array(spins),
-        moment_m=item.need("moment_m").number(above=0.0),
+        moment_m=item.need("moment_m").number(least=SMALLEST, most=LARGEST),
         max_thrust_n=max_thrust_n,
-        spin_up_s=item.need("spin_up_s").number(above=0.0),
-        spin_down_s=item.need("spin_down_s").number(above=0.0),
-        drag=item.need("drag_ns_per_m").number(least=0.0),
+        spin_up_s=item.need("spin_up_s").number(least=SMALLEST, most=LARGEST),
+        spin_down_s=item.need("spin_down_s").number(least=SMALLEST, most=LARGEST),
+        drag=item.need("drag_ns_per_m").number(least=0.0, most=LARGEST),
     )
     item.close()
     return vehicle

@@ -16,6 +16,7 @@ from scaloft_fi.sim.happenings import Happening, Surroundings, check_happenings,
 from scaloft_fi.sim.measures import SIGNALS
 from scaloft_fi.sim.mesh import Mesh
 from scaloft_fi.sim.mine import Mine, read_mine
+from scaloft_fi.sim.obj import FARTHEST_M
 from scaloft_fi.sim.optics import Scene
 from scaloft_fi.sim.roles import ROLES, Role
 from scaloft_fi.sim.signals import truth_signals
@@ -27,6 +28,9 @@ MARGIN_M = 0.001
 
 LEAST_M = 0.005
 """Least thickness of a body [m]."""
+
+MOST_BODIES, MOST_WAYPOINTS = 100, 1_000
+"""Each body costs time in every frame, and a signal in every log; each waypoint is checked in every situation."""
 
 SHAPES = ("box", "cylinder", "capsule")
 
@@ -170,15 +174,16 @@ class World:
         return Surroundings(self.scene, self.light, places, self.happenings)
 
 
-def read_world(item: Item) -> World:
-    """Read and check a world.
+def read_world(item: Item, mine: Mine | None = None) -> World:
+    """Read and check a world; `mine` is its mine, if that was read already.
 
     Raises:
         InputError: a value is not allowed, a key is unknown, a waypoint is not in open space.
     """
-    mine = read_mine(item.need("mine"))
-    bodies = {name: _body(name, body) for name, body in item.need("bodies").mapping().items()}
-    waypoint_items = item.need("waypoints").mapping()
+    mine_item = item.need("mine")
+    mine = read_mine(mine_item) if mine is None else mine
+    bodies = {name: _body(name, body) for name, body in item.need("bodies").mapping(most=MOST_BODIES).items()}
+    waypoint_items = item.need("waypoints").mapping(most=MOST_WAYPOINTS)
     mission_item = item.need("mission")
     home_item = mission_item.need("home")
     if "home" in waypoint_items:
@@ -241,18 +246,20 @@ def _body(name: str, item: Item) -> Body:
     shape = item.need("shape").choice(SHAPES)
     if shape == "box":
         size_item = item.need("size_m")
-        size = size_item.numbers(3)
+        size = size_item.numbers(3, most=FARTHEST_M)
         if min(size) < LEAST_M:
             raise size_item.error(f"3 numbers >= {LEAST_M:g}")
         form, height_m = mesh.box(size), size[2]
         core = mesh.box([edge - 2.0 * MARGIN_M for edge in size])
     else:
-        radius_m = item.need("radius_m").number(least=LEAST_M)
-        height_m = item.need("height_m").number(least=2.0 * radius_m if shape == "capsule" else LEAST_M)
+        radius_m = item.need("radius_m").number(least=LEAST_M, most=FARTHEST_M)
+        height_m = item.need("height_m").number(
+            least=2.0 * radius_m if shape == "capsule" else LEAST_M, most=2.0 * FARTHEST_M
+        )
         turned = mesh.cylinder if shape == "cylinder" else mesh.capsule
         form, core = turned(radius_m, height_m), turned(radius_m - MARGIN_M, height_m - 2.0 * MARGIN_M)
     position_item = item.need("position")
-    position = position_item.numbers()
+    position = position_item.numbers(least=-FARTHEST_M, most=FARTHEST_M)
     if len(position) not in (2, 3):
         raise position_item.error("[x, y] or [x, y, z of the foot]")
     foot_m = position[2] if len(position) == 3 else 0.0
@@ -273,7 +280,7 @@ def _body(name: str, item: Item) -> Body:
 def _mission(item: Item, waypoints: Collection[str]) -> MissionPlan:
     route_item = item.need("route")
     route = []
-    for entry in route_item:
+    for entry in route_item.items(most=MOST_WAYPOINTS):
         name = entry.text()
         if name != "home" and name not in waypoints:
             raise InputError(f"{entry.place}: no waypoint {name!r}{did_you_mean(name, ['home', *waypoints])}")

@@ -1,6 +1,6 @@
 """Builds the settings of a stack from plain data: nested frozen dataclasses and named tuples from mappings.
 
-An unknown, missing or mistyped setting is refused.
+An unknown, missing or mistyped setting is refused, and so is a number outside its `Bounds`.
 """
 
 from __future__ import annotations
@@ -8,9 +8,23 @@ from __future__ import annotations
 import dataclasses
 import difflib
 from collections.abc import Mapping
-from typing import Any, TypeVar, get_type_hints
+from typing import Annotated, Any, TypeVar, get_type_hints
 
 C = TypeVar("C")
+Number = TypeVar("Number", int, float)
+
+
+@dataclasses.dataclass(frozen=True)
+class Bounds:
+    """Allowed numbers of a setting, `least` <= number <= `most`: `Annotated[float, Bounds(least=0.0)]`."""
+
+    least: float = -1e9
+    most: float = 1e9
+
+
+Positive = Annotated[float, Bounds(least=1e-6)]
+NotNegative = Annotated[float, Bounds(least=0.0)]
+Count = Annotated[int, Bounds(least=1, most=1_000)]
 
 
 class ConfigError(ValueError):
@@ -28,7 +42,7 @@ def build(cls: type[C], data: Mapping[str, Any], path: str = "stack") -> C:
     Raises:
         ConfigError: naming the setting, what is wrong with it, and the nearest known name.
     """
-    hints = get_type_hints(cls)
+    hints = get_type_hints(cls, include_extras=True)
     names = list(getattr(cls, "_fields", None) or (field.name for field in dataclasses.fields(cls)))  # type: ignore[arg-type]
     for key in data:
         if key not in names:
@@ -43,6 +57,8 @@ def build(cls: type[C], data: Mapping[str, Any], path: str = "stack") -> C:
 
 
 def _convert(hint: Any, value: Any, path: str) -> Any:
+    marks = getattr(hint, "__metadata__", ())
+    hint = hint.__origin__ if marks else hint
     if dataclasses.is_dataclass(hint) or hasattr(hint, "_fields"):
         if not isinstance(value, Mapping):
             raise ConfigError(path, "must be a mapping of settings")
@@ -50,11 +66,11 @@ def _convert(hint: Any, value: Any, path: str) -> Any:
     if hint is float:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise ConfigError(path, f"{value!r} must be a number")
-        return float(value)
+        return float(_bounded(value, marks, path))
     if hint is int:
         if isinstance(value, bool) or not isinstance(value, int):
             raise ConfigError(path, f"{value!r} must be a whole number")
-        return value
+        return _bounded(value, marks, path)
     if hint is str or hint is bool:
         if not isinstance(value, hint):
             raise ConfigError(path, f"{value!r} must be {'a text' if hint is str else 'true or false'}")
@@ -62,6 +78,15 @@ def _convert(hint: Any, value: Any, path: str) -> Any:
     if not isinstance(value, list | tuple):
         raise ConfigError(path, f"{value!r} must be a list")
     inner = hint.__args__
-    if inner[-1] is not Ellipsis and len(inner) != len(value):
+    if inner[-1] is Ellipsis:
+        inner = inner[:1] * len(value)
+    if len(inner) != len(value):
         raise ConfigError(path, f"must be a list of {len(inner)}")
-    return tuple(_convert(inner[0], entry, f"{path}[{i}]") for i, entry in enumerate(value))
+    return tuple(_convert(inner[i], entry, f"{path}[{i}]") for i, entry in enumerate(value))
+
+
+def _bounded(value: Number, marks: tuple[Any, ...], path: str) -> Number:
+    bounds = next((mark for mark in marks if isinstance(mark, Bounds)), Bounds())
+    if not bounds.least <= value <= bounds.most:
+        raise ConfigError(path, f"{value!r} must be a number from {bounds.least:g} to {bounds.most:g}")
+    return value

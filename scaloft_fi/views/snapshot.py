@@ -14,7 +14,7 @@ from scaloft_fi.campaign.runs.choice import Remembered, remembered
 from scaloft_fi.campaign.runs.spending import spending_of
 from scaloft_fi.campaign.store.folder import campaign_folder, existing
 from scaloft_fi.campaign.store.held import Held, current_in, held_in, latest_in, nothing_to_show
-from scaloft_fi.campaign.store.platforms import warning_for
+from scaloft_fi.campaign.store.platforms import Platforms, warning_for
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.store.tracks import with_tracks
 from scaloft_fi.judge.outcome import Outcome
@@ -80,13 +80,27 @@ class Snapshot:
 
     @cached_property
     def platform(self) -> Mapping[str, str]:
-        """On which the campaign was flown, part by part."""
-        return self.store.meta()
+        """On which most flights that count were flown, part by part; `other platforms` tells of the rest."""
+        platform = next((one for one, _ in self._platforms.by_platform(self.held.current)), self._platforms.own)
+        return {**platform, **({"other platforms": self.mixture} if self.mixture else {})}
+
+    @cached_property
+    def mixture(self) -> str:
+        """A sentence about the platforms of the flights that count; empty for one platform."""
+        return self._platforms.mixture(self.held.current)
+
+    @cached_property
+    def _platforms(self) -> Platforms:
+        return Platforms(self.store)
 
     @cached_property
     def platform_warning(self) -> str:
-        """What a reader must know of the platform of the flights; empty when there is nothing."""
-        return warning_for(self.store)
+        """What a reader must know of the platforms of the flights; empty when there is nothing.
+
+        Raises:
+            InputError: there are no outcomes.
+        """
+        return warning_for(self._platforms, self.outcomes)
 
     @cached_property
     def choices(self) -> Sequence[Remembered]:

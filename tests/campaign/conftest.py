@@ -173,24 +173,35 @@ class DaskProcesses:
     """Schedulers and workers of Dask in processes of their own, on the loopback interface."""
 
     def __init__(self, folder: Path) -> None:
-        self._folder = folder
+        self.folder = self._folder = folder
+        self.key_file = folder / "cluster.key"
+        self.key_file.touch(mode=0o600)
+        self.key_file.write_text("a key of the tests, which only their workers have\n")
         self._all: list[subprocess.Popen[bytes]] = []
 
-    def scheduler(self, **environment: str) -> str:
+    def scheduler(self, *more: str, protocol: str = "tcp", **environment: str) -> str:
         """Start one; returns its HOST:PORT."""
         path = self._folder / f"scheduler-{len(self._all)}.json"
-        words = ("--port", "0", "--host", "127.0.0.1", "--no-dashboard", "--scheduler-file", path)
-        process = self._start("scheduler", *words, environment=environment)
+        words = ("--port", "0", "--host", f"{protocol}://127.0.0.1", "--no-dashboard", "--scheduler-file", path)
+        process = self._start("scheduler", *words, *more, environment=environment)
         while not (path.exists() and path.read_text().endswith("}")):
             assert process.poll() is None
             time.sleep(0.05)
-        return str(json.loads(path.read_text())["address"]).removeprefix("tcp://")
+        return str(json.loads(path.read_text())["address"]).removeprefix(f"{protocol}://")
 
-    def worker(self, address: str, *words: str, **environment: str) -> subprocess.Popen[bytes]:
-        """Start one with a thread."""
+    def worker(
+        self, address: str, *words: str | Path, protocol: str = "tcp", **environment: str
+    ) -> subprocess.Popen[bytes]:
+        """Start one with a thread and the key."""
+        environment = {"SCALOFT_CLUSTER_KEY": str(self.key_file), **environment}
         own = self._folder / f"worker-{len(self._all)}"
-        local = ("--host", "127.0.0.1", "--no-dashboard", "--nthreads", "1", "--local-directory", own)
-        return self._start("worker", f"tcp://{address}", *local, *words, environment=environment)
+        local = ("--host", f"{protocol}://127.0.0.1", "--no-dashboard", "--nthreads", "1", "--local-directory", own)
+        return self._start("worker", f"{protocol}://{address}", *local, *words, environment=environment)
+
+    @property
+    def key(self) -> bytes:
+        """What the key file holds."""
+        return self.key_file.read_bytes().strip()
 
     def _start(self, *words: str | Path, environment: Mapping[str, str]) -> subprocess.Popen[bytes]:
         log = (self._folder / f"dask-{len(self._all)}.log").open("wb")

@@ -1,14 +1,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import Result
 
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.store.folder import STORE_NAME
 from scaloft_fi.campaign.store.held import flight_named
-from scaloft_fi.cli.replay import _facts
+from scaloft_fi.campaign.store.key import flight_key
+from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.cli.replay import _compared, _facts
+from scaloft_fi.errors import GateError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.sim.log import NEVER_S, Ending, FlightLog
@@ -58,3 +64,64 @@ def test_a_requirement_that_the_flight_did_not_put_to_the_test_has_no_robustness
     said = [" ".join(line.split()) for line in _facts(study, flight, flown, log).splitlines()]
     assert "SR1 held, robustness 0.300" in said
     assert "SR2 vacuous" in said
+
+
+class _Replayed:
+    """LATE-human@3s in T0O0W0D0H1, stored on the platform numpy 1 and flown again on another."""
+
+    def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        self._folder, self._monkeypatch = folder, monkeypatch
+        self.study = Study.open(STUDY)
+        self.flight = flight_named(self.study, "LATE-human@3s", "T0O0W0D0H1", 0)
+        self.clean = Flight(None, self.flight.situation, 0)
+        self.outcome = Outcome(self.flight.subject, "T0O0W0D0H1", 0, "landed", carried=9, altered=3, digest="fault")
+        self.baseline = Outcome(self.clean.subject, "T0O0W0D0H1", 0, "landed", digest="clean")
+        with Store(folder / STORE_NAME) as store:
+            store.set_meta({"numpy": "1"})
+            store.put(flight_key(self.study, self.flight), self.outcome)
+            store.put(flight_key(self.study, self.clean), self.baseline)
+
+    def compared(self, numpy: str, outcome: Outcome, *, clean: str = "clean 2", same_platform: bool = False) -> str:
+        """What `replay` says of `outcome` on the platform `numpy`, whose baseline has the digest `clean`."""
+        self._monkeypatch.setattr("scaloft_fi.campaign.store.fingerprint.fingerprint", lambda: {"numpy": numpy})
+        again = replace(self.baseline, digest=clean)
+        self._monkeypatch.setattr("scaloft_fi.cli.replay._fly", lambda *_: again)
+        return _compared(self.study, f"{self._folder}/", self.flight, outcome, same_platform=same_platform)
+
+
+@pytest.fixture
+def replayed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> _Replayed:
+    return _Replayed(tmp_path, monkeypatch)
+
+
+def test_equal_digests_are_the_same_flight_on_every_platform(replayed: _Replayed) -> None:
+    for numpy in ("1", "2"):
+        assert replayed.compared(numpy, replayed.outcome, same_platform=True).startswith("bit for bit the flight in")
+
+
+def test_other_bits_on_the_same_platform_fail_the_gate(replayed: _Replayed) -> None:
+    with pytest.raises(GateError, match="flown on the same platform: digest fault there"):
+        replayed.compared("1", replace(replayed.outcome, digest="other"))
+
+
+def test_other_bits_on_another_platform_are_told_and_fail_the_strict_rule_only(replayed: _Replayed) -> None:
+    other = replace(replayed.outcome, digest="other")
+    said = replayed.compared("2", other)
+    assert "flown on another platform (numpy 2 here, 1 there), and the same status, ending and violations" in said
+    with pytest.raises(GateError, match=r"flown on another platform \(numpy 2 here, 1 there\): digest fault there"):
+        replayed.compared("2", other, same_platform=True)
+
+
+def test_another_status_beside_the_baseline_of_the_own_platform_is_named(replayed: _Replayed) -> None:
+    """The flight is masked here, because it equals the baseline of this platform."""
+    with pytest.raises(GateError, match=r"differs in more than bits .*\(masked, landed here, survived, landed there\)"):
+        replayed.compared("2", replace(replayed.outcome, digest="clean 2"))
+
+
+def test_a_stack_that_is_not_deterministic_is_compared_in_facts(
+    replayed: _Replayed, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    declared = replace(replayed.study.stack, deterministic=False)
+    monkeypatch.setitem(replayed.study.__dict__, "stack", declared)
+    said = replayed.compared("1", replace(replayed.outcome, digest="other"))
+    assert "flown on the same platform, and the same status, ending and violations" in said

@@ -10,6 +10,12 @@ from click.testing import Result
 from refusal import sentence
 
 from scaloft_fi.campaign.store.folder import STORE_NAME
+from scaloft_fi.campaign.store.platforms import claim
+from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.study import Study
+from scaloft_fi.views.snapshot import snapshot
+
+STUDY = Path(__file__).parents[2]
 
 Call = Callable[..., Result]
 
@@ -37,3 +43,22 @@ def test_flights_whose_baseline_is_not_home_wait_for_it_and_are_not_called_inval
 def test_there_is_no_status_of_a_campaign_that_was_never_flown(call: Call, tmp_path: Path) -> None:
     assert "no campaign was flown here" in sentence(call("status"))
     assert list(tmp_path.iterdir()) == []
+
+
+def test_every_verb_that_shows_a_campaign_of_two_platforms_says_so(call: Call, tmp_path: Path) -> None:
+    call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
+    with Store(tmp_path / "campaign" / STORE_NAME) as store:
+        assert "platform" not in call("status").stdout
+        flights = [flight.key for flight in store.flights() if (flight.situation, flight.seed) == ("T0O0W0D0H1", 0)]
+        rows = list(store.rows(flights))
+        claim(store, [("T0O0W0D0H1", 0)], {**store.meta(), "machine": "PDP-11"})
+        store.put_all(rows)
+        whole = len(list(store.flights())) - len(flights)  # without those that were set apart
+    mixture = f"{whole - len(rows)} flights of one platform and {len(rows)} of another (machine PDP-11, not "
+    said = " ".join(call("status").stdout.split())
+    assert mixture in said
+    assert f"stale, not counted {len(rows)} " in said
+    assert mixture in " ".join(call("score").stderr.split())
+    assert mixture in " ".join(call("export", "--format", "sace").stdout.split())
+    with snapshot(Study.open(STUDY), f"{tmp_path}/campaign") as now:
+        assert now.platform["other platforms"].startswith(mixture)

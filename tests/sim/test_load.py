@@ -77,17 +77,17 @@ def test_an_override_that_cannot_be_is_refused(study, path, value, sentence):
 
 
 BAD = [
-    ("vehicle.yaml", "mass_kg: 1.5", "mass_kg: -1.5", "mass_kg=-1.5 must be > 0"),
+    ("vehicle.yaml", "mass_kg: 1.5", "mass_kg: -1.5", "mass_kg=-1.5 must be >= 1e-06"),
     ("vehicle.yaml", "mass_kg: 1.5", "mass_kg: heavy", "mass_kg='heavy' must be a number"),
     ("vehicle.yaml", "max_thrust_n: 10.35", "max_thrust_n: 3", "max_thrust_n=3 must be > 3.68 to lift off"),
-    ("vehicle.yaml", "hull_m: [0.47, 0.47, 0.11]", "hull_m: [0.47, 0, 0.11]", "must be 3 numbers > 0"),
+    ("vehicle.yaml", "hull_m: [0.47, 0.47, 0.11]", "hull_m: [0.47, 0, 0.11]", "must be 3 numbers >= 1e-06"),
     ("vehicle.yaml", "hull_m: [0.47, 0.47, 0.11]", "hull_m: [0.47, 0.11]", "must be a list of 3 numbers"),
     ("vehicle.yaml", "spins: [1, 1, -1, -1]", "spins: [1, 1, -1, 0]", "must be 4 numbers, each 1 or -1"),
     ("vehicle.yaml", "  - [0.0935, 0.107]\n", "", "must be 4 places [x, y]"),
     ("vehicle.yaml", "drag_ns_per_m: 0.15", "drag: 0.15", "lacks the key 'drag_ns_per_m'"),
-    ("vehicle.yaml", "spin_up_s: 0.0125", "spin_up_s: 0", "spin_up_s=0 must be > 0"),
+    ("vehicle.yaml", "spin_up_s: 0.0125", "spin_up_s: 0", "spin_up_s=0 must be >= 1e-06"),
     ("sensors.yaml", "width: 64", "width: 64.5", "width=64.5 must be a whole number >= 2"),
-    ("sensors.yaml", "fov_deg: 59.0", "fov_deg: 180", "fov_deg=180 must be > 0 and <= 150"),
+    ("sensors.yaml", "fov_deg: 59.0", "fov_deg: 180", "fov_deg=180 must be >= 1 and <= 150"),
     ("sensors.yaml", "max_m: 8.0", "max_m: 0.2", "max_m=0.2 must be > 0.3"),
     ("sensors.yaml", "latency_s: 0.3", "latency_s: -3", "latency_s=-3 must be >= 0"),
     ("sensors.yaml", "best: 0.99", "best: 99", "best=99 must be >= 0 and <= 1"),

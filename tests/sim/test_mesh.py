@@ -80,45 +80,6 @@ def test_joining_keeps_every_triangle():
     assert np.array_equal(mesh.join(parts).triangles, np.concatenate([part.triangles for part in parts]))
 
 
-def test_an_obj_file_is_read_with_quads_negative_indices_and_objects(tmp_path):
-    path = tmp_path / "mine.obj"
-    path.write_text(
-        "# a square and a triangle\no floor\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1/1/1 2/2/1 3/3/1 4/4/1\n"
-        "g roof top\nv 0 0 1\nf -1 1 2\n"
-    )
-    form, names = mesh.read_obj(path, "world.yaml:3", 2.0)
-    assert names == ("floor", "floor", "roof top")
-    assert np.array_equal(form.triangles[2], [[0, 0, 2], [0, 0, 0], [2, 0, 0]])
-
-
-@pytest.mark.parametrize(
-    ("text", "sentence"),
-    [
-        ("v 0 0\nf 1 1 1\n", ":1: 'v 0 0' must be a vertex"),
-        ("v 0 0 nan\n", ":1: 'v 0 0 nan' must be"),
-        ("v 0 0 0\nf 1 2 3\n", ":2: 'f 1 2 3' must be"),
-        ("v 0 0 0\nv 0 0 1\nf 1 2\n", ":3: 'f 1 2' must be"),
-        ("v 0 0 0\nf 0 1 1\n", ":2: 'f 0 1 1' must be"),
-        ("v 0 0 0\n", "world.yaml:3: mesh="),
-    ],
-)
-def test_a_broken_obj_file_is_refused_with_its_line(tmp_path, text, sentence):
-    path = tmp_path / "mine.obj"
-    path.write_text(text)
-    with pytest.raises(InputError, match="must") as error:
-        mesh.read_obj(path, "world.yaml:3", 1.0)
-    assert sentence in str(error.value)
-
-
-@pytest.mark.parametrize("content", [None, b"\xff\xfe\x00"])
-def test_an_unreadable_obj_file_is_refused_with_the_place_that_names_it(tmp_path, content):
-    path = tmp_path / "mine.obj"
-    if content is not None:
-        path.write_bytes(content)
-    with pytest.raises(InputError, match=r"^world.yaml:3: mesh=.* cannot be read"):
-        mesh.read_obj(path, "world.yaml:3", 1.0)
-
-
 def test_without_a_name_the_floor_is_what_is_level_and_has_nothing_below():
     form = mesh.box((4, 4, 3))
     rock, floor = mesh.split_floor(form, [""] * len(form.faces), [], "world.yaml:3")
@@ -136,3 +97,20 @@ def test_a_mesh_that_is_all_floor_is_refused():
     form = mesh.box((4, 4, 3))
     with pytest.raises(InputError, match="must have a floor and walls"):
         mesh.split_floor(form, ["floor"] * len(form.faces), ["floor"], "world.yaml:3")
+
+
+def test_the_lowest_level_faces_are_the_floor_however_many_columns_there_are(monkeypatch):
+    rng = np.random.default_rng(0)
+    layers = [mesh.box((8, 8, 0.1)).moved((0, 0, z)) for z in (0.0, 3.0)]
+    bumps = [mesh.box(rng.uniform(0.1, 3.0, 3)).moved(rng.uniform(-4, 4, 3)) for _ in range(60)]
+    form = mesh.join([*layers, *bumps])
+    names = [""] * len(form.faces)
+    monkeypatch.setattr(mesh, "COLUMNS", 1)
+    whole = mesh.split_floor(form, names, [], "")
+    for columns in (2, 7, 128):
+        monkeypatch.setattr(mesh, "COLUMNS", columns)
+        for part, same in zip(mesh.split_floor(form, names, [], ""), whole, strict=True):
+            assert np.array_equal(part.triangles, same.triangles)
+    monkeypatch.setattr(mesh, "MOST_PAIRS", 1000)
+    with pytest.raises(InputError, match="overlap too often; name the floor's objects under `ground`"):
+        mesh.split_floor(form, names, [], "world.yaml:3")

@@ -20,6 +20,11 @@ from scaloft_fi.campaign.processes.lifeline import die_with
 THREAD_SETTINGS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 """A worker uses one core, so numeric libraries must not start threads.  Set these before numpy is imported."""
 
+HANGUP = (signal.SIGHUP,) if hasattr(signal, "SIGHUP") else ()
+"""Sent to every process of a terminal that closes; Windows has no such signal."""
+STOPS = frozenset({signal.SIGINT, *HANGUP})
+"""Signals that a terminal sends to all processes of a run: the run's own process answers, its workers ignore them."""
+
 Work = Callable[[Any, Callable[[Any], None]], None]
 """Called with a task and a callback for its results; an exception ends the run."""
 
@@ -93,11 +98,11 @@ def started_clean(work: Work, _others: Sequence[Connection]) -> Started:
 
 @contextmanager
 def _interrupts_blocked() -> Iterator[None]:
-    """Block Ctrl-C for processes that start in this context; this process receives it afterwards."""
+    """Block `STOPS` for processes that start in this context; this process receives them afterwards."""
     if not hasattr(signal, "pthread_sigmask"):  # on Windows a worker receives Ctrl-C until it ignores it
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, STOPS)
     try:
         yield
     finally:
@@ -118,13 +123,18 @@ class _Interpreter:
 
 
 def _run_worker(work: Work, connection: Connection, inherited: Sequence[Connection], parent: int) -> None:
-    """Run a worker: it ignores Ctrl-C, works on its tasks, and ends with its parent."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """Run a worker: it ignores `STOPS`, works on its tasks, and ends with its parent."""
+    _ignore_stops()
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     die_with(parent)
     for other in inherited:
         other.close()
     _serve(work, connection)
+
+
+def _ignore_stops() -> None:
+    for number in STOPS:
+        signal.signal(number, signal.SIG_IGN)
 
 
 def _serve(work: Work, connection: Connection) -> None:
@@ -145,7 +155,7 @@ def _serve(work: Work, connection: Connection) -> None:
 
 def _run_clean_worker(descriptor: int, parent: int) -> None:
     """Run a worker in a new interpreter; its standard input closes when its parent ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _ignore_stops()
     die_with(parent, sys.stdin.fileno())
     connection = Connection(descriptor)
     with suppress(EOFError):

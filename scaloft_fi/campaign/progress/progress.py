@@ -9,6 +9,9 @@ import time
 from collections.abc import Callable
 from typing import TextIO
 
+from scaloft_fi.console import show
+from scaloft_fi.inert import line
+
 LIVE_EVERY_S = 0.5
 LINE_EVERY_S = 10.0
 BAR_WIDTH = 24
@@ -57,18 +60,14 @@ class Progress:
 
     def line(self, text: str) -> None:
         """Print a permanent line above the live line."""
-        self._stream.write(f"\r\x1b[K{text}\n" if self._live else f"{text}\n")
+        told = line(text)
+        show(self._stream, f"\r\x1b[K{told}\n" if self._live else f"{told}\n")
         if self._live and self.done:
             self._show()
-        self._stream.flush()
 
     def close(self) -> None:
         """Print the last count as a permanent line."""
-        if self._live:
-            self._stream.write("\r\x1b[K")
-        if self.done:
-            self._stream.write(f"{self.summary()}\n")
-        self._stream.flush()
+        show(self._stream, "\r\x1b[K" * self._live + f"{self.summary()}\n" * bool(self.done))
 
     @property
     def time_left_s(self) -> float | None:
@@ -102,10 +101,9 @@ class Progress:
             whole_s = self.done_s + self.left_s()
             full = min(width, round(width * self.done_s / whole_s)) if whole_s else width
             bar = f"[{'#' * full}{'.' * (width - full)}] " if width else ""
-            self._stream.write(f"\r\x1b[K{f'{bar}{text}'[:room]}")
+            show(self._stream, f"\r\x1b[K{f'{bar}{text}'[:room]}")
         else:
-            self._stream.write(f"{text}\n")
-        self._stream.flush()
+            show(self._stream, f"{text}\n")
 
 
 class Silence(Progress):

@@ -8,7 +8,7 @@ from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.store.fingerprint import fingerprint
 from scaloft_fi.campaign.store.folder import campaign_folder, existing
 from scaloft_fi.campaign.store.key import Keys
-from scaloft_fi.campaign.store.platforms import unproved
+from scaloft_fi.campaign.store.platforms import Platforms
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, Outcome
@@ -25,7 +25,6 @@ def borrowed(study: Study, campaign: str, situations: Iterable[str]) -> tuple[Ou
     folder = campaign_folder(study, campaign)
     place, keys = f"--baseline-from={campaign!r}", Keys(study)
     with Store(existing(folder), create=False) as store:
-        changed = unproved(store, fingerprint())
         wanted = dict.fromkeys(situations)
         flown = {f.key: f for f in store.flights() if f.mutant == BASELINE and f.situation in wanted}
         flights = {
@@ -33,8 +32,9 @@ def borrowed(study: Study, campaign: str, situations: Iterable[str]) -> tuple[Ou
         }
         now = {keys.key(flight): flight for flight in flights.values()}
         lent = tuple(outcome for outcome in store.outcomes(now) if not outcome.invalid)
+        changed = Platforms(store).unproved(fingerprint(), lent, only_bits=True)
     if changed:
-        raise InputError(f"{place} was flown on another platform, its digests may differ: {', '.join(changed)}")
+        raise InputError(f"{place} was flown on another platform, its digests may differ: {'; '.join(changed)}")
     stale = [flight for key, flight in now.items() if key not in flown]
     if stale:
         raise InputError(f"{place}: {stale[0].name} was flown with other data or code; fly it again there")

@@ -19,8 +19,11 @@ from scaloft_fi.campaign.progress.reporter import Reporter
 from scaloft_fi.campaign.runs import gates
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.platform import prove_platform
+from scaloft_fi.campaign.store.fingerprint import fingerprint
 from scaloft_fi.campaign.store.folder import LOG_NAME, STORE_NAME, promising, writable
+from scaloft_fi.campaign.store.held import counting_flights, flight_named
 from scaloft_fi.campaign.store.key import Keys
+from scaloft_fi.campaign.store.platforms import Pair, Platforms, claim
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.workers.executor import Workers
 from scaloft_fi.campaign.workers.interrupt import Interrupted, interruptible
@@ -71,6 +74,8 @@ class Campaign:
         self._planned: Plan | None = None
         self._asking: set[str] = set()
         self._expected: set[Situation] = set()
+        self._ours, self._platforms = fingerprint(), Platforms(store)
+        self._claimed: set[Pair] = set()
         self.flown = 0
         self.repeats: list[Outcome] = []
 
@@ -89,6 +94,8 @@ class Campaign:
     def fly(self, flights: Iterable[Flight], arrange: Arrange | None = None) -> None:
         """Fly the `flights` that the store lacks, and the baselines that they share.
 
+        Where the store has flights of another platform in the same situation and seed, they are flown again too.
+
         Args:
             flights: the requested flights.
             arrange: arranges the flights in batches; `self.arrange` when None.
@@ -96,12 +103,15 @@ class Campaign:
         missing = self._missing(flights)
         if not missing:
             return
+        missing |= self._beside(missing.values())
         self.reporter.expect(missing.values())
         draws = {Flight(None, flight.situation, flight.seed): None for flight in missing.values()}
         keys = {flight.name: key for key, flight in missing.items()}
         asked = {flight.name: flight for flight in (*draws, *missing.values())}
         due = set(keys)
         for outcome in self._outcomes((arrange or self.arrange)(tuple(missing.values()))):
+            if not outcome.invalid:
+                self._claim((outcome.situation, outcome.seed))
             news = outcome.name in keys and self.store.put(keys[outcome.name], outcome)
             if outcome.name in due:
                 due.remove(outcome.name)
@@ -125,7 +135,7 @@ class Campaign:
     def repeat(self, flights: Sequence[Flight]) -> None:
         """Repeat the shortest of the stored `flights`, if this run flew any; a gate compares the digests."""
         missing = set(self.missing(flights))
-        done = [flight for flight in flights if flight not in missing]
+        done = [flight for flight in flights if flight not in missing and not self._foreign(_pair(flight))]
         if self.flown and done:
             self.repeats += self._outcomes(alone([min(done, key=self.weight_s)]))
 
@@ -179,6 +189,32 @@ class Campaign:
         self.reporter.progress.start()
         return self._workers.map(batches)
 
+    def _foreign(self, pair: Pair) -> bool:
+        """Whether the flights of a pair are of another platform, or would be taken for such flights."""
+        return pair not in self._claimed and not self._platforms.equal(self._platforms.of(pair), self._ours)
+
+    def _claim(self, pair: Pair) -> None:
+        """Make this platform that of a pair, at the pair's first flight on it."""
+        if self._foreign(pair):
+            claim(self.store, [pair], self._ours)
+            self._claimed.add(pair)
+
+    def _beside(self, flights: Iterable[Flight]) -> dict[str, Flight]:
+        """The stored flights of another platform in the situations and seeds of `flights`, by key."""
+        pairs = {pair for pair in map(_pair, flights) if self._foreign(pair)}
+        stored = counting_flights(self.study, self.store) if pairs else []
+        again = {
+            flown.key: flight_named(self.study, flown.mutant, flown.situation, flown.seed)
+            for flown in stored
+            if (flown.situation, flown.seed) in pairs
+        }
+        if again:
+            self.reporter.progress.line(
+                f"{len(again)} stored flights of another platform are flown again, because new flights of the same "
+                "situation and seed must have a baseline of this platform"
+            )
+        return again
+
     def _tracked(self, baseline: Outcome) -> Outcome:
         """The baseline with its track, which the store keeps in another table."""
         flight = Flight(None, self.study.grid.situation(baseline.situation), baseline.seed)
@@ -224,9 +260,12 @@ def opened(
     ):
         if not _all_flown(study, first, folder / STORE_NAME):
             workers.ready()
-        with Store(writable(folder) / STORE_NAME) as store:
-            prove_platform(study, store, workers, say=progress.line, stopped=stopped)
+        with Store(writable(folder) / STORE_NAME, say=progress.line) as store:
+            prove_platform(
+                study, store, workers, say=progress.line, stopped=stopped, same_platform=options.same_platform
+            )
             yield Campaign(study, folder, store, workers, progress, options, stopped)
+            store.confirm()
 
 
 def _all_flown(study: Study, flights: Iterable[Flight], path: Path) -> bool:
@@ -236,3 +275,7 @@ def _all_flown(study: Study, flights: Iterable[Flight], path: Path) -> bool:
     with Store(path, create=False) as store:
         keys = set(map(Keys(study).key, flights))
         return store.known(keys) == keys
+
+
+def _pair(flight: Flight) -> Pair:
+    return flight.situation.key, flight.seed

@@ -7,7 +7,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.campaign.runs.strategy import STRATEGIES, Asked, Draws
 from scaloft_fi.campaign.store.folder import STORE_NAME, promising, writable
@@ -97,9 +97,14 @@ class Remembered:
 
 
 def remembered(store: Store) -> tuple[Remembered, ...]:
-    """The recorded choices of a campaign."""
-    notes = [json.loads(text) for name, text in store.notes().items() if name.startswith(f"{NOTE} ")]
-    return tuple(
-        Remembered(one["choose"], one["seed"], one["pool"], tuple((key, number) for key, number in one["draws"]))
-        for one in sorted(notes, key=lambda one: (one["choose"], one["seed"]))
-    )
+    """The recorded choices of a campaign.
+
+    Raises:
+        InputError: a record is no choice.
+    """
+    return tuple(sorted(store.records(NOTE, _read), key=lambda one: (one.text, one.seed)))
+
+
+def _read(content: Any) -> Remembered:
+    draws = tuple((str(key), int(number)) for key, number in content["draws"])
+    return Remembered(str(content["choose"]), int(content["seed"]), int(content["pool"]), draws)

@@ -9,6 +9,7 @@ from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.campaign.runs.options import MOST_INVALID
 from scaloft_fi.errors import GateError
 from scaloft_fi.hazop.name import cell_of
+from scaloft_fi.judge.facts import digests
 from scaloft_fi.judge.flights import JudgedFlight, baselines_of, flights_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.judge.requirement import Compliance, Kind
@@ -76,11 +77,6 @@ def _differ(what: str, pairs: Iterable[tuple[Outcome, Outcome]]) -> Iterator[str
     names = [first.name for first, second in pairs if digests(first) != digests(second)]
     if names:
         yield f"{what}: {_listed(names)}"
-
-
-def digests(outcome: Outcome) -> tuple[str, str]:
-    """The digests that decide whether two flights are equal, bit for bit."""
-    return outcome.digest, outcome.perceived_digest
 
 
 def _placebos(outcomes: Sequence[Outcome]) -> Iterator[tuple[Outcome, Outcome]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,10 +11,13 @@ from scaloft_fi.campaign.runs.run import write_log
 from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
 from scaloft_fi.campaign.store.folder import STORE_NAME, existing, writable
 from scaloft_fi.campaign.store.held import current_in
-from scaloft_fi.campaign.store.store import Planned, Store
+from scaloft_fi.campaign.store.platforms import Pair, Platform, Platforms, claim, is_pair_note, set_apart
+from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.campaign.store.tables import Planned
 from scaloft_fi.errors import GateError
+from scaloft_fi.judge.facts import agreement, digests
 from scaloft_fi.judge.flights import baselines_of
-from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.space import Rank
 from scaloft_fi.study import Study
 
@@ -34,62 +37,165 @@ class Merged:
     warnings: tuple[str, ...]
 
 
-def merge(study: Study, folder: Path, sources: Sequence[Path]) -> Merged:
+def merge(study: Study, folder: Path, sources: Sequence[Path], *, same_platform: bool = False) -> Merged:
     """Merge the campaigns in `sources` into the campaign in `folder`, which need not exist.
 
-    Each part may have flown a control as its canary; the merge keeps the canary of an undivided run.
+    Each part may have flown a control as its canary; the merge keeps the canary of an undivided run.  Where two
+    platforms flew the same situation and seed with other baselines, the flights of the campaign that comes first stay.
+
+    Args:
+        study: the current study.
+        folder: folder of the campaign.
+        sources: folders of the campaigns that are merged.
+        same_platform: whether flights of another platform must have equal digests.
 
     Raises:
-        GateError: a flight has two different outcomes on one platform; nothing is written.
+        GateError: a flight has other digests on one platform, or other facts on two; nothing is written.
         InputError: a folder holds no campaign, or cannot be written.
     """
     stores = [existing(source) for source in sources]  # every source is checked before anything is created
     with Store(writable(folder) / STORE_NAME) as target:
-        rows, plans, warnings = dict(target.keyed()), list(target.planned()), list[str]()
-        before = {key for key, outcome in rows.items() if not outcome.invalid}
-        ours = target.meta()
-        known, taken = 0, dict[str, Path]()
+        joined = _Joined(study, target, folder, same_platform=same_platform)
+        before = joined.valid
+        plans, notes, known, warnings = list(target.planned()), dict[str, str](), 0, list[str]()
         for path in stores:
             with Store(path, create=False) as source:
-                theirs = source.meta()
-                ours = ours or theirs
-                changed = differences(ours, theirs) if theirs else []
-                if changed:
-                    warnings.append(f"{path.parent} was flown on another platform: {', '.join(changed)}")
-                for key, outcome in source.keyed():
-                    clash = _clash(rows.get(key), outcome)
-                    if clash and not changed:
-                        raise GateError(f"{outcome.name} in {path.parent} is not the flight in {folder}: {clash}")
-                    if clash and _violated(rows[key]) != _violated(outcome):
-                        warnings.append(f"{outcome.name} violates other requirements in {path.parent}; it is left out")
-                    known += key in rows
-                    if key not in rows or rows[key].invalid:
-                        rows[key], taken[key] = outcome, path
-                plans += source.planned()
-                target.set_notes(source.notes())
-        dropped = _spare_canaries(study, rows, plans)
-        target.set_meta(ours or fingerprint())
+                known += len(joined.rows.keys() & {flight.key for flight in source.flights()})
+                warnings += joined.join(source, path)
+                plans += [*source.planned(), *set_apart(source)]
+                notes |= source.notes()
+        dropped = _spare_canaries(study, joined.rows, plans)
+        target.set_meta(joined.own or fingerprint())
+        target.set_notes({name: text for name, text in notes.items() if not is_pair_note(name)})
         target.plan(flight for flight in plans if flight.key not in dropped)
+        joined.claim_pairs()
         for path in stores:
             with Store(path, create=False) as source:
-                keys = [key for key, where in taken.items() if where == path and key not in dropped]
+                keys = [key for key, where in joined.taken.items() if where == path and key not in dropped]
                 target.put_all(source.rows(keys))
         write_log(study, folder, current_in(study, target))
-    added = {key for key, outcome in rows.items() if not outcome.invalid} - before - dropped
-    return Merged(len(added), known, tuple(warnings))
+    return Merged(len(joined.valid - before - dropped), known, tuple(warnings))
 
 
-def _clash(first: Outcome | None, second: Outcome) -> str:
-    """The difference of two outcomes with the same key; empty for equal outcomes."""
-    if first is None or first.invalid or second.invalid:
-        return ""
-    if (first.digest, first.perceived_digest) != (second.digest, second.perceived_digest):
-        return f"digest {second.digest[:12]} there, {first.digest[:12]} here"
-    return ""
+class _Joined:
+    """The flights of the merged campaign so far.
+
+    Attributes:
+        rows: outcomes by key.
+        taken: path of the store from which an outcome comes, by key; without those of the merged campaign itself.
+        own: platform of the merged campaign.
+    """
+
+    def __init__(self, study: Study, target: Store, folder: Path, *, same_platform: bool) -> None:
+        self._study, self._target, self._folder, self._same_platform = study, target, folder, same_platform
+        self.rows, self.taken = dict(target.keyed()), dict[str, Path]()
+        self._known = Platforms(target)
+        self.own = self._known.own
+        self._apart = {flight.key for flight in set_apart(target)}
+        self._current = {outcome.name: outcome for outcome in current_in(study, target)}
+        self._pairs = {_pair(o): self._known.of(_pair(o)) for o in self._current.values() if not o.invalid}
+
+    @property
+    def valid(self) -> set[str]:
+        """Keys of the valid outcomes that were not set apart."""
+        return {key for key, outcome in self.rows.items() if not outcome.invalid} - self._apart
+
+    def join(self, source: Store, path: Path) -> list[str]:
+        """Add the flights of a store; returns the warnings.
+
+        Raises:
+            GateError: a flight has other digests on one platform, or other facts on two.
+        """
+        rows, known, apart = dict(source.keyed()), Platforms(source), {flight.key for flight in set_apart(source)}
+        self._apart |= apart
+        self.own = self.own or known.own
+        pairs = {_pair(o): known.of(_pair(o)) for key, o in rows.items() if not o.invalid and key not in apart}
+        other = {
+            pair: theirs
+            for pair, theirs in pairs.items()
+            if pair in self._pairs and not self._equal(self._pairs[pair], theirs, known)
+        }
+        for key, outcome in rows.items():
+            if _pair(outcome) not in other:
+                self._hold_equal(key, outcome, path)
+        current = current_in(self._study, source)
+        warnings = self._compare(current, other, known, path)
+        kept = _other_baselines(self.rows, rows, other)
+        apart = self._apart | self.rows.keys()
+        if out := [key for key, outcome in rows.items() if _pair(outcome) in kept and key not in apart]:
+            warnings.append(
+                f"{len(out)} flights of {path.parent} are left out, because {self._folder} has flights of another "
+                f"platform in the same situations and seeds ({len(kept)}); `run` flies what is missing there"
+            )
+        for key, outcome in rows.items():
+            if _pair(outcome) not in kept and (key not in self.rows or self.rows[key].invalid):
+                self.rows[key], self.taken[key] = outcome, path
+        self._current |= {o.name: o for o in current if _pair(o) not in kept and not self._has(o)}
+        self._pairs = pairs | self._pairs
+        return warnings
+
+    def claim_pairs(self) -> None:
+        """Record the platforms of the pairs of situation and seed in the merged campaign."""
+        now = Platforms(self._target)
+        for theirs in {tuple(sorted(platform.items())): platform for platform in self._pairs.values()}.values():
+            pairs = [pair for pair, platform in self._pairs.items() if platform == theirs]
+            claim(self._target, [pair for pair in pairs if not now.equal(now.of(pair), theirs)], theirs)
+
+    def _has(self, outcome: Outcome) -> bool:
+        return outcome.name in self._current and not self._current[outcome.name].invalid
+
+    def _equal(self, mine: Platform, theirs: Platform, known: Platforms) -> bool:
+        return self._known.equal(mine, theirs) or known.equal(mine, theirs)
+
+    def _hold_equal(self, key: str, outcome: Outcome, path: Path) -> None:
+        """Refuse a flight that has other digests on the same platform."""
+        first = self.rows.get(key)
+        if first is None or first.invalid or outcome.invalid or digests(first) == digests(outcome):
+            return
+        clash = f"digest {outcome.digest[:12]} there, {first.digest[:12]} here"
+        raise GateError(
+            f"{outcome.name} in {path.parent} is not the flight in {self._folder}: {clash}, on the same platform"
+        )
+
+    def _compare(
+        self, current: Sequence[Outcome], other: Mapping[Pair, Platform], known: Platforms, path: Path
+    ) -> list[str]:
+        """Compare the flights of a store with those of other platforms that the merged campaign has."""
+        flown = [(self.own, theirs) for theirs, _ in known.by_platform(current)]
+        flown += [(self._pairs[pair], theirs) for pair, theirs in other.items()]
+        changed = {", ".join(differences(ours, theirs)) for ours, theirs in flown} - {""}
+        if not changed:
+            return []
+        compared = agreement([outcome for outcome in current if _pair(outcome) in other], self._current.values())
+        platform = f"{path.parent} was flown on another platform than {self._folder} ({'; '.join(sorted(changed))})"
+        if compared.facts:
+            raise GateError(
+                f"{platform}, and {len(compared.facts)} of the flights that both have differ in more than bits: "
+                f"{compared.named()}; nothing was merged"
+            )
+        both = len(compared.equal) + len(compared.bits)
+        if self._same_platform and (compared.bits or not both):
+            why = f"other digests: {', '.join(compared.bits[:3])}" if both else "no flight in both to compare"
+            raise GateError(f"{platform}, and --same-platform allows equal digests only: {why}; nothing was merged")
+        if not both:
+            return [f"{platform}; no flight is in both, so nothing could be compared"]
+        told = f"{len(compared.equal)} have equal digests, and {len(compared.bits)} differ in bits only"
+        return [f"{platform}: of {both} flights in both {told}, with the same status, ending and violations"]
 
 
-def _violated(outcome: Outcome) -> list[str]:
-    return sorted(violation.requirement for violation in outcome.violations)
+def _other_baselines(mine: Mapping[str, Outcome], theirs: Mapping[str, Outcome], pairs: Collection[Pair]) -> set[Pair]:
+    """The `pairs` in which flights of two platforms may not be judged together: those without equal baselines."""
+    equal: dict[Pair, bool] = {}
+    for key, outcome in theirs.items():
+        pair = _pair(outcome)
+        if outcome.mutant == BASELINE and not outcome.invalid and pair in pairs:
+            same = key in mine and digests(mine[key]) == digests(outcome)
+            equal[pair] = equal.get(pair, True) and same
+    return {pair for pair in pairs if not equal.get(pair, False)}
+
+
+def _pair(outcome: Outcome) -> Pair:
+    return outcome.situation, outcome.seed
 
 
 def _spare_canaries(study: Study, rows: dict[str, Outcome], plans: Sequence[Planned]) -> set[str]:

@@ -5,11 +5,11 @@ The published log counts test cases; here a test case is a pair of situation and
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
 from typing import Any
 
 from scaloft_fi.analysis.roster import Roster
+from scaloft_fi.inert import json_text
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
@@ -83,4 +83,4 @@ def _entry(outcome: Outcome, violation: Violation) -> dict[str, Any]:
 
 def to_json(log: dict[str, Any]) -> str:
     """The text of the file."""
-    return json.dumps(log, indent=2, allow_nan=False) + "\n"
+    return json_text(log, indent=2) + "\n"

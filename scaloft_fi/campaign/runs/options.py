@@ -23,6 +23,7 @@ class RunOptions:
         budget_s: wall time after which no flight begins [s]; None = unlimited.
         max_invalid: greatest share 0..1 of invalid flights.
         warnings: whether each violation is shown when its outcome arrives, instead of only counted.
+        same_platform: whether only flights with the bits of this platform count.
         command: the command of the user, named in the message on how to resume; empty without a command line.
     """
 
@@ -33,4 +34,5 @@ class RunOptions:
     budget_s: float | None = None
     max_invalid: float = MOST_INVALID
     warnings: bool = False
+    same_platform: bool = False
     command: str = ""

@@ -20,8 +20,10 @@ from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.spending import remember_seeds, spending_of
 from scaloft_fi.campaign.store.folder import LOG_NAME
 from scaloft_fi.campaign.store.held import current_in
+from scaloft_fi.campaign.store.platforms import Platforms
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.output import write_whole
 from scaloft_fi.study import Study
 
 
@@ -34,12 +36,14 @@ class Report:
         flown: number of flights that this run flew.
         left: flights of the plan without an outcome, because the run ended early.
         spending: the campaign's spending of alpha on its mutants.
+        mixture: a sentence about the platforms of the outcomes; empty for one platform.
     """
 
     outcomes: tuple[Outcome, ...]
     flown: int
     left: tuple[Flight, ...] = ()
     spending: Spending = field(default_factory=Spending)
+    mixture: str = ""
 
 
 def run(
@@ -107,7 +111,8 @@ def finish(campaign: Campaign, planned: Plan, flights: Sequence[Flight], left: t
     campaign.reporter.close()
     outcomes = campaign.outcomes((*flights, *([canary] if canary else [])))
     write_log(campaign.study, campaign.folder, current_in(campaign.study, campaign.store))
-    return Report(outcomes, campaign.flown, left, spending_of(campaign.study, campaign.store))
+    mixture = Platforms(campaign.store).mixture(outcomes)
+    return Report(outcomes, campaign.flown, left, spending_of(campaign.study, campaign.store), mixture)
 
 
 def fly_pool(planned: Plan, campaign: Campaign, budget: Budget | None = None) -> tuple[Flight, ...]:
@@ -130,6 +135,6 @@ def write_log(study: Study, folder: Path, outcomes: Sequence[Outcome]) -> None:
     """
     path = folder / LOG_NAME
     try:
-        path.write_text(to_json(mission_log(outcomes, study.roster, study.space)), encoding="utf-8")
+        write_whole(path, to_json(mission_log(outcomes, study.roster, study.space)).encode())
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from error

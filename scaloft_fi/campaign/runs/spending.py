@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.analysis.scoring.detection import Spending
 from scaloft_fi.campaign.store.store import Store
@@ -42,9 +42,11 @@ def spending_of(study: Study, store: Store) -> Spending:
 def _asked(store: Store) -> dict[str, set[frozenset[int]]]:
     """The recorded sets of seeds by mutant."""
     asked: dict[str, set[frozenset[int]]] = {}
-    for name, text in store.notes().items():
-        if name.startswith(f"{NOTE} "):
-            content = json.loads(text)
-            for mutant in content["mutants"]:
-                asked.setdefault(mutant, set()).add(frozenset(content["seeds"]))
+    for mutants, seeds in store.records(NOTE, _read):
+        for mutant in mutants:
+            asked.setdefault(mutant, set()).add(seeds)
     return asked
+
+
+def _read(content: Any) -> tuple[list[str], frozenset[int]]:
+    return list(map(str, content["mutants"])), frozenset(map(int, content["seeds"]))

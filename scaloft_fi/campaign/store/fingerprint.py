@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import platform
+from collections.abc import Mapping
 from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
@@ -15,6 +16,24 @@ NUMERIC = ("numpy", "numba", "llvmlite", "filterpy", "scipy", "pybullet", "rtamt
 """Packages whose versions can change the last bit of a flight or a reading."""
 BRING_OPENBLAS = ("numpy", "scipy")
 """Packages whose wheels contain an OpenBLAS, in a folder `<package>.libs` beside the package."""
+DECIDES = {
+    "system": "yes, by its libraries",
+    "machine": "yes, by its instructions",
+    "processor": "yes: numba compiles for it, and OpenBLAS chooses its kernels by it",
+    "libc": "yes: sines, roots and exponentials",
+    "python": "yes: sums and mathematical functions",
+    "scaloft-fi": "no: the hash of its code is part of each flight's key",
+    "numpy": "yes",
+    "numba": "yes: the compiled kernels",
+    "llvmlite": "yes: the compiled kernels",
+    "filterpy": "yes: the covariance of the filter",
+    "scipy": "yes",
+    "pybullet": "yes: rigid bodies and contacts",
+    "rtamt": "no digest; the robustness of requirements",
+    "numpy kernels": "yes: the order of additions in a product",
+    "scipy kernels": "yes: the order of additions in a product",
+}
+"""Whether each part of a fingerprint decides the bits of a flight."""
 CORE_NAMES = tuple(f"{prefix}openblas_get_corename{suffix}" for prefix in ("scipy_", "") for suffix in ("64_", ""))
 """Possible names of OpenBLAS's function for the name of its kernels; the name depends on the build."""
 
@@ -33,10 +52,10 @@ def fingerprint() -> dict[str, str]:
     return facts | versions | {f"{package} kernels": _kernels(package) for package in BRING_OPENBLAS}
 
 
-def differences(ours: dict[str, str], theirs: dict[str, str]) -> list[str]:
-    """The differences, each as `numpy 2.4.6 here, 1.26.4 there`."""
+def differences(ours: Mapping[str, str], theirs: Mapping[str, str], words: str = "{} {} here, {} there") -> list[str]:
+    """The differences, each as `numpy 2.4.6 here, 1.26.4 there`, or in other `words`."""
     return [
-        f"{name} {ours.get(name, 'none')} here, {theirs.get(name, 'none')} there"
+        words.format(name, ours.get(name, "none"), theirs.get(name, "none"))
         for name in sorted(ours.keys() | theirs.keys())
         if ours.get(name) != theirs.get(name)
     ]

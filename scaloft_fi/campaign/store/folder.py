@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from pathlib import Path
 
-from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.errors import InputError, did_you_mean, shown
 from scaloft_fi.study import Study
 
 STORE_NAME = "outcomes.sqlite"
+LONGEST_NAME = 255
+"""Longest name of a file on the usual file systems [bytes]."""
 LOG_NAME = "mission_log.json"
 
 
@@ -19,10 +22,22 @@ def campaign_folder(study: Study, name: str) -> Path:
         InputError: the name is no valid name of a folder.
     """
     if "/" in name or os.sep in name:
-        return Path(name).expanduser()
-    if not name.strip() or name in {".", ".."} or "\0" in name:
-        raise InputError(f"--campaign: name={name!r} must be the name of a folder, such as 'default'")
+        return _reached(name)
+    if not name.strip() or name in {".", ".."} or "\0" in name or len(os.fsencode(name)) > LONGEST_NAME:
+        raise InputError(f"--campaign: name={shown(name)} must be the name of a folder, such as 'default'")
     return study.results_folder / "campaigns" / name
+
+
+def _reached(name: str) -> Path:
+    """The folder at the path `name`, which need not exist."""
+    try:
+        folder = Path(name).expanduser()
+        with suppress(FileNotFoundError, NotADirectoryError, PermissionError):
+            folder.stat()  # raises where the system refuses the name
+    except (OSError, RuntimeError, ValueError) as error:
+        reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
+        raise InputError(f"--campaign: name={shown(name)} must be the path of a folder: {reason}") from error
+    return folder
 
 
 def promising(folder: Path) -> None:

@@ -136,7 +136,7 @@ class _Now:
         what = mutant, situation, number
         known = self._stand.get(what)
         if known is None:  # origin and seed determine the key
-            known = self._stand[what] = self.origin(mutant, situation) == self._then[number]
+            known = self._stand[what] = self.origin(mutant, situation) == self._then.get(number)
         return known
 
     def why(self, flight: Flown) -> str:
@@ -144,9 +144,9 @@ class _Now:
         now = self.origin(flight.mutant, flight.situation)
         if isinstance(now, str):
             return now
-        if flight.origin is None:
+        then = None if flight.origin is None else self._then.get(flight.origin)
+        if then is None:
             return "flown for reasons that were not kept"
-        then = self._then[flight.origin]
         if then.platform:
             return f"flown on a platform with other digests: {then.platform}"
         words = {**_PARTS, "mutant": f"mutant {flight.mutant}"}

@@ -8,7 +8,7 @@ from typing import Any
 
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.store.origin import Origin
-from scaloft_fi.campaign.store.store import Planned
+from scaloft_fi.campaign.store.tables import Planned
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.study import Study
 

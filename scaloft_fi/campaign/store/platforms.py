@@ -1,83 +1,217 @@
-"""The platform of a store's flights, and the platforms on which a sample of them had the same digests."""
+"""The platforms of a store's flights, and what samples have shown of the platforms.
+
+A mutant may be judged beside a baseline of its own platform only, because a masked flight equals its baseline to the
+bit.  So all flights of one pair of situation and seed come from one platform: the store's own, which flew first, or the
+platform that a note names.  Flights of another platform in the pair are set apart first; they stay in the store.
+"""
 
 from __future__ import annotations
 
 import json
+import sqlite3
+from collections.abc import Iterable, Mapping
 from hashlib import sha256
+from typing import TypeVar
 
 from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
+from scaloft_fi.campaign.store.origin import Origin
+from scaloft_fi.campaign.store.selection import Flown
 from scaloft_fi.campaign.store.store import NOTE, Store
+from scaloft_fi.campaign.store.tables import Planned
+from scaloft_fi.errors import InputError
+from scaloft_fi.judge.outcome import Outcome
+
+Pair = tuple[str, int]
+"""Key of a situation, and a seed."""
+F = TypeVar("F", Flown, Outcome)
+Platform = Mapping[str, str]
+"""The fingerprint of a platform; empty for the platform of a store without flights."""
+BITS, FACTS = "sample agrees", "sample agrees in facts"
+"""What the sample of one platform's flights showed on another: equal digests; other digests and the same facts."""
+_PAIR, _PLATFORM = "platform of ", "platform "
+"""Beginnings of the names of notes: `platform of SITUATION/SEED` has a hash, `platform HASH` has the fingerprint."""
 
 
-def unproved(store: Store, ours: dict[str, str]) -> list[str]:
-    """The differences of the platform `ours` from the store's, each as `numpy 2.4.6 here, 1.26.4 there`.
+class Platforms:
+    """The platforms of a store at one moment.
 
-    Empty if no sample has to be flown: the platforms are equal, a sample on `ours` had the same digests, or the store
-    has no platform yet.
+    Args:
+        store: the store; it is read once.
+
+    Attributes:
+        own: platform of the flights of every pair without a note; empty in a new store.
+
+    Raises:
+        InputError: a note about a pair names no platform.
     """
-    theirs = store.meta()
-    return differences(ours, theirs) if theirs and _agreement(ours, theirs) not in store.notes() else []
+
+    def __init__(self, store: Store) -> None:
+        self.own: Platform = store.meta()
+        self._notes = store.notes()
+        self._own = _hash(self.own)
+        self._pairs: dict[Pair, str] = {}
+        self._platforms: dict[str, Platform] = {}
+        for name, hash_ in self._notes.items():
+            if not is_pair_note(name):
+                continue
+            try:
+                self._pairs[_pair(name.removeprefix(_PAIR))] = hash_
+                if hash_ not in self._platforms:
+                    entries = json.loads(self._notes[_PLATFORM + hash_])
+                    self._platforms[hash_] = {str(part): str(value) for part, value in entries.items()}
+            except (ValueError, KeyError, AttributeError) as error:
+                raise InputError(f"{store.path}: the note {name!r}={hash_!r} does not name a platform") from error
+
+    def of(self, pair: Pair) -> Platform:
+        """The platform of the flights of a pair."""
+        return self._named(self._pairs.get(pair, self._own))
+
+    def only(self, ours: Platform) -> bool:
+        """Whether every flight of the store has the bits of the platform `ours`."""
+        return not self._pairs and self.equal(self.own, ours)
+
+    def by_platform(self, flights: Iterable[F]) -> list[tuple[Platform, list[F]]]:
+        """The flights of each platform; the platform with most flights is first."""
+        listed, groups = list(flights), dict[str, list[F]]()
+        if not self._pairs:  # the store has one platform
+            return [(self.own, listed)] if listed else []
+        for flight in listed:
+            groups.setdefault(self._pairs.get((flight.situation, flight.seed), self._own), []).append(flight)
+        most_first = sorted(groups.items(), key=lambda group: (-len(group[1]), group[0]))
+        return [(self._named(hash_), group) for hash_, group in most_first]
+
+    def equal(self, first: Platform, second: Platform) -> bool:
+        """Whether the flights of two platforms have the same bits, as far as is known."""
+        return not first or first == second or self.shown(BITS, first, second)
+
+    def shown(self, what: str, first: Platform, second: Platform) -> bool:
+        """Whether a sample showed `what` (`BITS` or `FACTS`) of two platforms."""
+        return _shown(what, first, second) in self._notes or _shown(what, second, first) in self._notes
+
+    def unproved(self, ours: Platform, flights: Iterable[F], *, only_bits: bool = False) -> list[str]:
+        """The differences of each platform of `flights` from `ours`, without those of which a sample agreed on `ours`.
+
+        Args:
+            ours: a platform.
+            flights: flights of the store, or their outcomes.
+            only_bits: whether a sample must have had equal digests.
+        """
+        return [
+            ", ".join(differences(ours, theirs))
+            for theirs, _ in self.by_platform(flights)
+            if not (self.equal(theirs, ours) or (not only_bits and self.shown(FACTS, theirs, ours)))
+        ]
+
+    def mixture(self, outcomes: Iterable[Outcome]) -> str:
+        """A sentence about `outcomes` that come from several platforms; empty for one platform."""
+        groups = self.by_platform(outcomes)
+        if len(groups) < 2:
+            return ""
+        (first, most), *rest = groups
+        others = [
+            f"{len(flights)} of another ({', '.join(differences(other, first, '{} {}, not {}'))})"
+            for other, flights in rest
+        ]
+        return (
+            f"{len(most)} flights of one platform and {' and '.join(others)}: "
+            "each mutant is judged beside a baseline of its own platform"
+        )
+
+    def _named(self, hash_: str) -> Platform:
+        return self._platforms.get(hash_, self.own)
 
 
-def warning_for(store: Store) -> str:
-    """The warning about the store's platform for verbs that only read; empty without one."""
-    changed = unproved(store, fingerprint())
-    if not changed:
-        return ""
-    return f"flown on another platform, and no sample was flown again on this one: {', '.join(changed)}"
+def warning_for(known: Platforms, outcomes: Iterable[Outcome]) -> str:
+    """The warning about the platforms of `outcomes` for verbs that only read; empty without one."""
+    listed = list(outcomes)
+    changed = "; ".join(known.unproved(fingerprint(), listed))
+    unsampled = f"flown on another platform, and no sample was flown again on this one: {changed}" if changed else ""
+    return "; ".join(filter(None, (known.mixture(listed), unsampled)))
 
 
-def agree(store: Store, ours: dict[str, str]) -> None:
-    """Record that a sample on the platform `ours` had the digests of the store.
+def remember(store: Store, what: str, theirs: Platform, ours: Platform) -> None:
+    """Record what a sample of flights of the platform `theirs` showed on the platform `ours`.
+
+    Args:
+        store: the store.
+        what: `BITS` or `FACTS`.
+        theirs, ours: the platforms.
 
     Raises:
         InputError: the store cannot be written.
     """
-    store.set_notes({_agreement(ours, store.meta()): json.dumps(ours, sort_keys=True)})
+    store.set_notes({_shown(what, theirs, ours): json.dumps(dict(ours), sort_keys=True)})
 
 
-def outgrow(store: Store, ours: dict[str, str]) -> None:
-    """Make every flight of the store stale, as a flight of the earlier platform; the store's platform becomes `ours`.
+def claim(store: Store, pairs: Iterable[Pair], ours: Platform) -> None:
+    """Make `ours` the platform of `pairs`, and set the flights of another platform in these pairs apart as stale.
 
     The flights stay in the store under other keys, so nothing is lost.
 
     Raises:
         InputError: the store cannot be written.
     """
+    claimed = set(pairs)
     with store.transaction() as connection:
-        theirs = store.meta()
-        if theirs == ours:  # another process was faster
-            return
-        reason = ", ".join(differences(ours, theirs))
+        known, origins = Platforms(store), store.origins()
+        for pair in claimed:
+            theirs = known.of(pair)
+            if theirs != ours:
+                _set_apart(connection, origins, pair, theirs, ", ".join(differences(ours, theirs)))
+        notes = {_PLATFORM + _hash(ours): json.dumps(dict(ours), sort_keys=True)}
+        notes |= {f"{_PAIR}{situation}/{seed}": _hash(ours) for situation, seed in claimed}
+        connection.executemany(
+            "INSERT OR REPLACE INTO meta VALUES (?, ?)", [(NOTE + name, text) for name, text in notes.items()]
+        )
 
-        def apart(key: str) -> str:
-            return sha256(f"{_digest(theirs)}\n{key}".encode()).hexdigest()
 
-        connection.create_function("apart", 1, apart, deterministic=True)
-        fresh = [(number, origin) for number, origin in store.origins().items() if not origin.platform]
-        numbers = ", ".join(str(number) for number, _ in fresh)
-        for table in ("outcomes", "plan"):
-            # a flight that was set apart before for the same reason has the same bits: one is enough
-            connection.execute(
-                f"UPDATE OR REPLACE {table} SET key = apart(key) WHERE origin IS NULL OR origin IN ({numbers})"
-            )
-        for number, origin in fresh:
+def _set_apart(
+    connection: sqlite3.Connection, origins: Mapping[int, Origin], pair: Pair, theirs: Platform, reason: str
+) -> None:
+    """Give the flights of a pair keys that no request has, and origins with the reason."""
+    flights = connection.execute("SELECT key, origin FROM outcomes WHERE situation = ? AND seed = ?", pair).fetchall()
+    for key, number in flights:
+        origin = origins.get(number)
+        if origin is not None and origin.platform:  # it was set apart before
+            continue
+        if origin is not None:
             parts = json.dumps(origin._replace(platform=reason)._asdict())
-            known = connection.execute("SELECT id FROM origins WHERE parts = ?", (parts,)).fetchone()
-            if known is None:
-                connection.execute("UPDATE origins SET parts = ? WHERE id = ?", (parts, number))
-                continue
-            for table in ("outcomes", "plan"):
-                connection.execute(f"UPDATE {table} SET origin = ? WHERE origin = ?", (*known, number))
-            connection.execute("DELETE FROM origins WHERE id = ?", (number,))
-        connection.execute("DELETE FROM meta WHERE name NOT LIKE ?", (f"{NOTE}%",))
-        connection.executemany("INSERT INTO meta VALUES (?, ?)", ours.items())
+            connection.execute("INSERT INTO origins (parts) VALUES (?) ON CONFLICT (parts) DO NOTHING", (parts,))
+            (number,) = connection.execute("SELECT id FROM origins WHERE parts = ?", (parts,)).fetchone()
+        apart = sha256(f"{_digest(theirs)}\n{key}".encode()).hexdigest()
+        # a flight that was set apart before for the same reason has the same bits: one is enough
+        connection.execute("UPDATE OR REPLACE outcomes SET key = ?, origin = ? WHERE key = ?", (apart, number, key))
 
 
-def _agreement(ours: dict[str, str], theirs: dict[str, str]) -> str:
-    """The name of the note that a sample had the same digests on both platforms."""
-    return f"sample agrees: {_digest(theirs)[:16]} {_digest(ours)[:16]}"
+def set_apart(store: Store) -> list[Planned]:
+    """The flights that were set apart, as entries of a plan, which carry their origins into another store."""
+    origins = {number: origin for number, origin in store.origins().items() if origin.platform}
+    return [
+        Planned(flight.key, flight.mutant, flight.situation, flight.seed, origin=origins[flight.origin])
+        for flight in store.flights()
+        if flight.origin in origins
+    ]
 
 
-def _digest(platform: dict[str, str]) -> str:
-    return sha256(json.dumps(platform, sort_keys=True).encode()).hexdigest()
+def is_pair_note(name: str) -> bool:
+    """Whether a note says which platform flew a pair, so that it holds in its own store only."""
+    return name.startswith(_PAIR)
+
+
+def _pair(name: str) -> Pair:
+    situation, _, seed = name.rpartition("/")
+    return situation, int(seed)
+
+
+def _shown(what: str, theirs: Platform, ours: Platform) -> str:
+    """The name of the note about a sample of `theirs` on `ours`."""
+    return f"{what}: {_hash(theirs)} {_hash(ours)}"
+
+
+def _hash(platform: Platform) -> str:
+    """A short name of a platform."""
+    return _digest(platform)[:16]
+
+
+def _digest(platform: Platform) -> str:
+    return sha256(json.dumps(dict(platform), sort_keys=True).encode()).hexdigest()

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import sqlite3
+from contextlib import closing
+from functools import cache
 from hashlib import sha256
 
+from scaloft_fi.campaign.store.cells import shown
 from scaloft_fi.campaign.store.record import COLUMNS, to_row
 from scaloft_fi.judge.outcome import Outcome
 
@@ -39,6 +42,30 @@ def create(connection: sqlite3.Connection) -> None:
     for statement in _TABLES:
         connection.execute(statement)
     connection.execute(f"PRAGMA user_version={SCHEMA}")
+
+
+def deviation(connection: sqlite3.Connection) -> str:
+    """How the tables of a file differ from the tables of a store, in words; empty if they are equal.
+
+    A view or a trigger in the file could run for ever, so nothing of the file may be queried before this check.
+    """
+    found, expected = _entries(connection), _expected()
+    for entry in sorted(found - expected, key=repr):
+        return f"it has the {entry[0]} {shown(entry[1])}, which scaloft-fi does not make"
+    for entry in sorted(expected - found):
+        return f"it lacks the {entry[0]} {entry[1]!r}"
+    return ""
+
+
+@cache
+def _expected() -> frozenset[tuple[str, ...]]:
+    with closing(sqlite3.connect(":memory:", isolation_level=None)) as connection:
+        create(connection)
+        return _entries(connection)
+
+
+def _entries(connection: sqlite3.Connection) -> frozenset[tuple[str, ...]]:
+    return frozenset(connection.execute("SELECT type, name, tbl_name, sql FROM sqlite_master"))
 
 
 def insert(connection: sqlite3.Connection, key: str, outcome: Outcome) -> bool:

@@ -3,117 +3,71 @@
 from __future__ import annotations
 
 import json
-import os
 import sqlite3
-import time
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from types import TracebackType
-from typing import NamedTuple
+from typing import Any, TypeVar
 
+from scaloft_fi.campaign.store.cells import TooLargeError, decoded, most_flights, shown
+from scaloft_fi.campaign.store.opening import connected, is_new, prepare, sentences
 from scaloft_fi.campaign.store.origin import Origin
-from scaloft_fi.campaign.store.record import COLUMNS, Reader
-from scaloft_fi.campaign.store.schema import SCHEMA, create, insert
-from scaloft_fi.campaign.store.selection import Flown, Stands, outcomes, standing, under
+from scaloft_fi.campaign.store.place import Place, rescue, told_when_slow
+from scaloft_fi.campaign.store.record import Reader
+from scaloft_fi.campaign.store.schema import create as create_tables
+from scaloft_fi.campaign.store.schema import insert
+from scaloft_fi.campaign.store.selection import Flown, Stands, flown, outcomes, standing, tracked, under
+from scaloft_fi.campaign.store.tables import Planned, facts, origins, planned
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 
+T = TypeVar("T")
 NOTE = "note: "
 """Prefix of the names of notes in the table `meta`."""
-BUSY_S = 30.0
-"""Greatest time that a writer waits for another process [s]."""
-RETRY_S = 0.01
-"""Interval between attempts where SQLite does not wait by itself [s]."""
-_PAGE_BYTES = 16384
-"""Page size of a new file.  Outcomes lie between tracks, which scores skip; with larger pages they read fewer pages."""
-
-
-class Planned(NamedTuple):
-    """A planned flight.
-
-    Attributes:
-        key: key of the flight.
-        mutant, situation, seed: subject, situation and seed of the flight.
-        canary: whether the flight only proves that faults reach the drone.
-        origin: origin of the outcome; None if it is unknown.
-    """
-
-    key: str
-    mutant: str
-    situation: str
-    seed: int
-    canary: bool = False
-    origin: Origin | None = None
 
 
 class Store:
-    """Outcomes by key; a key is a hash of everything that can change the outcome.
+    """Outcomes by key, a hash of what can change the outcome; every `put` is in the file at `path` when it returns."""
 
-    A context manager; every `put` is on the disk when it returns.
-    """
+    def __init__(self, path: Path, *, create: bool = True, say: Callable[[str], None] | None = None) -> None:
+        """Open the store, to write if `create`, else to read; a missing store and its folder are created if `create`.
 
-    def __init__(self, path: Path, *, create: bool = True) -> None:
-        """Open the store, and create it and its folder if `create`; a store in a read-only folder is opened to read.
+        Args:
+            path: path of the file.
+            create: whether the store is opened to write.
+            say: prints a line for the user when a save takes long.
 
         Raises:
             InputError: the file cannot be opened or written, is no store, or has another version.
         """
-        self.path = path
+        self.path, self._say = path, say
+        self._saved = self._written = 0
         if not create and not path.is_file():
             raise InputError(f"{path}: there is no campaign here; `run` makes one")
-        with _sentences(path):
+        with sentences(path):
             if create:
                 path.parent.mkdir(parents=True, exist_ok=True)
-            # SQLite writes its log beside the file; in a read-only folder it must not try
-            fixed = not create and not os.access(path.parent, os.W_OK) and not _log(path).exists()
-            name = f"{path.absolute().as_uri()}?immutable=1" if fixed else str(path)
-            # rows are written one by one in explicit transactions
-            self._connection = sqlite3.connect(name, timeout=BUSY_S, isolation_level=None, uri=fixed)
+            self._connection = connected(path, write=create)
             try:
-                new = self._is_new()
-                if not fixed:
-                    self._prepare(new=new)
+                self._place = self._opened(create=create)
             except BaseException:
                 self._connection.close()
                 raise
 
-    def _prepare(self, *, new: bool) -> None:
-        self._connection.execute(f"PRAGMA page_size={_PAGE_BYTES}")
-        self._keep_log()
-        self._connection.execute("PRAGMA synchronous=FULL")
-        if not new:
-            return
-        with self.transaction() as connection:
-            if self._is_new():  # checked again, because another process may have been faster
-                create(connection)
-
-    def _keep_log(self) -> None:
-        """Turn on the write-ahead log; SQLite does not wait for another process that creates the same file."""
-        end_s = time.monotonic() + BUSY_S
-        while True:
-            try:
-                self._connection.execute("PRAGMA journal_mode=WAL")
-            except sqlite3.OperationalError as error:
-                if "locked" not in str(error) or time.monotonic() > end_s:
-                    raise
-                time.sleep(RETRY_S)
-            else:
-                return
-
-    def _is_new(self) -> bool:
-        """Whether the file has no tables yet.
-
-        Raises:
-            InputError: the file has tables of another version.
-        """
-        version = int(self._connection.execute("PRAGMA user_version").fetchone()[0])
-        if version not in (0, SCHEMA):
-            raise InputError(
-                f"{self.path}: another version of scaloft-fi wrote this store (schema {version}, not {SCHEMA}); "
-                "read it with that version, or fly again under another --campaign"
-            )
-        return version == 0
+    def _opened(self, *, create: bool) -> Place | None:
+        """Check and prepare the file; returns the place of a store that is written."""
+        new = is_new(self._connection, self.path)
+        if not create:
+            if new:
+                raise InputError(f"{self.path}: the file has no tables, so it holds no campaign; `run` makes one")
+            return None
+        prepare(self._connection)
+        if new:
+            with self._atomically():
+                if is_new(self._connection, self.path):  # checked again, because another process may have been faster
+                    create_tables(self._connection)
+        return Place(self.path)
 
     def __enter__(self) -> Store:
         return self
@@ -129,16 +83,56 @@ class Store:
 
     @contextmanager
     def transaction(self) -> Iterator[sqlite3.Connection]:
-        """Write atomically: all writes in the context are kept, or none if it raises."""
-        with _sentences(self.path):
-            self._connection.execute("BEGIN IMMEDIATE")
-            try:
-                yield self._connection
-                self._connection.execute("COMMIT")
-            except BaseException:
-                if self._connection.in_transaction:  # SQLite itself rolls back when the disk is full
-                    self._connection.execute("ROLLBACK")
-                raise
+        """Write atomically: all writes in the context are kept, or none if it raises.
+
+        Raises:
+            InputError: the store cannot be written, or is no longer at its place.
+        """
+        self._written = 0
+        with self._sentences(), told_when_slow(self.path, self._say), self._atomically() as connection:
+            yield connection
+        self._saved += self._written
+        self.confirm()
+
+    @contextmanager
+    def _atomically(self) -> Iterator[sqlite3.Connection]:
+        self._connection.execute("BEGIN IMMEDIATE")
+        try:
+            yield self._connection
+            self._connection.execute("COMMIT")
+        except BaseException:
+            if self._connection.in_transaction:  # SQLite itself rolls back when the disk is full
+                self._connection.execute("ROLLBACK")
+            raise
+
+    def confirm(self) -> None:
+        """Check that what was written is at its place; does nothing for a store that is only read.
+
+        Raises:
+            InputError: the file was removed, renamed, replaced or cut, or its folder can no longer be written.  The
+                message says what is kept and where; the flights of a lost file are copied.
+        """
+        if self._place is None:
+            return
+        lost = self._place.lost()
+        if lost:
+            raise InputError(f"{self.path}: the campaign's store is lost: {lost}; {self._rescued(self._place.path)}")
+        if self._place.is_locked():
+            raise InputError(f"{self.path}: the results folder can no longer be written; {self._kept()}")
+
+    def _rescued(self, path: Path) -> str:
+        """Copy the flights of a lost file; says where they are."""
+        try:
+            folder, flights = rescue(self._connection, path)
+        except (OSError, sqlite3.Error) as error:
+            return f"no copy of its flights could be made ({shown(str(error))})"
+        return f"a copy with its {_flights(flights)} is in {folder}, which --campaign takes"
+
+    def _kept(self) -> str:
+        return f"{_flights(self._saved)} of this command and all earlier ones are kept, and the same command resumes"
+
+    def _sentences(self) -> AbstractContextManager[None]:
+        return sentences(self.path, self._kept if self._place is not None else lambda: "")
 
     @contextmanager
     def snapshot(self) -> Iterator[None]:
@@ -149,7 +143,7 @@ class Store:
         if self._connection.in_transaction:
             yield
             return
-        with _sentences(self.path):
+        with self._sentences():
             self._connection.execute("BEGIN")
             try:
                 yield
@@ -163,7 +157,8 @@ class Store:
             InputError: the store cannot be written.
         """
         with self.transaction():
-            return insert(self._connection, key, outcome)
+            self._written = int(insert(self._connection, key, outcome))
+        return bool(self._written)
 
     def put_all(self, rows: Iterable[tuple[str, Outcome]]) -> None:
         """Write outcomes with their keys by the rule of `put`; after a failure none is written.
@@ -172,8 +167,7 @@ class Store:
             InputError: the store cannot be written.
         """
         with self.transaction():
-            for key, outcome in rows:
-                insert(self._connection, key, outcome)
+            self._written = sum(insert(self._connection, key, outcome) for key, outcome in rows)
 
     def get(self, key: str) -> Outcome | None:
         """The outcome with this key and its track; None without one."""
@@ -182,28 +176,23 @@ class Store:
     def rows(self, keys: Iterable[str] | None = None) -> Iterator[tuple[str, Outcome]]:
         """Yield every outcome, or those with `keys`, with key and track, ordered by key."""
         read = Reader()
-        track = "(SELECT tracks.track FROM tracks WHERE tracks.id = outcomes.track)"
-        query = f"SELECT {track}, {', '.join(COLUMNS)} FROM outcomes WHERE key = ?"
         for key in sorted(keys if keys is not None else (flight.key for flight in self.flights())):
-            with _sentences(self.path):
-                row = self._connection.execute(query, (key,)).fetchone()
-            if row is not None:
-                (outcome,) = read([row[1:]], [row[0] or b""])
+            with self._sentences():
+                outcome = tracked(self._connection, read, key)
+            if outcome is not None:
                 yield key, outcome
 
     def known(self, keys: Iterable[str]) -> set[str]:
         """The `keys` with a valid outcome."""
-        with _sentences(self.path):
+        with self._sentences():
             stored = {key for (key,) in self._connection.execute("SELECT key FROM outcomes")}
             invalid = self._connection.execute("SELECT key FROM outcomes WHERE invalid != ''")
             return stored.intersection(keys).difference(key for (key,) in invalid)
 
     def flights(self) -> list[Flown]:
         """The flights with an outcome, ordered by mutant, situation, seed; a fast query, answered by an index."""
-        with _sentences(self.path):
-            columns = ", ".join(Flown._fields)
-            order = "mutant, situation, seed, key"
-            return [Flown(*row) for row in self._connection.execute(f"SELECT {columns} FROM outcomes ORDER BY {order}")]
+        with self._sentences():
+            return flown(self._connection)
 
     def outcomes(self, keys: Iterable[str] | None = None) -> Iterator[Outcome]:
         """All outcomes, or those with `keys`, without their tracks, ordered by mutant, situation, seed."""
@@ -211,12 +200,12 @@ class Store:
 
     def keyed(self, keys: Iterable[str] | None = None) -> list[tuple[str, Outcome]]:
         """All outcomes, or those with `keys`, each with its key, in the order of `outcomes`."""
-        with _sentences(self.path):
+        with self._sentences():
             return list(outcomes(self._connection, None if keys is None else under(set(keys))))
 
     def standing(self, stands: Stands) -> tuple[Outcome, ...]:
         """The outcomes of the current flights, without their tracks, ordered by mutant, situation, seed."""
-        with _sentences(self.path):
+        with self._sentences():
             return tuple([outcome for _, outcome in outcomes(self._connection, standing(stands))])
 
     def plan(self, flights: Iterable[Planned]) -> None:
@@ -236,6 +225,9 @@ class Store:
                     " WHERE canary > excluded.canary",
                     (*flight[:5], origins[flight.origin] if flight.origin is not None else None),
                 )
+            (number,) = self._connection.execute("SELECT count(*) FROM plan").fetchone()
+            if number > most_flights():
+                raise TooLargeError("plan")
 
     def _origin(self, origin: Origin) -> int:
         """The number of an origin; flights with equal origins share one row."""
@@ -245,22 +237,13 @@ class Store:
 
     def origins(self) -> dict[int, Origin]:
         """The origins of all recorded flights by number."""
-        with _sentences(self.path):
-            rows = self._connection.execute("SELECT id, parts FROM origins").fetchall()
-        # one text for the decoder, whose call costs more than an origin
-        origins = json.loads(f"[{','.join(parts for _, parts in rows)}]")
-        return {number: Origin(**parts) for (number, _), parts in zip(rows, origins, strict=True)}
+        with self._sentences():
+            return origins(self._connection)
 
     def planned(self) -> list[Planned]:
         """All recorded plans, ordered by key."""
-        with _sentences(self.path):
-            origins = self.origins()
-            columns = "key, mutant, situation, seed, canary, origin"
-            rows = self._connection.execute(f"SELECT {columns} FROM plan ORDER BY key")
-            return [
-                Planned(key, mutant, situation, seed, bool(canary), origins.get(origin))
-                for key, mutant, situation, seed, canary, origin in rows
-            ]
+        with self._sentences():
+            return planned(self._connection)
 
     def set_meta(self, entries: Mapping[str, str]) -> None:
         """Record facts about the campaign, such as the fingerprint of the platform; the first value of a name stays.
@@ -289,25 +272,26 @@ class Store:
         """The notes recorded by `set_notes`."""
         return {name.removeprefix(NOTE): text for name, text in self._facts() if name.startswith(NOTE)}
 
+    def records(self, prefix: str, read: Callable[[Any], T]) -> list[T]:
+        """What `read` makes of the JSON of each note whose name begins with `prefix` and a space, in their order.
+
+        Raises:
+            InputError: a note is no JSON, or `read` raises an error for it.
+        """
+        found = []
+        for name, text in self.notes().items():
+            if name.startswith(f"{prefix} "):
+                try:
+                    found.append(read(decoded(text)))
+                except (ValueError, TypeError, KeyError, OverflowError) as error:
+                    row = f"table meta, name {shown(NOTE + name)}"
+                    raise InputError(f"{self.path}: {row}: value={shown(text)} must be a record of `run`") from error
+        return found
+
     def _facts(self) -> list[tuple[str, str]]:
-        with _sentences(self.path):
-            return list(self._connection.execute("SELECT name, value FROM meta ORDER BY name"))
+        with self._sentences():
+            return facts(self._connection)
 
 
-def _log(path: Path) -> Path:
-    """Path of SQLite's write-ahead log."""
-    return path.with_name(f"{path.name}-wal")
-
-
-@contextmanager
-def _sentences(path: Path) -> Iterator[None]:
-    """Turn errors of SQLite and of the file system into an `InputError` of one sentence."""
-    try:
-        yield
-    except sqlite3.DatabaseError as error:
-        if "disk is full" in str(error):
-            kept = "what was flown before is kept, and the same command resumes"
-            raise InputError(f"{path}: the campaign's store cannot be written: the disk is full; {kept}") from error
-        raise InputError(f"{path}: the campaign's store cannot be used: {error}") from error
-    except OSError as error:
-        raise InputError(f"{path}: the results folder cannot be written: {error.strerror}") from error
+def _flights(number: int) -> str:
+    return f"{number} flight{'s' * (number != 1)}"

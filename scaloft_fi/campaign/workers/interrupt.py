@@ -1,4 +1,4 @@
-"""Ctrl-C: the first signal lets a run save and end, the second signal ends it at once."""
+"""Ctrl-C, SIGTERM, SIGHUP: the first signal lets a run save and end, the second signal ends it at once."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
+from scaloft_fi.campaign.processes.start import HANGUP
 from scaloft_fi.errors import ScaloftError
 
 ECHO_S = 1.0
@@ -46,12 +47,16 @@ class Flag:
 
 @contextmanager
 def interruptible() -> Iterator[Flag]:
-    """In this context the first Ctrl-C (or SIGTERM) sets the flag, the second one raises."""
+    """In this context the first signal that asks to stop sets the flag, the second one raises.
+
+    A SIGHUP that is ignored, as `nohup` has it, stays ignored.
+    """
     flag = Flag()
     if threading.current_thread() is not threading.main_thread():  # only the main thread can handle signals
         yield flag
         return
-    before = {number: signal.signal(number, flag.raise_it) for number in (signal.SIGINT, signal.SIGTERM)}
+    hangup = [number for number in HANGUP if signal.getsignal(number) != signal.SIG_IGN]
+    before = {number: signal.signal(number, flag.raise_it) for number in (signal.SIGINT, signal.SIGTERM, *hangup)}
     try:
         yield flag
     finally:

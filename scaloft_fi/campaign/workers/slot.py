@@ -1,80 +1,137 @@
-"""The code in a Dask worker: each of its threads has a process that flies, and sends the outcomes as events."""
+"""The code in a Dask worker: each of its threads has a process that flies, and sends the outcomes as sealed events."""
 
 from __future__ import annotations
 
-import pickle
+import json
+import os
 import threading
-import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+from scaloft_fi.campaign.flights.fly import invalid
 from scaloft_fi.campaign.flights.worker import Flyer, Worker, left_of, lost
 from scaloft_fi.campaign.plan.batch import Batch
+from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.processes.pool import Pool
 from scaloft_fi.campaign.processes.start import started_clean
 from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
 from scaloft_fi.campaign.workers.bundle import digest_of, unpacked
-from scaloft_fi.errors import ScaloftError
+from scaloft_fi.campaign.workers.key import VARIABLE, Message, read_key, sealed, topic_of, unsealed
+from scaloft_fi.campaign.workers.plain import batch_from_plain, flyer_from_plain, outcome_to_plain
+from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.registry import in_one_line
 from scaloft_fi.study import Study
 
-TOPIC = "scaloft-fi"
-"""The topic of the events; one for all runs, because the scheduler keeps the last thousand events of each."""
+if TYPE_CHECKING:
+    from distributed import Worker as DaskWorker
+
 IDLE_S = 60.0
 """A process without a task for this time ends, because its run has ended or died [s, wall]."""
-ARRIVAL_S = 30.0
-"""Greatest time that a new worker waits for the study [s, wall]."""
 
-_idle: dict[tuple[Path, bytes], list[_Slot]] = defaultdict(list)
+_idle: dict[tuple[Path, str], list[_Slot]] = defaultdict(list)
+_taken: set[tuple[str, int]] = set()
 _lock = threading.Lock()
 
+Send = Callable[[str, Any], None]
 
-def fly_batch(
-    run: str, number: int, bundle: str, inputs: Mapping[str, str], platform: dict[str, str], work: bytes
-) -> None:
-    """Fly one batch; each outcome is sent as an event `(run, number, worker, kind, content)` when it is known.
+
+def join(order: str, bundle: bytes) -> None:
+    """Prove to a run that this worker has its key, and take its study.
+
+    Sends `ready`; or `refused` when the hashes of study or code are others than in the run; or `failed` when the study
+    cannot be read there; before that `platform` when the platform is another than the run's.
 
     Args:
-        run, number: id of the run, number of the batch.
-        bundle: hash of the study; every worker has received its file.
-        inputs: hashes of study and code in the run; a worker with other hashes flies nothing and sends `refused`.
-        platform: fingerprint of the run's platform; a worker on another platform sends its differences as `platform`.
-        work: flyer and batch, pickled, because another version of the package may be unable to read them.
+        order: a sealed message with the digest of the bundle, the hashes of the run's inputs, its platform.
+        bundle: the packed study.
 
     Raises:
-        Exception: the study cannot be flown.
+        ScaloftError: the order does not carry the key of this worker.
+    """
+    with _opened(order, "join") as (content, scratch, send, _):
+        if digest_of(bundle) != content["bundle"]:
+            raise InputError("the study that came is not the one that was sent")
+        ours, theirs = _study(unpacked(bundle, _folder(scratch, content))).inputs, content["inputs"]
+        other = [part for part, digest in theirs.items() if ours.get(part) != digest]
+        changed = differences(content["platform"], fingerprint())
+        if changed:
+            send("platform", ", ".join(changed))
+        if other:
+            parts = (f"{part} {ours.get(part, 'none')[:12]}, not {theirs[part][:12]}" for part in other)
+            send("refused", ", ".join(parts))
+        else:
+            send("ready", None)
+
+
+def fly_batch(order: str) -> None:
+    """Fly one batch; sends `begun`, then each `outcome` when it is known, or `failed` when the study cannot be flown.
+
+    Args:
+        order: a sealed message with the digest of the study's bundle, the flyer and the batch.
+
+    Raises:
+        ScaloftError: the order does not carry the key of this worker.
+    """
+    with _opened(order, "fly") as (content, scratch, send, stop):
+        send("begun", None)
+        folder = _folder(scratch, content)
+        batch = batch_from_plain(_study(folder), content["batch"])
+        flights = {flight.name: flight for flight in batch.flights}
+        with _slot(folder, content["flyer"], stop) as pool:
+            for outcome in pool.map([batch]):
+                _send_outcome(send, flights[outcome.name], outcome)
+
+
+def _send_outcome(send: Send, flight: Flight, outcome: Outcome) -> None:
+    try:
+        send("outcome", outcome_to_plain(outcome))
+    except ValueError as error:
+        send("outcome", outcome_to_plain(invalid(flight, f"its outcome cannot be sent: {error}")))
+
+
+@contextmanager
+def _opened(order: str, kind: str) -> Iterator[tuple[Mapping[str, Any], Path, Send, Callable[[], bool]]]:
+    """Content of a sealed order, folder of the worker, a function that sends, and whether the run gave the order up.
+
+    An error inside the context is sent as `failed`.
     """
     from distributed import get_worker
 
-    worker = get_worker()
-    key = worker.get_current_task()
+    worker: DaskWorker = get_worker()
+    task = worker.get_current_task()
+    path = os.environ.get(VARIABLE)
+    if not path:
+        raise InputError(f"{VARIABLE} is not set: start the worker with the path of the run's key file in it")
+    key = read_key(Path(path))
+    try:
+        message = unsealed(key, order)
+    except ValueError as error:
+        raise InputError(f"an order does not carry the key in {path}, and is not followed") from error
+    known = (message.run, message.number)
+    with _lock:
+        if message.kind != kind or message.worker not in ("", worker.address) or known in _taken:
+            raise InputError("an order was sent twice, or is for another worker, and is not followed")
+        _taken.add(known)
+    orders = iter(range(1, 1 << 31))
 
-    def send(kind: str, content: str | bytes) -> None:
-        worker.log_event(TOPIC, (run, number, worker.address, kind, content))
-
-    folder = _study(Path(worker.local_directory), bundle)
-    ours = _inputs(folder)
-    other = [part for part, digest in inputs.items() if ours.get(part) != digest]
-    if other:
-        send("refused", ", ".join(f"{part} {ours.get(part, 'none')[:12]}, not {inputs[part][:12]}" for part in other))
-        return
-    changed = differences(platform, fingerprint())
-    if changed:
-        send("platform", ", ".join(changed))
+    def send(kind: str, content: Any) -> None:
+        note = Message(message.run, message.number, worker.address, next(orders), kind, content)
+        worker.log_event(topic_of(key), sealed(key, note))
 
     def stop() -> bool:  # the run no longer wants the batch
-        state = worker.state.tasks.get(key)
+        state = worker.state.tasks.get(task)
         return state is None or state.state == "cancelled"
 
-    send("begun", "")
-    flyer, batch = pickle.loads(work)
-    with _slot(folder, flyer, stop) as pool:
-        for outcome in pool.map([batch]):
-            send("outcome", pickle.dumps(outcome))
+    try:
+        yield message.content, Path(worker.local_directory), send, stop
+    except Exception as error:  # noqa: BLE001 - an exception would reach the run as a pickle, which it does not read
+        send("failed", str(error) if isinstance(error, InputError) else in_one_line(error))
 
 
 @dataclass
@@ -110,11 +167,11 @@ class _Slot:
 
 
 @contextmanager
-def _slot(study: Path, flyer: Flyer, stop: Callable[[], bool]) -> Iterator[Pool[Batch, Outcome]]:
+def _slot(study: Path, flyer: Mapping[str, Any], stop: Callable[[], bool]) -> Iterator[Pool[Batch, Outcome]]:
     """The pool of an idle slot, else of a new slot; the slot is kept for the next batch, or closed after an error."""
-    slots = _idle[study, pickle.dumps(flyer)]
+    slots = _idle[study, json.dumps(flyer)]
     with _lock:
-        slot = slots.pop() if slots else _Slot(LateWorker(study, flyer))
+        slot = slots.pop() if slots else _Slot(LateWorker(study, flyer_from_plain(flyer)))
         if slot.expiry:
             slot.expiry.cancel()
     slot.stop = stop
@@ -138,25 +195,10 @@ def _expire(slots: list[_Slot], slot: _Slot) -> None:
     slot.pool.close()
 
 
-@lru_cache
-def _study(scratch: Path, bundle: str) -> Path:
-    """The folder of the study that was sent to `scratch`.
-
-    Raises:
-        ScaloftError: the study did not arrive in time.
-    """
-    due_s = time.monotonic() + ARRIVAL_S
-    while time.monotonic() < due_s:
-        try:
-            content = (scratch / bundle).read_bytes()
-        except FileNotFoundError:
-            content = b""
-        if digest_of(content) == bundle:
-            return unpacked(content, scratch / f"study-{bundle}")
-        time.sleep(0.05)
-    raise ScaloftError(f"the study did not reach the worker in {scratch}")
+def _folder(scratch: Path, content: Mapping[str, Any]) -> Path:
+    return scratch / f"study-{content['bundle']}"
 
 
 @lru_cache
-def _inputs(folder: Path) -> Mapping[str, str]:
-    return Study.open(folder).inputs
+def _study(folder: Path) -> Study:
+    return Study.open(folder)

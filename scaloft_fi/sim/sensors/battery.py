@@ -41,10 +41,10 @@ class BatteryConfig:
     @classmethod
     def read(cls, item: Item) -> BatteryConfig:
         """Read the `battery` of `sensors.yaml`."""
-        empty_cell_v = item.need("empty_cell_v").number(above=0.0)
+        empty_cell_v = item.need("empty_cell_v").number(least=1e-3)
         config = cls(
-            cells=item.need("cells").whole(least=1),
-            capacity_ah=item.need("capacity_ah").number(above=0.0),
+            cells=item.need("cells").whole(least=1, most=1_000),
+            capacity_ah=item.need("capacity_ah").number(least=1e-3),
             charge=item.need("charge").number(least=0.0, most=1.0),
             full_cell_v=item.need("full_cell_v").number(above=empty_cell_v),
             empty_cell_v=empty_cell_v,

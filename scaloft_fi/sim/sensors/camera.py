@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from scaloft_fi.document import Item
 from scaloft_fi.sim.raster import Camera, View
-from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
+from scaloft_fi.sim.sensors.sensor import LONGEST_S, SENSORS, FlightSetting, Moment, SensorKind
 from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.messages import DepthFrame
 from scaloft_fi.streams import Array, key_words
@@ -33,6 +33,8 @@ ONE, TWO, S11, S16, S27, S30, S31, S32, S48 = (np.uint64(n) for n in (1, 2, 11, 
 UNIT_53 = 2.0**-53
 IRWIN_HALL_MEAN = 2.0 * 65535.0
 IRWIN_HALL_SIGMA = math.sqrt(4.0 * (65536.0**2 - 1.0) / 12.0)
+MOST_PIXELS = 1_024
+"""Most pixels of the picture along each edge."""
 CERTAIN = 20.0
 """Beyond this number of widths the logistic curve counts as 0 or 1."""
 CLEAR = 5.0
@@ -72,9 +74,9 @@ class DepthConfig:
         min_m = item.need("min_m").number(least=0.0)
         config = cls(
             camera=Camera(
-                width=item.need("width").whole(least=2),
-                height=item.need("height").whole(least=2),
-                fov_rad=math.radians(item.need("fov_deg").number(above=0.0, most=150.0)),
+                width=item.need("width").whole(least=2, most=MOST_PIXELS),
+                height=item.need("height").whole(least=2, most=MOST_PIXELS),
+                fov_rad=math.radians(item.need("fov_deg").number(least=1.0, most=150.0)),
                 ahead_m=item.need("ahead_m").number(),
             ),
             min_m=min_m,
@@ -82,11 +84,11 @@ class DepthConfig:
             sigma_per_m=item.need("sigma_per_m").number(least=0.0),
             best=item.need("best").number(least=0.0, most=1.0),
             snr_half=item.need("snr_half").number(),
-            snr_width=item.need("snr_width").number(above=0.0),
+            snr_width=item.need("snr_width").number(least=1e-6),
             passive=item.need("passive").number(least=0.0),
-            passive_range_m=item.need("passive_range_m").number(above=0.0),
+            passive_range_m=item.need("passive_range_m").number(least=1e-3),
             active=item.need("active").number(least=0.0),
-            latency_s=item.need("latency_s").number(least=0.0),
+            latency_s=item.need("latency_s").number(least=0.0, most=LONGEST_S),
         )
         item.close()
         return config

@@ -15,7 +15,7 @@ import numpy as np
 
 from scaloft_fi.document import Item
 from scaloft_fi.sim.raster import View
-from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
+from scaloft_fi.sim.sensors.sensor import LONGEST_S, SENSORS, FlightSetting, Moment, SensorKind
 from scaloft_fi.stack.messages import Detections, Exposure, Person
 from scaloft_fi.streams import Table
 
@@ -62,15 +62,15 @@ class DetectorConfig:
             best=item.need("best").number(least=0.0, most=1.0),
             noise_light=item.need("noise_light").number(least=0.0),
             pixels_half=item.need("pixels_half").number(least=0.0),
-            pixels_width=item.need("pixels_width").number(above=0.0),
-            exposure_width_ev=item.need("exposure_width_ev").number(above=0.0),
+            pixels_width=item.need("pixels_width").number(least=1e-6),
+            exposure_width_ev=item.need("exposure_width_ev").number(least=1e-3),
             bearing_sigma_rad=math.radians(item.need("bearing_sigma_deg").number(least=0.0)),
             range_sigma=item.need("range_sigma").number(least=0.0),
             score_base=item.need("score_base").number(),
             score_slope=item.need("score_slope").number(),
             score_sigma=item.need("score_sigma").number(least=0.0),
             false_positives=item.need("false_positives").number(least=0.0, most=1.0),
-            latency_s=item.need("latency_s").number(least=0.0),
+            latency_s=item.need("latency_s").number(least=0.0, most=LONGEST_S),
         )
         item.close()
         return config

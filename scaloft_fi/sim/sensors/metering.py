@@ -30,7 +30,7 @@ class MeteringConfig:
     def read(cls, item: Item) -> MeteringConfig:
         """Read the `metering` of `sensors.yaml`."""
         config = cls(
-            mid=item.need("mid").number(above=0.0, most=1.0),
+            mid=item.need("mid").number(least=1e-6, most=1.0),
             sigma_ev=item.need("sigma_ev").number(least=0.0),
         )
         item.close()

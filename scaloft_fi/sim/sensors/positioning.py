@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from scaloft_fi.document import Item
-from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
+from scaloft_fi.sim.sensors.sensor import LONGEST_S, SENSORS, FlightSetting, Moment, SensorKind
 from scaloft_fi.stack.messages import Fix
 from scaloft_fi.streams import Table
 
@@ -31,7 +31,7 @@ class PositioningConfig:
         config = cls(
             sigma_m=item.need("sigma_m").number(least=0.0),
             yaw_sigma_rad=math.radians(item.need("yaw_sigma_deg").number(least=0.0)),
-            latency_s=item.need("latency_s").number(least=0.0),
+            latency_s=item.need("latency_s").number(least=0.0, most=LONGEST_S),
         )
         item.close()
         return config

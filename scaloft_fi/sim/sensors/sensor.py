@@ -104,4 +104,7 @@ class SensorKind:
         return self.latency_s(settings) if callable(self.latency_s) else self.latency_s
 
 
+LONGEST_S = 3_600.0
+"""Longest latency of a sensor [s]."""
+
 SENSORS = Registry[SensorKind]("sensor")

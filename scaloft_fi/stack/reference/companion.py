@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from scaloft_fi.stack.config import Count
 from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.messages import Bumper, DepthFrame, Exposure, SensorFrames
 from scaloft_fi.stack.reference.battery_monitor import BatteryMonitor
@@ -48,7 +49,7 @@ class CompanionConfig:
     pose_hover_s: float
     pose_span_s: float
     pose_reach_s: float
-    plan_every: int
+    plan_every: Count
     hover_p: float
     told_s: float
 

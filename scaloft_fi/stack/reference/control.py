@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from scaloft_fi.stack.config import Positive
 from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.reference.strapdown import GRAVITY_MPS2
@@ -49,12 +50,12 @@ class ControlConfig:
         land_mps: sink rate of a landing [m/s].
     """
 
-    mass_kg: float
-    inertia: tuple[float, float, float]
+    mass_kg: Positive
+    inertia: tuple[Positive, Positive, Positive]
     rotors: tuple[tuple[float, float], ...]
     spins: tuple[float, ...]
-    moment_m: float
-    max_thrust_n: float
+    moment_m: Positive
+    max_thrust_n: Positive
     position_p: tuple[float, float]
     velocity_p: tuple[float, float]
     velocity_i: tuple[float, float]

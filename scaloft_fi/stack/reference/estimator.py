@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from scaloft_fi.stack.config import NotNegative, Positive
 from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.messages import Fix, Imu
 from scaloft_fi.stack.reference.error_state import error_filter, plausible, transition
@@ -50,16 +51,16 @@ class EstimatorConfig:
         history_s: how long past estimates are kept for late fixes [s].
     """
 
-    rate_noise: float
-    force_noise: float
-    rate_bias_walk: float
-    force_bias_walk: float
-    fix_sigma_m: float
-    fix_yaw_sigma_rad: float
-    gate_sigma: float
-    reset_after_s: float
-    stale_after_s: float
-    history_s: float
+    rate_noise: NotNegative
+    force_noise: NotNegative
+    rate_bias_walk: NotNegative
+    force_bias_walk: NotNegative
+    fix_sigma_m: Positive
+    fix_yaw_sigma_rad: Positive
+    gate_sigma: NotNegative
+    reset_after_s: NotNegative
+    stale_after_s: NotNegative
+    history_s: NotNegative
 
 
 class Estimator:

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from scaloft_fi.stack.camera import DepthCamera
+from scaloft_fi.stack.config import Bounds, Count, NotNegative
 from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.messages import DepthFrame
 from scaloft_fi.stack.reference import voxels
@@ -35,13 +37,13 @@ class MemoryConfig:
         local_radius_m: the map holds the cells within this distance of the vehicle [m].
     """
 
-    voxel_m: float
+    voxel_m: Annotated[float, Bounds(least=0.01, most=100.0)]
     max_age_s: float
-    min_range_m: float
-    max_range_m: float
-    min_pixels: int
+    min_range_m: NotNegative
+    max_range_m: NotNegative
+    min_pixels: Count
     clear_margin_m: float
-    local_radius_m: float
+    local_radius_m: NotNegative
 
 
 class ObstacleMemory:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaloft_fi.stack.camera import DepthCamera
+from scaloft_fi.stack.config import Count
 from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.messages import DepthFrame
 from scaloft_fi.stack.reference.messages import CollisionFlag, PoseEstimate, Proximity
@@ -25,10 +26,10 @@ class ProximityConfig:
         min_pixels: pixels of a sector that must be in the band; the sector's range is that of the min_pixels-nearest.
     """
 
-    sectors: int
+    sectors: Count
     trigger_m: float
     band_m: float
-    min_pixels: int
+    min_pixels: Count
 
 
 class ProximityMonitor:

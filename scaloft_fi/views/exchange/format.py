@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
+from scaloft_fi.inert import json_text, printable
 from scaloft_fi.registry import Registry
 from scaloft_fi.views.exchange.dossier import Dossier
 
@@ -32,13 +32,13 @@ class ExportFormat:
     text: bool = True
 
     def content(self, dossier: Dossier) -> bytes:
-        """A campaign in this format, as the bytes of a file."""
+        """A campaign in this format, as the bytes of a file; a text is made printable, bytes are taken as they are."""
         made = self.make(dossier)
         if isinstance(made, bytes):
             return made
         if isinstance(made, str):
-            return made.encode()
-        return (json.dumps(made, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
+            return printable(made).encode()
+        return f"{json_text(made, indent=2, letters=True)}\n".encode()
 
 
 FORMATS: Registry[ExportFormat] = Registry("export format")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from scaloft_fi import __version__
+from scaloft_fi.reading import read_text
 from scaloft_fi.study import Study
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.snapshot import snapshot
@@ -28,5 +29,5 @@ def dossier(study: Study, campaign: str) -> Dossier:
         requirements=study.requirements,
         outcomes=outcomes,
         spending=spending,
-        sources={path.relative_to(study.folder).as_posix(): path.read_text(encoding="utf-8") for path in cells},
+        sources={path.relative_to(study.folder).as_posix(): read_text(path) for path in cells},
     )

@@ -7,24 +7,22 @@ themselves by safety or operability.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from xml.etree import ElementTree as ET
 
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.inert import line
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.format import export_format
 
 CONTROLS = "controls"
-_ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-"""What no XML 1.0 document may hold."""
 
 
 @export_format("junit", "a test per mutant, one that is not detected fails")
 def junit(dossier: Dossier) -> str:
     """The XML document."""
-    root = ET.Element("testsuites", name=_text(f"scaloft-fi {dossier.campaign}"))
+    root = ET.Element("testsuites", name=line(f"scaloft-fi {dossier.campaign}"))
     suites: dict[str, list[MutantScore]] = {}
     for mutant in dossier.score.mutants:
         suites.setdefault(mutant.subject.parameter, []).append(mutant)
@@ -41,13 +39,13 @@ def junit(dossier: Dossier) -> str:
 
 
 def _suite(dossier: Dossier, name: str, mutants: Sequence[MutantScore], kinds: Sequence[str]) -> ET.Element:
-    suite = ET.Element("testsuite", name=_text(name))
+    suite = ET.Element("testsuite", name=line(name))
     for mutant, kind in zip(mutants, kinds, strict=True):
-        case = ET.SubElement(suite, "testcase", classname=_text(f"scaloft-fi.{name}"), name=_text(mutant.subject.id))
+        case = ET.SubElement(suite, "testcase", classname=line(f"scaloft-fi.{name}"), name=line(mutant.subject.id))
         if kind:
             verdict = dossier.verdict(mutant)
             message = f"{verdict}; next: {dossier.next_command(mutant)}" if kind == "skipped" else verdict
-            ET.SubElement(case, kind, message=_text(message))
+            ET.SubElement(case, kind, message=line(message))
     suite.set("tests", str(len(mutants)))
     for count, kind in (("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):
         suite.set(count, str(kinds.count(kind)))
@@ -67,8 +65,3 @@ def _control_kind(control: MutantScore) -> str:
         return "error"
     verdicts = {control.verdict, control.operability.verdict}
     return "failure" if Verdict.NOT_DETECTED in verdicts and Verdict.UNDECIDED not in verdicts else "skipped"
-
-
-def _text(text: str) -> str:
-    """`text` with what XML cannot carry replaced."""
-    return _ILLEGAL.sub("\ufffd", text)

@@ -1,4 +1,7 @@
-"""All flights of a campaign as Parquet, typed, lists as lists: the rows of `export`, for data frames."""
+"""All flights of a campaign as Parquet, typed, lists as lists: the rows of `export`, for data frames.
+
+Texts are data here and stand as the store has them; only lone surrogates, which UTF-8 cannot hold, are spelled out.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +40,13 @@ def parquet(rows: Sequence[dict[str, Any]], columns: Sequence[str]) -> bytes:
     types |= {name: pyarrow.list_(pyarrow.string()) for name in LISTS}
     types |= {"violation_times_s": pyarrow.list_(pyarrow.float64())}
     schema = pyarrow.schema([(name, types.get(name, pyarrow.float64())) for name in columns])
-    table = pyarrow.Table.from_pylist(list(rows), schema=schema)
+    table = pyarrow.Table.from_pylist([{name: _utf8(row[name]) for name in columns} for row in rows], schema=schema)
     file = io.BytesIO()
     pyarrow.parquet.write_table(table, file, compression="zstd")
     return file.getvalue()
+
+
+def _utf8(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_utf8(entry) for entry in value]
+    return value.encode("utf-8", "backslashreplace").decode() if isinstance(value, str) else value

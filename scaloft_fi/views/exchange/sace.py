@@ -22,6 +22,7 @@ from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.format import export_format
 from scaloft_fi.views.ranges import ranges
 from scaloft_fi.views.score.verdict import NO_POOL
+from scaloft_fi.views.tables.literal import markdown
 from scaloft_fi.views.tables.table import Format, Table, render
 
 EDGES = 10
@@ -52,7 +53,8 @@ def verification_log(dossier: Dossier) -> tuple[Table, ...]:
 @export_format("sace", "the verification log, SACE artefact [SS], Markdown")
 def to_markdown(dossier: Dossier) -> str:
     """The log as a page."""
-    head = f"# Verification log (SACE artefact [SS])\n\nCampaign {dossier.campaign} of study {dossier.study}.\n\n"
+    campaign, study = markdown(dossier.campaign), markdown(dossier.study)
+    head = f"# Verification log (SACE artefact [SS])\n\nCampaign {campaign} of study {study}.\n\n"
     return head + render(verification_log(dossier), Format.MARKDOWN)
 
 

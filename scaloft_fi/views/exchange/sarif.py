@@ -47,6 +47,8 @@ def _result(dossier: Dossier, mutant: MutantScore, rule: int) -> dict[str, Any]:
         "ruleIndex": rule,
         "level": "note" if mutant.verdict is Verdict.UNDECIDED else "warning",
         "message": {"text": f"{mutant.subject.id} is {dossier.verdict(mutant)}."},
-        "locations": [{"physicalLocation": {"artifactLocation": {"uri": quote(name)}, "region": region}}],
+        "locations": [
+            {"physicalLocation": {"artifactLocation": {"uri": quote(name, errors="surrogateescape")}, "region": region}}
+        ],
         "partialFingerprints": {"mutant/v1": mutant.subject.id},
     }

@@ -6,22 +6,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.judge.flights import flights_of
-from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.judge.facts import Facts, facts_of
+from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.space import Space
-from scaloft_fi.judge.status import baseline_status
 from scaloft_fi.views.tables.table import Table
-
-
-@dataclass(frozen=True)
-class Said:
-    """What a campaign says of a flight: its status, and the requirements it violates."""
-
-    status: str
-    violated: tuple[str, ...]
-
-    def __str__(self) -> str:
-        return f"{self.status} {','.join(self.violated)}".strip()
 
 
 @dataclass(frozen=True)
@@ -31,8 +19,8 @@ class Difference:
     mutant: str
     situation: str
     seed: int
-    first: Said | None
-    second: Said | None
+    first: Facts | None
+    second: Facts | None
 
 
 @dataclass(frozen=True)
@@ -73,18 +61,13 @@ def comparison_table(comparison: Comparison, first: str, second: str) -> Table:
         for d in comparison.differences
     )
     note = (
-        f"{comparison.same} flights are the same bit for bit, {comparison.other_bits} more have the same status and "
-        f"violations; {len(rows)} differ."
+        f"{comparison.same} flights are the same bit for bit, {comparison.other_bits} more have the same status, "
+        f"ending and violations; {len(rows)} differ."
     )
     return Table(f"{first} and {second}", ("mutant", "situation", "seed", first, second), rows, (note,))
 
 
-def _said(outcomes: Iterable[Outcome]) -> dict[tuple[str, str, int], tuple[Said, str]]:
+def _said(outcomes: Iterable[Outcome]) -> dict[tuple[str, str, int], tuple[Facts, str]]:
     listed = list(outcomes)
-    statuses = {flight.outcome.name: flight.status.value for flight in flights_of(listed)}
-    flights = {}
-    for outcome in listed:
-        status = baseline_status(outcome) if outcome.mutant == BASELINE else statuses[outcome.name]
-        violated = tuple(reading.requirement for reading in outcome.readings if reading.violated)
-        flights[outcome.mutant, outcome.situation, outcome.seed] = Said(status, violated), outcome.digest
-    return flights
+    facts = facts_of(listed)
+    return {(o.mutant, o.situation, o.seed): (facts[o.name], o.digest) for o in listed}

@@ -18,12 +18,12 @@ status and first safety violation a row has
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Sequence
 from functools import cache
 from typing import Any
 
 from scaloft_fi.analysis.roster import Roster
+from scaloft_fi.inert import json_text
 from scaloft_fi.judge.flights import JudgedFlight, flights_of
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.robustness import measured_rho
@@ -108,11 +108,14 @@ def _row(outcome: Outcome, flight: JudgedFlight | None, requirements: Sequence[s
 
 def to_json(rows: Sequence[FlightRow]) -> str:
     """A JSON list, one flight a line."""
-    return "[\n" + ",\n".join(json.dumps(row, allow_nan=False) for row in rows) + "\n]\n" if rows else "[]\n"
+    return "[\n" + ",\n".join(json_text(row) for row in rows) + "\n]\n" if rows else "[]\n"
 
 
 def to_csv(rows: Sequence[FlightRow], columns: Sequence[str]) -> str:
-    """CSV with the same columns; lists joined by `;`, nothing where there is no value."""
+    """CSV with the same columns; lists joined by `;`, nothing where there is no value.
+
+    A text that would be a formula in a spreadsheet has a `'` before it: see `spreadsheet_text`.
+    """
     return csv_text(columns, ([_in_csv(row[name]) for name in columns] for row in rows))
 
 

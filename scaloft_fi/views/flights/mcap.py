@@ -7,10 +7,10 @@ Channels are JSON with their schemas in the file; `/pose` and `/path` have the s
 from __future__ import annotations
 
 import io
-import json
 from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.errors import InputError
+from scaloft_fi.inert import json_text
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.log import FlightLog
@@ -63,11 +63,11 @@ def mcap(log: FlightLog, name: str) -> bytes:
     signals = _object(**dict.fromkeys(log.signals, _NUMBER))
     channels = {}
     for topic, (title, schema) in {**SCHEMAS, "/signals": ("scaloft_fi.Signals", signals)}.items():
-        number = writer.register_schema(name=title, encoding="jsonschema", data=json.dumps(schema).encode())
+        number = writer.register_schema(name=title, encoding="jsonschema", data=json_text(schema).encode())
         channels[topic] = writer.register_channel(topic=topic, message_encoding="json", schema_id=number)
     for t_s, topic, message in _messages(log):
         stamp = round(t_s * 1e9)
-        data = json.dumps(message, allow_nan=False).encode()
+        data = json_text(message).encode()
         writer.add_message(channel_id=channels[topic], log_time=stamp, publish_time=stamp, data=data)
     writer.finish()
     return file.getvalue()

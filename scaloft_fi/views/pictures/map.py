@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from html import escape
 from math import ceil, floor, hypot
 
 from scaloft_fi.views.pictures.picture import Frame, Point, text
@@ -23,6 +22,7 @@ from scaloft_fi.views.pictures.symbols import (
     svg,
     waypoint,
 )
+from scaloft_fi.views.tables.literal import xml
 
 Segment = tuple[Point, Point]
 
@@ -190,7 +190,7 @@ def _places(frame: Frame, scene: MapScene) -> list[str]:
 
 def _body(frame: Frame, body: BodyOutline) -> str:
     style = body_style(body.kind)
-    outline = f'<polygon points="{frame.all(body.outline)}" {style}><title>{escape(body.kind)}</title></polygon>'
+    outline = f'<polygon points="{frame.all(body.outline)}" {style}><title>{xml(body.kind)}</title></polygon>'
     if not body.path:
         return outline
     (x, y), dashes = (

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from html import escape
 from pathlib import Path
+
+from scaloft_fi.views.tables.literal import xml
 
 Point = tuple[float, float]
 
@@ -70,7 +71,7 @@ def text(
     looks = (("text-anchor", anchor), ("fill", colour), ("font-size", size), ("font-weight", weight))
     style = "".join(f' {key}="{value}"' for key, value in looks if value)
     turned = f' transform="rotate({turn:g} {x:.1f} {y:.1f})"' if turn else ""
-    return f'<text x="{x:.1f}" y="{y:.1f}"{style}{turned}>{escape(words)}</text>'
+    return f'<text x="{x:.1f}" y="{y:.1f}"{style}{turned}>{xml(words)}</text>'
 
 
 def png(svg: str, zoom: float = 2.0) -> bytes:

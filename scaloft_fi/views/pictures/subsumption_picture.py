@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from html import escape
 from itertools import pairwise
 
 from scaloft_fi.analysis.kills.subsumption import Node, Subsumption
+from scaloft_fi.inert import printable
 from scaloft_fi.views.pictures.picture import text
 from scaloft_fi.views.pictures.symbols import FAINT, INK, svg
+from scaloft_fi.views.tables.literal import xml
 
 MARGIN, TOP = 24.0, 92.0
 LINE, PAD = 16.0, 8.0
@@ -76,7 +77,7 @@ def dot(graph: Subsumption) -> str:
     """The graph in the DOT language of Graphviz."""
 
     def quoted(words: str) -> str:
-        return '"' + words.replace("\\", "\\\\").replace('"', '\\"') + '"'
+        return '"' + printable(words).replace("\\", "\\\\").replace('"', '\\"') + '"'
 
     lines = ["digraph subsumption {", "  rankdir=LR; node [shape=box];"]
     for place, node in enumerate(graph.nodes):
@@ -145,7 +146,7 @@ def _box(node: Node, box: Box, *, thick: bool) -> list[str]:
     frame = f'x="{x:.1f}" y="{y:.1f}" width="{width:.1f}" height="{height:.1f}" rx="4"'
     parts = [
         "<g>",
-        f"<title>{escape(', '.join(node.mutants))}: killed in {escape(', '.join(sorted(node.kills)))}</title>",
+        f"<title>{xml(', '.join(node.mutants))}: killed in {xml(', '.join(sorted(node.kills)))}</title>",
         f'<rect {frame} fill="#ffffff" stroke="{INK}" stroke-width="{3 if thick else 1}"/>',
     ]
     lines = _lines(node)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from html import escape
 
 from scaloft_fi.sim.roles import ROLES
 from scaloft_fi.views.pictures.picture import FAMILY, text
+from scaloft_fi.views.tables.literal import xml
 
 FONT = f"{FAMILY}, Helvetica, Arial, sans-serif"
 RAMP = ("#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#a0da39")
@@ -29,7 +29,7 @@ def svg(wide: float, high: float, title: str, parts: Iterable[str], *, font_size
     """The text of an SVG file `wide` x `high` [px], white behind its parts."""
     box = f'width="{wide:.0f}" height="{high:.0f}" viewBox="0 0 {wide:.0f} {high:.0f}"'
     look = f'font-family="{FONT}" font-size="{font_size}" fill="{INK}"'
-    head = f'<svg xmlns="http://www.w3.org/2000/svg" {box} {look} role="img"><title>{escape(title)}</title>'
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" {box} {look} role="img"><title>{xml(title)}</title>'
     return "\n".join([head, '<rect width="100%" height="100%" fill="#ffffff"/>', *parts, "</svg>", ""])
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
+from scaloft_fi.inert import all_printable
 from scaloft_fi.judge.flights import JudgedFlight, flight_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.judge.requirement import Reading
@@ -174,7 +175,9 @@ def _pack(
             if outcome.mutant == BASELINE:
                 clean[outcome.seed] = place, rows
         records.append(record(outcome, baselines.get(outcome.seed), requirements) | {"track": place})
-    text = json.dumps({"flights": records, "tracks": tracks}, separators=(",", ":"), allow_nan=False).encode()
+    text = json.dumps(
+        {"flights": all_printable(records), "tracks": tracks}, separators=(",", ":"), allow_nan=False
+    ).encode()
     deflated = zlib.compress(struct.pack("<I", len(text)) + text + b"".join(body), DEFLATE)
     return records, base64.b64encode(deflated).decode()
 

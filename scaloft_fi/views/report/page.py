@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from importlib.resources import files
 from typing import Any
 
+from scaloft_fi.inert import all_printable
 from scaloft_fi.views.report.evidence import Evidence
 from scaloft_fi.views.report.figures import figures
 from scaloft_fi.views.report.flights import DETAILS, columns, packs
@@ -81,8 +82,8 @@ def html(content: Mapping[str, Any], packed: Mapping[str, str]) -> str:
 
 
 def inert(values: Any) -> str:
-    """JSON that nothing in HTML can take for markup: no `<`, `>` or `&` is left in it."""
-    text = json.dumps(values, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
+    """JSON of printable texts that nothing in HTML can take for markup: no `<`, `>` or `&` is left in it."""
+    text = json.dumps(all_printable(values), ensure_ascii=True, allow_nan=False, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 
 

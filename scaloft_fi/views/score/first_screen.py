@@ -17,11 +17,11 @@ from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.situations.coverage import Coverage
+from scaloft_fi.inert import line
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Status
 from scaloft_fi.views.score.answers import Answer, answers
-from scaloft_fi.views.tables.literal import printable
 from scaloft_fi.views.tables.table import WIDTH, Format, Table, render
 
 MANY, SHOWN = 12, 10
@@ -112,7 +112,7 @@ def _lines(table: Table, bold: bool) -> str:
     wide = max(len(str(name)) for name, _ in table.rows) + 2
     lines = []
     for name, text in table.rows:
-        wrapped = indent(fill(printable(str(text)), WIDTH - wide, break_on_hyphens=False), " " * wide).lstrip()
+        wrapped = indent(fill(line(str(text)), WIDTH - wide, break_on_hyphens=False), " " * wide).lstrip()
         lines.append(f"{_strong(str(name), bold)}{' ' * (wide - len(str(name)))}{wrapped}\n")
     return "".join(lines)
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
+from html import escape
 
-_CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
+from scaloft_fi.inert import line, printable
+
 _MARKDOWN = re.compile(r"([\\`*_\[\]<>&|~$#])")
 _LATEX = {
     "\\": r"\textbackslash{}",
@@ -21,20 +23,6 @@ _LATEX = {
 }
 FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "＠")  # noqa: RUF001 - those, too, begin a formula
 """What makes a spreadsheet take a text for a formula (OWASP, CSV injection)."""
-
-
-def printable(text: str) -> str:
-    r"""The text with control characters and lone surrogates spelled out: no terminal and no XML obeys them.
-
-    >>> printable("a\x1b[31mb\tc")
-    'a\\x1b[31mb\tc'
-    """
-    return _CONTROL.sub(lambda control: repr(control[0])[1:-1], text)
-
-
-def line(text: str) -> str:
-    """The printable text on one line."""
-    return " ".join(printable(text).split())
 
 
 def markdown(text: str) -> str:
@@ -55,11 +43,23 @@ def latex(text: str) -> str:
     return "".join(_LATEX.get(letter, letter) for letter in line(text))
 
 
-def spreadsheet_text(text: str) -> str:
-    """The text as a cell of a CSV that a spreadsheet opens: what would be a formula there gets OWASP's leading `'`.
+def xml(text: str) -> str:
+    r"""The text on one line as the content of an element or an attribute of XML.
 
-    >>> spreadsheet_text("=1+1"), spreadsheet_text("1+1")
-    ("'=1+1", '1+1')
+    >>> xml("<a>\x1b & \n b")
+    '&lt;a&gt;\\x1b &amp; b'
+    """
+    return escape(line(text))
+
+
+def spreadsheet_text(text: str) -> str:
+    r"""The text as a cell of a CSV that a spreadsheet opens: what would be a formula there gets OWASP's leading `'`.
+
+    So does a text that would look like one with it: who reads the file back takes one `'` away from each cell that
+    matches `'+[=+@-]` or the like (see `FORMULA`).
+
+    >>> spreadsheet_text("=1+1"), spreadsheet_text("1+1"), spreadsheet_text("'=1")
+    ("'=1+1", '1+1', "''=1")
     """
     shown = printable(text)
-    return f"'{shown}" if shown.startswith(FORMULA) else shown
+    return f"'{shown}" if shown.lstrip("'").startswith(FORMULA) else shown

@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from scaloft_fi.hazop.cell import CellStatus
-from scaloft_fi.views.tables.literal import latex, line, markdown, printable, spreadsheet_text
+from scaloft_fi.inert import line
+from scaloft_fi.views.tables.literal import latex, markdown
 from scaloft_fi.views.tables.table import Format, Table, csv_text, render
 from scaloft_fi.views.worksheet.worksheet import COLUMNS, Column, SheetRow, SheetValue, population
 
@@ -123,9 +124,5 @@ def _row(cells: Sequence[str], escape: Callable[[str], str]) -> str:
 
 def to_csv(rows: Sequence[SheetRow]) -> str:
     """Every column of every cell; a text that a spreadsheet would take for a formula begins with `'`."""
-    lines = ([_in_csv(row.values[column.key]) for column in COLUMNS] for row in rows)
+    lines = ([row.values[column.key] for column in COLUMNS] for row in rows)
     return csv_text([column.key for column in COLUMNS], lines)
-
-
-def _in_csv(value: SheetValue) -> SheetValue:
-    return spreadsheet_text(printable(value)) if isinstance(value, str) else value

@@ -260,13 +260,13 @@ def test_a_disk_that_fills_up_is_one_sentence_and_the_same_command_resumes(
     flown = len(log.flown)
     log.change = lambda _flight, outcome: replace(outcome, track=os.urandom(30_000))
     with monkeypatch.context() as patched:
-        open_store = Store._prepare
+        open_store = Store.__init__
 
-        def small(store: Store, *, new: bool) -> None:
-            open_store(store, new=new)
+        def small(store: Store, *words: Any, **options: Any) -> None:
+            open_store(store, *words, **options)
             store._connection.execute("PRAGMA max_page_count = 24")
 
-        patched.setattr(Store, "_prepare", small)
+        patched.setattr(Store, "__init__", small)
         with pytest.raises(InputError, match=r"c/outcomes\.sqlite: .* disk is full"):
             _run(study, log)
     with Store(study.folder / "c" / STORE_NAME, create=False) as store:

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from scaloft_fi.campaign.store.origin import Origin
 from scaloft_fi.campaign.store.selection import Flown
-from scaloft_fi.campaign.store.store import Planned, Store
+from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.campaign.store.tables import Planned
 from scaloft_fi.judge.outcome import Outcome
 
 M = "LATE-human@3s"

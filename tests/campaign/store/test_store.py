@@ -16,7 +16,8 @@ from hypothesis import HealthCheck, given, settings
 
 from scaloft_fi.campaign.store.origin import Origin
 from scaloft_fi.campaign.store.schema import SCHEMA
-from scaloft_fi.campaign.store.store import Planned, Store
+from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.campaign.store.tables import Planned
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 
@@ -205,17 +206,18 @@ def test_a_store_of_another_version_is_refused_and_left_alone(tmp_path: Path, sc
     assert path.read_bytes() == content
 
 
-@pytest.fixture
-def read_only(monkeypatch: pytest.MonkeyPatch) -> None:
+def _forbid_writing(monkeypatch: pytest.MonkeyPatch) -> None:
     """No folder can be written, as on a medium that is read only; permissions would not stop the superuser."""
     monkeypatch.setattr("os.access", lambda _path, _mode: False)
 
 
-@pytest.mark.usefixtures("read_only")
-def test_a_campaign_that_can_only_be_read_is_read_and_left_alone(tmp_path: Path) -> None:
+def test_a_campaign_that_can_only_be_read_is_read_and_left_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     path = tmp_path / "100% ours?" / "s.sqlite"
     with Store(path) as store:
         store.put("k", outcome(M))
+    _forbid_writing(monkeypatch)
     content = path.read_bytes()
     with Store(path, create=False) as store:
         assert list(store.outcomes()) == [outcome(M)]
@@ -226,11 +228,13 @@ def test_a_campaign_that_can_only_be_read_is_read_and_left_alone(tmp_path: Path)
     assert path.read_bytes() == content
 
 
-@pytest.mark.usefixtures("read_only")
-def test_what_a_writer_has_not_folded_into_the_file_is_read_all_the_same(tmp_path: Path) -> None:
+def test_what_a_writer_has_not_folded_into_the_file_is_read_all_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     path = tmp_path / "s.sqlite"
     with Store(path) as writer:
         writer.put("k", outcome(M))
+        _forbid_writing(monkeypatch)
         with Store(path, create=False) as store:
             assert list(store.outcomes()) == [outcome(M)]
 
@@ -255,3 +259,14 @@ def test_processes_that_begin_one_store_at_once_wait_for_each_other(tmp_path: Pa
         assert [said.get() for _ in processes] == [""] * 6
         for process in processes:
             process.join()
+
+
+def test_a_plan_above_the_limit_is_refused_before_anything_is_flown(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SCALOFT_MOST_FLIGHTS", "2")
+    with Store(tmp_path / "s.sqlite") as store:
+        store.plan([Planned(key, M, "T0O0W0D0H0", 0) for key in "ab"])
+        with pytest.raises(InputError, match=r"more rows than the limit for 2 flights; .* SCALOFT_MOST"):
+            store.plan([Planned("c", M, "T0O0W0D0H0", 0)])
+        assert [flight.key for flight in store.planned()] == ["a", "b"]

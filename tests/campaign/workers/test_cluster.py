@@ -8,8 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
-from importlib import import_module
+from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -21,8 +20,6 @@ from scaloft_fi.campaign.plan.batch import Batch
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.workers.cluster import Cluster
 from scaloft_fi.campaign.workers.interrupt import Interrupted
-from scaloft_fi.campaign.workers.local import Local
-from scaloft_fi.campaign.workers.named import executor_named
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.derive import realise
@@ -30,49 +27,6 @@ from scaloft_fi.study import Study
 
 ROOT = Path(__file__).parents[3]
 LATE, MORE = "LATE-human@3s", "MORE-goal@1m"
-FLYER = """
-import os, signal, time
-from dataclasses import dataclass
-from scaloft_fi.judge.outcome import Outcome
-
-@dataclass(frozen=True)
-class Flyer:
-    deadly: str = ""  # over this flight the Dask worker dies
-    slow_s: float = 0.0
-    mark: str = ""  # a file for the number of the process that flies
-
-    def prepare(self, study, say):
-        pass
-
-    def __call__(self, study, flight):
-        if self.mark:
-            with open(self.mark, "w") as file:
-                file.write(f"{os.getpid()}\\n")
-        time.sleep(self.slow_s)
-        if flight.name == self.deadly:
-            os.kill(os.getppid(), signal.SIGKILL)
-            time.sleep(60.0)
-        return Outcome(flight.subject, flight.situation.key, flight.seed, ending="landed", digest=str(study.folder))
-
-    def share(self, study, batch, home):
-        for flight in batch.flights:
-            home(self(study, flight))
-"""
-
-
-@pytest.fixture(scope="module")
-def flyer(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    """The class of a flyer that workers can import."""
-    folder = tmp_path_factory.mktemp("flyer")
-    (folder / "cluster_flyer.py").write_text(FLYER)
-    sys.path.insert(0, str(folder))
-    yield import_module("cluster_flyer").Flyer
-    sys.path.remove(str(folder))
-
-
-@pytest.fixture(scope="module")
-def reference() -> Study:
-    return Study.open(ROOT)
 
 
 @pytest.fixture(scope="module")
@@ -95,6 +49,9 @@ def _tasks(flights: list[Flight]) -> list[Batch]:
     return [Batch(tuple(f for f in flights if f.situation.key == key), shared=True) for key in keys]
 
 
+KEY = b"a key of the tests, which only their workers have"
+
+
 def _flown(
     address: str,
     study: Study,
@@ -105,7 +62,7 @@ def _flown(
     """What comes home, and what was said."""
     home: list[Outcome] = []
     said: list[str] = []
-    with Cluster(address).workers(study, flyer, stop=lambda: stop(home), say=said.append) as workers:
+    with Cluster(address, KEY).workers(study, flyer, stop=lambda: stop(home), say=said.append) as workers:
         home.extend(workers.map(_tasks(flights)))
     return home, said
 
@@ -122,7 +79,7 @@ def test_every_outcome_comes_home_once_and_was_flown_from_the_study_that_was_sen
     assert _names(home) == _names(flights)
     assert {outcome.invalid for outcome in home} == {""}
     assert said == []
-    (folder,) = {outcome.digest for outcome in home}
+    (folder,) = {outcome.stack_error for outcome in home}
     assert Path(folder) != ROOT
     assert (Path(folder) / "sim" / "world.yaml").read_bytes() == (ROOT / "sim" / "world.yaml").read_bytes()
 
@@ -130,7 +87,7 @@ def test_every_outcome_comes_home_once_and_was_flown_from_the_study_that_was_sen
 def test_outcomes_come_home_before_their_task_is_done(address: str, reference: Study, flyer: Any) -> None:
     times_s: list[float] = []
     batch = Batch(tuple(_flights(reference, LATE, MORE)[:3]), shared=True)
-    with Cluster(address).workers(reference, flyer(slow_s=0.5), stop=lambda: False, say=print) as workers:
+    with Cluster(address, KEY).workers(reference, flyer(slow_s=0.5), stop=lambda: False, say=print) as workers:
         times_s.extend(time.monotonic() for _ in workers.map([batch]))
     assert min(later - sooner for sooner, later in pairwise(times_s)) > 0.25
 
@@ -153,7 +110,7 @@ def test_what_flies_for_a_run_that_is_killed_ends_with_it(
         "from scaloft_fi.campaign.plan.batch import Batch\n"
         "from scaloft_fi.study import Study\n"
         f"study, flyer = Study.open({str(ROOT)!r}), cluster_flyer.Flyer(slow_s=300.0, mark={str(tmp_path / 'pid')!r})\n"
-        f"with Cluster({address!r}).workers(study, flyer, stop=lambda: False, say=print) as workers:\n"
+        f"with Cluster({address!r}, {KEY!r}).workers(study, flyer, stop=lambda: False, say=print) as workers:\n"
         "    list(workers.map([Batch((Flight(None, study.grid.situations[0], 0),))]))\n"
     )
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
@@ -166,7 +123,7 @@ def test_what_flies_for_a_run_that_is_killed_ends_with_it(
 
 
 def test_another_platform_is_said(address: str, reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("scaloft_fi.campaign.workers.cluster.fingerprint", lambda: {"machine": "PDP-11"})
+    monkeypatch.setattr("scaloft_fi.campaign.workers.cluster_run.fingerprint", lambda: {"machine": "PDP-11"})
     home, said = _flown(address, reference, flyer(), _flights(reference))
     assert len(home) == 3
     assert len(said) == 1
@@ -195,7 +152,7 @@ def test_a_worker_with_other_code_flies_nothing_while_others_do(
 def test_a_flight_over_which_every_worker_dies_is_invalid_with_the_reason(
     dask: Any, reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("scaloft_fi.campaign.workers.cluster.ATTEMPTS", 1)  # a worker takes seconds to come back
+    monkeypatch.setattr("scaloft_fi.campaign.workers.cluster_run.ATTEMPTS", 1)  # a worker takes seconds to come back
     address = dask.scheduler(DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES="0")
     dask.worker(address, "--nanny")
     flights = _flights(reference, LATE, MORE)
@@ -215,7 +172,7 @@ def test_a_run_waits_for_workers_and_takes_those_that_join(dask: Any, reference:
         said.append(line)
         dask.worker(address, "--no-nanny")
 
-    with Cluster(address).workers(reference, flyer(), stop=lambda: False, say=say) as workers:
+    with Cluster(address, KEY).workers(reference, flyer(), stop=lambda: False, say=say) as workers:
         assert _names(workers.map(_tasks(flights))) == _names(flights)
     assert len(said) == 1
     assert said[0].startswith("waiting for workers")
@@ -255,17 +212,6 @@ def test_without_distributed_it_is_said_how_to_install_it(
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match=r"pip install 'scaloft-fi\[cluster\]'"):
         _flown("127.0.0.1:9", reference, flyer(), _flights(reference))
-
-
-def test_an_executor_is_local_or_the_address_of_a_scheduler() -> None:
-    assert executor_named("local", 3) == Local(3)
-    assert executor_named("dask://head-node:8786", None) == Cluster("head-node:8786")
-    assert executor_named("dask://[::1]:8786/", None) == Cluster("[::1]:8786")
-    for name in ("dask", "dask://", "dask://host", "ray://host:1", "tcp://host:8786", "dask://host:port"):
-        with pytest.raises(InputError, match=r"must be 'local' or 'dask://HOST:PORT'"):
-            executor_named(name, None)
-    with pytest.raises(InputError, match="--jobs=2 is for --executor=local"):
-        executor_named("dask://host:1", 2)
 
 
 def _wait_for(fact: Callable[[], bool]) -> None:

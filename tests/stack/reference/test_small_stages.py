@@ -3,13 +3,14 @@
 import math
 import re
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.stack.config import ConfigError, build
+from scaloft_fi.stack.config import Bounds, ConfigError, Count, Positive, build
 from scaloft_fi.stack.messages import Battery, Detections, Metering, Person
 from scaloft_fi.stack.reference.battery_monitor import BatteryConfig, BatteryMonitor
 from scaloft_fi.stack.reference.exposure import ExposureConfig, ExposureControl
@@ -180,6 +181,8 @@ def test_settings_become_nested_frozen_values():
         ({"inner": {"gain": 1, "axes": [1, 2], "name": 3}}, "stack.inner.name: 3 must be a text"),
         ({"inner": 3}, "stack.inner: must be a mapping"),
         ({"points": 3}, "stack.points: 3 must be a list"),
+        ({"points": [[1, math.nan]]}, "stack.points[0][1]: nan must be a number from -1e+09 to 1e+09"),
+        ({"points": [[10**10]]}, "stack.points[0][0]: 10000000000 must be a number from -1e+09 to 1e+09"),
     ],
 )
 def test_a_bad_setting_is_named(change, sentence):
@@ -190,3 +193,16 @@ def test_a_bad_setting_is_named(change, sentence):
 def test_a_missing_setting_is_named():
     with pytest.raises(ConfigError, match="lacks the setting 'points'"):
         build(Outer, {"inner": GOOD["inner"]})
+
+
+@dataclass(frozen=True)
+class Bounded:
+    count: Count
+    edges: tuple[Positive, Annotated[float, Bounds(most=1e12)]]
+
+
+def test_a_setting_states_its_own_bounds():
+    assert build(Bounded, {"count": 3, "edges": [1e-6, 1e12]}) == Bounded(3, (1e-6, 1e12))
+    for change in ({"count": 0}, {"count": 1001}, {"edges": [0, 1]}, {"edges": [1, 1e13]}):
+        with pytest.raises(ConfigError, match="must be a number from"):
+            build(Bounded, {"count": 3, "edges": [1, 1], **change})

@@ -73,6 +73,6 @@ def test_a_control_that_shows_nothing_where_it_was_tested_fails() -> None:
     assert controls(*(outcome(CONTROL, HERE, seed) for seed in range(3))) == {CONTROL: [Failure]}
 
 
-def test_what_xml_cannot_carry_is_replaced() -> None:
+def test_what_xml_cannot_carry_is_spelled_out() -> None:
     flights = [*pool(HERE), *(outcome("LATE-human@\x003s", HERE, seed) for seed in range(3))]
-    assert read(junit(dossier(flights)))["human"] == {"LATE-human@\ufffd3s": [Failure]}
+    assert read(junit(dossier(flights)))["human"] == {"LATE-human@\\x003s": [Failure]}

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from builders import GRID, ROSTER, campaigns, outcome
 from hypothesis import given
 
+from scaloft_fi.judge.facts import Facts
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.views.flights.compare import Comparison, Difference, Said, compare, comparison_table
+from scaloft_fi.views.flights.compare import Comparison, Difference, compare, comparison_table
 
 M = "LATE-human@3s"
 
@@ -18,7 +21,13 @@ def _compare(first: list[Outcome], second: list[Outcome]) -> Comparison:
 def test_another_status_is_a_difference() -> None:
     compared = _compare([outcome(), outcome(M, violated={"SR2": 5.0})], [outcome(), outcome(M)])
     assert compared.same == 1
-    assert compared.differences == (Difference(M, "T0O0W0D0H0", 0, Said("revealed", ("SR2",)), Said("survived", ())),)
+    first, second = Facts("revealed", "landed", ("SR2",)), Facts("survived", "landed", ())
+    assert compared.differences == (Difference(M, "T0O0W0D0H0", 0, first, second),)
+
+
+def test_another_ending_is_a_difference() -> None:
+    (difference,) = _compare([outcome()], [replace(outcome(), ending="struck")]).differences
+    assert (str(difference.first), str(difference.second)) == ("held, landed", "held, struck")
 
 
 def test_other_bits_with_the_same_status_are_only_counted() -> None:
@@ -35,7 +44,7 @@ def test_the_table_names_both_campaigns() -> None:
     compared = _compare([outcome(), outcome(M, violated={"SR2": 5.0})], [outcome(), outcome(M)])
     table = comparison_table(compared, "old", "new")
     assert table.headers[3:] == ("old", "new")
-    assert table.rows == ((M, "T0O0W0D0H0", 0, "revealed SR2", "survived"),)
+    assert table.rows == ((M, "T0O0W0D0H0", 0, "revealed SR2, landed", "survived, landed"),)
     assert "1 flights are the same bit for bit" in table.notes[0]
 
 

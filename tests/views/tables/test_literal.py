@@ -5,12 +5,14 @@ from __future__ import annotations
 import csv
 import io
 import re
+from xml.etree import ElementTree
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.views.tables.literal import _LATEX, FORMULA, latex, line, markdown, printable, spreadsheet_text
+from scaloft_fi.inert import line, printable
+from scaloft_fi.views.tables.literal import _LATEX, FORMULA, latex, markdown, spreadsheet_text, xml
 
 HOSTILE = (
     "<script>alert(1)</script>",
@@ -33,11 +35,8 @@ texts = st.text(max_size=60) | st.sampled_from(HOSTILE)
 
 
 @given(texts)
-def test_nothing_printable_obeys_a_terminal_or_breaks_xml(text: str) -> None:
-    shown = printable(text)
-    assert not re.search(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]", shown)
-    assert printable(shown) == shown
-    assert "\n" not in line(text)
+def test_xml_taken_back_is_what_was_said(text: str) -> None:
+    assert (ElementTree.fromstring(f"<a>{xml(text)}</a>").text or "") == line(text)
 
 
 @given(texts)
@@ -58,7 +57,7 @@ def test_latex_taken_back_is_what_was_said(text: str) -> None:
 def test_a_text_in_a_spreadsheet_never_begins_a_formula(text: str) -> None:
     shown = spreadsheet_text(text)
     assert not shown.startswith(FORMULA)
-    assert shown.removeprefix("'") == printable(text).removeprefix("'")
+    assert (shown[1:] if re.match(f"'+[{re.escape(''.join(FORMULA))}]", shown) else shown) == printable(text)
     written = io.StringIO()
     csv.writer(written).writerow([shown])
     ((back,),) = csv.reader(io.StringIO(written.getvalue(), newline=""))

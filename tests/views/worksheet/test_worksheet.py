@@ -23,10 +23,11 @@ from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.hazop.cell import CellStatus
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.inert import line, printable
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.derive import derive
 from scaloft_fi.stack.reference.declaration import REFERENCE
-from scaloft_fi.views.tables.literal import FORMULA, latex, line, markdown, printable
+from scaloft_fi.views.tables.literal import FORMULA, latex, markdown
 from scaloft_fi.views.worksheet.spreadsheet import LONGEST, to_xlsx
 from scaloft_fi.views.worksheet.worksheet import COLUMNS, FINDINGS, TEAM, SheetRow, population, to_records, worksheet
 from scaloft_fi.views.worksheet.worksheet_text import to_csv, to_latex, to_markdown, to_text

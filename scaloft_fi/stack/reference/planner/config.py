@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections import namedtuple
 from dataclasses import astuple, dataclass, fields
-from typing import Any
+from typing import Annotated, Any
+
+from scaloft_fi.stack.config import Bounds, Count, NotNegative, Positive
 
 
 @dataclass(frozen=True)
@@ -40,19 +42,19 @@ class PlannerConfig:
 
     obstacle_cost: float
     obstacle_weight: float
-    obstacle_m: float
-    obstacle_width_m: float
-    dilation_bins: int
+    obstacle_m: Positive
+    obstacle_width_m: Positive
+    dilation_bins: Annotated[int, Bounds(least=0, most=1_000)]
     yaw_cost: float
     pitch_cost: float
     inertia_cost: float
     elevation_limit_deg: float
-    range_m: float
-    near_m: float
-    node_m: float
-    expansions: int
-    children: int
-    separation_m: float
+    range_m: NotNegative
+    near_m: NotNegative
+    node_m: Annotated[float, Bounds(least=0.01)]
+    expansions: Count
+    children: Count
+    separation_m: NotNegative
     heuristic_cost: float
     beyond_goal_m: float
     straight_in_m: float

@@ -1,0 +1,100 @@
+"""Write a file whole or not at all: beside its place under another name, then renamed."""
+
+from __future__ import annotations
+
+import errno
+import os
+import secrets
+import stat
+import sys
+from contextlib import suppress
+from pathlib import Path
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file; after a failure an earlier file is as it was, and no other file is left.
+
+    The permissions of an earlier file stay, and a symbolic link keeps its place and gets a new target.  What is no
+    regular file (a terminal, a pipe, `/dev/null`), what is the standard output or the standard error, and a file whose
+    folder takes no other file are written directly.
+
+    Args:
+        path: path of the file; its folder exists.
+        content: the whole content.
+
+    Raises:
+        OSError, ValueError: the file cannot be written, or its name cannot be the name of a file.
+    """
+    target = Path(os.path.realpath(path))
+    try:
+        before = path.stat()
+    except FileNotFoundError:
+        before = None
+    if before is None:
+        _replace(target, content, None)
+    elif stream := _stream(before):
+        _write(stream, content)
+    elif _is_replaceable(target, before):
+        _replace(target, content, before)
+    else:
+        path.write_bytes(content)
+
+
+def _stream(file: os.stat_result) -> int:
+    """The descriptor of the standard output or error, if it is this file; else 0."""
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError, AttributeError):  # a stream may be closed, missing or have no descriptor
+            descriptor = stream.fileno()
+            if descriptor and os.path.samestat(file, os.fstat(descriptor)) and not stat.S_ISCHR(file.st_mode):
+                stream.flush()
+                return descriptor
+    return 0
+
+
+def _is_replaceable(target: Path, file: os.stat_result) -> bool:
+    """Whether `target` is the regular file `file` and can be written, in a folder that takes other files."""
+    with suppress(OSError):
+        same = os.path.samestat(target.stat(), file)
+        return same and stat.S_ISREG(file.st_mode) and all(os.access(p, os.W_OK) for p in (target, target.parent))
+    return False
+
+
+def _replace(target: Path, content: bytes, before: os.stat_result | None) -> None:
+    beside = target.with_name(f".scaloft-fi-{os.getpid()}-{secrets.token_hex(4)}.part")
+    descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+    try:
+        try:
+            _write(descriptor, content)
+            if before is not None:
+                with suppress(PermissionError):  # the owner of the earlier file may be another user
+                    os.fchown(descriptor, before.st_uid, before.st_gid)
+                os.fchmod(descriptor, stat.S_IMODE(before.st_mode))
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
+        _rename(beside, target, content)
+    except BaseException:
+        beside.unlink(missing_ok=True)
+        raise
+
+
+def _rename(beside: Path, target: Path, content: bytes) -> None:
+    try:
+        beside.replace(target)
+    except OSError as error:
+        if error.errno != errno.EBUSY:
+            raise
+        beside.unlink()
+        target.write_bytes(content)  # a file that is a mount point of its own cannot be renamed
+    with suppress(OSError):  # the name is on the disk, too, where the file system can say so
+        folder = os.open(target.parent, os.O_RDONLY)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)
+
+
+def _write(descriptor: int, content: bytes) -> None:
+    left = memoryview(content)
+    while left:
+        left = left[os.write(descriptor, left) :]

@@ -1,0 +1,76 @@
+"""The platforms of the flights of a store."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from scaloft_fi.campaign.store.folder import STORE_NAME
+from scaloft_fi.campaign.store.platforms import BITS, FACTS, Platforms, claim, remember, set_apart
+from scaloft_fi.campaign.store.store import NOTE, Store
+from scaloft_fi.errors import InputError
+from scaloft_fi.judge.outcome import Outcome, Subject
+
+ONE, TWO = {"numpy": "1"}, {"numpy": "2"}
+PAIRS = [("D0H0", 0), ("D0H0", 1), ("D0/H1", 0)]
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Store:
+    """A store with a baseline in each pair, flown on the platform ONE."""
+    opened = Store(tmp_path / STORE_NAME)
+    opened.set_meta(ONE)
+    for situation, seed in PAIRS:
+        opened.put(f"{situation}-{seed}", Outcome(Subject("baseline"), situation, seed, "landed", digest="a"))
+    return opened
+
+
+def test_a_claim_sets_the_flights_of_its_pairs_apart_and_leaves_the_others(store: Store) -> None:
+    with store:
+        claim(store, PAIRS[1:], TWO)
+        known = Platforms(store)
+        assert [known.of(pair) for pair in PAIRS] == [ONE, TWO, TWO]
+        assert store.known(f"{situation}-{seed}" for situation, seed in PAIRS) == {"D0H0-0"}
+        assert len(store.flights()) == len(PAIRS)  # nothing is lost
+        claim(store, PAIRS, TWO)
+        claim(store, PAIRS[:1], ONE)
+        assert [Platforms(store).of(pair) for pair in PAIRS] == [ONE, TWO, TWO]
+
+
+def test_a_claim_of_the_own_platform_moves_nothing(store: Store) -> None:
+    with store:
+        claim(store, PAIRS, ONE)
+        assert len(store.known(f"{situation}-{seed}" for situation, seed in PAIRS)) == len(PAIRS)
+        assert set_apart(store) == []
+        assert Platforms(store).mixture(store.outcomes()) == ""
+
+
+def test_what_a_sample_showed_holds_in_both_directions_and_bits_are_more_than_facts(store: Store) -> None:
+    with store:
+        outcomes = list(store.outcomes())
+        assert Platforms(store).unproved(TWO, outcomes) == ["numpy 2 here, 1 there"]
+        remember(store, FACTS, ONE, TWO)
+        known = Platforms(store)
+        assert known.unproved(TWO, outcomes) == []
+        assert known.unproved(TWO, outcomes, only_bits=True) == ["numpy 2 here, 1 there"]
+        assert not known.equal(ONE, TWO)
+        remember(store, BITS, TWO, ONE)
+        assert Platforms(store).equal(ONE, TWO)
+        assert Platforms(store).only(TWO)
+
+
+@pytest.mark.parametrize(
+    "notes",
+    [
+        {"platform of D0H0/0": "0123456789abcdef"},
+        {"platform of D0H0/x": "0123456789abcdef", "platform 0123456789abcdef": "{}"},
+        {"platform of D0H0/0": "0123456789abcdef", "platform 0123456789abcdef": "[1]"},
+        {"platform of D0H0/0": "0123456789abcdef", "platform 0123456789abcdef": "{"},
+    ],
+)
+def test_a_damaged_note_is_bad_input(store: Store, notes: dict[str, str]) -> None:
+    with store:
+        store.set_meta({NOTE + name: text for name, text in notes.items()})
+        with pytest.raises(InputError, match=r"the note 'platform of D0H0/.*does not name a platform"):
+            Platforms(store)

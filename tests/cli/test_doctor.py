@@ -1,0 +1,105 @@
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from importlib.metadata import EntryPoint
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import Result
+
+from scaloft_fi.campaign.runs.known_flight import published
+from scaloft_fi.campaign.store.fingerprint import fingerprint
+from scaloft_fi.cli.options import FORMATS
+from scaloft_fi.errors import GateError
+
+Call = Callable[..., Result]
+
+
+@pytest.fixture
+def answer(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[], str]], None]:
+    """Replaces the known flight."""
+
+    def become(tell: Callable[[], str]) -> None:
+        monkeypatch.setattr("scaloft_fi.campaign.runs.known_flight.fly_again", lambda _say: tell())
+
+    become(lambda: "as published")
+    return become
+
+
+def _tables(result: Result) -> dict[str, list[dict[str, Any]]]:
+    return {table["title"]: table["rows"] for table in json.loads(result.stdout)}
+
+
+def test_every_part_of_the_platform_is_told_with_whether_it_decides_bits(call: Call, answer: object) -> None:
+    result = call("doctor", "--format", "json", campaign=False)
+    assert result.exit_code == 0, result.output
+    tables = _tables(result)
+    told = {row["part"]: (row["value"], row["decides bits"].split()[0].strip(":,")) for row in tables["Platform"]}
+    assert {name: value for name, (value, _) in told.items()}.items() >= fingerprint().items()
+    assert {told[name][1] for name in ("numpy kernels", "OPENBLAS_CORETYPE")} == {"yes"}
+    assert {told[name][1] for name in ("scaloft-fi", "rtamt")} == {"no"}
+    packages = {row["package"]: row for row in tables["Packages"]}
+    assert packages["numpy"]["version"] == fingerprint()["numpy"]
+    assert packages["distributed"]["for"] == "extra cluster"
+    assert "pytest" not in packages
+    places = {row["what"]: row["value"] for row in tables["Places"]}
+    assert places["catalogue"] == "current, 472 mutants"
+    assert "GiB available of" in places["memory"]
+    assert "be written" in places["compiled kernels"]
+    assert tables["Known flight"] == [{"answer": "as published"}]
+
+
+def test_without_the_flight_nothing_is_flown(call: Call, answer: Callable[[Callable[[], str]], None]) -> None:
+    answer(lambda: pytest.fail("it flew"))
+    result = call("doctor", "--no-flight", campaign=False)
+    assert result.exit_code == 0
+    assert "Known flight" not in result.stdout
+
+
+def test_other_facts_of_the_known_flight_exit_with_4_after_the_tables(
+    call: Call, answer: Callable[[Callable[[], str]], None]
+) -> None:
+    def fail() -> str:
+        raise GateError(f"{published().name} has other facts")
+
+    answer(fail)
+    result = call("doctor", campaign=False)
+    assert result.exit_code == 4
+    assert "Platform" in result.stdout
+    assert result.stdout.count("has other facts") == 1
+    assert result.stderr == f"error: {published().name} has other facts\n"
+
+
+def test_a_plugin_that_does_not_load_is_named_and_everything_else_is_told(
+    call: Call, answer: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plugins = [EntryPoint("odd", "no_such_module_at_all", "g"), EntryPoint("well", "json", "g")]
+    monkeypatch.setattr("scaloft_fi.views.runs.installation.entry_points", lambda **_: plugins)
+    result = call("doctor", "--format", "json", campaign=False)
+    assert result.exit_code == 2
+    assert "plugin 'odd' of package 'no_such_module_at_all' cannot be loaded: ModuleNotFoundError" in result.stderr
+    assert [(row["plugin"], row["loads"]) for row in _tables(result)["Plugins"]] == [("odd", "no"), ("well", "yes")]
+
+
+def test_a_stale_catalogue_is_bad_input_and_everything_else_is_told(call: Call, answer: object, copy: Path) -> None:
+    catalogue = copy / "mutants" / "catalogue.jsonl"
+    catalogue.write_text("".join(catalogue.read_text().splitlines(keepends=True)[1:]))
+    result = call("doctor", "--format", "json", study=copy, campaign=False)
+    assert result.exit_code == 2
+    assert "mutants --write" in result.stderr
+    assert _tables(result)["Known flight"]
+
+
+def test_a_folder_that_is_no_study_is_bad_input(call: Call, answer: object, tmp_path: Path) -> None:
+    result = call("doctor", study=tmp_path, campaign=False)
+    assert result.exit_code == 2
+    assert "it lacks hazop/" in result.stderr
+
+
+@pytest.mark.parametrize("style", FORMATS)
+def test_every_format_is_printed(call: Call, answer: object, style: str) -> None:
+    result = call("doctor", "--format", style, campaign=False)
+    assert result.exit_code == 0
+    assert fingerprint()["numpy"] in result.stdout
