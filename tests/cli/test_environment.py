@@ -29,7 +29,7 @@ ROWS = {
     "$S matrix <&- >&- 2>&-": (2, ""),
     "mkdir gone; cd gone; rmdir ../gone; $S matrix": (
         2,
-        "error: the working directory does not exist: change to another one\n",
+        "error: the current folder cannot be read: No such file or directory; go to another or name --study\n",
     ),
     "ulimit -v 200000; $S score": (
         2,
@@ -37,7 +37,7 @@ ROWS = {
     ),
     "$S score --study $ROOT --campaign '~nosuchuser/x'": (
         2,
-        "error: --campaign: name='~nosuchuser/x' begins with a user who has no home folder\n",
+        "error: --campaign: name='~nosuchuser/x' must be the path of a folder: Could not determine home directory.\n",
     ),
     "LC_ALL=C PYTHONUTF8=0 PYTHONCOERCECLOCALE=0 PYTHONIOENCODING=ascii $S matrix --study $'\\xff \\n\\e[1m'": (
         2,

@@ -48,7 +48,7 @@ def test_it_is_read_at_one_moment(study: Study, folder: str, monkeypatch: pytest
 
     def interrupted(store: Store) -> dict[str, str]:
         opened.append(store)
-        with Store(store.path, create=False) as other:
+        with Store(store.path) as other:
             other.put("another", replace(late, seed=7))
         assert "another" not in {flight.key for flight in store.flights()}
         return plain(store)
