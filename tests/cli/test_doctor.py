@@ -45,7 +45,7 @@ def test_every_part_of_the_platform_is_told_with_whether_it_decides_bits(call: C
     assert packages["distributed"]["for"] == "extra cluster"
     assert "pytest" not in packages
     places = {row["what"]: row["value"] for row in tables["Places"]}
-    assert places["catalogue"] == "current, 472 mutants"
+    assert places["catalogue"] == "current, 712 mutants"
     assert "GiB available of" in places["memory"]
     assert "be written" in places["compiled kernels"]
     assert tables["Known flight"] == [{"answer": "as published"}]

@@ -127,7 +127,7 @@ def test_two_axes_that_set_one_path_are_refused_until_a_constraint_excludes_them
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
-        ("vehicle.mass_kg: -1", "mass_kg=-1 must be > 0"),
+        ("vehicle.mass_kg: -1", "mass_kg=-1 must be >= 1e-06"),
         ("sensors.depth.max_m: 0.1", "max_m=0.1 must be"),
         ("stack.planner.range_m: 3", "'stack.planner.range_m' belongs to the stack under test"),
     ],

@@ -126,7 +126,7 @@ BAD = [
         "set: bodies.bar.reflectivity\n      from: 0.4\n      to: 1.05",
         "reflectivity=1.05 must be",
     ),
-    ("set: mission.cruise_mps\n      from: 0.4", "set: vehicle.mass_kg\n      from: 0", "mass_kg=0.0 must be > 0"),
+    ("set: mission.cruise_mps\n      from: 0.4", "set: vehicle.mass_kg\n      from: 0", "mass_kg=0.0 must be >= 1e-06"),
     ("    realised: eventually(speed_mps >= 0.8 * number)\n", "", "C lacks the key 'realised'"),
     (
         "    realised:",
