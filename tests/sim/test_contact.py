@@ -29,7 +29,7 @@ def test_feeling_only_where_something_is_near_finds_every_touch(client, config, 
     airframe = Airframe(client, vehicle, position, 0.0)
     pybullet.resetBaseVelocity(airframe.number, velocity, spin, physicsClientId=client)
     airframe.read()
-    observer = Observer(client, ids, airframe.number, vehicle, scenario, 5.0)
+    observer = Observer(client, ids, airframe.number, vehicle, scenario, scenario.world.surroundings())
     feeler = Feeler(client, airframe.number, vehicle, ids.name_of)
     felt = []
     for step in range(240):
