@@ -12,7 +12,7 @@ from scaloft_fi.stack.rates import STEP_S
 pytestmark = pytest.mark.flight
 
 
-def fly(client, config, steps, thrust, spin=None):
+def fly(client, config, steps, thrust, spin=None, wind_mps=(0.0, 0.0, 0.0)):
     import pybullet
 
     build(client, config.world)
@@ -20,6 +20,7 @@ def fly(client, config, steps, thrust, spin=None):
     if spin is not None:
         pybullet.resetBaseVelocity(airframe.number, [0, 0, 0], spin, physicsClientId=client)
     airframe.thrusts[:] = thrust
+    airframe.blow(np.array(wind_mps))
     airframe.read()
     states = [airframe.state.copy()]
     for _ in range(steps):
@@ -54,3 +55,12 @@ def test_nothing_but_the_rotors_turns_it(client, config):
 def test_it_starts_where_and_as_it_is_told(client, config):
     states = fly(client, config, 0, np.zeros(4))
     assert np.allclose(states[0], [0, 4, 1.5, 0, 0, math.sin(0.15), math.cos(0.15), 0, 0, 0, 0, 0, 0])
+
+
+def test_wind_carries_it_along_as_fast_as_the_drag_lets_it(client, config):
+    hover = np.full(4, config.vehicle.mass_kg * GRAVITY_MPS2 / 4)
+    states = fly(client, config, 240, hover, wind_mps=(0.4, -0.2, 0.1))
+    share = 1 - math.exp(-config.vehicle.drag / config.vehicle.mass_kg * 240 * STEP_S)
+    assert states[-1, 7:10] == pytest.approx(np.array((0.4, -0.2, 0.1)) * share, rel=1e-2)
+    calm = fly(client, config, 240, hover)
+    assert np.array_equal(calm, fly(client, config, 240, hover, wind_mps=(0.0, 0.0, 0.0)))

@@ -34,16 +34,18 @@ def word(key, counter):
     return x ^ (x >> 31)
 
 
-def test_the_compiled_kernel_equals_plain_python(config):
+@pytest.mark.parametrize("haze_per_m", [0.0, 0.3])
+def test_the_compiled_kernel_equals_plain_python(config, haze_per_m):
     depth = config.sensors.depth
     draw = np.random.default_rng(0)
     view = View(draw.uniform(0.1, 9.0, SHAPE), draw.integers(0, 2, SHAPE).astype(np.int16))
-    frame = sensor(config).frame(7, view, 0.35, 0.3).depth
+    frame = sensor(config).frame(7, view, 0.35, 0.3, haze_per_m).depth
     key = key_words("S", 0, "depth")[0]
     for row, column in [(0, 0), (47, 63), *draw.integers(0, 48, (400, 2)).tolist()]:
         z, rho = view.depth[row, column], (0.5, 0.004)[view.segments[row, column]]
         counter = 7 * 2 * 48 * 64 + 2 * (row * 64 + column)
-        signal = depth.passive * 0.3 * min(1, depth.passive_range_m / z) + depth.active * rho / z**2
+        seen = math.exp(-haze_per_m * z)
+        signal = depth.passive * 0.3 * min(1, depth.passive_range_m / z) * seen + depth.active * rho / z**2 * seen**2
         x = (signal - depth.snr_half) / depth.snr_width
         chance = 0 if x < -CERTAIN else depth.best / (1 + math.exp(-x)) if x <= CERTAIN else depth.best
         expected = 0.0
@@ -100,3 +102,11 @@ def test_pixels_are_independent(config):
     noise = (frame - 4)[:, :]
     both = (frame[:, 1:] > 0) & (frame[:, :-1] > 0)
     assert abs(np.corrcoef(noise[:, 1:][both], noise[:, :-1][both])[0, 1]) < 0.08
+
+
+def test_dust_hides_what_is_far_and_not_what_is_near(config):
+    def share(z):
+        return np.mean(sensor(config).frame(0, wall(z), 0.0, LIGHT, 0.6).depth > 0)
+
+    assert share(1.0) > 0.95
+    assert share(6.0) < 0.05

@@ -121,3 +121,11 @@ def test_each_person_is_found_by_itself(config):
     it = detector(config, persons={4: "miner", 5: "visitor"}, best=1.0, noise_light=0.0)
     bearings = [person.bearing_rad for person in it.find(0, view, GOOD, 0.0, LIGHT).persons]
     assert bearings[0] > 0 > bearings[1]
+
+
+def test_dust_hides_a_far_person_and_not_a_near_one(config):
+    clear = [share_found(detector(config), picture(z=z), pictures=200) for z in (1.0, 5.0)]
+    dusty = [share_found(detector(config), picture(z=z), pictures=200, haze_per_m=0.8) for z in (1.0, 5.0)]
+    assert clear[0] == clear[1] > 0.75
+    assert dusty[0] > 0.6
+    assert dusty[1] < 0.15

@@ -75,6 +75,19 @@ def test_a_fix_is_near_the_place_of_its_measurement(config):
     assert np.std([fix.yaw_rad for fix in fixes]) == pytest.approx(math.radians(0.5), rel=0.2)
 
 
+def test_the_fixes_drift_and_the_meter_sees_the_light_fail(config):
+    scenario = config.scenario(config.grid.situation("T0O0W0D0H1"))
+    around = scenario.world.surroundings()
+    sensors = Sensors(config.sensors, around, scenario.labels, "T0O0W0D0H1", 0)
+    before = [sensors.frames(k, state(), HOVER, GOOD) for k in range(100)]
+    around.drift_m[:], around.light = (0.5, -0.2, 0.1), 0.9 / 8
+    after = [sensors.frames(k, state(), HOVER, GOOD) for k in range(100, 200)]
+    moved = np.mean([f.fix.position for f in after[5:]], axis=0) - np.mean([f.fix.position for f in before[5:]], axis=0)
+    assert moved == pytest.approx((0.5, -0.2, 0.1), abs=0.01)
+    errors = [np.mean([f.metering.error_ev for f in frames]) for frames in (before, after)]
+    assert errors[1] - errors[0] == pytest.approx(3.0, abs=0.03)
+
+
 def test_without_a_person_nobody_is_detected(config):
     assert all(f.detections is None for f in run(suite(config, "T0O0W0D0H0"), 60))
 
