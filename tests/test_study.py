@@ -12,6 +12,7 @@ import pytest
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.operators import OPERATORS
+from scaloft_fi.sim.happenings import HAPPENINGS, Effect, HappeningKind, Surroundings
 from scaloft_fi.sim.roles import ROLES
 from scaloft_fi.sources import closure
 from scaloft_fi.study import PACKAGE, Study
@@ -173,6 +174,26 @@ def test_an_edit_of_a_plugin_changes_the_hash_of_the_code_and_a_comment_in_it_do
     (plugin / "rates.py").write_text("RATE = 0.2\n")
     assert Study(copy).inputs["code"] != used["code"]
     assert Study(copy).inputs["sim"] == before["sim"]
+
+
+def test_an_edit_of_a_kind_of_happening_changes_the_hash_of_the_code_where_the_world_has_it(
+    copy: Path, plugin: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Nothing(Effect):
+        def apply(self, around: Surroundings, since_s: float) -> None:
+            pass
+
+    def read(_item: object) -> Effect:
+        return Nothing()
+
+    read.__module__ = "mine_faults.wander"
+    monkeypatch.setitem(HAPPENINGS._entries, "wandering", HappeningKind(read))
+    before = Study(copy).inputs["code"]
+    with (copy / "sim" / "world.yaml").open("a") as file:
+        file.write("\nhappenings: {h: {kind: wandering, active: false}}\n")
+    used = Study(copy).inputs["code"]
+    (plugin / "rates.py").write_text("RATE = 0.2\n")
+    assert len({before, used, Study(copy).inputs["code"]}) == 3
 
 
 def test_a_plugin_that_the_study_does_not_use_changes_no_hash(copy: Path, plugin: Path) -> None:

@@ -42,7 +42,6 @@ class Clearances:
 
         self._client, self._ids, self._body, self._closest = client, ids.by_name, body, pybullet.getClosestPoints
         self._radius_m = 0.5 * math.hypot(*vehicle.hull_m)
-        self._moving: Mapping[str, Sequence[float]] = {}
         meshes = {WALL: world.mine.wall, GROUND: world.mine.ground, **{body.name: body.mesh for body in world.present}}
         self._names, self._boxes = tuple(meshes), np.array([_bounds(mesh.vertices) for mesh in meshes.values()])
         self._at_rest = self._boxes.copy()
@@ -54,7 +53,6 @@ class Clearances:
 
     def look(self, pose: Sequence[float], shifts: Mapping[str, Sequence[float]] = NO_SHIFTS) -> None:
         """Set the pose of the vehicle, the first 7 numbers of its state, and the shifts of the bodies that can move."""
-        self._moving = shifts
         for name, by_m in shifts.items():
             number = self._names.index(name)
             self._boxes[number] = self._at_rest[number] + (*by_m, *by_m)
@@ -70,8 +68,7 @@ class Clearances:
         """Distance from the hull to surface `name` [m], at most 1; slightly below 0 where Bullet's margins overlap."""
         if self.gaps_m.get(name, math.inf) >= CLEARANCE_CAP_M:
             return CLEARANCE_CAP_M
-        before_m = math.inf if name in self._moving else self._before.get(name, math.inf)
-        known_m = before_m + self._moved_m + SLACK_M
+        known_m = self._before.get(name, math.inf) + self._moved_m + SLACK_M
         for within_m in {min(CLEARANCE_CAP_M, known_m): None, CLEARANCE_CAP_M: None}:
             points = self._closest(self._body, self._ids[name], within_m, physicsClientId=self._client)
             clearance_m = min((point[8] for point in points), default=CLEARANCE_CAP_M)

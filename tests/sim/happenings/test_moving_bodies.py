@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -114,3 +115,34 @@ def test_the_observer_ranges_and_sights_the_person_where_it_is(server) -> None:
         range_m = math.hypot(place_m[0], place_m[1] - 2.0) - 0.25
         assert row["person_range_m"] == pytest.approx(range_m, abs=0.03)
         assert row["person_sight_m"] == row["person_range_m"]
+
+
+def test_the_line_of_sight_is_tried_to_where_the_person_is(server, monkeypatch) -> None:
+    client, ids, body, scenario = server()
+    around, tried = scenario.world.surroundings(), []
+
+    def blocked(*arguments) -> bool:
+        tried.append(arguments[-1][:2].copy())
+        return True
+
+    monkeypatch.setattr("scaloft_fi.sim.observer.blocked", blocked)
+    observer = Observer(client, ids, body, scenario.vehicle, scenario, around)
+    state = np.zeros(STATE_SIZE)
+    state[:3], state[6] = (0.0, 2.0, 0.85), 1.0
+    around.update(2.75, 0.0, 2.0)
+    observer.sample(2.75, state, None)
+    assert len(tried) == 4
+    assert all(math.dist(point, (-0.5, 6.0)) < 0.26 for point in tried)
+
+
+def test_the_nominal_flight_sights_a_person_where_it_has_walked_to(config: SimConfig, scenario) -> None:
+    plain = load(SIM)
+    there_s = plain.scenario(plain.grid.situation(KEY)).sighting_s
+    away = replace(scenario().world, happenings=(_run_away(scenario().world.happenings[0]),))
+    assert there_s is not None
+    assert replace(scenario(), world=away).sighting_s is None
+
+
+def _run_away(walk):
+    """Round the corner before the drone has taken off."""
+    return replace(walk, effect=replace(walk.effect, places=((-0.5, 8.2), (-5.0, 8.6)), speed_mps=10.0))

@@ -88,6 +88,18 @@ def test_the_fixes_drift_and_the_meter_sees_the_light_fail(config):
     assert errors[1] - errors[0] == pytest.approx(3.0, abs=0.03)
 
 
+def test_the_depth_camera_sees_less_far_in_dust(config):
+    scenario = config.scenario(config.grid.situation("T0O0W0D0H0"))
+    around = scenario.world.surroundings()
+    sensors = Sensors(config.sensors, around, scenario.labels, "T0O0W0D0H0", 0)
+    clear = [sensors.frames(k, state(), HOVER, GOOD) for k in range(6)][-1]
+    around.haze_per_m = 1.0
+    dusty = [sensors.frames(k, state(), HOVER, GOOD) for k in range(6, 12)][-1]
+    far = clear.depth.depth > 4.0
+    assert far.mean() > 0.1
+    assert (dusty.depth.depth[far] > 0.0).mean() < 0.1
+
+
 def test_without_a_person_nobody_is_detected(config):
     assert all(f.detections is None for f in run(suite(config, "T0O0W0D0H0"), 60))
 
