@@ -40,10 +40,12 @@ def flown(tmp_path: Path) -> Fly:
 
 @pytest.mark.parametrize("start_s", [0.5, 0.51, 0.52, 0.53, 0.54])
 @pytest.mark.parametrize("speed_mps", [1.3, 2.9, 9.5])
-def test_a_body_that_walks_into_the_drone_strikes_at_the_step_in_which_it_arrives(flown: Fly, speed_mps: float) -> None:
-    log = flown(f"kind: walk, body: person, path: [[0.0, 0.0]], speed_mps: {speed_mps}, start: {{at_s: 0.5}}")
+def test_a_body_that_walks_into_the_drone_strikes_at_the_step_in_which_it_arrives(
+    flown: Fly, speed_mps: float, start_s: float
+) -> None:
+    log = flown(f"kind: walk, body: person, path: [[0.0, 0.0]], speed_mps: {speed_mps}, start: {{at_s: {start_s}}}")
     assert log.struck == "person"
-    walked_m = speed_mps * (log.struck_at_s - 0.5)
+    walked_m = speed_mps * (log.struck_at_s - start_s)
     share = walked_m / math.hypot(0.5, 3.25)
     x, y = -0.5 * (1 - share), 3.25 * (1 - share)
     i = log.at(log.struck_at_s)
