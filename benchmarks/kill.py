@@ -45,6 +45,7 @@ from scaloft_fi.campaign.store.folder import STORE_NAME
 
 MUTANTS = ("LATE-human", "MORE-goal", "UNINTENDED-collision@20s")
 SITUATIONS = ("T0O0W0D0H[01]",)
+HEAL_EVERY_S = 0.5
 GRACE_S = 5.0
 """Greatest time from the end of a run to the end of its processes [s, wall]."""
 
@@ -75,8 +76,9 @@ class Campaign:
             targets = self._cluster.targets if self._cluster else {}
             target = draw.choice(["run", *targets])
             killed = _kill(run.pid, draw) if target == "run" else f"{target}: {_kill(targets[target], draw)}"
-            if self._cluster:
-                self._cluster.heal()
+        while self._cluster and run.poll() is None:
+            self._cluster.heal()  # again and again, because a killed process takes a moment to end
+            time.sleep(HEAL_EVERY_S)
         run.wait()
         if not killed and run.returncode:
             raise SystemExit(f"{' '.join(self._words)}: exit code {run.returncode}")
