@@ -52,7 +52,8 @@ class Cluster:
         except ImportError as error:
             how = "pip install 'scaloft-fi[cluster]'"
             raise InputError(f"--executor=dask://{self.address} needs the package distributed: {how}") from error
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # this package prints its own messages
+        for name in ("distributed", "distributed.client"):  # this package prints its own messages
+            logging.getLogger(name).setLevel(logging.CRITICAL)
         bundle, inbox = packed(study.folder), Inbox(self.key)
         with inert_scheme(tls=self.certificates is not None, skipped=inbox.skip) as scheme:
             try:

@@ -180,7 +180,12 @@ def test_a_run_waits_for_workers_and_takes_those_that_join(dask: Any, reference:
 
 @pytest.mark.parametrize("until_the_client_gives_up_s", [0.0, 5.0])
 def test_a_scheduler_that_ends_interrupts_the_run(
-    dask: Any, reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch, until_the_client_gives_up_s: float
+    dask: Any,
+    reference: Study,
+    flyer: Any,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+    until_the_client_gives_up_s: float,
 ) -> None:
     monkeypatch.setattr("scaloft_fi.campaign.workers.cluster.CONNECT_S", 2.0)
     address = dask.scheduler()
@@ -196,6 +201,7 @@ def test_a_scheduler_that_ends_interrupts_the_run(
 
     with pytest.raises(Interrupted, match="the Dask scheduler is gone; what was flown is saved"):
         _flown(address, reference, flyer(slow_s=0.2), _flights(reference, LATE, MORE), kill)
+    assert [record.getMessage() for record in caplog.records if record.name.startswith("distributed")] == []
 
 
 def test_a_scheduler_that_does_not_answer_is_one_sentence(
