@@ -24,7 +24,7 @@ from scaloft_fi.campaign.store.folder import LOG_NAME, STORE_NAME, promising, wr
 from scaloft_fi.campaign.store.held import counting_flights, flight_named
 from scaloft_fi.campaign.store.key import Keys
 from scaloft_fi.campaign.store.platforms import Pair, Platforms, claim
-from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.campaign.store.store import EmptyError, Store
 from scaloft_fi.campaign.workers.executor import Workers
 from scaloft_fi.campaign.workers.interrupt import Interrupted, interruptible
 from scaloft_fi.campaign.workers.local import Local
@@ -272,9 +272,12 @@ def _all_flown(study: Study, flights: Iterable[Flight], path: Path) -> bool:
     """Whether the store at `path` has all of `flights`; the store need not exist."""
     if not path.is_file():
         return False
-    with Store(path, create=False) as store:
-        keys = set(map(Keys(study).key, flights))
-        return store.known(keys) == keys
+    try:
+        with Store(path, create=False) as store:
+            keys = set(map(Keys(study).key, flights))
+            return store.known(keys) == keys
+    except EmptyError:
+        return False
 
 
 def _pair(flight: Flight) -> Pair:

@@ -27,6 +27,10 @@ NOTE = "note: "
 """Prefix of the names of notes in the table `meta`."""
 
 
+class EmptyError(InputError):
+    """A store has no tables: nothing was saved, or another process creates them at this moment."""
+
+
 class Store:
     """Outcomes by key, a hash of what can change the outcome; every `put` is in the file at `path` when it returns."""
 
@@ -60,7 +64,7 @@ class Store:
         new = is_new(self._connection, self.path)
         if not create:
             if new:
-                raise InputError(f"{self.path}: the file has no tables, so it holds no campaign; `run` makes one")
+                raise EmptyError(f"{self.path}: the file has no tables, so it holds no campaign; `run` makes one")
             return None
         prepare(self._connection)
         if new:

@@ -278,6 +278,13 @@ def test_a_disk_that_fills_up_is_one_sentence_and_the_same_command_resumes(
     assert tried > flown
 
 
+def test_a_run_that_was_killed_before_its_store_had_tables_is_resumed(study: Any, log: Any) -> None:
+    whole = _export(study, _run(study, log, folder="whole"))
+    (study.folder / "c").mkdir()
+    (study.folder / "c" / STORE_NAME).touch()
+    assert _export(study, _run(study, log)) == whole
+
+
 def test_two_runs_of_one_campaign_at_once_lose_and_double_nothing(study: Any, log: Any) -> None:
     whole = _export(study, _run(study, log, folder="whole"))
     processes = [multiprocessing.get_context("fork").Process(target=_run, args=(study, log)) for _ in range(2)]
