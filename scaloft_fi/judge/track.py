@@ -75,7 +75,7 @@ def track_values(track: bytes, most_rows: int = MOST_ROWS) -> array[float]:
         raise ValueError("damaged") from error
     if len(content) > most_rows * _ROW_BYTES:
         raise ValueError(f"longer than {most_rows} rows")
-    if not unpacking.eof or len(content) % _ROW_BYTES:
+    if not unpacking.eof or unpacking.unused_data or len(content) % _ROW_BYTES:
         raise ValueError("damaged")
     values.frombytes(content)
     if not math.isfinite(sum(values)):

@@ -240,7 +240,7 @@ def read_grid(item: Item, documents: Mapping[str, Item]) -> Grid:
             raise InputError(f"{entry.place}: alias {alias!r}: {error}") from None
     for axis in axes:
         for value in (*axis.values, *axis.extremes):
-            read_world(grid.documents_with([value])["world"])
+            grid.world_of(grid.documents_with([value]))
     return grid
 
 

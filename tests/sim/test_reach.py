@@ -57,6 +57,13 @@ def flown(vehicle, velocity, rate, thrusts, attitude=UPRIGHT):
     return states
 
 
+def test_wind_adds_what_its_drag_can_add_in_a_tick():
+    calm, windy = Reach(VEHICLE), Reach(VEHICLE, 10.0)
+    gained_m = windy.gained_m - calm.gained_m
+    assert gained_m == pytest.approx(0.05**2 * 13 / 24 * VEHICLE.drag * 10.0 / VEHICLE.mass_kg)
+    assert windy.gained_rad == calm.gained_rad
+
+
 vectors = st.tuples(*[st.floats(-1.0, 1.0)] * 3)
 
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scaloft_fi.sim.optics import Scene
-from scaloft_fi.stack.fields import Array, Point
+from scaloft_fi.sim.optics import Faces, Scene
+from scaloft_fi.stack.fields import Point
 
 
 @dataclass(frozen=True)
@@ -181,6 +181,6 @@ class Surroundings:
         return [*self.noted.values(), *(at + by for place, by_m in moved for at, by in zip(place, by_m, strict=False))]
 
 
-def _vertices_of(scene: Scene, body: str) -> Array:
+def _vertices_of(scene: Scene, body: str) -> Faces:
     """Indices of the vertices of a body."""
     return np.unique(scene.faces[scene.owner == scene.names.index(body)])

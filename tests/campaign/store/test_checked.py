@@ -2,6 +2,8 @@ from __future__ import annotations
 
 import zlib
 from array import array
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -10,6 +12,7 @@ from hypothesis import strategies as st
 
 from scaloft_fi.campaign.store.checked import MOST_TRACK_BYTES, checked
 from scaloft_fi.campaign.store.record import COLUMNS, to_row
+from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.judge.outcome import Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 
@@ -34,6 +37,7 @@ INVALID = Outcome(Subject("baseline"), "T0", 3, invalid="its worker process died
 BAD = {
     "mutant": (None, 1, "a\0b", ["a"]),
     "situation": (None, 7),
+    "struck": ("\x1b[31mwall", "x" * 300, None),
     "seed": (-1, 1.0, True, "1", 1 << 63, None),
     "ending": ("", "flew away", None),
     "invalid": (None, 0),
@@ -74,6 +78,14 @@ def test_a_wrong_value_is_refused_with_the_name_of_its_column(name: str, value: 
     row = dict(zip(COLUMNS, to_row(OUTCOME), strict=True)) | {name: value}
     with pytest.raises(ValueError, match=name):
         checked(list(row.values()), TRACK)
+
+
+def test_what_is_taken_from_another_machine_can_be_read_from_the_store(tmp_path: Path) -> None:
+    evil = dict(zip(COLUMNS, to_row(OUTCOME), strict=True)) | {"stack_error": "\x1b[31mdown\u202e"}
+    with Store(tmp_path / "c.sqlite") as store:
+        store.put("key", checked(list(evil.values()), TRACK))
+    with Store(tmp_path / "c.sqlite", create=False) as store:
+        assert store.get("key") == replace(OUTCOME, stack_error="\x1b[31mdown\u202e")
 
 
 @pytest.mark.parametrize(

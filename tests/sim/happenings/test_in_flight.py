@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
 from tiny_stack import SOUND
 
+from scaloft_fi.sim.contact import Feeler
 from scaloft_fi.sim.flight import fly
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.log import FlightLog
-from scaloft_fi.stack.rates import STEP_S
+from scaloft_fi.stack.rates import STEP_S, TICK_S
 from scaloft_fi.stack.seam import PlainWire
 
 pytestmark = pytest.mark.flight
@@ -52,6 +53,24 @@ def test_a_body_that_walks_into_the_drone_strikes_at_the_step_in_which_it_arrive
     gaps = (abs(x - log.signals["x_m"][i]) - 0.235, abs(y - log.signals["y_m"][i]) - 0.235)
     overlap_m = 0.25 - math.hypot(*(max(0.0, gap) for gap in gaps))
     assert -0.02 < overlap_m < 3 * speed_mps * STEP_S + 0.005
+
+
+def test_the_free_room_of_a_tick_is_smaller_by_what_a_body_can_walk_in_it(
+    flown: Fly, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rooms: list[float] = []
+    look = Feeler.look
+
+    def noted(feeler: Feeler, truth: Sequence[float], room_m: float) -> None:
+        rooms.append(room_m)
+        look(feeler, truth, room_m)
+
+    monkeypatch.setattr(Feeler, "look", noted)
+    walk = "kind: walk, body: person, path: [[0.0, 0.0]], start: {at_s: 20}"  # after the landing
+    slow, fast = flown(f"{walk}, speed_mps: 1"), flown(f"{walk}, speed_mps: 9")
+    assert slow.digest == fast.digest
+    first, second = rooms[: len(rooms) // 2], rooms[len(rooms) // 2 :]
+    assert [a - b for a, b in zip(first, second, strict=True)] == pytest.approx([8 * TICK_S] * len(first))
 
 
 def test_wind_pushes_the_drone_and_stands_in_the_log(flown: Fly) -> None:
