@@ -1,20 +1,29 @@
-"""A file of flights: one line of JSON for each outcome, with the arm of the experiment that it belongs to."""
+"""The flights of an experiment in a file: one line of JSON for each outcome, with the arm that it belongs to."""
 
 from __future__ import annotations
 
 import gzip
 import json
 import os
+import sys
+import time
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from scaloft_fi.judge.outcome import Outcome, Subject, Violation
+from varied import shared
+
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
+from scaloft_fi.mutants.mutant import Mutant
+from scaloft_fi.study import Study
 
 Flights = dict[str, dict[str, Outcome]]
 """Outcomes by arm and by name of the flight."""
+SAVE_S = 10.0
+"""Greatest time between two writes of the file [s, wall]."""
 
 
 def read(path: Path) -> Flights:
@@ -57,6 +66,37 @@ def _outcome(row: Mapping[str, Any]) -> Outcome:
     return Outcome(**{**{name: value for name, value in row.items() if name != "arm"}, **made})
 
 
-def missing(names: Iterable[str], kept: Mapping[str, Outcome]) -> list[str]:
-    """The names of flights that are not kept, or whose harness failed."""
-    return [name for name in names if name not in kept or kept[name].invalid]
+def complete(path: Path, kept: Flights, arm: str, study: Study, planned: Iterable[Flight], jobs: int) -> None:
+    """Fly the planned flights of an arm that are not kept or whose harness failed, and keep them in the file.
+
+    Args:
+        path: the file.
+        kept: its flights; the new flights are added.
+        arm: name of the arm.
+        study: the study of the arm.
+        planned: all flights of the arm.
+        jobs: number of processes.
+    """
+    own = kept.setdefault(arm, {})
+    wanted = [flight for flight in planned if flight.name not in own or own[flight.name].invalid]
+    if not wanted:
+        return
+    print(f"{arm}: {len(wanted)} flights", file=sys.stderr, flush=True)
+    saved_s = time.monotonic()
+    try:
+        for outcome in shared(study, wanted, jobs):
+            own[outcome.name] = outcome
+            if time.monotonic() - saved_s >= SAVE_S:
+                write(path, kept)
+                saved_s = time.monotonic()
+    finally:
+        write(path, kept)
+
+
+def flights_of(study: Study, mutants: Mapping[str, Mutant], names: Iterable[str]) -> list[Flight]:
+    """The flights of these names, `MUTANT/SITUATION/SEED`; `mutants` has the mutants among them by id."""
+    parts = (name.split("/") for name in names)
+    return [
+        Flight(None if mutant == BASELINE else mutants[mutant], study.grid.situation(key), int(seed))
+        for mutant, key, seed in parts
+    ]

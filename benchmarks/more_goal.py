@@ -20,24 +20,18 @@ import published_kernels  # noqa: F401 - it must be imported before numpy
 # isort: split
 
 import argparse
-import sys
-import time
 from collections.abc import Mapping
 from pathlib import Path
 
-from kept_flights import Flights, missing, read, write
+from kept_flights import Flights, complete, flights_of, read
 from more_goal_page import flown
 from more_goal_plan import ARMS, DRAWS, MUTANTS, PLAN, names_of
 from reflown import published
-from varied import Varied, shared
+from varied import Varied
 
-from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.processes.start import cores
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.study import Study
-
-SAVE_S = 10.0
-"""Greatest time between two writes of the file of flights [s, wall]."""
 
 
 def fly(study: Study, path: Path, jobs: int, draws: int = DRAWS) -> Flights:
@@ -51,27 +45,10 @@ def fly(study: Study, path: Path, jobs: int, draws: int = DRAWS) -> Flights:
     """
     kept = read(path)
     for arm in ARMS:
-        own = kept.setdefault(arm.name, {})
-        wanted = missing(names_of(draws), own)
-        if not wanted:
-            continue
-        print(f"{arm.name}: {len(wanted)} flights", file=sys.stderr, flush=True)
-        varied, saved_s = Varied(study.folder, arm.overrides), time.monotonic()
-        try:
-            for outcome in shared(varied, _flights(varied, wanted), jobs):
-                own[outcome.name] = outcome
-                if time.monotonic() - saved_s >= SAVE_S:
-                    write(path, kept)
-                    saved_s = time.monotonic()
-        finally:
-            write(path, kept)
+        varied = Varied(study.folder, overrides=arm.overrides)
+        mutants = {name: realise(varied.matrix, name) for name in MUTANTS}
+        complete(path, kept, arm.name, varied, flights_of(varied, mutants, names_of(draws)), jobs)
     return kept
-
-
-def _flights(study: Study, names: list[str]) -> list[Flight]:
-    mutants = {"baseline": None, **{name: realise(study.matrix, name) for name in MUTANTS}}
-    parts = (name.split("/") for name in names)
-    return [Flight(mutants[mutant], study.grid.situation(key), int(seed)) for mutant, key, seed in parts]
 
 
 def reference_digests() -> Mapping[str, str]:

@@ -1,10 +1,10 @@
-"""Flies published flights again and compares them with `results/published/reference/outcomes.parquet`.
+"""Flies published flights again and compares them with their file in `results/published/`.
 
-    python benchmarks/reflown.py [--sample N | --shard K/N] [--jobs N]
+    python benchmarks/reflown.py [--grid wide] [--sample N | --shard K/N] [--jobs N]
 
 Without options it flies all of them: 13,821 flights; 6,645 of them took 17 minutes on two processors.  `--sample` flies
 the N flights that `sample` chooses, always the same ones.  `--shard` flies every N-th pair of situation and seed.
-Mutants share the beginning of their baseline, as in a campaign.
+`--grid wide` takes the flights of the wide grid.  Mutants share the beginning of their baseline, as in a campaign.
 
 The published flights were flown with OpenBLAS's kernels for SkylakeX.  The choice of kernel decides the last bits of a
 flight, so this script asks OpenBLAS for these kernels where the processor has AVX-512.  Where it gets them, the digests
@@ -27,9 +27,8 @@ import argparse
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
-from typing import Any
 
-import pyarrow.parquet
+from published_outcomes import Row, rows_of
 
 from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.campaign.plan.arrange import together
@@ -41,7 +40,11 @@ from scaloft_fi.campaign.workers.local import Local
 from scaloft_fi.study import Study
 from scaloft_fi.views.flights.export import export_rows
 
-PUBLISHED = ROOT / "results" / "published" / "reference" / "outcomes.parquet"
+PUBLISHED = {
+    "paper": ROOT / "results" / "published" / "reference" / "outcomes.parquet",
+    "wide": ROOT / "results" / "published" / "wide_outcomes.parquet",
+}
+"""The published flights by grid."""
 BITS = ("status", "ending", "violated", "duration_s", "digest")
 FACTS = ("status", "ending", "violated")
 """The columns that must be equal with the same kernels, and with others."""
@@ -54,12 +57,10 @@ SOON_S = 1.0
 NEWS_EVERY = 500
 """A line on standard error after this number of flights."""
 
-Row = Mapping[str, Any]
 
-
-def published() -> list[Row]:
-    """The rows of the export."""
-    return list(pyarrow.parquet.read_table(PUBLISHED).to_pylist())
+def published(grid: str = "paper") -> list[Row]:
+    """The rows of the export of a grid's flights."""
+    return rows_of(PUBLISHED[grid])
 
 
 def name_of(row: Row) -> str:
@@ -106,9 +107,9 @@ def shard(rows: Sequence[Row], number: int, shards: int) -> list[Row]:
     return [row for row in rows if (row["situation"], row["seed"]) in own]
 
 
-def flown(rows: Sequence[Row], jobs: int) -> dict[str, Row]:
+def flown(rows: Sequence[Row], jobs: int, grid: str = "paper") -> dict[str, Row]:
     """Fly the flights of the rows again; returns their rows in the form of `export`, by name."""
-    study, outcomes = Study.open(ROOT), []
+    study, outcomes = Study.open(ROOT, grid), []
     flights = [flight_named(study, row["mutant"], row["situation"], row["seed"]) for row in rows]
     baselines = [Flight(None, flight.situation, flight.seed) for flight in flights]  # a status needs its baseline
     wanted = tuple(dict.fromkeys((*baselines, *flights)))
@@ -142,9 +143,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     part = parser.add_mutually_exclusive_group()
     part.add_argument("--sample", type=int, metavar="N", help="fly a fixed choice of N flights")
     part.add_argument("--shard", metavar="K/N", help="fly every N-th pair of situation and seed, from the K-th on")
+    parser.add_argument("--grid", choices=PUBLISHED, default="paper", help="whose flights (default: paper)")
     parser.add_argument("--jobs", type=int, help="number of processes; by default one for each processor")
     options = parser.parse_args(arguments)
-    rows = published()
+    rows = published(options.grid)
     if options.sample:
         rows = sample(rows, options.sample)
     elif options.shard:
@@ -157,7 +159,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         else "OPENBLAS_CORETYPE is left as it is: the processor lacks AVX-512"
     )
     print(f"kernels: {', '.join(sorted(kernels))}; published: {KERNELS}; compared: {', '.join(columns)}", flush=True)
-    found = list(differences(rows, flown(rows, options.jobs or cores()), columns))
+    found = list(differences(rows, flown(rows, options.jobs or cores(), options.grid), columns))
     for line in found:
         print(line)
     print(f"{len(rows)} flights flown again, {len({line.split(': ')[0] for line in found})} differ")

@@ -71,7 +71,7 @@ def flown(beside: Beside) -> Iterator[tuple[Outcome, FlightLog]]:
     Raises:
         ScaloftError: the study cannot be flown with these numbers.
     """
-    study = Varied(Study.open(beside.folder).folder, tuple(beside.overrides.items()))
+    study = Varied(Study.open(beside.folder).folder, overrides=tuple(beside.overrides.items()))
     situation = study.grid.situation(beside.situation)
     for mutant in (None, *(realise(study.matrix, mutant_id) for mutant_id in beside.mutants)):
         flight = Flight(mutant, situation, beside.seed)

@@ -27,7 +27,7 @@ def load_dispositions(path: Path, matrix: Matrix, situations: Collection[str]) -
     Args:
         path: `hazop/dispositions.yaml`.
         matrix: matrix of the study.
-        situations: keys of its grid.
+        situations: keys of its grids.
 
     Raises:
         InputError: a mutant, a situation or a date does not exist, a key is missing, empty or unknown, or a mutant

@@ -31,9 +31,11 @@ class Setup:
 
     Attributes:
         folder: folder of the study; its `sim/` is read.
+        grid_name: name of a further grid of the study, a file in `sim/grids/`; None for its own grid.
     """
 
     folder: Path
+    grid_name: str | None = None
 
     @cached_property
     def stack(self) -> Declaration:
@@ -71,9 +73,9 @@ class Setup:
         """
         from scaloft_fi.judge.caps import check_caps
         from scaloft_fi.judge.stl import FormulaError
-        from scaloft_fi.sim.grid import load_grid
+        from scaloft_fi.sim.grids import load_grid
 
-        grid = load_grid(self.folder / "sim")
+        grid = load_grid(self.folder / "sim", self.grid_name)
         caps = self._caps(grid)
         for axis in grid.axes:
             for value in (*axis.values, *axis.extremes):
@@ -131,7 +133,7 @@ class Setup:
         """
         from scaloft_fi.judge.space import Realisation
 
-        return Realisation.read(self.grid, self.signals)
+        return Realisation.read(self.grid, (*self.signals, *self.grid.passing_signals))
 
     def scenario(self, situation: Situation) -> Scenario:
         """The scenario of the situation."""

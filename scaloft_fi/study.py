@@ -5,20 +5,21 @@ from __future__ import annotations
 import hashlib
 import json
 import sys
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.document import load
-from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.errors import InputError, did_you_mean, shown
 from scaloft_fi.hazop.folder import find_study
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.reading import digest, is_file, is_there
 from scaloft_fi.registry import load_plugins
 from scaloft_fi.setup import Setup
+from scaloft_fi.sim.grids import FOLDER, grid_names
 from scaloft_fi.sim.roles import ROLES
 from scaloft_fi.sources import digest_of
 
@@ -48,14 +49,24 @@ class Study(Setup):
     """
 
     @classmethod
-    def open(cls, folder: Path | str | None = None) -> Study:
+    def open(cls, folder: Path | str | None = None, grid: str | None = None) -> Study:
         """Open the study in `folder`; by default the nearest study upwards from here, else the packaged study.
 
+        Args:
+            folder: the folder.
+            grid: name of one of its grids; None for its own grid.
+
         Raises:
-            InputError: `folder` is no study.
+            InputError: `folder` is no study, or has no such grid.
         """
         load_plugins()
-        return cls(find_study(folder))
+        found = find_study(folder)
+        if grid is None:
+            return cls(found)
+        names = grid_names(found / "sim")
+        if grid not in names:
+            raise InputError(f"--grid={shown(grid)} must be the name of a grid of the study{did_you_mean(grid, names)}")
+        return cls(found, grid if grid != names[0] else None)
 
     @property
     def packaged(self) -> bool:
@@ -122,14 +133,20 @@ class Study(Setup):
         """The accepted survivors."""
         from scaloft_fi.dispositions import load_dispositions
 
-        return load_dispositions(self.dispositions_path, self.matrix, self.space.point)
+        return load_dispositions(self.dispositions_path, self.matrix, _Keys(self))
 
     @cached_property
     def inputs(self) -> Mapping[str, str]:
         """Hashes of everything that decides an outcome, by part; comments and the order of keys do not count."""
         sim = self.folder / "sim"
-        documents = {name: load(sim / f"{name}.yaml").plain() for name in FLYING_DATA}
-        others = {path.relative_to(sim).as_posix(): digest(path) for path in _files(sim) if path.suffix not in _APART}
+        parts = {"stack": load(sim / "stack.yaml"), **self.grid.documents}
+        documents = {name: parts[name].plain() for name in FLYING_DATA}
+        files = {path.relative_to(sim): path for path in _files(sim) if path.suffix not in _APART}
+        others = {
+            path.as_posix(): digest(file)
+            for path, file in files.items()
+            if self.grid_name is not None or path.parts[0] != FOLDER
+        }
         roles = [(b.name, ROLES[b.role].seen_as) for b in self.grid.world().bodies.values()]
         judged = [(r.name, r.kind, r.text, r.trigger, r.definitions) for r in self.requirements]
         return {
@@ -150,7 +167,7 @@ class Study(Setup):
 
         declared = sys.modules.get("scaloft_fi.sim.sensors.sensor")  # a plugin that declares a sensor has imported it
         kinds = declared.SENSORS if declared else {}
-        sensors = load(self.folder / "sim" / "sensors.yaml").mapping()
+        sensors = self.grid.documents["sensors"].mapping()
         operators = {fault.operator for cell in self.matrix for fault in cell.faults}
         stack = self.stack  # its operators are declared with it
         makers = [
@@ -165,7 +182,7 @@ class Study(Setup):
     @property
     def _kinds_of_happenings(self) -> list[str]:
         """The kinds of all happenings in the study, active or not."""
-        declared = load(self.folder / "sim" / "world.yaml").plain().get("happenings") or {}
+        declared = self.grid.documents["world"].plain().get("happenings") or {}
         return sorted({str(entry.get("kind")) for entry in declared.values() if isinstance(entry, dict)})
 
     def check(self, situations: Iterable[Situation] | None = None) -> None:
@@ -195,6 +212,28 @@ class Study(Setup):
             self.realisation,
             [self.scenario(situation) for situation in situations or self.grid.situations],
         )
+
+
+@dataclass(frozen=True)
+class _Keys(Collection[str]):
+    """The keys of every grid of a study; another grid than that of the study is read when a key is not in that one."""
+
+    study: Study
+
+    def __contains__(self, key: object) -> bool:
+        return any(key in one.space.point for one in self._studies())
+
+    def __iter__(self) -> Iterator[str]:
+        return (key for one in self._studies() for key in one.space.point)
+
+    def __len__(self) -> int:
+        return sum(len(one.space.points) for one in self._studies())
+
+    def _studies(self) -> Iterator[Study]:
+        yield self.study
+        _, *further = grid_names(self.study.folder / "sim")
+        names = [None, *further]
+        yield from (replace(self.study, grid_name=name) for name in names if name != self.study.grid_name)
 
 
 def _files(folder: Path) -> Iterator[Path]:

@@ -282,6 +282,6 @@ def test_a_requirement_that_asks_beyond_a_cap_is_refused_where_it_is_read_and_wh
 def test_a_predicate_that_asks_beyond_a_cap_is_refused_with_its_line(copy: Path) -> None:
     _edit(copy / "sim" / "situations.yaml", "waypoint_wall_m <= 0.5", "waypoint_wall_m < 1")
     with pytest.raises(
-        InputError, match=r"situations\.yaml:31: realised of W1 compares waypoint_wall_m with 1 m .* it"
+        InputError, match=r"situations\.yaml:33: realised of W1 compares waypoint_wall_m with 1 m .* it"
     ):
         _ = Study(copy).grid

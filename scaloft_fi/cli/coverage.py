@@ -29,7 +29,7 @@ def coverage_command(study_folder: Path | None, campaign: str, style: str) -> No
 
     study = Study.open(study_folder)
     with snapshot(study, campaign) as now:
-        rulings, choices = now.rulings, now.choices
+        study, rulings, choices = now.study, now.rulings, now.choices
     covered = coverage_of(rulings.baselines, rulings.draws, study.space)
     if style == Format.JSON:
         content = {"coverage": coverage_json(covered), "choices": [_choice(one) for one in choices]}

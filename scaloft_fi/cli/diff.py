@@ -8,6 +8,7 @@ import click
 
 from scaloft_fi.cli.options import format_option, study_option
 from scaloft_fi.console import tell
+from scaloft_fi.errors import InputError
 
 
 @click.command("diff")
@@ -27,5 +28,8 @@ def diff_command(first: str, second: str, study_folder: Path | None, style: str)
 
     study = Study.open(study_folder)
     with snapshot(study, first) as here, snapshot(study, second) as there:
-        compared = compare(here.latest, there.latest, study.roster, study.space)
+        if here.study.grid.name != there.study.grid.name:
+            grids = f"{first!r} was flown over grid {here.study.grid.name!r}, {second!r} over {there.study.grid.name!r}"
+            raise InputError(f"campaign {grids}; only campaigns of one grid have the same flights")
+        compared = compare(here.latest, there.latest, here.study.roster, here.study.space)
     tell(render((comparison_table(compared, first, second),), Format(style)))

@@ -49,6 +49,7 @@ def dispositions_command(
 
     study = Study.open(study_folder)
     with snapshot(study, campaign) as now:
+        study = now.study
         judged = _judged(study, now.score, today)
     tell(render((disposition_table(judged),), Format(style)))
     if writing:

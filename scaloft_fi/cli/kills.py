@@ -79,8 +79,9 @@ def kills_command(
     study = Study.open(study_folder)
     wanted = parts or PARTS
     with snapshot(study, campaign) as now:
+        study = now.study
         matrix = _chosen(study, kill_matrix(now.score, study.roster, study.space), mutants)
-        cases = _survivors(now, matrix) if "survivors" in wanted and output is None else ()
+        cases = _survivors(now, matrix, campaign) if "survivors" in wanted and output is None else ()
     if output is not None:
         _draw(_graph(matrix, by_requirement), output)
         return
@@ -120,7 +121,7 @@ def _graph(matrix: KillMatrix, by_requirement: bool) -> Subsumption:
     return subsumption(kills_by_requirement(matrix) if by_requirement else matrix.kills)
 
 
-def _survivors(now: Snapshot, matrix: KillMatrix) -> tuple[Survivor, ...]:
+def _survivors(now: Snapshot, matrix: KillMatrix, campaign: str) -> tuple[Survivor, ...]:
     """The survivors among `matrix`, judged beside all that the campaign holds."""
     from scaloft_fi.analysis.kills.background import backgrounds
     from scaloft_fi.analysis.scoring.detection import Verdict
@@ -131,7 +132,7 @@ def _survivors(now: Snapshot, matrix: KillMatrix) -> tuple[Survivor, ...]:
     seeds = sorted({outcome.seed for outcome in now.outcomes if outcome.mutant in ids})
     tracked = now.with_tracks(now.outcomes, [BASELINE, *ids], seeds[:1])
     known = backgrounds(now.study.matrix, [mutant.subject.id for mutant in now.score.mutants])
-    return survivors(tracked, now.score, matrix, known, short_units(now.study.requirements))
+    return survivors(tracked, now.score, matrix, known, short_units(now.study.requirements), campaign)
 
 
 def _results(

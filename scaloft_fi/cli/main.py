@@ -25,6 +25,7 @@ VERBS: dict[str, tuple[str, str]] = {
     "mutants": ("scaloft_fi.cli.mutants:mutants_command", "list the catalogue of mutants, derive it, check it"),
     "run": ("scaloft_fi.cli.run:run_command", "fly baseline and mutants over the grid, then score"),
     "margin": ("scaloft_fi.cli.margin:margin_command", "find the smallest magnitude that is killed, by bisection"),
+    "seek": ("scaloft_fi.cli.seek:seek_command", "find a situation that would have shown a fault"),
     "merge": ("scaloft_fi.cli.merge:merge_command", "join campaigns that were flown in parts"),
     "status": ("scaloft_fi.cli.status:status_command", "show which flights a campaign holds"),
     "score": ("scaloft_fi.cli.score:score_command", "print the score of a campaign, without flying"),

@@ -10,7 +10,9 @@ import click
 
 from scaloft_fi.cli.options import (
     campaign_option,
+    campaign_over,
     format_option,
+    grid_option,
     operability_option,
     quiet_option,
     same_platform_option,
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
 @click.argument("mutants", nargs=-1, required=True, metavar="CELL|ID...")
 @study_option
 @campaign_option
+@grid_option
 @click.option(
     "--situation",
     "situations",
@@ -63,6 +66,7 @@ def margin_command(
     mutants: tuple[str, ...],
     study_folder: Path | None,
     campaign: str,
+    grid: str | None,
     situations: tuple[str, ...],
     seeds: str,
     tolerance: float | None,
@@ -83,27 +87,32 @@ def margin_command(
     NO-depth@3s#waypoint).  The flights are ordinary flights of the campaign: nothing is flown twice, and
     `scaloft-fi matrix --margins` shows what was found.
     """
+    campaign = campaign_over(grid, campaign)
     if when:
         if situations or seeds != "1" or tolerance is not None:
             raise click.UsageError("--when flies nothing and goes with no --situation, --seeds or --tolerance")
-        tell(_when(mutants, study_folder, campaign, style, operability=operability))
+        tell(_when(mutants, study_folder, campaign, grid, style, operability=operability))
         return
     from scaloft_fi.campaign.processes.start import cores, one_thread_each
+    from scaloft_fi.campaign.runs import choice
     from scaloft_fi.campaign.runs.options import RunOptions
 
     one_thread_each()
     from scaloft_fi.campaign.plan import choose
     from scaloft_fi.campaign.progress.progress import Progress, Silence
     from scaloft_fi.campaign.runs.margin import find, target
+    from scaloft_fi.campaign.store.flown_grid import study_of
     from scaloft_fi.campaign.store.folder import campaign_folder
     from scaloft_fi.judge.requirement import Kind
-    from scaloft_fi.study import Study
     from scaloft_fi.views.tables.table import Format
 
-    study = Study.open(study_folder)
+    study = study_of(study_folder, campaign, grid)
     study.check()
     targets = {one.subject: one for one in (target(study.matrix, text, tolerance) for text in mutants)}
-    chosen, numbers = study.grid.select(situations), choose.seeds(seeds)
+    numbers = choose.seeds(seeds)
+    chosen = study.grid.select(situations)
+    if not situations:
+        chosen = choice.choose(study.grid.choose, chosen, numbers, 0, study.space, study.grid.chosen_at).situations
     by_fault = find(
         study,
         tuple(targets.values()),
@@ -114,19 +123,27 @@ def margin_command(
         kind=Kind.OPERABILITY if operability else Kind.SAFETY,
         progress=Silence if quiet else Progress,
     )
-    tell(_text(study, by_fault, len(numbers), Format(style)))
+    tell(_text(study, by_fault, len(numbers), campaign, Format(style)))
 
 
-def _text(study: Study, by_fault: Mapping[PhasedFault, Sequence[Margin]], seeds: int, style: str) -> str:
+def _text(study: Study, by_fault: Mapping[PhasedFault, Sequence[Margin]], seeds: int, campaign: str, style: str) -> str:
     from scaloft_fi.views.tables.table import Format, render
     from scaloft_fi.views.worksheet.margins import margin_json, margin_tables
 
     if style != Format.JSON:
-        return render(margin_tables(by_fault, study.requirements, seeds), Format(style))
+        return render(margin_tables(by_fault, study.requirements, seeds, campaign, study.space.grid), Format(style))
     return json_text(margin_json(by_fault), indent=2) + "\n"
 
 
-def _when(mutants: tuple[str, ...], study_folder: Path | None, campaign: str, style: str, *, operability: bool) -> str:
+def _when(
+    mutants: tuple[str, ...],
+    study_folder: Path | None,
+    campaign: str,
+    grid: str | None,
+    style: str,
+    *,
+    operability: bool,
+) -> str:
     from scaloft_fi.analysis.when import whens
     from scaloft_fi.judge.requirement import Kind
     from scaloft_fi.mutants.derive import realise, source_of
@@ -135,7 +152,7 @@ def _when(mutants: tuple[str, ...], study_folder: Path | None, campaign: str, st
     from scaloft_fi.views.tables.table import Format, render
     from scaloft_fi.views.worksheet.when import when_json, when_tables
 
-    study = Study.open(study_folder)
+    study = Study.open(study_folder, grid)
     asked = {text: realise(study.matrix, text) for text in mutants}
     for text, mutant in asked.items():
         if not source_of(study.matrix, mutant)[0].phases:

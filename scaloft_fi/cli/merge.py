@@ -29,10 +29,10 @@ def merge_command(sources: tuple[str, ...], study_folder: Path | None, campaign:
     The run's own command, without --shard, then holds the gates over the whole and prints the tables; it flies nothing.
     """
     from scaloft_fi.campaign.runs.merge import merge
+    from scaloft_fi.campaign.store.flown_grid import study_of_all
     from scaloft_fi.campaign.store.folder import campaign_folder
-    from scaloft_fi.study import Study
 
-    study = Study.open(study_folder)
+    study = study_of_all(study_folder, [*sources, campaign])
     folder = campaign_folder(study, campaign)
     merged = merge(study, folder, [campaign_folder(study, source) for source in sources], same_platform=same_platform)
     for warning in merged.warnings:

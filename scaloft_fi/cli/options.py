@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import click
+from click.core import ParameterSource
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -36,6 +37,22 @@ def campaign_option(function: F) -> F:
         metavar="NAME",
         help="A folder in the study's results/campaigns/; a NAME with a / is the path of a folder.",
     )(function)
+
+
+def grid_option(function: F) -> F:
+    """`--grid NAME`: the situations to fly."""
+    return click.option(
+        "--grid",
+        metavar="NAME",
+        help="A grid of the study: that of sim/situations.yaml, or a file in sim/grids/, whose campaign is called NAME "
+        "when --campaign names no other.  [default: the grid of the campaign, else that of sim/situations.yaml]",
+    )(function)
+
+
+def campaign_over(grid: str | None, campaign: str) -> str:
+    """The campaign of the command: that of the user, else the one named by the grid, else the default."""
+    source = click.get_current_context().get_parameter_source("campaign")
+    return grid if grid is not None and source is ParameterSource.DEFAULT else campaign
 
 
 def baseline_from_option(function: F) -> F:

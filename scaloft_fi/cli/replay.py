@@ -54,9 +54,9 @@ def replay_command(
     one_thread_each()
     from scaloft_fi.campaign.flights.fly import fly_log, judged
     from scaloft_fi.campaign.flights.physics import Physics
-    from scaloft_fi.study import Study
+    from scaloft_fi.campaign.store.flown_grid import study_of
 
-    study = Study.open(study_folder)
+    study = study_of(study_folder, campaign)
     flight = _flight(study, name)
     study.check((flight.situation,))
     Physics().prepare(study, say)

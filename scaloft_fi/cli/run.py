@@ -11,8 +11,10 @@ from scaloft_fi.cli.options import (
     all_option,
     baseline_from_option,
     campaign_option,
+    campaign_over,
     fail_under_option,
     format_option,
+    grid_option,
     quiet_option,
     same_platform_option,
     study_option,
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
 @click.command("run")
 @study_option
 @campaign_option
+@grid_option
 @click.option(
     "--mutant",
     "mutants",
@@ -44,17 +47,16 @@ if TYPE_CHECKING:
     "situations",
     multiple=True,
     metavar="KEY|GLOB",
-    help="A situation's key or alias, or a pattern (repeatable).  [default: the whole grid]",
+    help="A situation's key or alias, or a pattern (repeatable).  [default: those of --choose]",
 )
 @click.option(
     "--choose",
     "how",
-    default="all",
-    show_default=True,
     metavar="HOW",
     help="Which of these situations: all, random:N (distinct), draws:N (with replacement; a repetition takes the next "
     "seed), draws:P% (until that share was drawn), sobol:N (distinct, spread evenly over all axes), first:N (in the "
-    "grid's order), or a covering array such as 2-way.  random, draws and sobol draw numbers from ranges.",
+    "grid's order), or a covering array such as 2-way.  random, draws and sobol draw numbers from ranges.  "
+    "[default: what the grid says, else all; with --situation all]",
 )
 @click.option(
     "--choose-seed",
@@ -126,9 +128,10 @@ if TYPE_CHECKING:
 def run_command(
     study_folder: Path | None,
     campaign: str,
+    grid: str | None,
     mutants: tuple[str, ...],
     situations: tuple[str, ...],
-    how: str,
+    how: str | None,
     choose_seed: int,
     seeds: str | None,
     baseline_seeds: str | None,
@@ -168,21 +171,28 @@ def run_command(
     from scaloft_fi.campaign.runs.looks import run_looks
     from scaloft_fi.campaign.runs.options import RunOptions
     from scaloft_fi.campaign.runs.run import run
+    from scaloft_fi.campaign.runs.strategy import OPTION
+    from scaloft_fi.campaign.store.flown_grid import study_of
     from scaloft_fi.campaign.store.folder import campaign_folder
     from scaloft_fi.campaign.workers.named import executor_named
     from scaloft_fi.cli.score import report
     from scaloft_fi.judge.rulings import rulings_of
-    from scaloft_fi.study import Study
+    from scaloft_fi.sim.grid import ALL
     from scaloft_fi.views.runs.looks import look_table
     from scaloft_fi.views.runs.unflown import unflown_tables
 
+    campaign = campaign_over(grid, campaign)
+    study = study_of(study_folder, campaign, grid)
+    place = OPTION
+    if how is None:
+        how = ALL if situations else study.grid.choose
+        place = study.grid.chosen_at or place
     if sequential:
         draws = how if how.startswith("draws") else None  # a draw has one seed, a look several
         _alone("--sequential", seeds=seeds, budget=budget, shard=shard, choose=draws)
-    study = Study.open(study_folder)
     pool_seeds = choose.pool_seeds(baseline_seeds, lent=baseline_from is not None)
     flown_seeds = choose.seeds(seeds or "1")
-    chosen = choice.choose(how, study.grid.select(situations), flown_seeds, choose_seed, study.space)
+    chosen = choice.choose(how, study.grid.select(situations), flown_seeds, choose_seed, study.space, place)
     if (
         fail_under is not None
         and pool_seeds is not None
@@ -213,7 +223,7 @@ def run_command(
     keys = [situation.key for situation in chosen.situations]
     others = borrowed(study, baseline_from, keys) if baseline_from else ()
     folder = campaign_folder(study, campaign)
-    choice.remember(folder, chosen)
+    choice.remember(study, folder, chosen)
     if sequential:
         flown, looks = run_looks(study, planned, folder, options, others=others, progress=progress)
         extra: Sequence[Table] = (look_table(looks),)

@@ -71,7 +71,7 @@ def score_command(
 
     study = Study.open(study_folder)
     with snapshot(study, campaign) as now:
-        rulings, spending, warning = now.rulings, now.spending, now.platform_warning
+        study, rulings, spending, warning = now.study, now.rulings, now.spending, now.platform_warning
     others: Iterable[Outcome] = ()
     if baseline_from:
         flown = rulings.situations

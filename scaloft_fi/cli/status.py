@@ -31,7 +31,7 @@ def status_command(study_folder: Path | None, campaign: str, style: str) -> None
 
     study = Study.open(study_folder)
     with snapshot(study, campaign) as now:
-        content, mixture = now.held, now.mixture
+        study, content, mixture = now.study, now.held, now.mixture
     flown = ordered(content.current, study.roster, study.space)
     clean = [outcome for outcome in flown if outcome.mutant == BASELINE]
     baselines = Counter(f"{BASELINE} {baseline_status(outcome)}" for outcome in clean)

@@ -44,6 +44,7 @@ def worksheet_command(study_folder: Path | None, campaign: str, style: str, outp
 
     study = Study.open(study_folder)
     with snapshot(study, campaign) as now:
+        study = now.study
         rows = worksheet(study.matrix, now.outcomes, now.score, study.space, study.dispositions)
     content = _content(rows, style)
     if output is None:

@@ -12,10 +12,13 @@ from scaloft_fi.judge.stl import Formula, FormulaError, Signals
 from scaloft_fi.sim.situation import Situation
 
 if TYPE_CHECKING:
+    from scaloft_fi.sim.free_axis import FreeAxis
     from scaloft_fi.sim.grid import Grid
     from scaloft_fi.sim.range import Range
     from scaloft_fi.sim.situation import Axis, AxisValue
 
+MOST_LISTED = 256
+"""Most situations of a grid that lists and tables show whole; of a larger grid they show what was flown."""
 Point = tuple[str, ...]
 """One value per axis, in the axes' order; of a number drawn from a range its bin."""
 
@@ -27,8 +30,10 @@ Rank = tuple[int, tuple[float, ...], str]
 class Points(Mapping[str, Point]):
     """Point by key of the situation; its keys are those of the grid, but it finds the point of drawn numbers too."""
 
-    def __init__(self, points: Iterable[tuple[str, Point]], ranges: Mapping[str, Range]) -> None:
-        self._grid, self._drawn, self._ranges = dict(points), dict[str, Point](), ranges
+    def __init__(
+        self, points: Iterable[tuple[str, Point]], ranges: Mapping[str, Range], free: Mapping[str, FreeAxis]
+    ) -> None:
+        self._grid, self._drawn, self._ranges, self._free = dict(points), dict[str, Point](), ranges, free
 
     def __getitem__(self, key: str) -> Point:
         if key in self._grid:
@@ -41,8 +46,11 @@ class Points(Mapping[str, Point]):
         return self._drawn[key]
 
     def _in_bins(self, situation: Situation) -> bool:
-        return all(
-            axis in self._ranges and self._ranges[axis].bin(number) == situation[axis]
+        levels = dict(situation.levels)
+        return situation.point.key in self._grid and all(
+            axis in self._ranges and self._ranges[axis].bin(number) == levels[axis]
+            if axis in levels
+            else axis in self._free and self._free[axis].goes_with(levels) and self._free[axis].holds(number)
             for axis, number in situation.numbers
         )
 
@@ -64,6 +72,10 @@ class Space:
         points: key and point of each situation of the grid, in the grid's order.
         ranges: the ranges of the axes that have one, in the axes' order.
         drawn: keys of situations with drawn numbers, which `situations` lists too.
+        free: the free axes, which span no grid and count in no coverage.
+        selected: keys of situations that a search found because of verdicts.
+        only: keys of the grid's situations that `situations` lists; None = all.
+        grid: name of the grid, where it is a further grid of the study; else empty.
     """
 
     axes: tuple[str, ...]
@@ -72,6 +84,10 @@ class Space:
     points: tuple[tuple[str, Point], ...]
     ranges: tuple[tuple[str, Range], ...] = ()
     drawn: tuple[str, ...] = ()
+    free: tuple[tuple[str, FreeAxis], ...] = ()
+    selected: frozenset[str] = frozenset()
+    only: frozenset[str] | None = None
+    grid: str = ""
 
     @classmethod
     def of(cls, grid: Grid) -> Space:
@@ -82,24 +98,33 @@ class Space:
             words=tuple(tuple(value.title for value in axis.values) for axis in grid.axes),
             points=tuple((s.key, tuple(str(s[axis.id]) for axis in grid.axes)) for s in grid.situations),
             ranges=tuple((axis.id, axis.range) for axis in grid.axes if axis.range is not None),
+            free=tuple((axis.id, axis) for axis in grid.free),
+            selected=grid.selected,
+            grid=grid.name if grid.further else "",
         )
 
     def holding(self, keys: Iterable[str]) -> Space:
-        """The space that lists the situations with drawn numbers among `keys` too."""
-        return replace(self, drawn=tuple(sorted({k for k in keys if k not in self.order and k in self.point})))
+        """The space that lists the situations with drawn numbers among `keys` too.
+
+        Of a grid of more than `MOST_LISTED` situations it lists no others than `keys`.
+        """
+        held = frozenset(keys) | frozenset(self.drawn) | (self.only or frozenset())
+        drawn = tuple(sorted(key for key in held if key not in self.order and key in self.point))
+        return replace(self, drawn=drawn, only=held if len(self.points) > MOST_LISTED else None)
 
     @property
     def situations(self) -> tuple[tuple[str, Point], ...]:
         """Key and point of each listed situation; drawn numbers follow the situation of their bins, ascending."""
+        points = self.points if self.only is None else tuple(entry for entry in self.points if entry[0] in self.only)
         if not self.drawn:
-            return self.points
+            return points
         drawn = ((key, self.point[key]) for key in self.drawn)
-        return tuple(sorted((*self.points, *drawn), key=lambda entry: self.rank(entry[0])))
+        return tuple(sorted((*points, *drawn), key=lambda entry: self.rank(entry[0])))
 
     @cached_property
     def point(self) -> Mapping[str, Point]:
         """Point by key of the situation."""
-        return Points(self.points, dict(self.ranges))
+        return Points(self.points, dict(self.ranges), dict(self.free))
 
     @cached_property
     def order(self) -> Mapping[str, int]:
@@ -113,13 +138,15 @@ class Space:
     def words_of(self, key: str) -> tuple[str, ...]:
         """The short names of the situation's values, one for each axis; of a drawn number the number with its unit.
 
+        Numbers of free axes follow, benign ones left out.
+
         Raises:
             KeyError: there is no such situation.
         """
         words = {axis: self.word(place, self.point[key][place]) for place, axis in enumerate(self.axes)}
-        if key not in self.order and (situation := Situation.parse(key)):
-            ranges = dict(self.ranges)
-            words |= {axis: ranges[axis].told(number) for axis, number in situation.numbers}
+        if situation := Situation.parse(key):
+            told: dict[str, Range | FreeAxis] = {**dict(self.ranges), **dict(self.free)}
+            words |= {axis: told[axis].told(number) for axis, number in situation.numbers}
         return tuple(words.values())
 
     def rank(self, key: str) -> Rank:
@@ -181,8 +208,13 @@ class Realisation:
         if number is not None:
             predicate = _predicate(self.axes[axis].value(int(value), number), self.signals)
         if predicate is not None:
-            return predicate.robustness(signals)[0] >= 0
-        return all(other.robustness(signals)[0] < 0 for other in by_value.values() if other is not None)
+            return _holds(predicate, signals)
+        return not any(_holds(other, signals) for other in by_value.values() if other is not None)
+
+
+def _holds(predicate: Formula, signals: Signals) -> bool:
+    """Whether a formula holds; one over the signals of a happening holds in no flight without it."""
+    return all(name in signals for name in predicate.names) and predicate.robustness(signals)[0] >= 0
 
 
 def _predicate(value: AxisValue, signals: Collection[str]) -> Formula | None:

@@ -63,9 +63,18 @@ def _values(name: str, item: Item, axes: Mapping[str, Axis]) -> frozenset[int]:
     """The values of one axis in an `exclude`: one value or a list."""
     if name not in axes:
         raise InputError(f"{item.place}: exclude names the unknown axis {name!r}{did_you_mean(name, axes)}")
-    last = len(axes[name].values) - 1
+    return read_values(axes[name], item)
+
+
+def read_values(axis: Axis, item: Item) -> frozenset[int]:
+    """Values of an axis: one id or a list of ids.
+
+    Raises:
+        InputError: the axis has no such value.
+    """
+    last = len(axis.values) - 1
     entries = item.items() if isinstance(item.value, tuple) else (item,)
     numbers = frozenset(entry.whole() for entry in entries)
     if not numbers or max(numbers) > last:
-        raise item.error(f"values of axis {name!r}, 0 to {last}")
+        raise item.error(f"values of axis {axis.id!r}, 0 to {last}")
     return numbers

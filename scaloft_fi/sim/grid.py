@@ -9,11 +9,14 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 
-from scaloft_fi.document import Item, load
+from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
+from scaloft_fi.sim.addition import added
+from scaloft_fi.sim.consistency import check_paths, check_values
 from scaloft_fi.sim.constraint import Constraint, read_constraints
+from scaloft_fi.sim.free_axis import FreeAxis, numbers_off, read_free_axes
+from scaloft_fi.sim.happenings import signals_of
 from scaloft_fi.sim.mine import Mine, read_mine
 from scaloft_fi.sim.patch import PARTS, patched
 from scaloft_fi.sim.range import number_text
@@ -23,6 +26,8 @@ from scaloft_fi.sim.world import World, read_world
 MOST_POINTS = 1_000_000
 """Largest product of the axes; all points are held in memory."""
 MOST_AXES = 100
+ALL = "all"
+"""All situations of the grid are flown."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,16 +39,34 @@ class Grid:
         aliases: keys by other names, such as the numbers of the paper.
         documents: the documents that the axes change, by the names in `patch.PARTS`.
         constraints: combinations of values that the grid excludes.
+        name: name of the grid.
+        further: whether it is not the study's own grid.
+        choose: how a run chooses situations when nobody says it, as for `run --choose`.
+        chosen_at: the place of that, for errors.
+        item: the file of the grid; None for a grid without a file.
+        free: the free axes, which span no grid.
+        listed: the situations of a grid that is a list; None for all combinations of the values.
+        selected: keys of situations that a search found because of verdicts; none of the study's own grid.
     """
 
     axes: tuple[Axis, ...]
     aliases: Mapping[str, str]
     documents: Mapping[str, Item]
     constraints: tuple[Constraint, ...] = ()
+    name: str = ""
+    further: bool = False
+    choose: str = ALL
+    chosen_at: str = ""
+    item: Item | None = None
+    free: tuple[FreeAxis, ...] = ()
+    listed: tuple[Situation, ...] | None = None
+    selected: frozenset[str] = frozenset()
 
     @cached_property
     def situations(self) -> tuple[Situation, ...]:
         """Every situation; the last axis varies fastest."""
+        if self.listed is not None:
+            return self.listed
         return self._feasible(itertools.product(*([value.id for value in axis.values] for axis in self.axes)))
 
     def _feasible(self, points: Iterable[tuple[int, ...]]) -> tuple[Situation, ...]:
@@ -85,10 +108,14 @@ class Grid:
         drawn = Situation.parse(name)
         if drawn is None or not drawn.numbers or drawn.point.key not in self.by_key:
             return None
-        if drawn.key != name:
-            raise InputError(f"situation {name!r} must be written {drawn.key!r}")
+        free = [axis for axis, _ in drawn.numbers if axis not in dict(drawn.levels)]
+        proper = self.at(dict(drawn.levels), dict(drawn.numbers))
+        if proper.key != name:
+            raise InputError(f"situation {name!r} must be written {proper.key!r}")
         axes = {axis.id: axis for axis in self.axes}
         for axis, number in drawn.numbers:
+            if axis in free:
+                continue
             range_ = axes[axis].range
             if range_ is None:
                 raise InputError(f"situation {name!r} has a number for axis {axis!r}, which is no range")
@@ -100,6 +127,15 @@ class Grid:
                 right = f"{axis}{bin_}={number_text(number)}"
                 raise InputError(f"{place}: situation {name!r} must have {right!r}, the bin of that number")
         return drawn
+
+    def at(self, levels: Mapping[str, int], numbers: Mapping[str, float]) -> Situation:
+        """The situation with these values and numbers; benign numbers of free axes are left out.
+
+        Raises:
+            InputError: a free axis is unknown, does not go with these values, or does not hold its number.
+        """
+        off = numbers_off(self.free, levels, numbers)
+        return Situation.of(levels, {axis: numbers[axis] for axis in levels if axis in numbers} | off)
 
     def select(self, patterns: Iterable[str]) -> tuple[Situation, ...]:
         """The situations that match a pattern (key, alias or glob such as `T1*H?`), in the grid's order.
@@ -123,26 +159,22 @@ class Grid:
                 wanted[situation.key] = situation
         if not patterns:
             return self.situations
-        return tuple(sorted(wanted.values(), key=lambda one: (self._places[one.point.key], one.numbers)))
+        return tuple(sorted(wanted.values(), key=self._place))
+
+    def _place(self, situation: Situation) -> tuple[int, tuple[tuple[str, float], ...]]:
+        """Sort key of a situation: its own place, else that of its bins."""
+        return self._places.get(situation.key, self._places.get(situation.point.key, 0)), situation.numbers
 
     @cached_property
     def _places(self) -> Mapping[str, int]:
         """Index of each situation by key."""
         return {key: place for place, key in enumerate(self.by_key)}
 
-    def gray_order(self) -> tuple[Situation, ...]:
-        """Every situation once; each differs from its predecessor in one axis by one step (reflected Gray code).
-
-        Where constraints exclude points, the step is longer.
-        """
-        walks: list[tuple[int, ...]] = [()]
-        for axis in self.axes:
-            ids = [value.id for value in axis.values]
-            walks = [(*walk, level) for i, walk in enumerate(walks) for level in (ids if i % 2 == 0 else ids[::-1])]
-        return self._feasible(walks)
-
     def titles(self, situation: Situation) -> tuple[str, ...]:
-        """The titles of the situation's values, one for each axis; of a drawn number the number with its unit."""
+        """The titles of the situation's values, one for each axis; of a drawn number the number with its unit.
+
+        Numbers of free axes follow, benign ones left out.
+        """
         return tuple(value.title for value in self.values(situation).values())
 
     def aliases_of(self, situation: Situation) -> tuple[str, ...]:
@@ -150,9 +182,16 @@ class Grid:
         return tuple(alias for alias, key in self.aliases.items() if key == situation.key)
 
     def values(self, situation: Situation) -> dict[str, AxisValue]:
-        """The value of each axis."""
+        """The value of each axis, and of each free axis that is not at its benign value."""
         numbers = dict(situation.numbers)
-        return {axis.id: axis.value(situation[axis.id], numbers.get(axis.id)) for axis in self.axes}
+        values = {axis.id: axis.value(situation[axis.id], numbers.get(axis.id)) for axis in self.axes}
+        return values | {axis.id: axis.value(numbers[axis.id]) for axis in self.free if axis.id in numbers}
+
+    @property
+    def proved_values(self) -> tuple[AxisValue, ...]:
+        """The values with which the study is checked when it is read: each value, and both ends of each number."""
+        own = (value for axis in self.axes for value in (*axis.values, *axis.extremes))
+        return *own, *(value for axis in self.free for value in axis.extremes)
 
     def documents_with(self, values: Iterable[AxisValue]) -> Mapping[str, Item]:
         """The documents with these values of axes.
@@ -188,6 +227,13 @@ class Grid:
         """The mine of every world whose situation does not change it; reading a mesh takes seconds."""
         return read_mine(self.documents["world"].need("mine"))
 
+    @cached_property
+    def passing_signals(self) -> tuple[str, ...]:
+        """Names of the signals of happenings, which only flights with such a happening record."""
+        values = [*(value for axis in self.axes for value in axis.values), *(axis.extremes[1] for axis in self.free)]
+        worlds = (self.world_of(self.documents_with([value])) for value in values)
+        return tuple(dict.fromkeys(name for world in worlds for name in signals_of(world.happenings)))
+
     def miss(self, name: str) -> str:
         """The error message for a name without a situation: the constraint that excludes it, or the nearest key."""
         written = {axis.lower(): int(level) for axis, level in re.findall(r"([A-Za-z][a-z]*)(\d+)", name)}
@@ -201,23 +247,25 @@ class Grid:
         return f"no situation {name!r} in keys like {shape!r}; did you mean {near.key!r}?"
 
 
-def load_grid(folder: Path) -> Grid:
-    """Read the situations of a study's `sim` folder and the documents that they change.
-
-    Raises:
-        InputError: as `read_grid`, or a file cannot be read.
-    """
-    documents = {name: load(folder / f"{name}.yaml") for name in PARTS}
-    return read_grid(load(folder / "situations.yaml"), documents)
-
-
-def read_grid(item: Item, documents: Mapping[str, Item]) -> Grid:
+def read_grid(item: Item, documents: Mapping[str, Item], name: str | None = None) -> Grid:
     """Read the axes, and check the world of each single value.
+
+    Args:
+        item: the file of the grid.
+        documents: the documents that the axes change.
+        name: name of a further grid; None for the study's own.
 
     Raises:
         InputError: a value is not allowed, a key or path is unknown, a value makes an impossible world, or the
             constraints exclude every situation of a value, or leave one in which two axes set one path.
     """
+    documents = {part: documents[part] for part in PARTS}
+    choose_item, adds = item.get("choose"), item.get("adds") if name else None
+    name_item = None if name else item.get("name")
+    if name:
+        item.get("sources")  # `sim.load` reads it
+    if adds:
+        documents = added(documents, adds)
     axes_item = item.need("axes")
     axes = tuple(read_axis(name, entry) for name, entry in axes_item.mapping(most=MOST_AXES).items())
     if not axes:
@@ -226,61 +274,33 @@ def read_grid(item: Item, documents: Mapping[str, Item]) -> Grid:
     if points > MOST_POINTS:
         raise InputError(f"{axes_item.place}: axes make {points} situations, they must make at most {MOST_POINTS}")
     constraints = read_constraints(item.get("constraints"), axes)
+    free = read_free_axes(item.get("free"), axes, documents)
     alias_item = item.get("aliases")
     alias_items = alias_item.mapping() if alias_item else {}
     item.close()
     aliases = {alias: _completed(entry.text(), axes) for alias, entry in alias_items.items()}
-    grid = Grid(axes, aliases, {name: documents[name] for name in PARTS}, constraints)
-    _check_values(grid)
-    _check_paths(grid)
+    grid = Grid(
+        axes,
+        aliases,
+        documents,
+        constraints,
+        name=name or (name_item.text() if name_item else item.path.stem),
+        further=name is not None,
+        choose=choose_item.text() if choose_item else ALL,
+        chosen_at=f"{choose_item.place}: choose" if choose_item else "",
+        item=item,
+        free=free,
+    )
+    check_values(axes, grid.situations, constraints)
+    check_paths(axes, grid.situations)
     for alias, entry in alias_items.items():
         try:
             grid.situation(aliases[alias])
         except InputError as error:
             raise InputError(f"{entry.place}: alias {alias!r}: {error}") from None
-    for axis in axes:
-        for value in (*axis.values, *axis.extremes):
-            grid.world_of(grid.documents_with([value]))
+    for value in grid.proved_values:
+        grid.world_of(grid.documents_with([value]))
     return grid
-
-
-def _check_values(grid: Grid) -> None:
-    """Refuse constraints that exclude every situation of a value."""
-    if not grid.constraints:
-        return
-    left = {level for situation in grid.situations for level in situation.levels}
-    for axis in grid.axes:
-        for value in axis.values:
-            if (axis.id, value.id) not in left:
-                wanted = f"constraints must leave every value a situation, {axis.id}{value.id} has none"
-                raise InputError(f"{grid.constraints[0].place}: {wanted}")
-
-
-def _check_paths(grid: Grid) -> None:
-    """Refuse a situation in which two axes set one path, or a path and a part of it."""
-    for first, second in itertools.combinations(grid.axes, 2):
-        for one, other in itertools.product(first.values, second.values):
-            twice = next((path for path in other.changes for set_ in one.changes if _overlap(path, set_)), None)
-            pair = {(first.id, one.id), (second.id, other.id)}
-            if twice is None or not (both := [s.key for s in grid.situations if pair.issubset(s.levels)]):
-                continue
-            names = f"{first.id}{one.id} and {second.id}{other.id}"
-            sentence = f"{other.changes[twice].place}: {names} both set {twice}, in situation {both[0]}"
-            raise InputError(f"{sentence}; {remedy((first.id, one.id), (second.id, other.id))}")
-
-
-def remedy(*levels: tuple[str, int]) -> str:
-    """The constraint that excludes a combination of values, as advice.
-
-    >>> remedy(("T", 1), ("W", 2))
-    'exclude them under constraints: {exclude: {T: 1, W: 2}, reason: ...}'
-    """
-    values = ", ".join(f"{axis}: {level}" for axis, level in levels)
-    return f"exclude them under constraints: {{exclude: {{{values}}}, reason: ...}}"
-
-
-def _overlap(first: str, second: str) -> bool:
-    return f"{first}.".startswith(f"{second}.") or f"{second}.".startswith(f"{first}.")
 
 
 def _completed(key: str, axes: Iterable[Axis]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,9 @@ from scaloft_fi.document import Item
 from scaloft_fi.document import load as load_document
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.reading import is_there
-from scaloft_fi.sim.grid import Grid, read_grid, remedy
+from scaloft_fi.sim.consistency import remedy
+from scaloft_fi.sim.grid import Grid, read_grid
+from scaloft_fi.sim.grids import FILE
 from scaloft_fi.sim.patch import PARTS, leaves, patched
 from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.sensors import SensorsConfig, read_sensors
@@ -25,6 +27,8 @@ from scaloft_fi.stack.declaration import Declaration
 DOCUMENTS = (*PARTS, "situations", "stack")
 MOST_NOMINAL_S = 3_600.0
 """Longest nominal mission time [s]: no battery lasts longer, and a log grows by some 10 kB each second."""
+MOST_DRAWN = 256
+"""Scenarios with drawn numbers that are kept; each takes half a megabyte, and a search has thousands."""
 KINDS = ("published", "datasheet", "derived", "assumption")
 
 
@@ -96,16 +100,20 @@ class SimConfig:
     sources: Mapping[str, Source]
     numbers: Mapping[str, float]
     _scenarios: dict[str, Scenario] = field(default_factory=dict, repr=False)
+    _drawn: dict[str, Scenario] = field(default_factory=dict, repr=False)
 
     def scenario(self, situation: Situation) -> Scenario:
-        """The scenario of a situation, made once.
+        """The scenario of a situation, made once; of those with drawn numbers the last `MOST_DRAWN` are kept.
 
         Raises:
             InputError: the values of the axes contradict each other, or the mission takes too long.
         """
-        if situation.key not in self._scenarios:
-            self._scenarios[situation.key] = self._built(situation)
-        return self._scenarios[situation.key]
+        kept = self._drawn if situation.numbers else self._scenarios
+        if situation.key not in kept:
+            kept[situation.key] = self._built(situation)
+            if len(self._drawn) > MOST_DRAWN:
+                del self._drawn[next(iter(self._drawn))]
+        return kept[situation.key]
 
     def _built(self, situation: Situation) -> Scenario:
         values = self.grid.values(situation)
@@ -113,7 +121,8 @@ class SimConfig:
             scenario = Scenario(situation, *_read(self.grid, self.grid.documents_with(values.values())))
         except InputError as error:
             numbers = dict(situation.numbers)
-            written = {axis: Situation.of({axis: level}, numbers).key for axis, level in situation.levels}
+            levels = dict(situation.levels)
+            written = {axis: _written(axis, levels, numbers) for axis in values}
             for axis in numbers:
                 if self._refused(values[axis]):
                     sentence = f"{error}: {written[axis]} is not possible, as in situation {situation.key}"
@@ -122,6 +131,8 @@ class SimConfig:
             blamed = self._to_blame(values)
             names = " and ".join(written[axis] for axis, _ in blamed)
             sentence = f"{error}: {names} cannot be combined, as in situation {situation.key}"
+            if any(axis not in levels for axis, _ in blamed):
+                raise InputError(sentence) from error
             raise InputError(f"{sentence}; {remedy(*blamed)}") from error
 
         if not scenario.nominal_s <= MOST_NOMINAL_S:
@@ -183,11 +194,15 @@ def load(
     documents = {name: load_document(folder / f"{name}.yaml") for name in DOCUMENTS}
     places = {path: Item(Path("overrides"), 1, path, value) for path, value in (overrides or {}).items()}
     documents = patched(documents, places)
-    grid = grid or read_grid(documents["situations"], documents)
-    for axis in grid.axes:
-        for value in (*axis.values, *axis.extremes):
-            if any(not path.startswith("world.") for path in value.changes):  # the grid itself has read the world
-                _read(grid, grid.documents_with([value]))
+    if grid is None:
+        grid = read_grid(documents["situations"], documents)
+    elif grid.item is not None:
+        # what the grid adds is in its documents
+        entries = {key: entry for key, entry in grid.item.mapping().items() if key != "adds"}
+        documents = {**documents, **grid.documents, "situations": replace(grid.item, value=entries)}
+    for value in grid.proved_values:
+        if any(not path.startswith("world.") for path in value.changes):  # the grid itself has read the world
+            _read(grid, grid.documents_with([value]))
     world, vehicle, sensors = _read(grid, documents)
     return SimConfig(
         world=world,
@@ -195,9 +210,15 @@ def load(
         sensors=sensors,
         grid=grid,
         stack=_stack(documents["stack"]),
-        sources=_sources(load_document(sources), documents) if is_there(sources := folder / "sources.yaml") else {},
+        sources={**_sources_of(folder, documents), **_own_sources(grid, documents)},
         numbers=_numbers(documents),
     )
+
+
+def _written(axis: str, levels: Mapping[str, int], numbers: Mapping[str, float]) -> str:
+    """The part of a key for one axis, such as `T1` or `Cs=0.871`."""
+    level = {axis: levels[axis]} if axis in levels else {}
+    return Situation.of(level, {axis: numbers[axis]} if axis in numbers else {}).key
 
 
 def _read(grid: Grid, documents: Mapping[str, Item]) -> tuple[World, Vehicle, SensorsConfig]:
@@ -217,6 +238,20 @@ def _numbers(documents: Mapping[str, Item]) -> dict[str, float]:
         for path, item in leaves(document)
         if isinstance(item.value, int | float) and not isinstance(item.value, bool)
     }
+
+
+def _sources_of(folder: Path, documents: Mapping[str, Item]) -> dict[str, Source]:
+    """The sources in the study's `sources.yaml`; those of `situations.yaml` only where its grid is read."""
+    path = folder / "sources.yaml"
+    found = _sources(load_document(path), documents) if is_there(path) else {}
+    own = documents["situations"].path == folder / FILE
+    return {name: source for name, source in found.items() if own or not name.startswith("situations.")}
+
+
+def _own_sources(grid: Grid, documents: Mapping[str, Item]) -> dict[str, Source]:
+    """The sources in the file of a further grid."""
+    item = grid.item.get("sources") if grid.item and grid.further else None
+    return _sources(item, documents) if item else {}
 
 
 def _sources(item: Item, documents: Mapping[str, Item]) -> dict[str, Source]:

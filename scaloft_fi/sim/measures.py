@@ -61,3 +61,9 @@ def signal(name: str, unit: str, meaning: str, *, most: float = math.inf) -> Cal
         return make
 
     return declare
+
+
+@signal("takeoff_charge", "", "state of charge of the battery at take-off, 0..1", most=1.0)
+def _takeoff_charge(scenario: Any) -> Measure:
+    charge: float = scenario.sensors.battery.charge
+    return lambda _state: charge

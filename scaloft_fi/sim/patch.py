@@ -44,6 +44,19 @@ def patched(documents: Mapping[str, Item], changes: Mapping[str, Item]) -> dict[
     return new
 
 
+def found(documents: Mapping[str, Item], path: str) -> Item | None:
+    """The value at a dotted path with its document's name; None where there is none."""
+    name, _, rest = path.partition(".")
+    if name not in documents:
+        return None
+    return next((item for inner, item in leaves(documents[name]) if inner == rest), None)
+
+
+def overlap(first: str, second: str) -> bool:
+    """Whether two paths are one, or one is a part of the other."""
+    return f"{first}.".startswith(f"{second}.") or f"{second}.".startswith(f"{first}.")
+
+
 def _replaced(item: Item, parts: Sequence[str], value: Item) -> Item | None:
     if not parts:
         return Item(value.path, value.line, item.name, value.value)

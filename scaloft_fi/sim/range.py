@@ -108,7 +108,7 @@ def read_range(item: Item) -> Range:
     """
     set_item, low_item, high_item = item.need("set"), item.need("from"), item.need("to")
     path = qualified(set_item.text(), set_item)
-    low, high = _short(low_item), _short(high_item)
+    low, high = short(low_item), short(high_item)
     if low >= high:
         raise high_item.error(f"> {number_text(low)}, which is 'from'")
     unit = item.need("unit").text()
@@ -121,7 +121,7 @@ def read_range(item: Item) -> Range:
     if any(above <= below for below, above in pairwise(edges)):
         raise bins_item.error(f"less: two ends of bins are equal at {DIGITS} significant digits")
     benign_item = item.need("benign")
-    benign = _short(benign_item)
+    benign = short(benign_item)
     if not low <= benign <= high:
         raise benign_item.error(f"{number_text(low)} to {number_text(high)}, within the range")
     item.close()
@@ -133,7 +133,7 @@ def _edges(distribution: Distribution, bins: int) -> tuple[float, ...]:
     return tuple(float(number_text(distribution.quantile(share))) for share in shares)
 
 
-def _short(item: Item) -> float:
+def short(item: Item) -> float:
     """A finite number with at most four significant digits.
 
     Raises:

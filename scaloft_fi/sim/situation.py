@@ -17,7 +17,8 @@ MOST_VALUES = 200
 """Most values of an axis; the world of each is read with the study."""
 
 AXIS_ID = re.compile(r"[A-Z][a-z]*")
-_LEVEL = re.compile(r"([A-Z][a-z]*)([0-9]{1,9})(?:=(-?[0-9]+(?:\.[0-9]+)?(?:e-?[0-9]{1,3})?))?")
+_DRAWN = r"=(-?[0-9]+(?:\.[0-9]+)?(?:e-?[0-9]{1,3})?)"
+_LEVEL = re.compile(rf"([A-Z][a-z]*)(?:([0-9]{{1,9}})(?:{_DRAWN})?|{_DRAWN})")
 _NUMBER = re.compile(r"\bnumber\b")
 """The word in the formula of a range that stands for the number that is flown."""
 
@@ -87,9 +88,9 @@ class Situation:
     """A point of the grid, or one with numbers drawn from ranges.
 
     Attributes:
-        key: such as `T0O0W0D0H0`, with a drawn number such as `T0C2=0.871`.
+        key: such as `T0O0W0D0H0`, with a drawn number `T0C2=0.871`, with a number of a free axis `T0H0Cs=0.871`.
         levels: value id by axis, in the order of the axes; of a drawn number the id of its bin.
-        numbers: drawn number by axis.
+        numbers: drawn number by axis; those of free axes, which have no level, are the last.
     """
 
     key: str
@@ -102,9 +103,15 @@ class Situation:
 
         >>> Situation.of({"T": 1, "C": 2, "H": 0}, {"C": 0.871}).key
         'T1C2=0.871H0'
+        >>> Situation.of({"T": 1, "H": 0}, {"Cs": 0.871}).key
+        'T1H0Cs=0.871'
         """
-        drawn = {axis: number_text(numbers[axis]) for axis in levels if numbers and axis in numbers}
+        numbers = numbers or {}
+        drawn = {axis: number_text(numbers[axis]) for axis in levels if axis in numbers}
         key = "".join(f"{axis}{level}" + (f"={drawn[axis]}" if axis in drawn else "") for axis, level in levels.items())
+        free = {axis: number_text(number) for axis, number in numbers.items() if axis not in levels}
+        key += "".join(f"{axis}={text}" for axis, text in free.items())
+        drawn |= free
         return cls(key, tuple(levels.items()), tuple((axis, float(text)) for axis, text in drawn.items()))
 
     @classmethod
@@ -117,10 +124,10 @@ class Situation:
         'T1C2=0.871H0'
         """
         parts = list(_LEVEL.finditer(text))
-        levels = {part[1]: int(part[2]) for part in parts}
-        if not parts or "".join(part[0] for part in parts) != text or len(levels) < len(parts):
+        levels = {part[1]: int(part[2]) for part in parts if part[2] is not None}
+        numbers = {part[1]: float(part[3] or part[4]) for part in parts if part[3] or part[4]}
+        if not parts or "".join(part[0] for part in parts) != text or len(levels.keys() | numbers) < len(parts):
             return None
-        numbers = {part[1]: float(part[3]) for part in parts if part[3] is not None}
         return cls.of(levels, numbers) if all(map(isfinite, numbers.values())) else None
 
     @property

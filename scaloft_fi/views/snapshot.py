@@ -12,6 +12,7 @@ from scaloft_fi.analysis.scoring.detection import Spending
 from scaloft_fi.analysis.scoring.score import Score, score_of
 from scaloft_fi.campaign.runs.choice import Remembered, remembered
 from scaloft_fi.campaign.runs.spending import spending_of
+from scaloft_fi.campaign.store.flown_grid import with_grid
 from scaloft_fi.campaign.store.folder import campaign_folder, existing
 from scaloft_fi.campaign.store.held import Held, current_in, held_in, latest_in, nothing_to_show
 from scaloft_fi.campaign.store.platforms import Platforms, warning_for
@@ -27,7 +28,7 @@ class Snapshot:
     """What a campaign holds while a snapshot of its store lasts; each part is read when it is first asked for.
 
     Attributes:
-        study: what was flown.
+        study: what was flown, with the grid of the campaign.
         folder: of the campaign.
         store: open, within a snapshot.
     """
@@ -118,9 +119,13 @@ class Snapshot:
 def snapshot(study: Study, campaign: str) -> Iterator[Snapshot]:
     """The campaign at this moment, whatever others write to it meanwhile.
 
+    Args:
+        study: the study, with any of its grids.
+        campaign: name of the campaign.
+
     Raises:
         InputError: there is no campaign.
     """
     folder = campaign_folder(study, campaign)
     with Store(existing(folder), create=False) as store, store.snapshot():
-        yield Snapshot(study, folder, store)
+        yield Snapshot(with_grid(study, store), folder, store)

@@ -7,7 +7,7 @@ from pathlib import Path
 import more_goal
 import pytest
 from builders import GRID, outcome
-from kept_flights import read, write
+from kept_flights import flights_of, read, write
 from more_goal_page import flown
 from more_goal_plan import ARMS, AS_IT_IS, FLIGHTS, MUTANTS, NOT_TURNING, PLAN, STRICT, Arm, names_of
 from operating_point import LIGHT, PLAIN
@@ -15,6 +15,7 @@ from varied import Varied
 
 from scaloft_fi.analysis.scoring.stratified import Stratum, p_value
 from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.mutants.derive import realise
 from scaloft_fi.study import Study
 
 ROOT = Path(__file__).parents[2]
@@ -161,7 +162,7 @@ def test_a_flight_in_the_file_is_not_flown_again_and_an_invalid_one_is(
                 flight.subject.id, flight.situation.key, flight.seed, invalid="" if len(asked) > 8 else broken
             )
 
-    monkeypatch.setattr(more_goal, "shared", shared)
+    monkeypatch.setattr("kept_flights.shared", shared)
     path, study = tmp_path / "flights.jsonl.gz", Study.open(ROOT)
     with pytest.raises(KeyboardInterrupt):
         more_goal.fly(study, path, 1, draws=1)
@@ -179,9 +180,10 @@ def test_flights_that_share_a_baseline_with_changed_numbers_have_the_digests_of_
     from varied import Beside, flown, shared
 
     arm = Arm(turns_first=False, cruise_mps=1.2)
-    study = Varied(ROOT, arm.overrides)
+    study = Varied(ROOT, overrides=arm.overrides)
+    mutants = {name: realise(study.matrix, name) for name in MUTANTS}
     names = [f"{subject}/T0O0W0D0H0/0" for subject in (BASELINE, "MORE-goal@1m", "MORE-goal@3m")]
-    found = {o.name: o.digest for o in shared(study, more_goal._flights(study, names), 1)}
+    found = {o.name: o.digest for o in shared(study, flights_of(study, mutants, names), 1)}
     whole = flown(Beside(ROOT, dict(arm.overrides), "T0O0W0D0H0", 0, ("MORE-goal@1m", "MORE-goal@3m")))
     assert found == {o.name: log.digest for o, log in whole}
     assert len(set(found.values())) == 3

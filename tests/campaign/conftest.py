@@ -83,6 +83,7 @@ class FakeStudy:
     roster: Roster = ROSTER
     predicate: str = "t"
     alpha: float = 0.01
+    grid_name: str | None = None
 
     def changes(self, situation: FakeSituation) -> dict[str, Any]:
         return {"key": situation.key}

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from builders import GRID, SIGNALS
+from grids import space_of
 from ranges import with_range
 
 from scaloft_fi.errors import InputError
@@ -68,3 +69,21 @@ def test_a_drawn_number_came_true_by_the_formula_of_that_number(tmp_path: Path) 
     signals = {name: [0.0, 0.0] for name in SIGNALS} | {"speed_mps": [0.7, 0.7]}
     came_true = {number: dict(realisation.of(f"T0O0W0D0H0C2={number}", signals))["C"] for number in ("0.86", "0.89")}
     assert came_true == {"0.86": True, "0.89": False}  # 0.8 * 0.86 = 0.688, 0.8 * 0.89 = 0.712
+
+
+def test_a_large_grid_lists_the_situations_that_were_flown_and_a_small_one_all() -> None:
+    large = space_of([2] * 9)
+    flown = [large.points[300][0], large.points[7][0]]
+    assert len(large.situations) == len(large.points) == 512
+    held = large.holding(flown)
+    assert [key for key, _ in held.situations] == [large.points[7][0], large.points[300][0]]
+    assert held.points == large.points
+    assert set(held.point) == set(large.point)
+    small = space_of([2] * 8)
+    assert len(small.holding([small.points[7][0]]).situations) == 256
+
+
+def test_to_hold_twice_is_to_hold_both() -> None:
+    large = space_of([2] * 9)
+    first, second = large.points[7][0], large.points[300][0]
+    assert [key for key, _ in large.holding([first, second]).holding([first]).situations] == [first, second]

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import itertools
-from itertools import pairwise
 
 import pytest
 from ranges import CRUISE, with_range
@@ -43,14 +42,6 @@ def test_a_situation_that_is_none_is_refused_with_the_nearest(config, name):
         config.grid.select([name])
 
 
-def test_gray_order_visits_every_situation_once_one_axis_at_a_time(config):
-    walk = config.grid.gray_order()
-    assert {situation.key for situation in walk} == {situation.key for situation in config.grid.situations}
-    for before, after in pairwise(walk):
-        changed = [abs(a - b) for (_, a), (_, b) in zip(before.levels, after.levels, strict=True) if a != b]
-        assert changed == [1]
-
-
 def test_titles_say_a_situation_in_words(config):
     titles = config.grid.titles(config.grid.situation("T1O0W0D1H1"))
     assert titles == ("corner", "free path", "open space", "dark", "human")
@@ -79,7 +70,6 @@ def test_a_users_axis_with_three_values_joins_the_grid(edited):
     clear = config.scenario(grid.situation("T1O0W0D0H0Air0"))
     assert (clear.sensors.depth.max_m, clear.vehicle.mass_kg, clear.world.mission.cruise_mps) == (8.0, 1.5, 0.5)
     assert grid.axes[-1].predicate(0) == "(not (always(speed_mps <= 0.9))) and (not (always(speed_mps <= 0.5)))"
-    assert len({situation.key for situation in grid.gray_order()}) == 96
     assert grid.situation("32").key == "T1O1W1D1H0Air0"  # the paper's numbers outlive a new axis
 
 
@@ -163,7 +153,6 @@ def test_no_situation_has_an_excluded_combination(constrained):
     ]
     assert [situation.key for situation in constrained.situations] == wanted
     assert len(constrained) == 18
-    assert {situation.key for situation in constrained.gray_order()} == set(wanted)
 
 
 def test_an_excluded_situation_is_refused_with_its_reason(constrained):

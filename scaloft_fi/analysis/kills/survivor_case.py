@@ -32,6 +32,7 @@ class Campaign:
     carrying: Mapping[str, frozenset[str]]
     """Per seam the situations where it carried a sample in some flight."""
     units: Mapping[str, str]
+    name: str = "default"
 
     @classmethod
     def of(
@@ -41,6 +42,7 @@ class Campaign:
         matrix: KillMatrix,
         backgrounds: Mapping[str, Background],
         units: Mapping[str, str],
+        name: str,
     ) -> Campaign:
         """From outcomes, with or without trajectories, and their score; invalid flights say nothing."""
         flights: dict[str, list[JudgedFlight]] = {row.id: [] for row in matrix.rows}
@@ -58,6 +60,7 @@ class Campaign:
             flights=flights,
             carrying={seam: frozenset(keys) for seam, keys in carrying.items()},
             units=units,
+            name=name,
         )
 
     @property

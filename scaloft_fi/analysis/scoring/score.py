@@ -36,6 +36,7 @@ class Score:
         redraw: how often redraws of the unmutated drone are called detected.
         lacking: situations where a mutant, controls left out, infects and the pool has too few flights, in order.
         pooled: whether there is a pool to decide by where mutants infect; without one there are only observations.
+        selected: the situations flown that a search found because of verdicts; a score that uses them is selected.
     """
 
     alpha: float
@@ -52,6 +53,7 @@ class Score:
     redraw: Redraw
     lacking: tuple[str, ...]
     pooled: bool
+    selected: tuple[str, ...] = ()
 
     @property
     def expected_false(self) -> float:
@@ -117,4 +119,5 @@ def score_of(
         redraw=redraw(baselines.values(), seeds, spending.alpha),
         lacking=tuple(sorted(infected - pool.flown, key=space.rank)),
         pooled=pooled,
+        selected=tuple(sorted(space.selected & rulings.situations, key=space.rank)),
     )

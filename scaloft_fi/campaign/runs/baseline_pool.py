@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.store.fingerprint import fingerprint
+from scaloft_fi.campaign.store.flown_grid import with_grid
 from scaloft_fi.campaign.store.folder import campaign_folder, existing
 from scaloft_fi.campaign.store.key import Keys
 from scaloft_fi.campaign.store.platforms import Platforms
@@ -25,6 +26,9 @@ def borrowed(study: Study, campaign: str, situations: Iterable[str]) -> tuple[Ou
     folder = campaign_folder(study, campaign)
     place, keys = f"--baseline-from={campaign!r}", Keys(study)
     with Store(existing(folder), create=False) as store:
+        theirs = with_grid(study, store).grid
+        if theirs.name != study.grid.name:
+            raise InputError(f"{place} was flown over grid {theirs.name!r}, not over grid {study.grid.name!r}")
         wanted = dict.fromkeys(situations)
         flown = {f.key: f for f in store.flights() if f.mutant == BASELINE and f.situation in wanted}
         flights = {

@@ -20,6 +20,7 @@ from scaloft_fi.campaign.runs import gates
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.platform import prove_platform
 from scaloft_fi.campaign.store.fingerprint import fingerprint
+from scaloft_fi.campaign.store.flown_grid import remember_grid
 from scaloft_fi.campaign.store.folder import LOG_NAME, STORE_NAME, promising, writable
 from scaloft_fi.campaign.store.held import counting_flights, flight_named
 from scaloft_fi.campaign.store.key import Keys
@@ -261,6 +262,7 @@ def opened(
         if not _all_flown(study, first, folder / STORE_NAME):
             workers.ready()
         with Store(writable(folder) / STORE_NAME, say=progress.line) as store:
+            remember_grid(store, study)
             prove_platform(
                 study, store, workers, say=progress.line, stopped=stopped, same_platform=options.same_platform
             )

@@ -9,16 +9,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.campaign.runs.strategy import STRATEGIES, Asked, Draws
+from scaloft_fi.campaign.runs.strategy import OPTION, STRATEGIES, Asked, Draws
+from scaloft_fi.campaign.store.flown_grid import remember_grid
 from scaloft_fi.campaign.store.folder import STORE_NAME, promising, writable
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
+from scaloft_fi.sim.grid import ALL
 
 if TYPE_CHECKING:
     from scaloft_fi.judge.space import Space
     from scaloft_fi.sim.situation import Situation
+    from scaloft_fi.study import Study
 
-ALL = "all"
 NOTE = "choice"
 """Prefix of the names of choices in the campaign's store."""
 
@@ -50,7 +52,9 @@ class Choice:
         return tuple(dict.fromkeys(situation for situation, _ in self.draws))
 
 
-def choose(text: str, pool: Sequence[Situation], seeds: Sequence[int], seed: int, space: Space) -> Choice:
+def choose(
+    text: str, pool: Sequence[Situation], seeds: Sequence[int], seed: int, space: Space, place: str = OPTION
+) -> Choice:
     """Choose test cases; the same for the same arguments on every platform.
 
     Args:
@@ -59,6 +63,7 @@ def choose(text: str, pool: Sequence[Situation], seeds: Sequence[int], seed: int
         seeds: seeds of the flights.
         seed: seed of the choice.
         space: the grid.
+        place: where the text stands, for errors.
 
     Raises:
         InputError: no strategy accepts the text, or the strategy refuses it.
@@ -66,13 +71,13 @@ def choose(text: str, pool: Sequence[Situation], seeds: Sequence[int], seed: int
     for strategy in STRATEGIES.values():
         match = strategy.pattern.fullmatch(text)
         if match:
-            draws = strategy.draw(Asked(text, match, tuple(pool), tuple(seeds), seed, space))
+            draws = strategy.draw(Asked(text, match, tuple(pool), tuple(seeds), seed, space, place))
             return Choice(text, seed, len(pool), tuple(draws))
-    raise InputError(f"--choose={text!r} must be {hint()}")
+    raise InputError(f"{place}={text!r} must be {hint()}")
 
 
-def remember(folder: Path, choice: Choice) -> None:
-    """Record a choice in the campaign's store; flying all situations is no choice.
+def remember(study: Study, folder: Path, choice: Choice) -> None:
+    """Record a choice, and the grid of which it is one, in the campaign's store; all situations are no choice.
 
     Raises:
         InputError: the store cannot be written.
@@ -83,6 +88,7 @@ def remember(folder: Path, choice: Choice) -> None:
     content = json.dumps({"choose": choice.text, "seed": choice.seed, "pool": choice.pool, "draws": draws})
     promising(folder)
     with Store(writable(folder) / STORE_NAME) as store:
+        remember_grid(store, study)
         store.set_notes({f"{NOTE} {hashlib.sha256(content.encode()).hexdigest()[:16]}": content})
 
 

@@ -41,15 +41,19 @@ def spread(pool: Sequence[Situation], space: Space, count: int, seed: int) -> tu
     known = {one.levels for one in pool}
     found: dict[Situation, None] = {}
     for log2 in range(min((count - 1).bit_length(), MOST_LOG2), MOST_LOG2 + 1):
-        sequence = qmc.Sobol(max(1, len(varied)), scramble=True, seed=scramble)
+        sequence = qmc.Sobol(max(1, len(varied) + len(space.free)), scramble=True, seed=scramble)
         for point in sequence.random_base2(log2).tolist():
-            shares = dict(zip(varied, point, strict=False))
+            shares = dict(zip((*varied, *(axis for axis, _ in space.free)), point, strict=False))
             bins, numbers = {}, {}
             for axis, ids in levels.items():
                 place, rest = divmod(shares.get(axis, 0.0) * len(ids), 1.0)
                 bins[axis] = ids[int(place)]
                 if axis in ranges:
                     numbers[axis] = ranges[axis].draw(bins[axis], rest)
+            for axis, free in space.free:
+                number = free.drawn(shares[axis]) if free.goes_with(bins) else None
+                if number is not None and number != free.benign:
+                    numbers[axis] = number
             if tuple(bins.items()) in known:
                 found[Situation.of(bins, numbers)] = None
             if len(found) == count:

@@ -26,6 +26,7 @@ from scaloft_fi.streams import key_words
 if TYPE_CHECKING:
     from scaloft_fi.judge.space import Space
 
+OPTION = "--choose"
 Draws = tuple[tuple[Situation, int], ...]
 """Situation and seed of each test case, in the order in which they are chosen."""
 
@@ -41,6 +42,7 @@ class Asked:
         seeds: seeds of the flights.
         seed: seed of the choice; a strategy draws from `streams.key_words("choice", name, seed, ...)`.
         space: the grid.
+        place: where the text stands, for errors.
     """
 
     text: str
@@ -49,6 +51,7 @@ class Asked:
     seeds: tuple[int, ...]
     seed: int
     space: Space
+    place: str = OPTION
 
     def each(self, situations: Iterable[Situation]) -> Draws:
         """Every situation with every seed."""
@@ -58,7 +61,7 @@ class Asked:
         """The situation with a number drawn from each range of its axes, inside the bin that it has there.
 
         Bins have equal probability, so a number in a random bin follows the distribution of the range.  A number that
-        the situation has already is kept.
+        the situation has already is kept.  Most free axes stay at their benign values.
 
         Args:
             situation: a situation of the pool.
@@ -66,13 +69,25 @@ class Asked:
         """
         numbers = dict(situation.numbers)
         for axis, range_ in self.space.ranges:
-            share = (key_words("choice", *stream, self.seed, axis)[0] >> 11) / 2**53  # exact, below 1
-            numbers.setdefault(axis, range_.draw(situation[axis], share))
+            numbers.setdefault(axis, range_.draw(situation[axis], self._share(*stream, axis)))
+        for axis, free in self.space.free:
+            number = free.drawn(self._share(*stream, axis)) if free.goes_with(dict(situation.levels)) else None
+            if number is not None and number != free.benign:
+                numbers.setdefault(axis, number)
+        numbers = {axis: numbers[axis] for axis, _ in self._numbered if axis in numbers}
         return Situation.of(dict(situation.levels), numbers)
+
+    @property
+    def _numbered(self) -> tuple[tuple[str, object], ...]:
+        """The axes with numbers, in the order of keys."""
+        return *self.space.ranges, *self.space.free
+
+    def _share(self, *stream: object) -> float:
+        return (key_words("choice", *stream[:-1], self.seed, stream[-1])[0] >> 11) / 2**53  # exact, below 1
 
     def error(self, allowed: str) -> InputError:
         """The error that refuses the text; `allowed` completes its message."""
-        return InputError(f"--choose={self.text!r} {allowed}")
+        return InputError(f"{self.place}={self.text!r} {allowed}")
 
 
 @dataclass(frozen=True)
@@ -137,7 +152,7 @@ def sobol(asked: Asked) -> Draws:
     """Distinct situations spread evenly over all axes; a larger choice includes every smaller one of the same seed."""
     from scaloft_fi.campaign.runs.low_discrepancy import spread
 
-    if not asked.space.ranges:
+    if not (asked.space.ranges or asked.space.free):
         _count(asked)
     drawn = next((one.key for one in asked.pool if one.numbers), None)
     if drawn is not None:

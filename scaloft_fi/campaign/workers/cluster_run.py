@@ -91,7 +91,13 @@ class ClusterRun:
         say: Callable[[str], None],
     ) -> None:
         self._client, self._inbox, self._bundle, self._stop, self._say = client, inbox, bundle, stop, say
-        self._greeting = {"bundle": digest_of(bundle), "inputs": dict(study.inputs), "platform": fingerprint()}
+        self._line = client.scheduler_comm
+        self._greeting = {
+            "bundle": digest_of(bundle),
+            "grid": study.grid_name,
+            "inputs": dict(study.inputs),
+            "platform": fingerprint(),
+        }
         self._flyer = flyer_to_plain(flyer)
         self._trials: dict[int, _Trial] = {}
         self._again: deque[tuple[Batch, int]] = deque()
@@ -144,7 +150,12 @@ class ClusterRun:
         return len(self._trials) < AHEAD * sum(self._threads.get(worker, 0) for worker in self._ready)
 
     def _hand_out(self, batch: Batch, begun: int) -> None:
-        content = {"bundle": self._greeting["bundle"], "flyer": self._flyer, "batch": batch_to_plain(batch)}
+        content = {
+            "bundle": self._greeting["bundle"],
+            "grid": self._greeting["grid"],
+            "flyer": self._flyer,
+            "batch": batch_to_plain(batch),
+        }
         number, order = self._inbox.order("fly", content)
         where = frozenset(self._ready)
         future = self._client.submit(
@@ -233,7 +244,8 @@ class ClusterRun:
         """Count the workers and their threads at intervals, greet new workers, and tell when there are none."""
         if time.monotonic() - self._counted_s < COUNT_S:
             return
-        if self._client.status == "closed":  # the client has given up
+        # a new connection, even to a new scheduler at the same address, knows neither our tasks nor our topic
+        if self._client.status == "closed" or self._client.scheduler_comm is not self._line:
             raise Interrupted(GONE)
         try:
             found = self._client.nthreads().items()

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 IDLE_S = 60.0
 """A process without a task for this time ends, because its run has ended or died [s, wall]."""
 
-_idle: dict[tuple[Path, str], list[_Slot]] = defaultdict(list)
+_idle: dict[tuple[Path, str | None, str], list[_Slot]] = defaultdict(list)
 _taken: set[tuple[str, int]] = set()
 _lock = threading.Lock()
 
@@ -57,7 +57,8 @@ def join(order: str, bundle: bytes) -> None:
     with _opened(order, "join") as (content, scratch, send, _):
         if digest_of(bundle) != content["bundle"]:
             raise InputError("the study that came is not the one that was sent")
-        ours, theirs = _study(unpacked(bundle, _folder(scratch, content))).inputs, content["inputs"]
+        ours = _study(unpacked(bundle, _folder(scratch, content)), content["grid"]).inputs
+        theirs = content["inputs"]
         other = [part for part, digest in theirs.items() if ours.get(part) != digest]
         changed = differences(content["platform"], fingerprint())
         if changed:
@@ -81,9 +82,10 @@ def fly_batch(order: str) -> None:
     with _opened(order, "fly") as (content, scratch, send, stop):
         send("begun", None)
         folder = _folder(scratch, content)
-        batch = batch_from_plain(_study(folder), content["batch"])
+        study = _study(folder, content["grid"])
+        batch = batch_from_plain(study, content["batch"])
         flights = {flight.name: flight for flight in batch.flights}
-        with _slot(folder, content["flyer"], stop) as pool:
+        with _slot(study, content["flyer"], stop) as pool:
             for outcome in pool.map([batch]):
                 _send_outcome(send, flights[outcome.name], outcome)
 
@@ -138,14 +140,15 @@ def _opened(order: str, kind: str) -> Iterator[tuple[Mapping[str, Any], Path, Se
 class LateWorker:
     """The work of a new process: it opens the study when it gets its first batch."""
 
-    study: Path
+    folder: Path
+    grid_name: str | None
     flyer: Flyer
     _worker: Worker | None = None
 
     def __call__(self, batch: Batch, report: Callable[[Outcome], None]) -> None:
         """Fly one batch."""
         if self._worker is None:
-            study = Study.open(self.study)
+            study = Study.open(self.folder, self.grid_name)
             self.flyer.prepare(study, lambda _text: None)
             self._worker = Worker(study, self.flyer)
         self._worker(batch, report)
@@ -167,11 +170,11 @@ class _Slot:
 
 
 @contextmanager
-def _slot(study: Path, flyer: Mapping[str, Any], stop: Callable[[], bool]) -> Iterator[Pool[Batch, Outcome]]:
+def _slot(study: Study, flyer: Mapping[str, Any], stop: Callable[[], bool]) -> Iterator[Pool[Batch, Outcome]]:
     """The pool of an idle slot, else of a new slot; the slot is kept for the next batch, or closed after an error."""
-    slots = _idle[study, json.dumps(flyer)]
+    slots = _idle[study.folder, study.grid_name, json.dumps(flyer)]
     with _lock:
-        slot = slots.pop() if slots else _Slot(LateWorker(study, flyer_from_plain(flyer)))
+        slot = slots.pop() if slots else _Slot(LateWorker(study.folder, study.grid_name, flyer_from_plain(flyer)))
         if slot.expiry:
             slot.expiry.cancel()
     slot.stop = stop
@@ -200,5 +203,5 @@ def _folder(scratch: Path, content: Mapping[str, Any]) -> Path:
 
 
 @lru_cache
-def _study(folder: Path) -> Study:
-    return Study.open(folder)
+def _study(folder: Path, grid_name: str | None) -> Study:
+    return Study.open(folder, grid_name)

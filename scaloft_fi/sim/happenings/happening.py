@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -167,7 +167,7 @@ class Surroundings:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the signals that a flight records of the happenings; none in a world without them."""
-        return (*self.noted, *(f"{body}_{axis}_m" for body in self.shifts for axis in "xy"))
+        return signals_of(self._happenings)
 
     @property
     def began(self) -> list[tuple[float, str]]:
@@ -179,6 +179,13 @@ class Surroundings:
         """The values of `names`."""
         moved = zip(map(self.position, self.shifts), self.shifts.values(), strict=True)
         return [*self.noted.values(), *(at + by for place, by_m in moved for at, by in zip(place, by_m, strict=False))]
+
+
+def signals_of(happenings: Collection[Happening]) -> tuple[str, ...]:
+    """Names of the signals that a flight with these happenings records."""
+    noted = dict.fromkeys(name for happening in happenings for name in happening.signals)
+    moved = dict.fromkeys(happening.effect.moved for happening in happenings if happening.effect.moved)
+    return (*noted, *(f"{body}_{axis}_m" for body in moved for axis in "xy"))
 
 
 def _vertices_of(scene: Scene, body: str) -> Faces:

@@ -34,6 +34,7 @@ class Dossier:
         outcomes: of the campaign that count.
         spending: how the campaign spends alpha.
         sources: per file of the deviation matrix, by its path in the study, its text.
+        grid_file: path of the grid's file in the study.
     """
 
     study: str
@@ -47,6 +48,7 @@ class Dossier:
     outcomes: tuple[Outcome, ...]
     spending: Spending
     sources: Mapping[str, str]
+    grid_file: str = "sim/situations.yaml"
 
     @cached_property
     def score(self) -> Score:
@@ -91,7 +93,7 @@ class Dossier:
 
     def next_command(self, mutant: MutantScore) -> str:
         """What to call next for a mutant that is undecided or not tested."""
-        return next_command(mutant, self.score.lacking, self.campaign)
+        return next_command(mutant, self.score.lacking, self.campaign, self.space.grid)
 
     def shows(self, control: MutantScore) -> bool:
         """Whether a control shows itself by safety or operability.

@@ -16,8 +16,9 @@ def dossier(study: Study, campaign: str) -> Dossier:
         InputError: there is no campaign, or it holds no outcome that counts.
     """
     with snapshot(study, campaign) as now:
+        study = now.study
         outcomes, platform, spending = now.outcomes, now.platform, now.spending
-    cells = sorted((study.folder / "hazop").rglob("*.yaml"))
+    item, cells = study.grid.item, sorted((study.folder / "hazop").rglob("*.yaml"))
     return Dossier(
         study=study.folder.resolve().name,
         campaign=now.folder.name,
@@ -30,4 +31,5 @@ def dossier(study: Study, campaign: str) -> Dossier:
         outcomes=outcomes,
         spending=spending,
         sources={path.relative_to(study.folder).as_posix(): read_text(path) for path in cells},
+        grid_file=item.path.relative_to(study.folder).as_posix() if item else "",
     )

@@ -43,9 +43,7 @@ def mutation_testing(dossier: Dossier) -> dict[str, Any]:
         "framework": {"name": "scaloft-fi", "version": dossier.version},
         "files": {name: file for name, file in files.items() if file["mutants"]},
         "testFiles": {
-            "sim/situations.yaml": {
-                "tests": [{"id": key, "name": f"{key}: {dossier.words(key)}"} for key in situations]
-            }
+            dossier.grid_file: {"tests": [{"id": key, "name": f"{key}: {dossier.words(key)}"} for key in situations]}
         },
     }
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from scaloft_fi.analysis.kills.survivor_case import Case
 from scaloft_fi.analysis.scoring.pool import State
+from scaloft_fi.views.score.commands import in_campaign
 from scaloft_fi.views.score.verdict import next_command, would_decide
 
 NAMED = 3
@@ -38,7 +39,8 @@ def seeds(case: Case) -> str:
     rate = "At that rate" if case.score.seen_in else "If every flight violated,"
     if case.score.safety.needed is None:
         return f"{rate} {decides} would decide: add a situation where it shows more often."
-    return f"{rate} {decides} would decide: `{next_command(case.score, case.lacking, 'default')}`."
+    flies = next_command(case.score, case.lacking, case.campaign.name, case.campaign.space.grid)
+    return f"{rate} {decides} would decide: `{flies}`."
 
 
 def only_unsteady(case: Case) -> str:
@@ -101,10 +103,8 @@ def left(case: Case) -> str:
 
 def larger(case: Case) -> str:
     """What to do where a larger fault may be detected."""
-    return (
-        f"The next rung is {case.background.stronger[0]}; "
-        f"`scaloft-fi margin {case.row.id}` searches for the least magnitude that is killed."
-    )
+    searches = f"`scaloft-fi margin{in_campaign(case.campaign.name)} {case.row.id}` searches"
+    return f"The next rung is {case.background.stronger[0]}; {searches} for the least magnitude that is killed."
 
 
 def no_more(case: Case) -> str:

@@ -23,6 +23,7 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Requirement
 from scaloft_fi.judge.status import Status
 from scaloft_fi.views.kills import survivor_words as words
+from scaloft_fi.views.score.commands import DEFAULT, in_campaign
 
 NEAR = 0.5
 """A flight that lost half its baseline's margin is a near miss: a somewhat larger fault may be detected."""
@@ -100,6 +101,7 @@ def survivors(
     matrix: KillMatrix,
     backgrounds: Mapping[str, Background],
     units: Mapping[str, str] | None = None,
+    name: str = DEFAULT,
 ) -> tuple[Survivor, ...]:
     """Every mutant that is not detected, by stage, then in the matrix's order; controls are left out.
 
@@ -109,8 +111,9 @@ def survivors(
         matrix: its kill matrix, or those rows of it that are asked for.
         backgrounds: of every mutant in it.
         units: of the requirements' robustness, by name.
+        name: of the campaign.
     """
-    campaign = Campaign.of(outcomes, scored, matrix, backgrounds, units or {})
+    campaign = Campaign.of(outcomes, scored, matrix, backgrounds, units or {}, name)
     cases = [Case(campaign, row, backgrounds[row.id]) for row in matrix.mutants if row.verdict is not Verdict.DETECTED]
     return tuple(sorted(map(_judge, cases), key=lambda survivor: list(Stage).index(survivor.stage)))
 
@@ -173,12 +176,13 @@ def _not_infected(case: Case) -> Survivor:
 
 
 def _not_pooled(case: Case) -> Survivor:
+    flies = f"`scaloft-fi run{in_campaign(case.campaign.name)} --mutant {case.row.id}` flies them."
     return _say(
         case,
         Next.POOL,
         f"{words.violate(sum(bool(flight.revealed) for flight in case.flights))}.",
         f"A verdict takes {LEAST} baselines in each situation where it infects, and {len(case.lacking)} of "
-        f"{len(case.infected)} have fewer: `scaloft-fi run --mutant {case.row.id}` flies them.",
+        f"{len(case.infected)} have fewer: {flies}",
     )
 
 

@@ -38,6 +38,7 @@ def analyses(evidence: Evidence, scored: Score, matrix: KillMatrix) -> dict[str,
     counted = {row.id for row in matrix.mutants if row.counted}
     kills = {id_: keys for id_, keys in matrix.kills.items() if id_ in counted}
     listed = interactions(matrix)
+    units, campaign = short_units(study.requirements), evidence.campaign
     known = backgrounds(study.matrix, [row.id for row in matrix.mutants])
     return {
         "margins": margin_texts(outcomes, scored, study.matrix),
@@ -48,7 +49,7 @@ def analyses(evidence: Evidence, scored: Score, matrix: KillMatrix) -> dict[str,
         "orders": plain(orders(listed, matrix.space)),
         "suite": plain(minimal_suite(kills, [key for key, _ in matrix.space.situations])),
         "subsumption": plain(subsumption(kills)),
-        "survivors": plain(survivors(outcomes, scored, matrix, known, short_units(study.requirements))),
+        "survivors": plain(survivors(outcomes, scored, matrix, known, units, campaign)),
     }
 
 

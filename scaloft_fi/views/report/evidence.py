@@ -46,7 +46,7 @@ def gather(study: Study, campaign: str, today: date | None = None) -> Evidence:
     with snapshot(study, campaign) as now:
         known = now.held.current or nothing_to_show(now.store, now.folder)
         return Evidence(
-            study=study,
+            study=now.study,
             campaign=campaign,
             outcomes=now.with_tracks(known, {outcome.mutant for outcome in known}),
             stale=now.held.stale,

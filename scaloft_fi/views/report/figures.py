@@ -59,6 +59,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "version": __version__,
         "study": study.folder.resolve().name,
         "campaign": evidence.campaign,
+        "grid": space.grid,
         "seeds": sorted({seed for _, seed in rulings.draws}),
         "flights": len(outcomes),
         "stale": evidence.stale,

@@ -12,11 +12,9 @@ from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.pool import LEAST
 from scaloft_fi.analysis.scoring.score import Score
-from scaloft_fi.sim.situation import Situation
+from scaloft_fi.views.score.commands import command, in_campaign
 
 SHOWN, NOT_SHOWN, HOW_SURE, NEXT = NAMES = ("Shown", "Not shown", "How sure", "What next")
-MOST_NAMED = 4
-"""Of more mutants than these a command leaves out the names where `run` flies the same without."""
 
 
 class Answer(NamedTuple):
@@ -65,6 +63,9 @@ def _shown(asked: Asked) -> str:
     shown = f"{_of(safety)} would have been shown by your safety requirements"
     if operability:
         shown += f"; {operability} by operability, {either} by either"
+    if found := len(asked.scored.selected):
+        were = "situation was" if found == 1 else "situations were"
+        return f"{shown}.  Selected: {found} {were} found by a search for faults that were not shown."
     return f"{shown}."
 
 
@@ -126,35 +127,14 @@ def _next(asked: Asked) -> str:
         return f"`{flies}` would decide {len(looks)} of the {len(undecided)} undecided."
     silent = [mutant for mutant in asked.faults if not mutant.detected]
     if silent:
-        where = f" --campaign {asked.campaign}" * (asked.campaign != "default")
-        survivors = f"`scaloft-fi kills{where} --show survivors`"
+        survivors = f"`scaloft-fi kills{in_campaign(asked.campaign)} --show survivors`"
         return f"{survivors} says of each fault not shown where it stopped, and what to change."
     if asked.faults:
-        return f"`scaloft-fi margin {asked.faults[0].subject.id}` finds the smallest magnitude that is still shown."
+        where = in_campaign(asked.campaign)
+        return (
+            f"`scaloft-fi margin{where} {asked.faults[0].subject.id}` finds the smallest magnitude that is still shown."
+        )
     return "`scaloft-fi run --mutant ID` flies a mutant; `scaloft-fi mutants` lists them."
-
-
-def command(campaign: str, mutants: Sequence[MutantScore], seeds: int, defaults: Collection[str] = ()) -> str:
-    """The `run` that flies these mutants, and no others; drawn numbers are of no grid, so their situations are named.
-
-    Args:
-        campaign: its name.
-        mutants: those to fly.
-        seeds: of each.
-        defaults: ids of the mutants that `run` flies when none is named; exactly these need no name.
-    """
-    words = ["scaloft-fi run"]
-    if campaign != "default":
-        words.append(f"--campaign {campaign}")
-    ids = [mutant.subject.id for mutant in mutants]
-    if len(ids) <= MOST_NAMED or set(ids) != set(defaults):
-        words += [f"--mutant {id_}" for id_ in ids]
-    flown = dict.fromkeys(result.situation for mutant in mutants for result in mutant.results)
-    if any((situation := Situation.parse(key)) and situation.numbers for key in flown):
-        words += [f"--situation {key}" for key in flown]
-    if seeds > 1:
-        words.append(f"--seeds {seeds}")
-    return " ".join(words)
 
 
 def _of(ratio: Ratio) -> str:

@@ -39,6 +39,7 @@ def score_json(
         "controls": [_mutant(mutant) for mutant in scored.controls],
         "pairs": plain(scored.pool.pairs.values()),
         "lacking": list(scored.lacking),
+        "selected": list(scored.selected),
         "coverage": _coverage(covered),
         "baseline": [{"situation": key, "violated": list(violated)} for key, violated in baselines],
         **({"groups": plain(groups)} if groups else {}),

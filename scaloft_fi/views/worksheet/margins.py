@@ -16,6 +16,7 @@ from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.name import parse
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Requirement
+from scaloft_fi.views.score.commands import DEFAULT, in_campaign
 from scaloft_fi.views.tables.table import Table
 from scaloft_fi.views.worksheet.margin_text import UNKNOWN, finite, magnitude_text, margin_text
 
@@ -40,16 +41,35 @@ LEGEND = (
 
 
 def margin_tables(
-    by_fault: Mapping[PhasedFault, Sequence[Margin]], requirements: Sequence[Requirement], seeds: int
+    by_fault: Mapping[PhasedFault, Sequence[Margin]],
+    requirements: Sequence[Requirement],
+    seeds: int,
+    campaign: str = DEFAULT,
+    grid: str = "",
 ) -> tuple[Table, ...]:
-    """A table for each fault: a row for each situation, the smallest margin and the requirements' limits below."""
-    return tuple(_table(fault, listed, requirements, seeds) for fault, listed in by_fault.items())
+    """A table for each fault: a row for each situation, the smallest margin and the requirements' limits below.
+
+    Args:
+        by_fault: the margins.
+        requirements: of the study.
+        seeds: number of seeds that were asked for.
+        campaign: name of the campaign, for commands.
+        grid: name of its grid, where that is a further grid of the study.
+    """
+    where = in_campaign(campaign), f" --campaign NAME{f' --grid {grid}' if grid else ''}"
+    return tuple(_table(fault, listed, requirements, seeds, where) for fault, listed in by_fault.items())
 
 
-def _table(fault: PhasedFault, listed: Sequence[Margin], requirements: Sequence[Requirement], seeds: int) -> Table:
+def _table(
+    fault: PhasedFault,
+    listed: Sequence[Margin],
+    requirements: Sequence[Requirement],
+    seeds: int,
+    where: tuple[str, str],
+) -> Table:
     least = lowest(listed)
     violated = {name for margin in listed for name in _severe(margin).requirements}
-    notes = [_smallest(listed, least), ENDS, *_seen(fault, listed)]
+    notes = [_smallest(listed, least), ENDS, *_seen(fault, listed, *where)]
     if least and least.again:
         notes.append("Not monotone (!): magnitudes under `again` survive although a milder one is killed or seen.")
     if any(not margin.known for margin in listed):
@@ -69,8 +89,8 @@ def _smallest(listed: Sequence[Margin], least: Margin | None) -> str:
     return f"{of}: {margin_text(least)} ({where})."
 
 
-def _seen(fault: PhasedFault, listed: Sequence[Margin]) -> list[str]:
-    """How many seeds would decide what is seen below every kill, with the command."""
+def _seen(fault: PhasedFault, listed: Sequence[Margin], where: str, anew_in: str) -> list[str]:
+    """How many seeds would decide what is seen below every kill, with the command in this campaign or in a new one."""
     groups: dict[tuple[int, bool], dict[float, str]] = {}
     for margin in listed:
         if margin.seen is not None:
@@ -84,10 +104,10 @@ def _seen(fault: PhasedFault, listed: Sequence[Margin]) -> list[str]:
         if seeds > LARGER[-1]:
             notes.append(f"Seen, too seldom for {LARGER[-1]} seeds to decide: {at}.")
         elif anew:
-            command = f"scaloft-fi margin {mutant} --campaign NAME --seeds {seeds}"
+            command = f"scaloft-fi margin{anew_in} {mutant} --seeds {seeds}"
             notes.append(f"Seen, decided by {seeds} seeds in a campaign of its own: {at} (`{command}`).")
         else:
-            notes.append(f"Seen, decided by {seeds} seeds: {at} (`scaloft-fi margin {mutant} --seeds {seeds}`).")
+            notes.append(f"Seen, decided by {seeds} seeds: {at} (`scaloft-fi margin{where} {mutant} --seeds {seeds}`).")
     return notes
 
 

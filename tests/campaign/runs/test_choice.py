@@ -167,7 +167,7 @@ def test_draws_take_one_seed() -> None:
 def test_the_choices_of_a_campaign_are_remembered_once_each(tmp_path: Path) -> None:
     first, second = chosen("draws:7"), chosen("2-way", (0, 1), seed=3)
     for choice in (first, second, first, chosen("all")):
-        remember(tmp_path, choice)
+        remember(STUDY, tmp_path, choice)
     with Store(tmp_path / STORE_NAME, create=False) as store:
         assert store.meta() == {}
         found = remembered(store)
@@ -176,5 +176,5 @@ def test_the_choices_of_a_campaign_are_remembered_once_each(tmp_path: Path) -> N
 
 
 def test_that_all_are_flown_is_no_choice_to_remember(tmp_path: Path) -> None:
-    remember(tmp_path / "none", chosen("all"))
+    remember(STUDY, tmp_path / "none", chosen("all"))
     assert not (tmp_path / "none").exists()

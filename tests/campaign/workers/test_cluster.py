@@ -122,6 +122,14 @@ def test_what_flies_for_a_run_that_is_killed_ends_with_it(
     _wait_for(lambda: not Path(f"/proc/{flying}").exists())
 
 
+def test_a_further_grid_is_flown_by_its_own_situations(address: str, flyer: Any) -> None:
+    study = Study.open(ROOT, "wide")
+    home, said = _flown(address, study, flyer(), _flights(study, LATE))
+    assert _names(home) == _names(_flights(study, LATE))
+    assert {outcome.situation for outcome in home} <= set(study.grid.by_key)
+    assert said == []
+
+
 def test_another_platform_is_said(address: str, reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("scaloft_fi.campaign.workers.cluster_run.fingerprint", lambda: {"machine": "PDP-11"})
     home, said = _flown(address, reference, flyer(), _flights(reference))
@@ -202,6 +210,28 @@ def test_a_scheduler_that_ends_interrupts_the_run(
     with pytest.raises(Interrupted, match="the Dask scheduler is gone; what was flown is saved"):
         _flown(address, reference, flyer(slow_s=0.2), _flights(reference, LATE, MORE), kill)
     assert [record.getMessage() for record in caplog.records if record.name.startswith("distributed")] == []
+
+
+def test_a_scheduler_that_ends_and_starts_again_at_its_address_interrupts_a_run_that_waits(
+    dask: Any, reference: Study, flyer: Any
+) -> None:
+    address = dask.scheduler()
+    scheduler, begin_s = dask.last, time.monotonic()
+
+    def start_again(_line: str) -> None:
+        scheduler.send_signal(signal.SIGKILL)
+        scheduler.wait()
+        dask.scheduler("--port", address.rpartition(":")[2])
+        dask.worker(address, "--no-nanny")
+
+    def late() -> bool:
+        return time.monotonic() - begin_s > 60.0
+
+    with (
+        pytest.raises(Interrupted, match="the Dask scheduler is gone; what was flown is saved"),
+        Cluster(address, KEY).workers(reference, flyer(), stop=late, say=start_again) as workers,
+    ):
+        list(workers.map(_tasks(_flights(reference))))
 
 
 def test_a_scheduler_that_does_not_answer_is_one_sentence(

@@ -87,7 +87,10 @@ def test_a_click_on_a_kill_shows_a_flight_that_has_it_and_back_returns(visit: Op
         page.wait_for_selector("#sheet .map")
         assert seen.hash() == f"#flight={mutant.replace('@', '%40')}/{key}/{seed}"
         assert mutant in page.locator("#sheet-title").inner_text()
-        assert page.locator("#sheet .command code").inner_text() == f"scaloft-fi replay {mutant}/{key}/{seed}"
+        assert (
+            page.locator("#sheet .command code").inner_text()
+            == f"scaloft-fi replay --campaign paper {mutant}/{key}/{seed}"
+        )
         assert "Revealed by SR2" in page.locator("#sheet .verdict").inner_text()
         assert "detected by SR2" in page.locator("#sheet").inner_text()
         page.go_back()
@@ -294,7 +297,10 @@ def test_a_browser_that_cannot_inflate_says_so_and_still_gives_the_command(brows
     page.goto(path.as_uri() + FLIGHT)
     page.wait_for_selector("#sheet .notice")
     assert "DecompressionStream" in page.locator("#sheet .notice").inner_text()
-    assert page.locator("#sheet .command code").inner_text() == "scaloft-fi replay LATE-human@3s/T0O0W0D0H1/1"
+    assert (
+        page.locator("#sheet .command code").inner_text()
+        == "scaloft-fi replay --campaign paper LATE-human@3s/T0O0W0D0H1/1"
+    )
     context.close()
 
 

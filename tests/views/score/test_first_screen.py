@@ -10,7 +10,8 @@ from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.analysis.situations.coverage import coverage
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
-from scaloft_fi.views.score.answers import MOST_NAMED, NAMES, answers, command
+from scaloft_fi.views.score.answers import NAMES, answers
+from scaloft_fi.views.score.commands import MOST_NAMED, command
 from scaloft_fi.views.score.first_screen import LEGEND, MANY, SHOWN, first_screen, screen_text
 from scaloft_fi.views.tables.table import WIDTH, Table
 

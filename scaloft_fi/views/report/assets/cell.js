@@ -22,7 +22,7 @@ function cellSheet(name) {
     title: name, lead: { credible: "A credible deviation.", control: "A crude control: it must show itself, and enters no ratio.", not_meaningful: "Not meaningful." }[cell.status],
     body: [
       h("dl", { class: "pairs" }, pairs.map(([what, text]) => [h("dt", {}, what), h("dd", {}, text)])),
-      mutants.length ? mutants.map(mutantBlock) : cell.status !== "not_meaningful" && h("p", { class: "note" }, "No mutant of this cell was flown in this campaign: ", h("code", {}, `scaloft-fi run --mutant ${literal(`${name}*`)}`)),
+      mutants.length ? mutants.map(mutantBlock) : cell.status !== "not_meaningful" && h("p", { class: "note" }, "No mutant of this cell was flown in this campaign: ", h("code", {}, `scaloft-fi run${inCampaign()} --mutant ${literal(`${name}*`)}`)),
     ],
   };
 }

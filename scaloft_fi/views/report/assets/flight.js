@@ -163,7 +163,7 @@ function readings(flight, clean) {
 }
 
 function command(mutant, situation, seed) {
-  const words = `scaloft-fi replay ${literal(`${mutant}/${situation}/${seed}`)}`;
+  const words = `scaloft-fi replay${inCampaign()} ${literal(`${mutant}/${situation}/${seed}`)}`;
   const button = h("button", { type: "button", onclick: () => copied(words, button) }, "Copy");
   return h("div", {}, h("h3", { class: "sub" }, "Fly it again, bit for bit"), h("div", { class: "command" }, h("code", {}, words), button));
 }

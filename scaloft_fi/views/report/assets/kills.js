@@ -37,7 +37,9 @@ function killMatrix() {
   arrange();
   tip.on(board, "td.state", (cell) => cell.getAttribute("aria-label"));
   light(board);
-  return part("kills", "The kill matrix", "Each line is a fault, each column a situation; neighbouring columns differ in one axis.  A result opens a flight that has what it says, a fault's name the map of where it is killed.",
+  const whole = DATA.coverage.situations.whole;
+  const columns = DATA.situations.length < whole ? `a situation that was flown, of ${whole} in the grid` : "a situation; neighbouring columns differ in one axis";
+  return part("kills", "The kill matrix", `Each line is a fault, each column ${columns}.  A result opens a flight that has what it says, a fault's name the map of where it is killed.`,
     controls.node,
     h("ul", { class: "legend" },
       h("li", {}, swatch("kill", "1"), h("b", {}, "kill"), `most flights of a detected fault violate ${SAFETY.map((name, number) => `${name} (${number + 1})`).join(" or ")}, which the unmutated drone holds in nine of ten`),

@@ -45,8 +45,8 @@ function mutantFacts(mutant) {
 function needed(mutant, { needed: seeds, anew }) {
   if (mutant.verdict !== "undecided" || mutant.control) return "";
   if (!seeds) return mutant.tests.length ? "No more than 50 seeds would not decide." : "A baseline pool is missing where it infects; the same run flies it.";
-  const campaign = anew ? "NEW" : DATA.campaign;
-  return [`${seeds} seeds would decide if what was seen goes on: `, inCode(`scaloft-fi run${campaign === "default" ? "" : ` --campaign ${literal(campaign)}`} --mutant ${literal(mutant.id)} --seeds ${seeds}`)];
+  const where = anew ? ` --campaign NEW${DATA.grid ? ` --grid ${literal(DATA.grid)}` : ""}` : inCampaign();
+  return [`${seeds} seeds would decide if what was seen goes on: `, inCode(`scaloft-fi run${where} --mutant ${literal(mutant.id)} --seeds ${seeds}`)];
 }
 
 /** Its result in each situation flown, each a link to a flight that has it. */

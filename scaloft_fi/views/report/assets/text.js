@@ -74,4 +74,6 @@ const flightHash = (mutant, situation, seed) =>
   `#flight=${[mutant, situation, seed].map(encodeURIComponent).join("/")}`;
 const mutantHash = (id) => `#mutant=${encodeURIComponent(id)}`;
 const cellHash = (name) => `#cell=${encodeURIComponent(name)}`;
+/** The option that names the campaign of the page, with a space before it. */
+const inCampaign = () => (DATA.campaign === "default" ? "" : ` --campaign ${literal(DATA.campaign)}`);
 const literal = (argument) => (/^[\w@%+=:,./#-]+$/.test(argument) && !argument.startsWith("#") ? argument : `'${argument.replaceAll("'", "'\\''")}'`);

@@ -1,0 +1,1 @@
+"""Real bugs of flight software, each written into a copy of the reference stack as its fix shows it."""

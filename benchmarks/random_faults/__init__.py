@@ -1,0 +1,1 @@
+"""Random faults beside the faults of the deviation matrix: the draw, the plan, the flights and the comparison."""

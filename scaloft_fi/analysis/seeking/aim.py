@@ -1,0 +1,62 @@
+"""How near a situation is to showing a fault: robustness, the mutant's down and the baseline's kept up."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.judge.robustness import measured_rho
+
+ROOM = 0.02
+"""Robustness that the search asks of the baseline [unit of the requirement: m, or share of the limit]."""
+WORST = 1.5
+"""Distance of a situation that says nothing: the fault changes no sample, or no requirement is put to the test."""
+BEYOND = 2.5
+"""Distance of a situation whose baseline violates by far; no distance is greater."""
+
+
+def distance(mutant: Outcome | None, baseline: Outcome | None) -> float:
+    """How far a situation is from showing a fault; below 0 it shows the fault with this seed.
+
+    Per safety requirement the share of the baseline's robustness that the mutant keeps: 1 where the fault does nothing,
+    0 at the limit, negative beyond it.  A difference would favour requirements with large numbers, and the mutant's
+    robustness alone situations that are hard for every drone.  Where the baseline has less than `ROOM` left, the
+    distance is greater than `WORST` by what it lacks.  The least over the requirements counts.
+
+    Args:
+        mutant: outcome of the mutant; None without one.
+        baseline: outcome of the baseline of the same situation and seed; None without one.
+    """
+    return min((far for _, far in _distances(mutant, baseline)), default=WORST)
+
+
+def shown_by(mutant: Outcome | None, baseline: Outcome | None) -> tuple[str, ...]:
+    """The safety requirements by which the situation shows the fault with this seed."""
+    return tuple(name for name, far in _distances(mutant, baseline) if far < 0.0)
+
+
+def is_of_use(baseline: Outcome | None) -> bool:
+    """Whether the baseline holds a requirement with room; else no mutant need be flown beside it."""
+    return any(far <= WORST for _, far in _distances(None, baseline))
+
+
+def _distances(mutant: Outcome | None, baseline: Outcome | None) -> Iterator[tuple[str, float]]:
+    """The distance by each safety requirement that the baseline puts to the test."""
+    for theirs in baseline.readings if baseline is not None and not baseline.invalid else ():
+        held = measured_rho(theirs)
+        if theirs.kind is not Kind.SAFETY or theirs.open or held is None:
+            continue
+        left = _left(mutant, theirs.requirement)
+        if held <= ROOM:
+            yield theirs.requirement, min(BEYOND, WORST + ROOM - held)
+        else:
+            yield theirs.requirement, WORST if left is None else max(-WORST, min(WORST, left / held))
+
+
+def _left(mutant: Outcome | None, requirement: str) -> float | None:
+    """The robustness that a mutant leaves; None where it changes no sample or is not put to the test."""
+    if mutant is None or mutant.invalid or not mutant.altered:
+        return None
+    reading = mutant.reading(requirement)
+    return measured_rho(reading) if reading else None

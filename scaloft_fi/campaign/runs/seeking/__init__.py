@@ -1,0 +1,1 @@
+"""The search for situations that show a fault: proposals, flights, confirmation, finds."""

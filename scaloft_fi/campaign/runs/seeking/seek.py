@@ -1,0 +1,236 @@
+"""The search: mutants in turn, a generation each, until each is shown or the budget is used up.
+
+Everything follows from the seed, the mutants asked for and the outcomes: an interrupted search asks for the same
+flights again, finds them in the store, and goes on where it stopped.  A budget decides only how far it goes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from scaloft_fi.campaign.flights.worker import Flyer
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.progress.progress import Progress
+from scaloft_fi.campaign.runs.campaign import Campaign, opened
+from scaloft_fi.campaign.runs.options import RunOptions
+from scaloft_fi.campaign.runs.run import write_log
+from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON, Allowance, SearchFlights, SpentError
+from scaloft_fi.campaign.runs.seeking.proposals import Proposals, opening, placed
+from scaloft_fi.campaign.runs.seeking.quest import Quest
+from scaloft_fi.campaign.store.held import current_in
+from scaloft_fi.errors import InputError
+from scaloft_fi.mutants.mutant import Mutant
+from scaloft_fi.sim.found import Evidence, Find
+from scaloft_fi.study import Study
+
+if TYPE_CHECKING:
+    from scaloft_fi.sim.grid import Grid
+    from scaloft_fi.sim.situation import Situation
+
+NAMED = "shows-"
+"""The name of a find is this and the mutant that it was found for."""
+IDLE = 20
+"""Turns in which no mutant got a new situation or candidate, after which a search without a budget ends."""
+
+
+@dataclass(frozen=True)
+class Sought:
+    """What the search for one mutant came to.
+
+    Attributes:
+        mutant: its id.
+        shown_in: key of the situation that shows it; empty where none was found.
+        situations: situations flown for it.
+        candidates: situations that were tested on fresh seeds.
+        nearest: least distance of a situation; below 0 the fault showed on a seed of the search.
+    """
+
+    mutant: str
+    shown_in: str
+    situations: int
+    candidates: int
+    nearest: float
+
+
+@dataclass(frozen=True)
+class SeekReport:
+    """The result of a search.
+
+    Attributes:
+        finds: the found situations, in the order of finding.
+        sought: one entry for each mutant, in the order of the search.
+        used: flights of the search, stored ones included; flown: flights that this run flew.
+        spent: whether the budget ended the search.
+    """
+
+    finds: tuple[Find, ...]
+    sought: tuple[Sought, ...]
+    used: int
+    flown: int
+    spent: bool
+
+
+def seek(
+    study: Study,
+    mutants: Sequence[Mutant],
+    folder: Path,
+    options: RunOptions | None = None,
+    *,
+    seed: int,
+    allowance: Allowance,
+    progress: Progress,
+    save: Callable[[Sequence[Find]], None],
+    flyer: Flyer | None = None,
+) -> SeekReport:
+    """Search for a situation for each mutant.
+
+    Args:
+        study: the study, with the grid that is searched.
+        mutants: the mutants, in the order of their turns.
+        folder: folder of the campaign that holds the flights of the search.
+        options: options of the run; one process when None.
+        seed: seed of the search.
+        allowance: the budget.
+        progress: progress display.
+        save: called with all finds after each find.
+        flyer: flies; PyBullet when None.
+
+    Raises:
+        InputError: Optuna is missing, the folder or the store cannot be written, or the study cannot be flown.
+        Interrupted: the user stopped the search; all outcomes and finds are saved.
+    """
+    possible = _Possible(study)
+    quests = [Quest(mutant, Proposals(study.grid, possible, seed, mutant.id)) for mutant in mutants]
+    first = [placed(study.grid, parameters) for parameters in opening(study.grid, seed)]
+    flown_first = [Flight(None, one, SEEN_ON[0]) for one in first if one is not None and possible(one)]
+    with opened(
+        study, folder, options or RunOptions(), progress=progress, flyer=flyer, first=flown_first[:1]
+    ) as campaign:
+        search = _Search(campaign, study, quests, seed, SearchFlights(campaign, allowance), save)
+        spent = False
+        try:
+            search.turns()
+        except SpentError:
+            spent = True
+        finally:
+            campaign.reporter.close()
+            write_log(study, folder, current_in(study, campaign.store))
+        return SeekReport(tuple(search.finds), search.sought(), search.flights.used, campaign.flown, spent)
+
+
+class _Possible:
+    """Whether a situation can be flown: its world is possible and its mission not too long."""
+
+    def __init__(self, study: Study) -> None:
+        self._study = study
+
+    def __call__(self, situation: Situation) -> bool:
+        try:
+            self._study.scenario(situation)
+        except InputError:
+            return False
+        return True
+
+
+class _Search:
+    """A search so far.
+
+    Attributes:
+        finds: the found situations.
+        flights: the flights of the search.
+    """
+
+    def __init__(
+        self,
+        campaign: Campaign,
+        study: Study,
+        quests: Sequence[Quest],
+        seed: int,
+        flights: SearchFlights,
+        save: Callable[[Sequence[Find]], None],
+    ) -> None:
+        self._campaign, self._study, self._quests = campaign, study, quests
+        self._seed, self._save = seed, save
+        self.finds: list[Find] = []
+        self.flights = flights
+
+    def turns(self) -> None:
+        """Give each mutant that is still sought a generation, again and again, until all are shown.
+
+        Raises:
+            Interrupted, SpentError: as `SearchFlights.fly`.
+        """
+        turn, idle = 0, 0
+        while self._sought and idle < IDLE:
+            turn += 1
+            before = self.flights.used
+            for quest in self._sought:
+                if quest.shown_in is None:  # another mutant's find may have shown it in this turn
+                    self._tell_stage(turn, quest)
+                    self._turn_of(quest)
+            idle = idle + 1 if self.flights.used == before else 0
+
+    @property
+    def _sought(self) -> list[Quest]:
+        return [quest for quest in self._quests if quest.shown_in is None]
+
+    def _turn_of(self, quest: Quest) -> None:
+        found = quest.generation(self.flights, self._grid, self._study.alpha)
+        if found is None:
+            return
+        situation, evidence = found
+        shows = {quest.mutant.id: evidence}
+        self._note(quest, situation, shows)
+        shows |= self._others(situation)
+        self._note(quest, situation, shows)
+        others = f", and {len(shows) - 1} others" if len(shows) > 1 else ""
+        words = ", ".join(self._words(situation)) or "the benign situation"
+        self._campaign.reporter.progress.line(f"found: {situation.key} ({words}) shows {quest.mutant.id}{others}")
+
+    def _others(self, situation: Situation) -> dict[str, Evidence]:
+        """The evidence for the other mutants still sought that the situation shows, on the same seeds."""
+        mutants = [quest.mutant for quest in self._sought]
+        self.flights.beside(mutants, [situation], SEEN_ON[:1])
+        near = [quest for quest in self._sought if self.flights.distance(quest.mutant, situation) < 0.0]
+        self.flights.beside([quest.mutant for quest in near], [situation], SEEN_ON[1:])
+        told = {quest.mutant.id: quest.confirmation(situation, self.flights, self._study.alpha) for quest in near}
+        return {mutant: evidence for mutant, evidence in told.items() if evidence is not None}
+
+    def _note(self, quest: Quest, situation: Situation, shows: dict[str, Evidence]) -> None:
+        """Record a find, and save all finds."""
+        name = NAMED + quest.mutant.id
+        find = Find(name, situation.key, self._words(situation), quest.mutant.id, dict(shows), self._seed)
+        self.finds = [*(one for one in self.finds if one.name != name), find]
+        self._save(self.finds)
+
+    def _words(self, situation: Situation) -> tuple[str, ...]:
+        """The values of the situation that are not benign, in words."""
+        numbers = dict(situation.numbers)
+        return tuple(
+            value.title for axis, value in self._grid.values(situation).items() if axis in numbers or value.id != 0
+        )
+
+    @property
+    def _grid(self) -> Grid:
+        return self._study.grid
+
+    def _tell_stage(self, turn: int, quest: Quest) -> None:
+        shown = sum(one.shown_in is not None for one in self._quests)
+        stage = f"turn {turn}: {quest.mutant.id}, {shown} of {len(self._quests)} shown"
+        self._campaign.reporter.progress.stage = stage
+
+    def sought(self) -> tuple[Sought, ...]:
+        """What the search for each mutant came to."""
+        return tuple(
+            Sought(
+                quest.mutant.id,
+                quest.shown_in.key if quest.shown_in is not None else "",
+                quest.proposals.count,
+                quest.candidates,
+                quest.proposals.nearest,
+            )
+            for quest in self._quests
+        )

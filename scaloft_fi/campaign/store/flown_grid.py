@@ -1,0 +1,110 @@
+"""The grid over which a campaign is flown: its name stands in the store, so that verbs that read need not be told."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from scaloft_fi.campaign.store.folder import STORE_NAME, campaign_folder
+from scaloft_fi.campaign.store.store import EmptyError, Store
+from scaloft_fi.errors import InputError, did_you_mean, shown
+from scaloft_fi.sim.grids import grid_names
+from scaloft_fi.study import Study
+
+NOTE = "grid"
+"""Prefix of the name of the record."""
+
+
+def study_of(folder: Path | str | None, campaign: str, grid: str | None = None) -> Study:
+    """Open the study in `folder` with the grid of a campaign.
+
+    Args:
+        folder: the study, as for `Study.open`.
+        campaign: name of the campaign, which need not exist.
+        grid: the grid that the user names; None for that of the campaign.
+
+    Raises:
+        InputError: there is no such study or grid, or the campaign was flown over another grid.
+    """
+    study = Study.open(folder, grid)
+    flown = _flown(study, campaign)
+    if flown is not None and grid is not None and flown.grid_name != study.grid_name:
+        other = f"campaign {shown(campaign)} was flown over grid {flown.grid.name!r}"
+        raise InputError(f"--grid={grid}: {other}; name another --campaign")
+    return flown or study
+
+
+def study_of_all(folder: Path | str | None, campaigns: Sequence[str]) -> Study:
+    """Open the study in `folder` with the grid of all of these campaigns; those without flights have any grid.
+
+    Raises:
+        InputError: there is no such study, or two campaigns were flown over different grids.
+    """
+    study = Study.open(folder)
+    first: tuple[str, Study] | None = None
+    for name in campaigns:
+        flown = _flown(study, name)
+        if flown is None:
+            continue
+        first = first or (name, flown)
+        if flown.grid_name != first[1].grid_name:
+            grids = f"{shown(name)} was flown over grid {flown.grid.name!r}, and {shown(first[0])} over"
+            raise InputError(
+                f"campaign {grids} {first[1].grid.name!r}; only campaigns of one grid have the same situations"
+            )
+    return first[1] if first else study
+
+
+def with_grid(study: Study, store: Store) -> Study:
+    """The study with the grid of a campaign.
+
+    Raises:
+        InputError: the study has no such grid.
+    """
+    name = flown_grid(store)
+    own = name is None
+    if name is not None:
+        names = grid_names(study.folder / "sim")
+        if name not in names:
+            lost = f"{store.path.parent}: the campaign was flown over grid {shown(name)}, which the study lacks"
+            raise InputError(f"{lost}{did_you_mean(name, names)}")
+        own = name == names[0]
+    wanted = None if own else name
+    return study if wanted == study.grid_name else replace(study, grid_name=wanted)
+
+
+def remember_grid(store: Store, study: Study) -> None:
+    """Record the grid of a campaign; a campaign over the study's own grid needs no record."""
+    if study.grid_name is not None and flown_grid(store) != study.grid_name:
+        store.set_notes({f"{NOTE} flown": json.dumps(study.grid_name)})
+
+
+def _flown(study: Study, campaign: str) -> Study | None:
+    """The study with the grid of a campaign; None for a campaign without planned flights."""
+    path = campaign_folder(study, campaign) / STORE_NAME
+    if not path.is_file():
+        return None
+    try:
+        with Store(path, create=False) as store:
+            if flown_grid(store) is None and next(iter(store.planned()), None) is None:
+                return None
+            return with_grid(study, store)
+    except EmptyError:
+        return None
+
+
+def flown_grid(store: Store) -> str | None:
+    """The name of the campaign's grid in its store; None for the study's own.
+
+    Raises:
+        InputError: the record is no name.
+    """
+    return next(iter(store.records(NOTE, _name)), None)
+
+
+def _name(content: object) -> str:
+    if not isinstance(content, str):
+        raise TypeError("a name is a text")
+    return content

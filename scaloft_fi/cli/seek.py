@@ -1,0 +1,143 @@
+"""`scaloft-fi seek`: find a situation that would have shown a fault."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from scaloft_fi.cli.options import (
+    campaign_option,
+    format_option,
+    quiet_option,
+    same_platform_option,
+    study_option,
+    typed,
+    warnings_option,
+)
+from scaloft_fi.console import tell
+from scaloft_fi.errors import InputError
+from scaloft_fi.inert import json_text
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from scaloft_fi.mutants.mutant import Mutant
+    from scaloft_fi.study import Study
+
+
+@click.command("seek")
+@click.argument("mutants", nargs=-1, metavar="[ID|GLOB]...")
+@study_option
+@campaign_option
+@click.option(
+    "--grid",
+    default="search",
+    show_default=True,
+    metavar="NAME",
+    help="The grid that is searched: a file in the study's sim/grids/, with free axes.",
+)
+@click.option(
+    "--into",
+    metavar="NAME",
+    help="The campaign that holds the flights of the search.  [default: the name of the grid]",
+)
+@click.option(
+    "--budget",
+    metavar="TIME|FLIGHTS",
+    help="End after this wall time (90s, 10m, 2h), or after this number of flights (2000flights), stored ones "
+    "included.  It decides how far the search goes, not what it finds before.",
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(min=0),
+    default=0,
+    show_default=True,
+    metavar="S",
+    help="Seed of the search: the same seed and mutants make the same finds.",
+)
+@click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
+@same_platform_option
+@format_option
+@warnings_option
+@quiet_option
+def seek_command(
+    mutants: tuple[str, ...],
+    study_folder: Path | None,
+    campaign: str,
+    grid: str,
+    into: str | None,
+    budget: str | None,
+    seed: int,
+    jobs: int | None,
+    same_platform: bool,
+    style: str,
+    warnings: bool,
+    quiet: bool,
+) -> None:
+    """Find situations that show mutants: the mutant violates a safety requirement, the unmutated drone does not.
+
+    Sought are the named mutants, else every cell's default that the score of --campaign does not call detected.
+    PLACEBO stands for the unmutated drone under other seeds, which no search should find anything for.
+    Robustness guides the search.  What it finds is shrunk towards the benign values, confirmed on seeds that the search
+    never flew, by the score's own test, and written to the study's sim/found.yaml, which `scaloft-fi run --grid
+    NAME+found` flies (NAME: the study's own grid).  An interrupted search resumes with the same command.
+    """
+    from scaloft_fi.campaign.processes.start import cores, one_thread_each
+    from scaloft_fi.campaign.runs.options import RunOptions
+
+    one_thread_each()
+    from scaloft_fi.campaign.progress.progress import Progress, Silence
+    from scaloft_fi.campaign.runs.seeking.finds import saver
+    from scaloft_fi.campaign.runs.seeking.flights import Allowance
+    from scaloft_fi.campaign.runs.seeking.proposals import require_optuna
+    from scaloft_fi.campaign.runs.seeking.seek import seek
+    from scaloft_fi.campaign.store.flown_grid import study_of
+    from scaloft_fi.campaign.store.folder import campaign_folder
+    from scaloft_fi.sim.grids import own_name
+    from scaloft_fi.views.runs.seek import seek_json, seek_tables
+    from scaloft_fi.views.tables.table import Format, render
+
+    allowance = Allowance.parse(budget)
+    require_optuna()
+    study = study_of(study_folder, into or grid, grid)
+    if study.packaged:
+        raise InputError("--study: the packaged study takes no finds; copy it with `cp -r` and name the copy")
+    study.check()
+    sought = _named(study, mutants) if mutants else _survivors(study, study_folder, campaign)
+    if not sought:
+        raise InputError(f"--campaign={campaign!r}: every default is detected; name the mutants to seek")
+    report = seek(
+        study,
+        sought,
+        campaign_folder(study, into or grid),
+        RunOptions(jobs=jobs or cores(), warnings=warnings, same_platform=same_platform, command=typed()),
+        seed=seed,
+        allowance=allowance,
+        progress=Silence() if quiet else Progress(),
+        save=saver(study.folder / "sim", study.grid.name),
+    )
+    if style == Format.JSON:
+        tell(json_text(seek_json(report), indent=2) + "\n")
+    else:
+        tell(render(seek_tables(report, own_name(study.folder / "sim")), Format(style)))
+
+
+def _named(study: Study, mutants: Sequence[str]) -> Sequence[Mutant]:
+    from scaloft_fi.campaign.plan import choose
+    from scaloft_fi.mutants.mutant import PLACEBO
+
+    others = [text for text in mutants if text != PLACEBO.id]
+    return [*([PLACEBO] if len(others) < len(mutants) else []), *(choose.mutants(study, others) if others else ())]
+
+
+def _survivors(study: Study, folder: Path | None, campaign: str) -> Sequence[Mutant]:
+    """The defaults that the score of a campaign does not call detected, in the order of the matrix."""
+    from scaloft_fi.mutants.derive import realise
+    from scaloft_fi.study import Study
+    from scaloft_fi.views.snapshot import snapshot
+
+    with snapshot(Study.open(folder), campaign) as now:
+        detected = {mutant.subject.id for mutant in now.score.mutants if mutant.detected}
+    return [realise(study.matrix, id_) for id_ in study.roster.defaults.values() if id_ not in detected]

@@ -1,0 +1,124 @@
+"""The situations that a search found, `sim/found.yaml`: read for the grid that flies them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from scaloft_fi.document import Item, load
+from scaloft_fi.errors import InputError
+from scaloft_fi.reading import is_there
+
+FILE = "found.yaml"
+MOST_FINDS = 1_000
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """The evidence that a situation shows a mutant, from seeds that the search never flew.
+
+    Attributes:
+        requirement: the requirement that the mutant violates.
+        candidate: which candidate of the mutant the situation was, from 1.
+        p: by the score's own test; alpha: what it was compared with.
+        violated: flights of the mutant that violate the requirement; flights: its flights, with the seeds 0, 1, ...
+        struck: the body that the first violating flight strikes; empty for none.
+        held: baselines that hold the requirement with a robustness above `spread`; baselines: with the seeds 0, 1, ...
+        margin: robustness that nine in ten baselines reach; spread: standard deviation over the baselines.
+    """
+
+    requirement: str
+    candidate: int
+    p: float
+    alpha: float
+    violated: int
+    flights: int
+    struck: str
+    held: int
+    baselines: int
+    margin: float
+    spread: float
+
+
+@dataclass(frozen=True)
+class Find:
+    """A named situation that a search found.
+
+    Attributes:
+        name: name of the situation.
+        situation: its key in the grid of the search.
+        words: the values that are not benign, in words.
+        mutant: the mutant that it was found for.
+        shows: the evidence for each mutant that it shows, the one that it was found for first.
+        seed: seed of the search.
+    """
+
+    name: str
+    situation: str
+    words: tuple[str, ...]
+    mutant: str
+    shows: Mapping[str, Evidence]
+    seed: int
+
+
+@dataclass(frozen=True)
+class Finds:
+    """The finds of a study.  grid: name of the grid whose keys they have; finds: in the file's order."""
+
+    grid: str
+    finds: tuple[Find, ...]
+
+
+def read_finds(folder: Path) -> Finds | None:
+    """The finds of a study; None without the file.
+
+    Args:
+        folder: the study's `sim` folder.
+
+    Raises:
+        InputError: a key is missing or unknown, or a value is not allowed; the message names the place.
+    """
+    path = folder / FILE
+    if not is_there(path):
+        return None
+    item = load(path)
+    grid = item.need("grid").text()
+    finds = tuple(_find(name, entry) for name, entry in item.need("finds").mapping(most=MOST_FINDS).items())
+    item.close()
+    return Finds(grid, finds)
+
+
+def _find(name: str, item: Item) -> Find:
+    shows_item = item.need("shows")
+    find = Find(
+        name=name,
+        situation=item.need("situation").text(),
+        words=tuple(word.text() for word in item.need("words")),
+        mutant=item.need("mutant").text(),
+        shows={mutant: _evidence(entry) for mutant, entry in shows_item.mapping(most=MOST_FINDS).items()},
+        seed=item.need("seed").whole(),
+    )
+    item.close()
+    if find.mutant not in find.shows:
+        raise InputError(f"{shows_item.place}: shows must have the evidence for {find.mutant!r}, its own mutant")
+    return find
+
+
+def _evidence(item: Item) -> Evidence:
+    struck = item.get("struck")
+    evidence = Evidence(
+        requirement=item.need("requirement").text(),
+        candidate=item.need("candidate").whole(least=1),
+        p=item.need("p").number(least=0.0, most=1.0),
+        alpha=item.need("alpha").number(above=0.0, most=1.0),
+        violated=item.need("violated").whole(),
+        flights=item.need("flights").whole(least=1),
+        struck=struck.text() if struck else "",
+        held=item.need("held").whole(),
+        baselines=item.need("baselines").whole(least=1),
+        margin=item.need("margin").number(),
+        spread=item.need("spread").number(least=0.0),
+    )
+    item.close()
+    return evidence

@@ -1,0 +1,62 @@
+"""Shrinking: what is not needed goes back to its benign value."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from scaloft_fi.analysis.seeking.shrink import shrunk
+from scaloft_fi.sim.grids import load_grid
+
+GRID = load_grid(Path(__file__).parents[3] / "sim", "search")
+
+
+def shrink(key: str, rule):
+    """The shrunk key, and what was asked on the way."""
+    asked: list[str] = []
+
+    def shows(situations, every):
+        asked.extend(one.key for one in situations)
+        return [rule(one) for one in situations]
+
+    return shrunk(GRID.situation(key), GRID, shows).key, asked
+
+
+def test_what_is_not_needed_is_reset():
+    found, asked = shrink("T1O1W1D2H1Cs=0.9Ls=3Ox=0.5Vy=2Ba=0.3", lambda one: one["H"] == 1)
+    assert found == "T0O0W0D0H1"
+    assert len(asked) < 20
+
+
+def test_what_is_needed_together_stays_together():
+    found, _ = shrink("T1O1W1D0H1Ox=0.5Vy=2", lambda one: one["T"] + one["W"] >= 1 and one["O"] == 1)
+    assert found in ("T1O1W0D0H0", "T0O1W1D0H0")
+
+
+def test_numbers_of_an_axis_go_with_the_value_that_they_need():
+    found, asked = shrink("T0O1W0D0H0Ox=0.5Oy=3", lambda _one: True)
+    assert found == "T0O0W0D0H0"
+    assert all("O0" not in key or "Ox" not in key for key in asked)
+
+
+def test_numbers_are_halved_towards_the_benign_value_while_the_fault_shows():
+    found, _ = shrink("T0O0W0D0H0Cs=1.2", lambda one: dict(one.numbers).get("Cs", 0.5) >= 0.65)
+    assert found == "T0O0W0D0H0Cs=0.68"
+
+
+@pytest.mark.parametrize("key", ["T0O0W0D0H0", "T0O0W0D0H1"])
+def test_what_cannot_be_shrunk_is_as_it_was(key):
+    found, _ = shrink(key, lambda one: one.key == key)
+    assert found == key
+
+
+def test_a_shrunk_situation_shows_the_fault_with_every_seed():
+    grid, first_only = GRID, []
+
+    def shows(situations, every):
+        first_only.append(every)
+        return [not every or one["H"] == 1 for one in situations]
+
+    assert shrunk(grid.situation("T1O0W0D0H1"), grid, shows)["H"] == 1
+    assert True in first_only

@@ -1,0 +1,175 @@
+"""The search without physics: what it finds, that nothing but seed and outcomes decides it, and that it resumes."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+from finding import Ruled, everywhere, fast, never
+
+from scaloft_fi.campaign.progress.progress import Progress
+from scaloft_fi.campaign.runs.options import RunOptions
+from scaloft_fi.campaign.runs.seeking.flights import OTHER_SEEDS, SEEN_ON, Allowance
+from scaloft_fi.campaign.runs.seeking.seek import SeekReport, seek
+from scaloft_fi.campaign.store.folder import STORE_NAME
+from scaloft_fi.errors import InputError
+from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.mutant import PLACEBO
+from scaloft_fi.sim.found import Find
+from scaloft_fi.sim.situation import Situation
+from scaloft_fi.study import Study
+
+STUDY = Study.open(Path(__file__).parents[4], "search")
+LATE, MORE, LESS = (realise(STUDY.matrix, name) for name in ("LATE-human@3s", "MORE-goal@1m", "LESS-depth"))
+
+
+@pytest.fixture
+def flyer(tmp_path: Path) -> Ruled:
+    return Ruled(tmp_path / "flown.txt", {LATE.id: fast})
+
+
+class PowerError(Exception):
+    """The power failed."""
+
+
+def search(folder: Path, flyer: Any, *mutants: Any, seed: int = 0, **more: Any) -> tuple[SeekReport, list[Find]]:
+    saved: list[Find] = []
+
+    def save(finds: Sequence[Find]) -> None:
+        saved[:] = finds
+
+    report = seek(
+        STUDY,
+        mutants or (LATE,),
+        folder / "c",
+        RunOptions(jobs=more.get("jobs", 1)),
+        seed=seed,
+        allowance=Allowance.parse(more.get("budget")),
+        progress=more.get("progress", Progress(stream=io.StringIO())),
+        save=save,
+        flyer=flyer,
+    )
+    return report, saved
+
+
+def test_a_situation_is_found_shrunk_confirmed_and_told_in_words(tmp_path: Path, flyer: Ruled) -> None:
+    report, saved = search(tmp_path, flyer)
+    (find,) = report.finds
+    assert saved == [find]
+    situation = STUDY.grid.situation(find.situation)
+    assert [axis for axis, _ in situation.numbers] == ["Cs"]
+    assert dict(situation.levels) == {"T": 0, "O": 0, "W": 0, "D": 0, "H": 1}
+    assert find.words == ("human", STUDY.grid.titles(situation)[-1])
+    assert (find.name, find.mutant) == (f"shows-{LATE.id}", LATE.id)
+    evidence = find.shows[LATE.id]
+    assert (evidence.requirement, evidence.struck, evidence.candidate) == ("SR2", "person", 1)
+    assert evidence.p <= evidence.alpha == 0.005
+    assert evidence.violated >= 0.5 * evidence.flights
+    assert (evidence.held, evidence.baselines) == (10, 10)
+    assert evidence.margin > evidence.spread
+    assert report.sought[0].shown_in == find.situation
+    assert not report.spent
+
+
+def test_it_is_confirmed_on_seeds_that_the_search_never_flew(tmp_path: Path, flyer: Ruled) -> None:
+    report, _ = search(tmp_path, flyer)
+    seeds = {int(name.rsplit("/", 1)[1]) for name in flyer.flown}
+    assert seeds == {*SEEN_ON, *range(10)}
+    confirming = {name.split("/")[1] for name in flyer.flown if int(name.rsplit("/", 1)[1]) < 10}
+    assert confirming == {report.finds[0].situation}
+
+
+def test_the_same_seed_makes_the_same_finds_whatever_the_jobs(tmp_path: Path, flyer: Ruled) -> None:
+    first, _ = search(tmp_path / "a", flyer, LATE, MORE, budget="100flights")
+    second, _ = search(tmp_path / "b", flyer, LATE, MORE, budget="100flights", jobs=3)
+    assert first == second
+    other, _ = search(tmp_path / "d", flyer, LATE, MORE, budget="100flights", seed=1)
+    assert other.sought != first.sought
+
+
+def test_a_search_that_dies_goes_on_where_it_stopped(tmp_path: Path, flyer: Ruled) -> None:
+    whole, _ = search(tmp_path / "a", flyer)
+    flown = sorted(flyer.flown)
+    flyer.path.unlink()
+
+    class Dying(Progress):
+        def advance(self) -> None:
+            super().advance()
+            if self.done == 25:
+                raise PowerError
+
+    with pytest.raises(PowerError):
+        search(tmp_path / "b", flyer, progress=Dying(stream=io.StringIO()))
+    resumed, saved = search(tmp_path / "b", flyer)
+    assert resumed.finds == whole.finds == tuple(saved)
+    assert sorted(set(flyer.flown)) == flown
+    assert resumed.flown < whole.flown
+    again, _ = search(tmp_path / "b", flyer)
+    assert (again.finds, again.used, again.flown) == (whole.finds, whole.used, 0)
+
+
+def test_a_budget_decides_only_how_far_it_goes(tmp_path: Path, flyer: Ruled) -> None:
+    short, saved = search(tmp_path, flyer, budget="20flights")
+    assert (short.spent, short.finds, saved) == (True, (), [])
+    assert short.used <= 20
+    longer, _ = search(tmp_path, flyer)
+    flyer.path.unlink()
+    assert longer.finds == search(tmp_path / "whole", flyer)[0].finds
+
+
+def test_a_find_shows_the_other_mutants_that_fail_there_too_on_the_same_seeds(tmp_path: Path, flyer: Ruled) -> None:
+    flyer.rules = {LATE.id: fast, MORE.id: fast, LESS.id: never}
+    report, _ = search(tmp_path, flyer, MORE, LATE, LESS, budget="200flights")
+    (find,) = report.finds
+    assert set(find.shows) == {MORE.id, LATE.id}
+    assert [bool(one.shown_in) for one in report.sought] == [True, True, False]
+    for mutant in find.shows:
+        flown = {name.rsplit("/", 1)[1] for name in flyer.flown if name.startswith(f"{mutant}/{find.situation}/")}
+        assert {*map(str, range(find.shows[mutant].flights))} <= flown
+
+
+def test_a_situation_where_the_unmutated_drone_stands_on_the_edge_is_no_find(tmp_path: Path, flyer: Ruled) -> None:
+    flyer.baseline, flyer.noise = (lambda _situation: 0.05), 0.1
+    flyer.rules = {LATE.id: everywhere}
+    report, _ = search(tmp_path, flyer, budget="200flights")
+    assert report.finds == ()
+
+
+def test_what_violates_everywhere_is_found_in_the_benign_situation(tmp_path: Path, flyer: Ruled) -> None:
+    flyer.rules = {LATE.id: everywhere}
+    report, _ = search(tmp_path, flyer)
+    assert [find.situation for find in report.finds] == ["T0O0W0D0H0"]
+    assert report.finds[0].words == ()
+
+
+def test_a_baseline_that_violates_too_hides_the_fault(tmp_path: Path, flyer: Ruled) -> None:
+    def red(situation: Situation) -> float:
+        return -0.3 if situation["H"] == 1 else 0.4
+
+    flyer.baseline = red
+    report, _ = search(tmp_path, flyer, budget="60flights")
+    assert report.finds == ()
+
+
+def test_nothing_is_found_for_the_unmutated_drone_under_other_seeds(tmp_path: Path, flyer: Ruled) -> None:
+    flyer.baseline, flyer.noise = (lambda _situation: 0.05), 0.1  # it violates in a quarter of its flights
+    report, _ = search(tmp_path, flyer, PLACEBO, budget="100flights")
+    assert report.finds == ()
+    assert {name.split("/")[0] for name in flyer.flown} == {"baseline"}
+    assert any(int(name.rsplit("/", 1)[1]) >= OTHER_SEEDS for name in flyer.flown)
+
+
+def test_the_search_says_that_optuna_is_missing(tmp_path: Path, flyer: Ruled, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "optuna", None)
+    with pytest.raises(InputError, match=r"seek needs optuna: pip install 'scaloft-fi\[seek\]'"):
+        search(tmp_path, flyer)
+    assert not (tmp_path / "c" / STORE_NAME).exists()
+
+
+@pytest.mark.parametrize("text", ["", "10", "0flights", "-5flights", "10 parsecs", "flights"])
+def test_a_budget_that_is_none_is_refused(text: str) -> None:
+    with pytest.raises(InputError, match=r"--budget=.* must be a number of flights such as 2000flights, or a time"):
+        Allowance.parse(text)

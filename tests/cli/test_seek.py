@@ -1,0 +1,101 @@
+"""The verb `seek`, and what `run --grid paper+found` and `score` make of its finds, without physics."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from click.testing import Result
+from finding import Ruled, fast
+from refusal import sentence
+
+Call = Callable[..., Result]
+LATE = "LATE-human@3s"
+
+
+@pytest.fixture
+def ruled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: Call) -> Ruled:
+    flyer = Ruled(tmp_path / "flown.txt", {LATE: fast})
+    monkeypatch.setattr("scaloft_fi.campaign.runs.campaign.Physics", lambda: flyer)
+    return flyer
+
+
+@pytest.fixture
+def sought(ruled: Ruled, call: Call, copy: Path) -> Result:
+    return call("seek", "LATE-human", "--jobs", "1", "--format", "json", study=copy)
+
+
+def test_a_find_is_printed_written_and_flown_beside_the_papers_situations(
+    sought: Result, call: Call, copy: Path
+) -> None:
+    assert sought.exit_code == 0, sought.output
+    told = json.loads(sought.stdout)
+    (find,) = told["finds"]
+    assert [one["shown_in"] for one in told["sought"]] == [find["situation"]]
+    assert list(find["shows"]) == [LATE]
+    assert f"found: {find['situation']} (human, cruise speed " in sought.stderr
+    assert (copy / "sim" / "found.yaml").exists()
+    words = ("--grid", "paper+found", "--mutant", "LATE-human", "--seeds", "3", "--jobs", "1", "--quiet")
+    done = call("run", *words, "--situation", "shows-LATE-human@3s", "--situation", "T0O0W0D0H1", study=copy)
+    assert done.exit_code == 0, done.output
+    screen = " ".join(done.stdout.split())
+    assert "1 of 1 fault would have been shown by your safety requirements. Selected: 1 situation was found" in screen
+    record = json.loads(call("score", "--format", "json", study=copy).stdout)
+    assert record["selected"] == [find["situation"]]
+    assert record["mutants"][0]["kills"][0]["situation"] == find["situation"]
+    again = call("seek", "LATE-human", "--jobs", "1", "--quiet", study=copy)
+    table = " ".join(again.stdout.split())
+    assert "Found: 1 of 1 mutants, 1 situations" in table
+    assert f"shows-{LATE}: {find['situation']}: human, cruise speed" in table
+    assert " 0 of them flown now; the search came to its end." in table
+
+
+def test_a_score_over_the_papers_situations_alone_is_not_selected(sought: Result, call: Call, copy: Path) -> None:
+    words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--jobs", "1", "--quiet")
+    done = call("run", *words, study=copy)
+    assert done.exit_code == 0, done.output
+    assert "Selected" not in done.stdout
+    assert json.loads(call("score", "--format", "json", study=copy).stdout)["selected"] == []
+
+
+def test_by_default_the_mutants_that_the_campaign_does_not_detect_are_sought(
+    ruled: Ruled, call: Call, copy: Path
+) -> None:
+    words = ("--mutant", "LATE-human", "--mutant", "MORE-goal", "--situation", "T0O0W0D0H*", "--seeds", "3")
+    ruled.rules = {LATE: lambda _situation: -0.2}
+    assert call("run", *words, "--jobs", "1", "--quiet", study=copy).exit_code == 0
+    done = call("seek", "--budget", "1flight", "--jobs", "1", "--format", "json", study=copy)
+    assert done.exit_code == 0, done.output
+    named = [one["mutant"] for one in json.loads(done.stdout)["sought"]]
+    assert LATE not in named
+    assert "MORE-goal@0.6m" in named
+    assert len(named) == 113
+    assert not (copy / "sim" / "found.yaml").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("LATE-humna",), "no mutant 'LATE-humna'; did you mean 'LATE-human'?"),
+        (("LATE-human", "--grid", "serach"), "--grid='serach' must be the name of a grid of the study"),
+        (("LATE-human", "--budget", "10"), "--budget='10' must be a number of flights such as 2000flights, or a time"),
+        ((), "no campaign was flown here"),
+    ],
+)
+def test_what_cannot_be_sought_is_refused_in_a_sentence(
+    ruled: Ruled, call: Call, copy: Path, words: tuple[str, ...], told: str
+) -> None:
+    assert told in sentence(call("seek", *words, "--quiet", study=copy))
+    assert ruled.flown == []
+    assert not (copy / "results").exists()
+
+
+def test_without_optuna_a_sentence_names_what_to_install(
+    ruled: Ruled, call: Call, copy: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "optuna", None)
+    refused = sentence(call("seek", "LATE-human", study=copy))
+    assert refused == "error: seek needs optuna: pip install 'scaloft-fi[seek]'"

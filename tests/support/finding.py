@@ -1,0 +1,90 @@
+"""A drone without physics whose mutants fail by rule, for the tests of the search."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from scaloft_fi.campaign.plan.batch import Batch
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.judge.outcome import Outcome, Violation
+from scaloft_fi.judge.requirement import Kind, Reading
+from scaloft_fi.mutants.mutant import PLACEBO
+from scaloft_fi.sim.situation import Situation
+from scaloft_fi.streams import key_words
+from scaloft_fi.study import Study
+
+Rule = Callable[[Situation], float]
+"""Robustness of SR2 in a situation, without noise."""
+
+
+def number(situation: Situation, axis: str, benign: float) -> float:
+    """The number of a free axis."""
+    return dict(situation.numbers).get(axis, benign)
+
+
+def fast(situation: Situation) -> float:
+    """Violated where a person is and the drone cruises at 0.8 m/s or more; wind does not matter."""
+    return 0.8 - number(situation, "Cs", 0.5) + (0.0 if situation["H"] == 1 else 0.5)
+
+
+def never(situation: Situation) -> float:
+    """Never violated."""
+    return 0.4
+
+
+def everywhere(situation: Situation) -> float:
+    """Violated in the benign situation too."""
+    return -0.2
+
+
+@dataclass
+class Ruled:
+    """A flyer that notes on disk what it flew.  rules: robustness of SR2 by mutant; baseline: that of the drone."""
+
+    path: Path
+    rules: Mapping[str, Rule] = field(default_factory=dict)
+    baseline: Rule = lambda _situation: 0.4
+    noise: float = 0.01
+
+    def prepare(self, study: Study, say: Callable[[str], None]) -> None:
+        pass
+
+    def share(self, study: Study, batch: Batch, home: Callable[[Outcome], None]) -> None:
+        for flight in batch.flights:
+            home(self(study, flight))
+
+    def __call__(self, study: Study, flight: Flight) -> Outcome:
+        with self.path.open("a") as file:
+            file.write(f"{flight.name}\n")
+        mutated = flight.mutant is not None and flight.mutant != PLACEBO
+        other = everywhere if flight.subject.guideword == "REVERSE" else never  # controls show themselves
+        rule = self.rules.get(flight.subject.id, other) if mutated else self.baseline
+        chance = key_words("noise", flight.situation.key, flight.seed, "mutant" if mutated else "")[0] / 2**64
+        rho = rule(flight.situation) + self.noise * (2 * chance - 1)
+        readings = (
+            Reading("SR1", Kind.SAFETY, 0.3, None, 1, open=False),
+            Reading("SR2", Kind.SAFETY, rho, 7.0 if rho < 0 else None, 1, open=False),
+            Reading("OP1", Kind.OPERABILITY, 0.5, None, 1, open=False),
+        )
+        violations = (Violation("SR2", Kind.SAFETY, 7.0, 0.0, 1.0, 1.6, "person"),) if rho < 0 else ()
+        return Outcome(
+            flight.subject,
+            flight.situation.key,
+            flight.seed,
+            ending="landed",
+            readings=readings,
+            violations=violations,
+            carried=10 if mutated else 0,
+            altered=3 if mutated else 0,
+            infected_at_s=1.0 if mutated else None,
+            duration_s=40.0,
+            digest=f"{flight.subject.id if mutated else ''}{flight.situation.key}{flight.seed}",
+            perceived_digest="p",
+            realised=() if mutated else tuple((axis.id, True) for axis in study.grid.axes),
+        )
+
+    @property
+    def flown(self) -> list[str]:
+        return self.path.read_text().splitlines() if self.path.exists() else []
