@@ -11,7 +11,8 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING, Any, Protocol
 
 from scaloft_fi.analysis.seeking.shrink import brief
 from scaloft_fi.errors import InputError
@@ -31,6 +32,8 @@ IMPOSSIBLE = 3.0
 """What TPE is told of an impossible situation: farther from the fault than any other."""
 
 Parameters = Mapping[str, Any]
+Possible = Callable[[Situation], bool]
+"""Whether a situation can be flown."""
 
 
 def require_optuna() -> Any:
@@ -56,6 +59,32 @@ class Proposal:
     distance: float
 
 
+class Proposer(Protocol):
+    """Proposes situations for one mutant."""
+
+    @property
+    def nearest(self) -> float:
+        """The least distance so far."""
+        ...
+
+    @property
+    def count(self) -> int:
+        """Situations flown so far."""
+        ...
+
+    def ask(self) -> list[Proposal]:
+        """The next generation: distinct situations that were not proposed before."""
+        ...
+
+    def tell(self, proposed: Sequence[Proposal]) -> None:
+        """Tell the distances of a generation, in its order."""
+        ...
+
+
+MakeProposer = Callable[["Grid", Possible, int, str], Proposer]
+"""Makes the proposer of a mutant, from the grid, what can be flown, the seed of the search and the mutant's id."""
+
+
 class Proposals:
     """The proposals for one mutant.
 
@@ -66,7 +95,7 @@ class Proposals:
         mutant: id of the mutant, which names its stream of randomness.
     """
 
-    def __init__(self, grid: Grid, possible: Callable[[Situation], bool], seed: int, mutant: str) -> None:
+    def __init__(self, grid: Grid, possible: Possible, seed: int, mutant: str) -> None:
         optuna = require_optuna()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
@@ -118,23 +147,29 @@ class Proposals:
         return len(self._known)
 
 
-def opening(grid: Grid, seed: int) -> Iterator[Parameters]:
-    """The parameters of the first proposals, distinct situations of the grid, the same for every mutant."""
+def opening(grid: Grid, seed: int, count: int = OPENING) -> Iterator[Parameters]:
+    """The parameters of the first proposals, distinct situations of the grid at random, the same for every mutant."""
 
     def share(number: int, axis: str, what: str) -> float:
         return (key_words("seek", "opening", seed, number, axis, what)[0] >> 11) / 2**53  # exact, below 1
 
     known: set[Situation | None] = {None}
-    for number in range(OPENING * TRIES):
-        levels = {axis.id: int(share(number, axis.id, "level") * len(axis.values)) for axis in grid.axes}
-        chosen: dict[str, Any] = dict(levels)
-        chosen |= {f"{axis.id}=": share(number, axis.id, "number") for axis in grid.axes if axis.range}
-        chosen |= {axis.id: share(number, axis.id, "number") for axis in grid.free if axis.goes_with(levels)}
+    for number in range(count * TRIES):
+        chosen = at_shares(grid, partial(share, number))
         if (situation := placed(grid, chosen)) not in known:
             known.add(situation)
             yield chosen
-        if len(known) > OPENING:
+        if len(known) > count:
             return
+
+
+def at_shares(grid: Grid, share: Callable[[str, str], float]) -> Parameters:
+    """The parameters at shares 0 <= share < 1 of an axis' `level` and `number`, as a random draw has them."""
+    levels = {axis.id: int(share(axis.id, "level") * len(axis.values)) for axis in grid.axes}
+    chosen: dict[str, Any] = dict(levels)
+    chosen |= {f"{axis.id}=": share(axis.id, "number") for axis in grid.axes if axis.range}
+    chosen |= {axis.id: share(axis.id, "number") for axis in grid.free if axis.goes_with(levels)}
+    return chosen
 
 
 def _suggest(trial: Any, grid: Grid) -> Parameters:

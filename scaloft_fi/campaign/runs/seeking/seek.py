@@ -18,7 +18,7 @@ from scaloft_fi.campaign.runs.campaign import Campaign, opened
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import write_log
 from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON, Allowance, SearchFlights, SpentError
-from scaloft_fi.campaign.runs.seeking.proposals import Proposals, opening, placed
+from scaloft_fi.campaign.runs.seeking.proposals import MakeProposer, Proposals, opening, placed
 from scaloft_fi.campaign.runs.seeking.quest import Quest
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.errors import InputError
@@ -43,6 +43,7 @@ class Sought:
     Attributes:
         mutant: its id.
         shown_in: key of the situation that shows it; empty where none was found.
+        after: flights of the search, stored ones included, when it was found; 0 where it was not.
         situations: situations flown for it.
         candidates: situations that were tested on fresh seeds.
         nearest: least distance of a situation; below 0 the fault showed on a seed of the search.
@@ -50,6 +51,7 @@ class Sought:
 
     mutant: str
     shown_in: str
+    after: int
     situations: int
     candidates: int
     nearest: float
@@ -84,6 +86,8 @@ def seek(
     progress: Progress,
     save: Callable[[Sequence[Find]], None],
     flyer: Flyer | None = None,
+    proposer: MakeProposer = Proposals,
+    shrinks: bool = True,
 ) -> SeekReport:
     """Search for a situation for each mutant.
 
@@ -97,13 +101,15 @@ def seek(
         progress: progress display.
         save: called with all finds after each find.
         flyer: flies; PyBullet when None.
+        proposer: makes what proposes the situations for a mutant.
+        shrinks: whether a situation is shrunk before it is confirmed.
 
     Raises:
         InputError: Optuna is missing, the folder or the store cannot be written, or the study cannot be flown.
         Interrupted: the user stopped the search; all outcomes and finds are saved.
     """
     possible = _Possible(study)
-    quests = [Quest(mutant, Proposals(study.grid, possible, seed, mutant.id)) for mutant in mutants]
+    quests = [Quest(mutant, proposer(study.grid, possible, seed, mutant.id), shrinks=shrinks) for mutant in mutants]
     first = [placed(study.grid, parameters) for parameters in opening(study.grid, seed)]
     flown_first = [Flight(None, one, SEEN_ON[0]) for one in first if one is not None and possible(one)]
     with opened(
@@ -228,6 +234,7 @@ class _Search:
             Sought(
                 quest.mutant.id,
                 quest.shown_in.key if quest.shown_in is not None else "",
+                quest.after,
                 quest.proposals.count,
                 quest.candidates,
                 quest.proposals.nearest,

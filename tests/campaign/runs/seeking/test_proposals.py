@@ -33,6 +33,9 @@ def test_the_first_proposals_are_the_same_for_every_mutant_and_then_each_has_its
     assert first[2] != second[2]
     assert [placed(GRID, parameters) for parameters in opening(GRID, 0)] == first[0] + first[1]
     assert OPENING == 2 * GENERATION
+    longer = [placed(GRID, parameters) for parameters in opening(GRID, 0, 40)]
+    assert longer[:OPENING] == first[0] + first[1]
+    assert len(set(longer)) == 40
 
 
 def test_the_same_seed_proposes_the_same_and_another_seed_others():
