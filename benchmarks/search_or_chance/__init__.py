@@ -1,0 +1,1 @@
+"""Does search beat chance?  `python benchmarks/search_or_chance` makes the page."""

@@ -1,0 +1,274 @@
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import product
+from pathlib import Path
+
+import pytest
+from builders import outcome
+from finding import Ruled, everywhere, fast
+from kept_flights import read
+from published_outcomes import rows_of
+from search_or_chance import __main__ as experiment
+from search_or_chance import pairs
+from search_or_chance.compare import Answer, answer, beside_each, exact_p, holm, power, redrawn, totals
+from search_or_chance.page import UNFINISHED, Evidence, flown
+from search_or_chance.plan import AT_RISK, BUDGET, MUTANTS, OPEN, PLAN, POWER, SURVIVORS, WIDE, seed_of
+from search_or_chance.proposers import ARMS, SEARCH
+from search_or_chance.sample import FILE, TOGETHER, Block, at_risk, read_blocks, survivors, text_of
+from search_or_chance.searches import Search, Sought, read_searches, write_searches
+
+from scaloft_fi.campaign.progress.progress import Progress
+from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON
+from scaloft_fi.campaign.runs.seeking.proposals import OPENING
+from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.sim.found import Evidence as Shown
+from scaloft_fi.study import Study
+
+ROOT = Path(__file__).parents[3]
+PUBLISHED = experiment.PUBLISHED
+LATE, LESS = "LATE-human@3s", "LESS-depth@0.75x"
+SMALL_BUDGET = 90
+BLOCKS = read_blocks()
+EVIDENCE = Shown("SR1", 1, 0.001, 0.005, 4, 4, "wall", 10, 10, 0.2, 0.01)
+
+
+class PowerError(Exception):
+    """The power failed."""
+
+
+@pytest.fixture(scope="module")
+def study() -> Study:
+    return Study.open(ROOT, experiment.GRID)
+
+
+@pytest.fixture
+def few_rows(monkeypatch: pytest.MonkeyPatch, study: Study) -> Iterator[None]:
+    """Arrays that take no time."""
+    free = [axis.id for axis in study.grid.free]
+    rows = [{**dict.fromkeys("TOWDH", 0), **dict.fromkeys(free, 0), "H": n % 3, "Cs": 2} for n in range(9)]
+    monkeypatch.setattr(pairs, "_rows", lambda _grid, _salt: rows)
+    pairs.array.cache_clear()
+    yield
+    pairs.array.cache_clear()
+
+
+def test_the_committed_blocks_are_what_the_draw_gives() -> None:
+    assert FILE.read_text(encoding="utf-8") == text_of(experiment.drawn(Study.open(ROOT)))
+
+
+def test_the_blocks_are_of_survivors_at_risk_and_have_no_mutant_twice() -> None:
+    study = Study.open(ROOT)
+    found = survivors(study, rows_of(PUBLISHED / "reference" / "outcomes.parquet"))
+    chosen = at_risk(study, found)
+    assert (len(found), len(chosen)) == (SURVIVORS, AT_RISK)
+    drawn = [mutant for block in BLOCKS for mutant in block]
+    assert len(set(drawn)) == len(drawn) == MUTANTS
+    assert set(drawn) <= set(chosen)
+    assert all(len({mutant.split("@")[0].split("-")[1] for mutant in block}) == TOGETHER for block in BLOCKS)
+
+
+def test_the_plan_counts_the_mutants_that_the_wide_grid_detects() -> None:
+    rows = [line.split(" | ") for line in (PUBLISHED / "wide.md").read_text(encoding="utf-8").splitlines()]
+    detected = {row[0].removeprefix("| ") for row in rows if len(row) == 6 and row[4] == "detected"}
+    assert sum(mutant in detected for block in BLOCKS for mutant in block) == WIDE
+
+
+def test_the_plan_says_what_the_rule_can_show() -> None:
+    assert all(power(OPEN, chance, search) == pytest.approx(yes, abs=0.005) for chance, search, yes in POWER)
+
+
+def test_the_published_page_is_the_plan_or_what_the_published_files_give(tmp_path: Path) -> None:
+    experiment.main(["--plan", "--output", str(tmp_path / "plan.md")])
+    assert (tmp_path / "plan.md").read_text() == PLAN
+    assert "## Flown" not in PLAN
+    if (PUBLISHED / "search_or_chance_searches.jsonl.gz").exists():
+        experiment.main(["--pages", "--output", str(tmp_path / "plan.md")])
+    page = (PUBLISHED / "search_or_chance.md").read_text(encoding="utf-8")
+    assert page == (tmp_path / "plan.md").read_text()
+
+
+@pytest.mark.parametrize(
+    "counts",
+    [
+        [(3, 1, 0, 2), (1, 1, 1, 1), (2, 0, 0, 0)],
+        [(0, 1), (3, 1), (2, 2), (4, 0)],
+        [(0, 3, 3, 2), (1, 2, 4, 4), (0, 0, 1, 0)],
+    ],
+)
+def test_the_exact_test_is_that_of_all_choices_of_an_arm(counts: Sequence[Sequence[int]]) -> None:
+    arms = len(counts[0])
+    chosen = [
+        sum(block[arm] for block, arm in zip(counts, own, strict=True))
+        for own in product(range(arms), repeat=len(counts))
+    ]
+    middle = sum(chosen) / len(chosen)
+    seen = abs(sum(block[0] for block in counts) - middle)
+    assert exact_p(counts) == pytest.approx(sum(abs(own - middle) >= seen - 1e-9 for own in chosen) / len(chosen))
+
+
+def test_the_answer_needs_more_than_chance_and_more_than_each_arm() -> None:
+    better, worse = [(3, 1, 1, 1)] * 6, [(0, 2, 2, 1)] * 6
+    assert answer(better)[0] is Answer.BETTER
+    assert answer(worse)[0] is Answer.WORSE
+    assert answer(better[:2])[0] is Answer.NO_DIFFERENCE
+    one_as_good = [(3, 3, 0, 0)] * 8
+    assert answer(one_as_good)[0] is Answer.NO_DIFFERENCE
+    assert answer(one_as_good)[1] < 0.05
+    assert answer([(1, 1, 1, 1)] * 8) == (Answer.NO_DIFFERENCE, 1.0)
+    assert totals(better) == [18, 6, 6, 6]
+
+
+def test_each_arm_beside_the_search_is_adjusted_for_three() -> None:
+    counts = [(2, 0, 2, 1)] * 6
+    assert beside_each(counts) == pytest.approx([3 / 32, 1.0, 3 / 32])
+    assert holm([0.01, 0.02, 0.03]) == pytest.approx([0.03, 0.04, 0.04])
+
+
+def test_blocks_are_drawn_again_whole() -> None:
+    spread = redrawn([(2, 1, 2), (1, 0, 3), (3, 2, 0)], redraws=200)
+    assert spread[0] == (3, 3)
+    assert spread[1][0] < 1 < spread[1][1]
+
+
+def fly(study: Study, folder: Path, flyer: Ruled, *blocks: Block) -> list[Search]:
+    path = folder / "searches.jsonl.gz"
+    return experiment.fly(study, blocks, folder / "campaigns", path, jobs=1, budget=SMALL_BUDGET, flyer=flyer)
+
+
+def by_arm(searches: Sequence[Search]) -> Mapping[str, Search]:
+    return {one.arm: one for one in searches}
+
+
+@pytest.mark.usefixtures("few_rows")
+def test_every_arm_is_flown_with_the_budget_and_the_opening_only_once(study: Study, tmp_path: Path) -> None:
+    flyer = Ruled(tmp_path / "flown.txt", {LATE: fast})
+    searches = by_arm(fly(study, tmp_path, flyer, (LATE, LESS)))
+    assert list(searches) == list(ARMS)
+    for search in searches.values():
+        assert search.used <= SMALL_BUDGET
+        assert search.seed == seed_of(1)
+        late, less = search.sought
+        assert (late.mutant, less.mutant) == (LATE, LESS)
+        assert not less.shown_in
+        assert less.situations[:OPENING] == searches[SEARCH].sought[1].situations[:OPENING]
+        assert late.shown_in in late.situations  # nothing is shrunk
+        assert 0 < late.after <= search.used
+        assert late.evidence is not None
+        assert late.evidence.p <= late.evidence.alpha
+    assert len(set(flyer.flown)) == len(flyer.flown) < sum(one.used for one in searches.values())
+    flights = experiment.flights_in(study, tmp_path / "campaigns", 1)
+    assert set(flights) == set(flyer.flown)
+    evidence = Evidence([(LATE, LESS)], list(searches.values()), flights, SMALL_BUDGET)
+    page = flown(evidence, redraws=5)
+    assert f"4 of 4 searches asked for {sum(one.used for one in searches.values())} flights" in page
+    assert UNFINISHED in page  # another budget
+    assert "| newly detected | 1 | 1 | 1 | 1 |" in page
+    shown = [one for one in less_and_late(evidence) if evidence.shows(*one)]
+    assert shown
+    assert {mutant for mutant, _ in shown} == {LATE}
+
+
+def less_and_late(evidence: Evidence) -> list[tuple[str, str]]:
+    return [(one.mutant, key) for one in evidence.of("random") for key in one.situations]
+
+
+@pytest.mark.usefixtures("few_rows")
+def test_it_goes_on_where_it_stopped(study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = Ruled(tmp_path / "whole.txt", {LATE: fast})
+    (tmp_path / "a").mkdir()
+    (tmp_path / "b").mkdir()
+    searches = fly(study, tmp_path / "a", whole, (LATE, LESS))
+    flyer = Ruled(tmp_path / "flown.txt", {LATE: fast})
+
+    class Dying(Progress):
+        def advance(self) -> None:
+            super().advance()
+            if len(flyer.flown) > searches[0].used:
+                raise PowerError
+
+    monkeypatch.setattr(experiment, "Progress", Dying)
+    with pytest.raises(PowerError):
+        fly(study, tmp_path / "b", flyer, (LATE, LESS))
+    monkeypatch.undo()
+    left = read_searches(tmp_path / "b" / "searches.jsonl.gz")
+    assert 0 < len(left) < len(ARMS)
+    before = len(flyer.flown)
+    assert by_arm(fly(study, tmp_path / "b", flyer, (LATE, LESS))) == by_arm(searches)
+    assert sorted(set(flyer.flown)) == sorted(whole.flown)
+    assert before < len(flyer.flown)
+    assert fly(study, tmp_path / "b", flyer, (LATE, LESS)) == read_searches(tmp_path / "b" / "searches.jsonl.gz")
+    files = [(tmp_path / one / "searches.jsonl.gz").read_bytes() for one in "ab"]
+    assert files[0] == files[1]
+
+
+def test_what_the_opening_shows_counts_in_every_arm(study: Study, tmp_path: Path) -> None:
+    flyer = Ruled(tmp_path / "flown.txt", {LATE: everywhere})
+    searches = fly(study, tmp_path, flyer, (LATE,))
+    evidence = Evidence([(LATE,)], searches, {}, SMALL_BUDGET)
+    opened = {evidence.in_opening(1, arm) for arm in ARMS}
+    assert opened == {frozenset({(LATE, searches[0].sought[0].shown_in)})}
+
+
+def search(block: int, arm: str, found: int, opening: str = "o", **more: int) -> Search:
+    """A search that finds so many mutants, the first of them in the opening."""
+    keys = (*(f"{opening}{n}" for n in range(OPENING)), "later")
+    sought = tuple(
+        Sought(mutant, keys[0] if n == 0 else "later", 20 + n, EVIDENCE, 1, keys)
+        if n < found
+        else Sought(mutant, "", 0, None, 0, keys)
+        for n, mutant in enumerate(BLOCKS[block - 1])
+    )
+    return Search(block, arm, more.get("seed", seed_of(block)), more.get("budget", BUDGET), 200, sought)
+
+
+def evidence(found: Mapping[str, int], **flights: Outcome) -> Evidence:
+    every = range(1, len(BLOCKS) + 1)
+    return Evidence(BLOCKS, [search(block, arm, found[arm]) for block in every for arm in ARMS], flights)
+
+
+@pytest.mark.parametrize(("own", "said"), [(4, Answer.BETTER), (2, Answer.NO_DIFFERENCE), (1, Answer.WORSE)])
+def test_the_page_decides_by_the_mutants_that_are_newly_detected(own: int, said: Answer) -> None:
+    page = flown(evidence({**dict.fromkeys(ARMS, 2), SEARCH: own}), redraws=20)
+    assert f"**Rule 1: {said.value}.**  `seek` newly detects {10 * own} of 40 mutants; random 20" in page
+    assert "| `seek` beside | more mutants | blocks drawn again | p (Holm) |" in page
+    assert f"| random | {10 * (own - 2)} | {10 * (own - 2):+} to {10 * (own - 2):+} |" in page
+    assert "| - by situations of the opening | 10 | 10 | 10 | 10 |" in page
+    assert page.count("20: SR1 4/4") == 10 * len(ARMS)
+
+
+def test_nothing_is_decided_while_a_search_is_missing_or_the_openings_differ() -> None:
+    whole = evidence(dict.fromkeys(ARMS, 2))
+    assert whole.complete
+    first, *others = whole.searches
+    for unfinished in (
+        others,
+        [search(1, SEARCH, 2, budget=60), *others],
+        [search(1, SEARCH, 2, seed=1), *others],
+        [search(1, SEARCH, 0), *others],
+        [replace(first, sought=first.sought[::-1]), *others],
+    ):
+        page = flown(replace(whole, searches=unfinished), redraws=5)
+        assert UNFINISHED in page
+        assert "Rule 1" not in page
+
+
+def test_the_share_of_situations_that_show_a_mutant_is_read_from_the_flights() -> None:
+    mutant, seed = BLOCKS[0][0], SEEN_ON[0]
+    clean = outcome(BASELINE, "later", seed)
+    struck = outcome(mutant, "later", seed, violated={"SR1": 9.0})
+    flights = {one.name: one for one in (clean, struck)}
+    page = flown(evidence(dict.fromkeys(ARMS, 0), **flights), redraws=5)
+    assert "| share that shows it, after the opening | 2.5% of 40 |" in page
+
+
+def test_searches_are_read_as_they_were_written(tmp_path: Path) -> None:
+    path, searches = tmp_path / "s.jsonl.gz", [search(2, "random", 3), search(1, SEARCH, 0)]
+    write_searches(path, searches)
+    assert read_searches(path) == searches[::-1]
+    first = path.read_bytes()
+    write_searches(path, searches[::-1])
+    assert path.read_bytes() == first
+    assert json.dumps(len(read(tmp_path / "none"))) == "0"
