@@ -156,7 +156,9 @@ def _arms(evidence: Evidence) -> Iterator[Sequence[object]]:
     yield row("newly detected", lambda arm: sum(bool(one.shown_in) for one in sought[arm]))
     yield row("- by situations of the opening", opened)
     yield row("situations flown for a mutant", lambda arm: _mean([len(one.situations) for one in sought[arm]]))
-    yield row("share that shows it, after the opening", lambda arm: f"{share(later(arm)):.1%} of {len(later(arm))}")
+    yield row(
+        "share that shows it, after the opening", lambda arm: f"{100 * share(later(arm)):.1f} % of {len(later(arm))}"
+    )
     yield row("candidates", lambda arm: sum(one.candidates for one in sought[arm]))
 
 

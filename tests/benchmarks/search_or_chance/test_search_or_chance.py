@@ -261,7 +261,7 @@ def test_the_share_of_situations_that_show_a_mutant_is_read_from_the_flights() -
     struck = outcome(mutant, "later", seed, violated={"SR1": 9.0})
     flights = {one.name: one for one in (clean, struck)}
     page = flown(evidence(dict.fromkeys(ARMS, 0), **flights), redraws=5)
-    assert "| share that shows it, after the opening | 2.5% of 40 |" in page
+    assert "| share that shows it, after the opening | 2.5 % of 40 |" in page
 
 
 def test_searches_are_read_as_they_were_written(tmp_path: Path) -> None:
