@@ -17,10 +17,10 @@ from scaloft_fi.sim.consistency import check_paths, check_values
 from scaloft_fi.sim.constraint import Constraint, read_constraints
 from scaloft_fi.sim.free_axis import FreeAxis, numbers_off, read_free_axes
 from scaloft_fi.sim.happenings import signals_of
-from scaloft_fi.sim.signals import clearance_name
 from scaloft_fi.sim.mine import Mine, read_mine
 from scaloft_fi.sim.patch import PARTS, patched
 from scaloft_fi.sim.range import number_text
+from scaloft_fi.sim.signals import clearance_name
 from scaloft_fi.sim.situation import Axis, AxisValue, Situation, read_axis
 from scaloft_fi.sim.world import World, read_world
 
