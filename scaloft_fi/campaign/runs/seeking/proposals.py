@@ -9,9 +9,10 @@ once.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING, Any, Protocol
 
 from scaloft_fi.analysis.seeking.shrink import brief
 from scaloft_fi.errors import InputError
@@ -32,6 +33,8 @@ IMPOSSIBLE = 3.0
 """What TPE is told of an impossible situation: farther from the fault than any other."""
 
 Parameters = Mapping[str, Any]
+Possible = Callable[[Situation], bool]
+"""Whether a situation can be flown."""
 
 
 def require_optuna() -> Any:
@@ -56,6 +59,34 @@ class Proposal:
     parameters: Parameters
 
 
+class Proposer(Protocol):
+    """Proposes situations for one mutant."""
+
+    @property
+    def nearest(self) -> float:
+        """The least distance so far."""
+        ...
+
+    @property
+    def count(self) -> int:
+        """Situations flown so far."""
+        ...
+
+    def ask(self, count: int) -> list[Proposal]:
+        """The next situations, none of them flown for the mutant before."""
+        ...
+
+    def tell(self, distances: Sequence[tuple[Proposal, float]]) -> None:
+        """Tell how far situations are from showing the mutant, whoever proposed them."""
+        ...
+
+
+MakeProposer = Callable[["Grid", Possible, int, str], Proposer]
+"""Makes the proposer of a mutant, from the grid, what can be flown, the seed of the search and the mutant's id."""
+Opening = Callable[["Grid", int, Possible], Iterable[Proposal]]
+"""Makes the situations that are flown for every mutant first, from the grid, the seed and what can be flown."""
+
+
 class Proposals:
     """The proposals for one mutant.
 
@@ -66,7 +97,7 @@ class Proposals:
         mutant: id of the mutant, which names its stream of randomness.
     """
 
-    def __init__(self, grid: Grid, possible: Callable[[Situation], bool], seed: int, mutant: str) -> None:
+    def __init__(self, grid: Grid, possible: Possible, seed: int, mutant: str) -> None:
         self._optuna = optuna = require_optuna()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
@@ -126,7 +157,7 @@ class Proposals:
         return len(self._known)
 
 
-def opening(grid: Grid, seed: int, possible: Callable[[Situation], bool]) -> Iterator[Proposal]:
+def opening(grid: Grid, seed: int, possible: Possible) -> Iterator[Proposal]:
     """The first proposals, distinct situations of the grid, the same for every mutant.
 
     Half of the numbers off their benign values are at an end of their range: faults show at the edges of what the
@@ -134,26 +165,29 @@ def opening(grid: Grid, seed: int, possible: Callable[[Situation], bool]) -> Ite
     """
 
     def share(number: int, axis: str, what: str) -> float:
-        return (key_words("seek", "opening", seed, number, axis, what)[0] >> 11) / 2**53  # exact, below 1
-
-    def free(number: int, axis: str) -> float:
-        drawn = share(number, axis, "number")
-        if drawn < 1 - DEVIATES or share(number, axis, "edge") < EDGES:
+        drawn = (key_words("seek", "opening", seed, number, axis, what)[0] >> 11) / 2**53  # exact, below 1
+        if what == "level" or drawn < 1 - DEVIATES or share(number, axis, "level") < EDGES:
             return drawn
         return 1 - DEVIATES if drawn < 1 - DEVIATES / 2 else 1 - 2**-53
 
     known: set[Situation] = set()
     for number in range(OPENING * TRIES):
-        levels = {axis.id: int(share(number, axis.id, "level") * len(axis.values)) for axis in grid.axes}
-        chosen: dict[str, Any] = dict(levels)
-        chosen |= {f"{axis.id}=": share(number, axis.id, "number") for axis in grid.axes if axis.range}
-        chosen |= {axis.id: free(number, axis.id) for axis in grid.free if axis.goes_with(levels)}
-        situation = placed(grid, chosen)
+        parameters = at_shares(grid, partial(share, number))
+        situation = placed(grid, parameters)
         if situation is not None and situation not in known and possible(situation):
             known.add(situation)
-            yield Proposal(situation, chosen)
+            yield Proposal(situation, parameters)
         if len(known) == OPENING:
             return
+
+
+def at_shares(grid: Grid, share: Callable[[str, str], float]) -> Parameters:
+    """The parameters at shares 0 <= share < 1 of an axis' `level` and `number`, as a random draw has them."""
+    levels = {axis.id: int(share(axis.id, "level") * len(axis.values)) for axis in grid.axes}
+    chosen: dict[str, Any] = dict(levels)
+    chosen |= {f"{axis.id}=": share(axis.id, "number") for axis in grid.axes if axis.range}
+    chosen |= {axis.id: share(axis.id, "number") for axis in grid.free if axis.goes_with(levels)}
+    return chosen
 
 
 def _suggest(trial: Any, grid: Grid) -> Parameters:

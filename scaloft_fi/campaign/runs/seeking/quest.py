@@ -10,7 +10,7 @@ from scaloft_fi.analysis.seeking.confirmation import confirmed, safely_held, see
 from scaloft_fi.analysis.seeking.shrink import shrunk
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON, SearchFlights
-from scaloft_fi.campaign.runs.seeking.proposals import Proposals
+from scaloft_fi.campaign.runs.seeking.proposals import Proposer
 from scaloft_fi.mutants.mutant import Mutant
 
 if TYPE_CHECKING:
@@ -29,15 +29,19 @@ class Quest:
     Attributes:
         mutant: the mutant.
         proposals: what is proposed for it.
+        shrinks: whether a situation is shrunk before it is confirmed.
         candidates: situations that were tested on fresh seeds.
         shown_in: the situation that shows it; None before it is found.
+        after: flights of the search when it was found.
         rejected: situations that are not tested again.
     """
 
     mutant: Mutant
-    proposals: Proposals
+    proposals: Proposer
+    shrinks: bool = True
     candidates: int = 0
     shown_in: Situation | None = None
+    after: int = 0
     rejected: set[Situation] = field(default_factory=set)
 
     def pursued(
@@ -64,7 +68,7 @@ class Quest:
                 return [bool(flights.shown_by(self.mutant, one)) for one in asked]
             return [flights.distance(self.mutant, one) < 0.0 for one in asked]
 
-        for one in dict.fromkeys((shrunk(situation, grid, shows), situation)):
+        for one in dict.fromkeys((shrunk(situation, grid, shows), situation) if self.shrinks else (situation,)):
             evidence = self.confirmation(one, flights, alpha)
             if evidence is not None:
                 return one, evidence
@@ -94,7 +98,7 @@ class Quest:
             baselines = _flown(None, situation, seeds, flights)
         evidence = confirmed(_flown(self.mutant, situation, seeds, flights), baselines, steady, self.candidates, share)
         if evidence is not None:
-            self.shown_in = situation
+            self.shown_in, self.after = situation, flights.used
         return evidence
 
 

@@ -19,7 +19,7 @@ from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import write_log
 from scaloft_fi.campaign.runs.seeking.family import families
 from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON, Allowance, SearchFlights, SpentError
-from scaloft_fi.campaign.runs.seeking.proposals import Proposal, Proposals, opening
+from scaloft_fi.campaign.runs.seeking.proposals import MakeProposer, Opening, Proposal, Proposals, opening
 from scaloft_fi.campaign.runs.seeking.quest import Quest
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.errors import InputError
@@ -48,6 +48,7 @@ class Sought:
     Attributes:
         mutant: its id.
         shown_in: key of the situation that shows it; empty where none was found.
+        after: flights of the search, stored ones included, when it was found; 0 where it was not.
         situations: situations flown for it.
         candidates: situations that were tested on fresh seeds.
         nearest: least distance of a situation; below 0 the fault showed on a seed of the search.
@@ -55,6 +56,7 @@ class Sought:
 
     mutant: str
     shown_in: str
+    after: int
     situations: int
     candidates: int
     nearest: float
@@ -89,6 +91,9 @@ def seek(
     progress: Progress,
     save: Callable[[Sequence[Find]], None],
     flyer: Flyer | None = None,
+    proposer: MakeProposer = Proposals,
+    first: Opening = opening,
+    shrinks: bool = True,
 ) -> SeekReport:
     """Search for a situation for each mutant.
 
@@ -102,22 +107,25 @@ def seek(
         progress: progress display.
         save: called with all finds after each find.
         flyer: flies; PyBullet when None.
+        proposer: makes what proposes the situations for a mutant.
+        first: makes the situations that are flown for every mutant first.
+        shrinks: whether a situation is shrunk before it is confirmed.
 
     Raises:
         InputError: Optuna is missing, the folder or the store cannot be written, or the study cannot be flown.
         Interrupted: the user stopped the search; all outcomes and finds are saved.
     """
     possible = _Possible(study)
-    quests = [Quest(mutant, Proposals(study.grid, possible, seed, mutant.id)) for mutant in mutants]
-    first = list(opening(study.grid, seed, possible))
-    flown_first = [Flight(None, one.situation, SEEN_ON[0]) for one in first]
+    quests = [Quest(mutant, proposer(study.grid, possible, seed, mutant.id), shrinks=shrinks) for mutant in mutants]
+    opened_with = list(first(study.grid, seed, possible))
+    flown_first = [Flight(None, one.situation, SEEN_ON[0]) for one in opened_with]
     with opened(
         study, folder, options or RunOptions(), progress=progress, flyer=flyer, first=flown_first[:1]
     ) as campaign:
         search = _Search(campaign, study, quests, seed, SearchFlights(campaign, allowance), save)
         spent = False
         try:
-            search.open(first)
+            search.open(opened_with)
             search.turns()
         except SpentError:
             spent = True
@@ -262,6 +270,7 @@ class _Search:
             Sought(
                 quest.mutant.id,
                 quest.shown_in.key if quest.shown_in is not None else "",
+                quest.after,
                 quest.proposals.count,
                 quest.candidates,
                 quest.proposals.nearest,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from finding import Ruled, everywhere, fast, never
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.seeking.flights import OTHER_SEEDS, SEEN_ON, Allowance
+from scaloft_fi.campaign.runs.seeking.proposals import Proposal, Proposals, opening
 from scaloft_fi.campaign.runs.seeking.seek import SeekReport, seek
 from scaloft_fi.campaign.store.folder import STORE_NAME
 from scaloft_fi.errors import InputError
@@ -35,6 +37,22 @@ class PowerError(Exception):
     """The power failed."""
 
 
+@dataclass
+class Listed:
+    """Proposes these situations, once."""
+
+    left: list[str]
+    count: int = 0
+    nearest: float = 0.0
+
+    def ask(self, count: int) -> list[Proposal]:
+        asked, self.left = self.left[:count], self.left[count:]
+        return [Proposal(STUDY.grid.situation(key), {}) for key in asked]
+
+    def tell(self, distances: Sequence[tuple[Proposal, float]]) -> None:
+        self.count += len(distances)
+
+
 def search(folder: Path, flyer: Any, *mutants: Any, seed: int = 0, **more: Any) -> tuple[SeekReport, list[Find]]:
     saved: list[Find] = []
 
@@ -51,6 +69,9 @@ def search(folder: Path, flyer: Any, *mutants: Any, seed: int = 0, **more: Any) 
         progress=more.get("progress", Progress(stream=io.StringIO())),
         save=save,
         flyer=flyer,
+        proposer=more.get("proposer", Proposals),
+        first=more.get("first", opening),
+        shrinks=more.get("shrinks", True),
     )
     return report, saved
 
@@ -129,6 +150,19 @@ def test_a_find_shows_the_other_mutants_that_fail_there_too_on_the_same_seeds(tm
     for mutant in find.shows:
         flown = {name.rsplit("/", 1)[1] for name in flyer.flown if name.startswith(f"{mutant}/{find.situation}/")}
         assert {*map(str, range(find.shows[mutant].flights))} <= flown
+
+
+def test_something_else_may_propose_and_what_it_shows_need_not_be_shrunk(tmp_path: Path, flyer: Ruled) -> None:
+    keys = ["T0O0W0D0H0", "T0O0W1D0H1Cs=1Vx=1"]
+
+    def found(where: str, **more: Any) -> Find:
+        report, (find,) = search(tmp_path / where, flyer, proposer=lambda *_: Listed(keys), first=lambda *_: (), **more)
+        (sought,) = report.sought
+        assert (sought.situations, sought.after) == (2, report.used)
+        return find
+
+    assert found("a", shrinks=False).situation == keys[1]
+    assert "Vx" not in found("b").situation
 
 
 def test_a_situation_where_the_unmutated_drone_stands_on_the_edge_is_no_find(tmp_path: Path, flyer: Ruled) -> None:
