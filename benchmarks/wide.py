@@ -4,9 +4,10 @@
     python benchmarks/wide.py [--campaign wide] [--pages] [--jobs N] [--output results/published/wide.md]
 
 `--plan` writes the question and the rules without flying.  Else the script flies the campaign over the wide grid, three
-seeds and a pool of ten, and publishes its flights beside the page, as `wide_outcomes.parquet`; stored flights are not
-flown again.  `--pages` flies nothing: the page of the published flights.  The paper's side comes from
-`results/published/reference/outcomes.parquet`: the same three seeds, and the first ten of its pool.
+seeds and twenty of the baseline, ten of which are the pool, and publishes its flights beside the page, as
+`wide_outcomes.parquet`; stored flights are not flown again.  `--pages` flies nothing: the page of the published
+flights.  The paper's side comes from `results/published/reference/outcomes.parquet`: the same three seeds, and the
+first ten of its pool.
 """
 
 from __future__ import annotations
@@ -34,6 +35,7 @@ from scaloft_fi.analysis.kills.background import backgrounds
 from scaloft_fi.analysis.kills.kill_matrix import kill_matrix
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.pool import State
+from scaloft_fi.analysis.scoring.redraw import Redraw, redraw
 from scaloft_fi.analysis.scoring.score import Score, score
 from scaloft_fi.campaign.processes.start import cores
 from scaloft_fi.judge.outcome import BASELINE, Outcome
@@ -44,7 +46,7 @@ from scaloft_fi.views.kills.survivors import short_units, survivors
 PAPER = ROOT / "results" / "published" / "reference" / "outcomes.parquet"
 OUTPUT = ROOT / "results" / "published" / "wide.md"
 FLIGHTS = "wide_outcomes.parquet"
-SEEDS, POOL = range(3), range(10)
+SEEDS, POOL, REDRAWN = range(3), range(10), range(20)
 CHOSEN = """## Chosen
 
 Before the file of the wide grid was committed, the choosing half was flown with one seed in 27 situations of two early
@@ -127,8 +129,19 @@ def by_one_seed(study: Study, rows: Sequence[Row]) -> tuple[int, ...]:
     return tuple(len(side(study, rows, [seed]).detected & set(judging)) for seed in SEEDS)
 
 
+def by_chance(study: Study, rows: Sequence[Row]) -> Redraw:
+    """What the verdict calls the unmutated drone, redrawn from its first twenty seeds."""
+    clean = [row for row in rows if row["mutant"] == BASELINE and row["seed"] in REDRAWN]
+    return redraw(outcomes(study, clean), len(SEEDS), study.alpha)
+
+
 def results(
-    paper: Side, wide: Side, defaults: Mapping[str, str], alone: Sequence[Sequence[int]], whys: Mapping[str, str]
+    paper: Side,
+    wide: Side,
+    defaults: Mapping[str, str],
+    alone: Sequence[Sequence[int]],
+    redrawn: Sequence[Redraw],
+    whys: Mapping[str, str],
 ) -> str:
     """The section with the results.
 
@@ -136,6 +149,7 @@ def results(
         paper, wide: the two grids.
         defaults: the default mutant of each credible cell.
         alone: what each seed alone detects of the judging half, in the paper's grid and in the wide grid.
+        redrawn: what redraws of the unmutated drone gave there.
         whys: why a mutant that the wide grid does not detect is not detected.
     """
     choosing, judging = halves(defaults)
@@ -157,6 +171,9 @@ def results(
         lines.append(f"| {name} | {counts} |")
     first, second = (", ".join(map(str, counts)) for counts in alone)
     lines += ["", f"One seed alone detects {first} of the judging half in the paper's grid, {second} in the wide grid."]
+    chance = ", ".join(f"{one.safety.part} of {one.safety.whole}" for one in redrawn)
+    lines += ["", f"The unmutated drone in the place of a mutant, three of its first {len(REDRAWN)} seeds beside ten"]
+    lines += [f"others: {chance} redraws are called detected, in the paper's grid and in the wide grid."]
     lines += ["", "By parameter, both halves:", "", "| parameter | defaults | paper's grid | wide grid | both |"]
     lines.append("|---|---|---|---|---|")
     for parameter in dict.fromkeys(cell.split("-")[1] for cell in defaults):
@@ -233,7 +250,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         return
     where, flights = ("--campaign", options.campaign), options.output.parent / FLIGHTS
     if not options.pages:
-        call("run", *where, "--grid", "wide", "--seeds", str(len(SEEDS)), "--jobs", str(options.jobs))
+        pool = ("--seeds", str(len(SEEDS)), "--baseline-seeds", str(len(REDRAWN)))
+        call("run", *where, "--grid", "wide", *pool, "--jobs", str(options.jobs))
         call("export", *where, "--format", "parquet", "--output", str(flights))
     options.output.write_text(page(flights), encoding="utf-8")
 
@@ -244,7 +262,8 @@ def page(flights: Path) -> str:
     rows = rows_of(PAPER), rows_of(flights)
     paper, wide = side(own, rows[0]), side(further, rows[1])
     alone = by_one_seed(own, rows[0]), by_one_seed(further, rows[1])
-    told = results(paper, wide, own.roster.defaults, alone, whys_of(further, wide))
+    redrawn = by_chance(own, rows[0]), by_chance(further, rows[1])
+    told = results(paper, wide, own.roster.defaults, alone, redrawn, whys_of(further, wide))
     return f"{PLAN}\n{CHOSEN}{told}"
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+import pytest
 from hypothesis import settings
 
 import scaloft_fi.mutants.reference  # noqa: F401 - a study that names the reference stack declares its operators so
@@ -13,3 +14,9 @@ sys.path.insert(0, str(Path(__file__).parent / "support"))
 
 settings.register_profile("scaloft-fi", derandomize=True, deadline=None)
 settings.load_profile("scaloft-fi")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Files that fly come first: a file stays in one process, and a long one at the end would fly alone."""
+    flying = {item.path for item in items if item.get_closest_marker("flight")}
+    items.sort(key=lambda item: item.path not in flying)

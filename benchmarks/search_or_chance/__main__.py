@@ -10,7 +10,7 @@
 other.  The campaigns of the blocks (`--campaigns`) hold their flights, and finished searches are kept in the file
 `--searches`: the same command goes on where it stopped.  Delete both after a change of the study or of the code.  At
 the end the flights are published in `--flights`.  `--blocks N` flies the first N blocks only, `--budget N` only so many
-flights of each search; then nothing is decided.
+flights for each mutant; then nothing is decided.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ from scaloft_fi.study import Study
 from search_or_chance.page import Evidence, flown
 from search_or_chance.plan import BUDGET, PLAN, seed_of
 from search_or_chance.proposers import ARMS
-from search_or_chance.sample import FILE, Block, at_risk, deal, read_blocks, survivors, text_of
+from search_or_chance.sample import FILE, Block, at_risk, blocks_of, read_blocks, survivors, text_of
 from search_or_chance.searches import Search, read_searches, search, write_searches
 
 PUBLISHED = ROOT / "results" / "published"
@@ -58,7 +58,7 @@ KEPT = "all arms"
 def drawn(study: Study) -> list[Block]:
     """The blocks of the experiment."""
     rows = rows_of(PUBLISHED / "reference" / "outcomes.parquet")
-    return deal(study, at_risk(study, survivors(study, rows)))
+    return blocks_of(study, at_risk(study, survivors(study, rows)))
 
 
 def fly(
@@ -79,14 +79,15 @@ def fly(
         campaigns: folder with a campaign for each block.
         path: the file of searches.
         jobs: number of processes.
-        budget: flights of each search.
+        budget: flights of each search for each of its mutants.
         flyer: flies; PyBullet when None.
     """
     searches = read_searches(path)
     done = {(one.block, one.arm, one.budget) for one in searches}
     for number, mutants in enumerate(blocks, 1):
+        flights = budget * len(mutants)
         for arm in ARMS:
-            if (number, arm, budget) in done:
+            if (number, arm, flights) in done:
                 continue
             progress = Progress()
             progress.line(f"block {number} of {len(blocks)}, {arm}: {', '.join(mutants)}")
@@ -98,7 +99,7 @@ def fly(
                     arm,
                     folder_of(campaigns, number),
                     seed=seed_of(number),
-                    budget=budget,
+                    budget=flights,
                     jobs=jobs,
                     progress=progress,
                     flyer=flyer,
@@ -136,7 +137,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     kept = PUBLISHED / "search_or_chance_flights.jsonl.gz"
     parser.add_argument("--flights", type=Path, default=kept, help="the file of flights (default: published)")
     parser.add_argument("--blocks", type=int, help="the first N only (default: all)")
-    parser.add_argument("--budget", type=int, default=BUDGET, help=f"flights of each search (default: {BUDGET})")
+    parser.add_argument("--budget", type=int, default=BUDGET, help=f"flights for each mutant (default: {BUDGET})")
     options = parser.parse_args(arguments)
     if options.draw:
         FILE.write_text(text_of(drawn(Study.open(ROOT))), encoding="utf-8")

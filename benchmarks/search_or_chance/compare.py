@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from enum import StrEnum
-from itertools import accumulate
+from itertools import accumulate, product
 from statistics import mean
 
 import numpy as np
 
 from scaloft_fi.streams import generator
-from search_or_chance.sample import BLOCKS, TOGETHER
 
 LEVEL = 0.05
 """Two-sided p at which arms differ."""
@@ -40,9 +40,8 @@ def exact_p(counts: Counts) -> float:
     ways = {0: 1}
     for block in counts:
         after: dict[int, int] = {}
-        for own in _deviations(block):
-            for total, number in ways.items():
-                after[total + own] = after.get(total + own, 0) + number
+        for (own, arms), (total, number) in product(Counter(_deviations(block)).items(), ways.items()):
+            after[total + own] = after.get(total + own, 0) + arms * number
         ways = after
     seen = abs(sum(_deviations(block)[0] for block in counts))
     return sum(number for total, number in ways.items() if abs(total) >= seen) / sum(ways.values())
@@ -95,18 +94,23 @@ def redrawn(counts: Counts, redraws: int = REDRAWS) -> list[tuple[int, int]]:
     return list(zip(low.tolist(), high.tolist(), strict=True))
 
 
-def power(open_: float, chance: float, search: float, draws: int = 1_000) -> float:
-    """How often rule 1 answers yes, if each mutant is found independently of the others.
+def power(
+    sizes: Sequence[int], open_: float, chance: float, search: float, *, together: bool, draws: int = 1_000
+) -> float:
+    """How often rule 1 answers yes.
 
     Args:
-        open_: share of the mutants that neither the opening shows nor nothing can show.
+        sizes: mutants of each block.
+        open_: share of the mutants that something can show, but not the opening.
         chance: share of these that each of three arms of chance finds.
         search: share of these that the search finds.
+        together: whether an arm finds all of these in a block or none; else it finds each by itself.
         draws: experiments that are drawn.
     """
-    rng = generator("search or chance", "power", open_, chance, search)
-    left = rng.binomial(TOGETHER, open_, size=(draws, BLOCKS, 1))
-    found = rng.binomial(left, np.array([search, chance, chance, chance]))
+    rng = generator("search or chance", "power", open_, chance, search, together)
+    finds = np.array([search, chance, chance, chance])
+    left = rng.binomial(np.array(sizes)[:, None], open_, size=(draws, len(sizes), 1))
+    found = left * rng.binomial(1, finds, size=(draws, len(sizes), 4)) if together else rng.binomial(left, finds)
     return share(answer(one)[0] is Answer.BETTER for one in found.tolist())
 
 

@@ -30,7 +30,7 @@ class Evidence:
         blocks: the mutants of each block.
         searches: the searches.
         flights: their flights by name.
-        budget: flights of a search.
+        budget: flights of a search for each of its mutants.
     """
 
     blocks: Sequence[Block]
@@ -41,7 +41,7 @@ class Evidence:
     @cached_property
     def by_place(self) -> Mapping[tuple[int, str], Search]:
         """The searches that were planned, by block and arm."""
-        planned = {(n, seed_of(n), self.budget, block) for n, block in enumerate(self.blocks, 1)}
+        planned = {(n, seed_of(n), self.budget * len(block), block) for n, block in enumerate(self.blocks, 1)}
         return {
             (one.block, one.arm): one
             for one in self.searches
@@ -96,7 +96,7 @@ def flown(evidence: Evidence, redraws: int = REDRAWS) -> str:
         "",
         *_table(("", *ARMS), _arms(evidence)),
         "",
-        "### Mutants detected after so many flights of each search",
+        "### Mutants detected after so many flights for each mutant of the block",
         "",
         *_table(("flights", *ARMS), _curve(evidence)),
         "",
@@ -165,7 +165,14 @@ def _arms(evidence: Evidence) -> Iterator[Sequence[object]]:
 def _curve(evidence: Evidence) -> Iterator[Sequence[object]]:
     for step in range(1, STEPS + 1):
         flights = evidence.budget * step // STEPS
-        yield (flights, *(sum(0 < one.after <= flights for one in evidence.of(arm)) for arm in ARMS))
+        yield (flights, *(sum(0 < each <= flights for each in _after(evidence, arm)) for arm in ARMS))
+
+
+def _after(evidence: Evidence, arm: str) -> Iterator[float]:
+    """Flights for each mutant of the block after which an arm detected a mutant."""
+    for (_, own), search in evidence.by_place.items():
+        if own == arm:
+            yield from (one.after / len(search.sought) for one in search.sought)
 
 
 def _blocks(evidence: Evidence) -> Iterator[Sequence[object]]:

@@ -6,12 +6,11 @@ A free axis has three bins of equal probability.  Two of them are its benign val
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from functools import cache
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.campaign.runs.seeking.proposals import Parameters, at_shares
 from scaloft_fi.sim.free_axis import DEVIATES
 from scaloft_fi.streams import key_words
 
@@ -22,31 +21,29 @@ BINS = round(1 / DEVIATES)
 OFF = BINS - 1
 """The bin off the benign value."""
 STRENGTH = 2
+Share = Callable[[str, str], float]
+"""The share 0 <= share < 1 of an axis' `level` or `number`, as `at_shares` takes it."""
 Row = dict[str, int]
 """The value of each axis, and the bin of each free axis."""
 
 
-@cache
-def array(grid: Grid, seed: int, number: int) -> tuple[Parameters, ...]:
-    """The parameters of an array that has every pair of values and bins that some situation has.
+def array(grid: Grid, seed: int, number: int) -> Iterator[Share]:
+    """The shares of the situations of an array that has every pair of values and bins that some situation has.
 
     Args:
         grid: the grid.
         seed: seed of the search.
         number: which array of the search; each breaks ties in its own way.
     """
-
-    def parameters(place: int, row: Row) -> Parameters:
-        def share(axis: str, what: str) -> float:
-            inside = (key_words("search or chance", "2-way", seed, number, place, axis)[0] >> 11) / 2**53
-            if axis in sizes:
-                return (row[axis] + 0.5) / sizes[axis] if what == "level" else inside
-            return min((row[axis] + inside) / BINS, 1 - 2**-53)
-
-        return at_shares(grid, share)
-
     sizes = {axis.id: len(axis.values) for axis in grid.axes}
-    return tuple(parameters(place, row) for place, row in enumerate(_rows(grid, f"{seed}-{number}")))
+
+    def share(place: int, row: Row, axis: str, what: str) -> float:
+        if what == "level":
+            return (row[axis] + 0.5) / sizes[axis]
+        inside = (key_words("search or chance", "2-way", seed, number, place, axis)[0] >> 11) / 2**53
+        return min((row[axis] + inside) / BINS, 1 - 2**-53)
+
+    return (partial(share, place, row) for place, row in enumerate(_rows(grid, f"{seed}-{number}")))
 
 
 def _rows(grid: Grid, salt: str) -> list[Row]:

@@ -1,16 +1,16 @@
-"""The arms: what proposes the next situation, behind an opening that all of them share."""
+"""The arms: what proposes the situations after the opening, which is `seek`'s and the same in all of them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from itertools import chain, count, islice
+from dataclasses import dataclass
+from functools import partial
+from itertools import count, islice
 from typing import TYPE_CHECKING
 
 from scaloft_fi.campaign.runs.seeking.proposals import (
-    GENERATION,
+    EDGES,
     IMPOSSIBLE,
-    OPENING,
-    TRIES,
     MakeProposer,
     Parameters,
     Possible,
@@ -18,95 +18,115 @@ from scaloft_fi.campaign.runs.seeking.proposals import (
     Proposals,
     Proposer,
     at_shares,
-    opening,
     placed,
 )
+from scaloft_fi.sim.free_axis import DEVIATES
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.streams import key_words
-from search_or_chance.pairs import array
+from search_or_chance.pairs import Share, array
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.grid import Grid
 
-MOST_LOG2 = 10
-"""A sequence ends after 2^10 points; no budget of the experiment reaches that."""
-Sequence_ = Callable[["Grid", int], Iterator[Parameters]]
-"""The parameters that an arm proposes after the opening, from the grid and the seed of the search."""
+MOST_LOG2 = 8
+"""The low-discrepancy sequence ends after 2^8 points; no budget of the experiment reaches that."""
+Shares = Callable[["Grid", int], Iterator[Share]]
+"""The shares of each situation that an arm proposes, from the grid and the seed of the search."""
 
 
+@dataclass
 class Listed:
-    """Proposes the situations of a sequence, whatever their distances.
+    """Proposes for one mutant, whatever the distances, the next situations of a list that its block shares."""
 
-    Args:
-        grid: the grid.
-        possible: whether a situation can be flown; others are left out.
-        parameters: the sequence.
+    left: Iterator[Proposal]
+    nearest: float = IMPOSSIBLE
+    count: int = 0
+
+    def ask(self, count: int) -> list[Proposal]:
+        """The next situations; fewer at the end of the list."""
+        return list(islice(self.left, count))
+
+    def tell(self, distances: Sequence[tuple[Proposal, float]]) -> None:
+        """Tell the distances; they change no proposal."""
+        self.count += len(distances)
+        self.nearest = min([self.nearest, *(distance for _, distance in distances)])
+
+
+@dataclass
+class Chance:
+    """Makes the proposers of one search, which share one list.
+
+    Attributes:
+        shares: what the list is made from.
     """
 
-    def __init__(self, grid: Grid, possible: Possible, parameters: Iterator[Parameters]) -> None:
-        self._grid, self._possible, self._parameters = grid, possible, parameters
-        self._known: dict[Situation, float] = {}
+    shares: Shares
+    _list: Iterator[Proposal] | None = None
 
-    def ask(self) -> list[Proposal]:
-        """The next generation: distinct situations that were not proposed before; fewer at the end of the sequence."""
-        asked: dict[Situation, None] = {}
-        for parameters in islice(self._parameters, GENERATION * TRIES):
-            situation = placed(self._grid, parameters)
-            if situation is not None and situation not in self._known and self._possible(situation):
-                asked[situation] = None
-            if len(asked) == GENERATION:
-                break
-        return [Proposal(situation, None, IMPOSSIBLE) for situation in asked]
-
-    def tell(self, proposed: Sequence[Proposal]) -> None:
-        """Tell the distances of a generation; they change nothing."""
-        self._known |= {one.situation: one.distance for one in proposed}
-
-    @property
-    def nearest(self) -> float:
-        """The least distance so far."""
-        return min(self._known.values(), default=IMPOSSIBLE)
-
-    @property
-    def count(self) -> int:
-        """Situations flown so far."""
-        return len(self._known)
+    def __call__(self, grid: Grid, possible: Possible, seed: int, _mutant: str) -> Proposer:
+        """The proposer of a mutant."""
+        self._list = self._list or _distinct(grid, possible, seed, self.shares)
+        return Listed(self._list)
 
 
-def _at_random(grid: Grid, seed: int) -> Iterator[Parameters]:
-    """The opening goes on."""
-    return islice(opening(grid, seed, 2**MOST_LOG2), OPENING, None)
+def _distinct(grid: Grid, possible: Possible, seed: int, shares: Shares) -> Iterator[Proposal]:
+    """Situations that can be flown, each once."""
+    known: set[Situation] = set()
+    for share in shares(grid, seed):
+        parameters = with_ends(grid, share)
+        situation = placed(grid, parameters)
+        if situation is not None and situation not in known and possible(situation):
+            known.add(situation)
+            yield Proposal(situation, parameters)
 
 
-def _low_discrepancy(grid: Grid, seed: int) -> Iterator[Parameters]:
+def with_ends(grid: Grid, share: Share) -> Parameters:
+    """The parameters at shares, half of the numbers off their benign values at an end of their range.
+
+    So it is in the opening, but here a number follows from one share, and the greater from the greater.
+    """
+
+    def ended(axis: str, what: str) -> float:
+        drawn = share(axis, what)
+        inside = ((drawn - 1 + DEVIATES) / DEVIATES - (1 - EDGES) / 2) / EDGES
+        if what == "level" or drawn < 1 - DEVIATES:
+            return drawn
+        return min(1 - DEVIATES + DEVIATES * max(inside, 0.0), 1 - 2**-53)
+
+    return at_shares(grid, ended)
+
+
+def _at_random(_grid: Grid, seed: int) -> Iterator[Share]:
+    """Each share at random."""
+
+    def share(number: int, axis: str, what: str) -> float:
+        return (key_words("search or chance", "random", seed, number, axis, what)[0] >> 11) / 2**53
+
+    return (partial(share, number) for number in count())
+
+
+def _low_discrepancy(grid: Grid, seed: int) -> Iterator[Share]:
     """A scrambled Sobol sequence over a level for each axis, and a share for each number."""
     from scipy.stats import qmc  # takes longer to import than the plan takes
 
-    columns = {(axis.id, "level"): place for place, axis in enumerate(grid.axes)}
-    numbered = [*(axis.id for axis in grid.axes if axis.range), *(axis.id for axis in grid.free)]
-    columns |= {(axis, "number"): place for place, axis in enumerate(numbered, len(columns))}
+    asked = [*((axis.id, "level") for axis in grid.axes), *((axis.id, "number") for axis in grid.free)]
+    columns = {what: place for place, what in enumerate(asked)}
     sequence = qmc.Sobol(len(columns), scramble=True, seed=key_words("search or chance", "sobol", seed)[0])
     for point in sequence.random_base2(MOST_LOG2).tolist():
-        yield at_shares(grid, lambda axis, what, point=point: point[columns[axis, what]])  # type: ignore[misc]
+        yield lambda axis, what, point=point: point[columns[axis, what]]  # type: ignore[misc]
 
 
-def _pairwise(grid: Grid, seed: int) -> Iterator[Parameters]:
+def _pairwise(grid: Grid, seed: int) -> Iterator[Share]:
     """Arrays of all pairs, one after the other."""
     for number in count():
         yield from array(grid, seed, number)
 
 
-def _chance(sequence: Sequence_) -> MakeProposer:
-    def make(grid: Grid, possible: Possible, seed: int, _mutant: str) -> Proposer:
-        return Listed(grid, possible, chain(opening(grid, seed), sequence(grid, seed)))
-
-    return make
-
-
 SEARCH = "seek"
-ARMS: Mapping[str, MakeProposer] = {
-    SEARCH: Proposals,
-    "random": _chance(_at_random),
-    "low-discrepancy": _chance(_low_discrepancy),
-    "2-way": _chance(_pairwise),
+ARMS: Mapping[str, Callable[[], MakeProposer]] = {
+    SEARCH: lambda: Proposals,
+    "random": partial(Chance, _at_random),
+    "low-discrepancy": partial(Chance, _low_discrepancy),
+    "2-way": partial(Chance, _pairwise),
 }
+"""What makes the proposers of one search, by arm."""

@@ -1,4 +1,4 @@
-"""The mutants of the experiment: drawn from those that the paper's grid does not detect, and dealt into blocks."""
+"""The mutants of the experiment: of those that the paper's grid does not detect, a block for each parameter."""
 
 from __future__ import annotations
 
@@ -11,14 +11,15 @@ from wide import POOL, SEEDS
 from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.mutants.derive import realise
 from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study
 
 FILE = Path(__file__).parent / "blocks.txt"
-BLOCKS, TOGETHER = 10, 4
-"""Blocks, and mutants that are sought together in a block."""
+FEWEST, MOST = 2, 4
+"""Mutants of a block."""
 Block = tuple[str, ...]
-"""Ids of the mutants of a block, in the order of their turns."""
+"""Ids of the mutants of a block, which have one parameter and are sought together."""
 
 
 def survivors(study: Study, rows: Iterable[Row]) -> list[str]:
@@ -49,15 +50,17 @@ def at_risk(study: Study, ids: Iterable[str]) -> list[str]:
     return [id_ for id_ in ids if id_ in named]
 
 
-def deal(study: Study, ids: Iterable[str]) -> list[Block]:
-    """The blocks: a systematic sample along the parameters, dealt in turn, so that a block has different parameters."""
-    parameters = list(dict.fromkeys(cell.parameter for cell in study.matrix))
-    parameter_of = {study.roster.defaults.get(cell.name): parameters.index(cell.parameter) for cell in study.matrix}
-    ordered = sorted(ids, key=lambda id_: (parameter_of[id_], key_words("search or chance", id_)))
-    start = key_words("search or chance", "start")[0] / 2**64
-    wanted = BLOCKS * TOGETHER
-    drawn = [ordered[int((start + number) * len(ordered) / wanted)] for number in range(wanted)]
-    return [tuple(drawn[block::BLOCKS]) for block in range(BLOCKS)]
+def blocks_of(study: Study, ids: Iterable[str]) -> list[Block]:
+    """The blocks, in the order of the ids: of each parameter with two of them or more, four at most, drawn by key."""
+    parameters: dict[str, list[str]] = {}
+    for id_ in ids:
+        parameters.setdefault(realise(study.matrix, id_).parameter, []).append(id_)
+    drawn = [
+        sorted(own, key=lambda id_: key_words("search or chance", id_))[:MOST]
+        for own in parameters.values()
+        if len(own) >= FEWEST
+    ]
+    return [tuple(sorted(block, key=parameters[realise(study.matrix, block[0]).parameter].index)) for block in drawn]
 
 
 def text_of(blocks: Iterable[Block]) -> str:

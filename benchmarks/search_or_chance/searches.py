@@ -74,14 +74,14 @@ class Noted:
     proposer: Proposer
     situations: list[str]
 
-    def ask(self) -> list[Proposal]:
+    def ask(self, count: int) -> list[Proposal]:
         """As the proposer."""
-        return self.proposer.ask()
+        return self.proposer.ask(count)
 
-    def tell(self, proposed: Sequence[Proposal]) -> None:
+    def tell(self, distances: Sequence[tuple[Proposal, float]]) -> None:
         """As the proposer."""
-        self.situations += [one.situation.key for one in proposed]
-        self.proposer.tell(proposed)
+        self.situations += [one.situation.key for one, _ in distances]
+        self.proposer.tell(distances)
 
     @property
     def nearest(self) -> float:
@@ -125,9 +125,10 @@ def search(
         Interrupted: the user stopped the search; all outcomes are saved.
     """
     noted: dict[str, list[str]] = {mutant: [] for mutant in mutants}
+    make = ARMS[arm]()
 
     def proposer(grid: Grid, possible: Possible, own: int, mutant: str) -> Proposer:
-        return Noted(ARMS[arm](grid, possible, own, mutant), noted[mutant])
+        return Noted(make(grid, possible, own, mutant), noted[mutant])
 
     report = seek(
         study,

@@ -20,6 +20,7 @@ from scaloft_fi.sim.happenings import signals_of
 from scaloft_fi.sim.mine import Mine, read_mine
 from scaloft_fi.sim.patch import PARTS, patched
 from scaloft_fi.sim.range import number_text
+from scaloft_fi.sim.signals import clearance_name
 from scaloft_fi.sim.situation import Axis, AxisValue, Situation, read_axis
 from scaloft_fi.sim.world import World, read_world
 
@@ -229,10 +230,11 @@ class Grid:
 
     @cached_property
     def passing_signals(self) -> tuple[str, ...]:
-        """Names of the signals of happenings, which only flights with such a happening record."""
+        """Names of the signals of happenings and optional bodies, which only flights with these record."""
         values = [*(value for axis in self.axes for value in axis.values), *(axis.extremes[1] for axis in self.free)]
-        worlds = (self.world_of(self.documents_with([value])) for value in values)
-        return tuple(dict.fromkeys(name for world in worlds for name in signals_of(world.happenings)))
+        worlds = [self.world_of(self.documents_with([value])) for value in values]
+        optional = (clearance_name(body.name) for world in worlds for body in world.present if body.optional)
+        return tuple(dict.fromkeys([*(name for world in worlds for name in signals_of(world.happenings)), *optional]))
 
     def miss(self, name: str) -> str:
         """The error message for a name without a situation: the constraint that excludes it, or the nearest key."""

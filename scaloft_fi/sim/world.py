@@ -52,6 +52,7 @@ class Body:
         centre: its centre [m, world].
         reflectivity: reflected share of infrared light, 0..1.
         present: whether the body is in the mine.
+        optional: whether flights without the body have no signal of it.
     """
 
     name: str
@@ -61,6 +62,7 @@ class Body:
     centre: Point
     reflectivity: float
     present: bool
+    optional: bool = False
 
 
 @dataclass(frozen=True)
@@ -130,8 +132,8 @@ class World:
 
     @property
     def surfaces(self) -> tuple[str, ...]:
-        """Names of all surfaces: wall, ground, then the bodies, absent bodies included."""
-        return (WALL, GROUND, *self.bodies)
+        """Names of the surfaces that have a signal: wall, ground, then the bodies, but for absent optional ones."""
+        return (WALL, GROUND, *(name for name, body in self.bodies.items() if body.present or not body.optional))
 
     def bodies_with(self, trait: Callable[[Role], object]) -> tuple[str, ...]:
         """Names of the present bodies whose role has the trait."""
@@ -272,6 +274,7 @@ def _body(name: str, item: Item) -> Body:
         centre=centre,
         reflectivity=item.need("reflectivity").number(least=0.0, most=1.0),
         present=item.need("present").flag(),
+        optional=optional.flag() if (optional := item.get("optional")) else False,
     )
     item.close()
     return body

@@ -9,9 +9,12 @@ import wide
 from published_outcomes import outcomes, rows_of
 from wide_plan import PLAN, halves
 
+from scaloft_fi.analysis.ratio import Ratio
+from scaloft_fi.analysis.scoring.redraw import Redraw
 from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.study import Study
 
+ONCE = Redraw(3, Ratio(1, 200), Ratio(0, 200))
 ROOT = Path(__file__).parents[2]
 PUBLISHED = ROOT / "results" / "published"
 
@@ -50,11 +53,14 @@ def test_the_side_of_the_paper_counts_three_seeds_and_ten_of_the_pool(paper: wid
 
 
 def test_a_grid_beside_itself_detects_the_same_at_once_the_flying(study: Study, paper: wide.Side) -> None:
-    page = wide.results(paper, paper, study.roster.defaults, [(1, 2, 3), (4, 5, 6)], {"NO-battery": "it lands"})
+    page = wide.results(
+        paper, paper, study.roster.defaults, [(1, 2, 3), (4, 5, 6)], [ONCE, ONCE], {"NO-battery": "it lands"}
+    )
     assert ": 1.00 times the flying" in page
     assert "3 of the judging half, 3 of the other" in page
     assert "| all (half selected) | 32 of 114 | 32 of 114 | 32 of 114 |" in page
     assert "One seed alone detects 1, 2, 3 of the judging half in the paper's grid, 4, 5, 6 in the wide grid." in page
+    assert "1 of 200, 1 of 200 redraws are called detected" in page
     assert "| battery | 8 | 0 | 0 | 0 |" in page
     assert "| NO-battery | it lands |" in page
     assert page.count("| judging |") == 1 + 57

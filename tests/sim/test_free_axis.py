@@ -29,6 +29,14 @@ def test_a_free_axis_at_its_benign_value_is_left_out_and_changes_nothing(searche
     assert searched.grid.at({"T": 0, "O": 0, "W": 0, "D": 0, "H": 1}, {"Cs": 0.5}).key == "T0O0W0D0H1"
 
 
+def test_an_optional_body_has_a_signal_only_where_it_stands(searched):
+    without, with_ = (searched.grid.situation(key) for key in ("T0O0W0D0H0", "T0O0W0D0H0Be=0.8"))
+    assert "belt" not in searched.scenario(without).world.surfaces
+    assert searched.scenario(with_).world.surfaces[-1] == "belt"
+    assert searched.signals == Study.open(ROOT).signals
+    assert "clearance_belt_m" in searched.grid.passing_signals
+
+
 def test_another_number_stands_at_the_end_of_the_key_and_is_flown(searched):
     situation = searched.grid.situation("T1O1W0D2H1Cs=0.87Vy=2")
     assert Situation.parse(situation.key) == situation

@@ -98,11 +98,11 @@ def _one(table: Table, how: Format) -> str:
         return f"% {title}\n{body}\n" + "".join(f"% {note}\n" for note in notes)
     if how is Format.MARKDOWN:
         return f"### {markdown(title)}\n\n{body}\n" + "".join(f"\n{note}\n" for note in notes)
-    return f"{title}\n\n{body}\n" + "".join(fill(note, WIDTH) + "\n" for note in notes)
+    return f"{title}\n\n{body}\n" + "".join(fill(note, WIDTH, break_on_hyphens=False) + "\n" for note in notes)
 
 
 def _wrapped(cell: str, limit: int | None) -> str:
-    return cell if limit is None or len(cell) <= limit else fill(cell, limit)
+    return cell if limit is None or len(cell) <= limit else fill(cell, limit, break_on_hyphens=False)
 
 
 def _in_csv(value: object) -> object:

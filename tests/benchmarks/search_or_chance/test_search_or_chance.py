@@ -1,14 +1,17 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
+from shutil import copytree
 
 import pytest
 from builders import outcome
-from finding import Ruled, everywhere, fast
+from finding import Ruled, fast
 from kept_flights import read
 from published_outcomes import rows_of
 from search_or_chance import __main__ as experiment
@@ -17,26 +20,23 @@ from search_or_chance.compare import Answer, answer, beside_each, exact_p, holm,
 from search_or_chance.page import UNFINISHED, Evidence, flown
 from search_or_chance.plan import AT_RISK, BUDGET, MUTANTS, OPEN, PLAN, POWER, SURVIVORS, WIDE, seed_of
 from search_or_chance.proposers import ARMS, SEARCH
-from search_or_chance.sample import FILE, TOGETHER, Block, at_risk, read_blocks, survivors, text_of
+from search_or_chance.sample import FEWEST, FILE, MOST, Block, at_risk, blocks_of, read_blocks, survivors, text_of
 from search_or_chance.searches import Search, Sought, read_searches, write_searches
 
-from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON
 from scaloft_fi.campaign.runs.seeking.proposals import OPENING
 from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.mutants.derive import realise
 from scaloft_fi.sim.found import Evidence as Shown
 from scaloft_fi.study import Study
 
 ROOT = Path(__file__).parents[3]
 PUBLISHED = experiment.PUBLISHED
-LATE, LESS = "LATE-human@3s", "LESS-depth@0.75x"
-SMALL_BUDGET = 90
+LATE, LESS = "LATE-human@3s", "LESS-human@0.8"
+SMALL_BUDGET = 60
 BLOCKS = read_blocks()
+SIZES = [len(block) for block in BLOCKS]
 EVIDENCE = Shown("SR1", 1, 0.001, 0.005, 4, 4, "wall", 10, 10, 0.2, 0.01)
-
-
-class PowerError(Exception):
-    """The power failed."""
 
 
 @pytest.fixture(scope="module")
@@ -44,30 +44,42 @@ def study() -> Study:
     return Study.open(ROOT, experiment.GRID)
 
 
-@pytest.fixture
-def few_rows(monkeypatch: pytest.MonkeyPatch, study: Study) -> Iterator[None]:
+@contextmanager
+def few_rows(study: Study) -> Iterator[None]:
     """Arrays that take no time."""
     free = [axis.id for axis in study.grid.free]
-    rows = [{**dict.fromkeys("TOWDH", 0), **dict.fromkeys(free, 0), "H": n % 3, "Cs": 2} for n in range(9)]
-    monkeypatch.setattr(pairs, "_rows", lambda _grid, _salt: rows)
-    pairs.array.cache_clear()
-    yield
-    pairs.array.cache_clear()
+    rows = [{**dict.fromkeys("TOWDH", 0), **dict.fromkeys(free, 0), "Cs": 2, "Al": 2, "De": 2} for _ in range(9)]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(pairs, "_rows", lambda _grid, _salt: rows)
+        yield
 
 
-def test_the_committed_blocks_are_what_the_draw_gives() -> None:
-    assert FILE.read_text(encoding="utf-8") == text_of(experiment.drawn(Study.open(ROOT)))
+@pytest.fixture(scope="module")
+def survivors_at_risk() -> tuple[list[str], list[str]]:
+    """The survivors, and those of them that are at risk."""
+    plain = Study.open(ROOT)
+    found = survivors(plain, rows_of(PUBLISHED / "reference" / "outcomes.parquet"))
+    return found, at_risk(plain, found)
 
 
-def test_the_blocks_are_of_survivors_at_risk_and_have_no_mutant_twice() -> None:
-    study = Study.open(ROOT)
-    found = survivors(study, rows_of(PUBLISHED / "reference" / "outcomes.parquet"))
-    chosen = at_risk(study, found)
+def test_the_committed_blocks_are_what_the_draw_gives(
+    study: Study, survivors_at_risk: tuple[list[str], list[str]]
+) -> None:
+    assert FILE.read_text(encoding="utf-8") == text_of(blocks_of(study, survivors_at_risk[1]))
+
+
+def test_a_block_has_survivors_at_risk_of_one_parameter_and_every_parameter_with_two_has_one(
+    study: Study, survivors_at_risk: tuple[list[str], list[str]]
+) -> None:
+    found, chosen = survivors_at_risk
     assert (len(found), len(chosen)) == (SURVIVORS, AT_RISK)
+    number = Counter(realise(study.matrix, id_).parameter for id_ in chosen)
+    parameters = [{realise(study.matrix, id_).parameter for id_ in block} for block in BLOCKS]
+    wanted = [({parameter}, min(all_, MOST)) for parameter, all_ in number.items() if all_ >= FEWEST]
+    assert list(zip(parameters, SIZES, strict=True)) == wanted
     drawn = [mutant for block in BLOCKS for mutant in block]
     assert len(set(drawn)) == len(drawn) == MUTANTS
     assert set(drawn) <= set(chosen)
-    assert all(len({mutant.split("@")[0].split("-")[1] for mutant in block}) == TOGETHER for block in BLOCKS)
 
 
 def test_the_plan_counts_the_mutants_that_the_wide_grid_detects() -> None:
@@ -77,7 +89,9 @@ def test_the_plan_counts_the_mutants_that_the_wide_grid_detects() -> None:
 
 
 def test_the_plan_says_what_the_rule_can_show() -> None:
-    assert all(power(OPEN, chance, search) == pytest.approx(yes, abs=0.005) for chance, search, yes in POWER)
+    for chance, search, *yes in POWER[::2]:
+        shown = [power(SIZES, OPEN, chance, search, together=together) for together in (False, True)]
+        assert shown == pytest.approx(yes, abs=0.0051)
 
 
 def test_the_published_page_is_the_plan_or_what_the_published_files_give(tmp_path: Path) -> None:
@@ -138,78 +152,66 @@ def fly(study: Study, folder: Path, flyer: Ruled, *blocks: Block) -> list[Search
     return experiment.fly(study, blocks, folder / "campaigns", path, jobs=1, budget=SMALL_BUDGET, flyer=flyer)
 
 
-def by_arm(searches: Sequence[Search]) -> Mapping[str, Search]:
-    return {one.arm: one for one in searches}
+@dataclass(frozen=True)
+class Flown:
+    """What all arms flew for a block of two."""
+
+    folder: Path
+    searches: Mapping[str, Search]
+    flights: Sequence[str]
 
 
-@pytest.mark.usefixtures("few_rows")
-def test_every_arm_is_flown_with_the_budget_and_the_opening_only_once(study: Study, tmp_path: Path) -> None:
-    flyer = Ruled(tmp_path / "flown.txt", {LATE: fast})
-    searches = by_arm(fly(study, tmp_path, flyer, (LATE, LESS)))
-    assert list(searches) == list(ARMS)
-    for search in searches.values():
-        assert search.used <= SMALL_BUDGET
+@pytest.fixture(scope="module")
+def block(study: Study, tmp_path_factory: pytest.TempPathFactory) -> Flown:
+    folder = tmp_path_factory.mktemp("block")
+    flyer = Ruled(folder / "flown.txt", {LATE: fast})
+    with few_rows(study):
+        searches = fly(study, folder, flyer, (LATE, LESS))
+    return Flown(folder, {one.arm: one for one in searches}, flyer.flown)
+
+
+def test_every_arm_is_flown_with_the_budget_and_the_opening_only_once(study: Study, block: Flown) -> None:
+    assert list(block.searches) == list(ARMS)
+    for search in block.searches.values():
+        assert search.used <= search.budget == 2 * SMALL_BUDGET
         assert search.seed == seed_of(1)
         late, less = search.sought
         assert (late.mutant, less.mutant) == (LATE, LESS)
         assert not less.shown_in
-        assert less.situations[:OPENING] == searches[SEARCH].sought[1].situations[:OPENING]
+        assert less.situations[:OPENING] == block.searches[SEARCH].sought[1].situations[:OPENING]
+        assert late.situations == less.situations[: len(late.situations)]  # flown for all that are not found
+        assert len(less.situations) > OPENING
         assert late.shown_in in late.situations  # nothing is shrunk
         assert 0 < late.after <= search.used
         assert late.evidence is not None
         assert late.evidence.p <= late.evidence.alpha
-    assert len(set(flyer.flown)) == len(flyer.flown) < sum(one.used for one in searches.values())
-    flights = experiment.flights_in(study, tmp_path / "campaigns", 1)
-    assert set(flights) == set(flyer.flown)
-    evidence = Evidence([(LATE, LESS)], list(searches.values()), flights, SMALL_BUDGET)
+    used = sum(one.used for one in block.searches.values())
+    assert len(set(block.flights)) == len(block.flights) < used
+    flights = experiment.flights_in(study, block.folder / "campaigns", 1)
+    assert set(flights) == set(block.flights)
+    evidence = Evidence([(LATE, LESS)], list(block.searches.values()), flights, SMALL_BUDGET)
     page = flown(evidence, redraws=5)
-    assert f"4 of 4 searches asked for {sum(one.used for one in searches.values())} flights" in page
-    assert UNFINISHED in page  # another budget
+    assert f"4 of 4 searches asked for {used} flights" in page
     assert "| newly detected | 1 | 1 | 1 | 1 |" in page
-    shown = [one for one in less_and_late(evidence) if evidence.shows(*one)]
-    assert shown
-    assert {mutant for mutant, _ in shown} == {LATE}
-
-
-def less_and_late(evidence: Evidence) -> list[tuple[str, str]]:
-    return [(one.mutant, key) for one in evidence.of("random") for key in one.situations]
-
-
-@pytest.mark.usefixtures("few_rows")
-def test_it_goes_on_where_it_stopped(study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    whole = Ruled(tmp_path / "whole.txt", {LATE: fast})
-    (tmp_path / "a").mkdir()
-    (tmp_path / "b").mkdir()
-    searches = fly(study, tmp_path / "a", whole, (LATE, LESS))
-    flyer = Ruled(tmp_path / "flown.txt", {LATE: fast})
-
-    class Dying(Progress):
-        def advance(self) -> None:
-            super().advance()
-            if len(flyer.flown) > searches[0].used:
-                raise PowerError
-
-    monkeypatch.setattr(experiment, "Progress", Dying)
-    with pytest.raises(PowerError):
-        fly(study, tmp_path / "b", flyer, (LATE, LESS))
-    monkeypatch.undo()
-    left = read_searches(tmp_path / "b" / "searches.jsonl.gz")
-    assert 0 < len(left) < len(ARMS)
-    before = len(flyer.flown)
-    assert by_arm(fly(study, tmp_path / "b", flyer, (LATE, LESS))) == by_arm(searches)
-    assert sorted(set(flyer.flown)) == sorted(whole.flown)
-    assert before < len(flyer.flown)
-    assert fly(study, tmp_path / "b", flyer, (LATE, LESS)) == read_searches(tmp_path / "b" / "searches.jsonl.gz")
-    files = [(tmp_path / one / "searches.jsonl.gz").read_bytes() for one in "ab"]
-    assert files[0] == files[1]
-
-
-def test_what_the_opening_shows_counts_in_every_arm(study: Study, tmp_path: Path) -> None:
-    flyer = Ruled(tmp_path / "flown.txt", {LATE: everywhere})
-    searches = fly(study, tmp_path, flyer, (LATE,))
-    evidence = Evidence([(LATE,)], searches, {}, SMALL_BUDGET)
+    assert not replace(evidence, budget=SMALL_BUDGET + 1).by_place
     opened = {evidence.in_opening(1, arm) for arm in ARMS}
-    assert opened == {frozenset({(LATE, searches[0].sought[0].shown_in)})}
+    assert opened == {frozenset({(LATE, block.searches["random"].sought[0].shown_in)})}
+    asked = [(one.mutant, key) for one in evidence.of("random") for key in one.situations]
+    assert {mutant for mutant, key in asked if evidence.shows(mutant, key)} == {LATE}
+
+
+def test_the_arms_differ_after_the_opening(block: Flown) -> None:
+    assert len({one.sought[1].situations[OPENING:] for one in block.searches.values()}) == len(ARMS)
+
+
+def test_it_goes_on_where_it_stopped(study: Study, block: Flown, tmp_path: Path) -> None:
+    copytree(block.folder / "campaigns", tmp_path / "campaigns")
+    write_searches(tmp_path / "searches.jsonl.gz", [one for arm, one in block.searches.items() if arm != "random"])
+    flyer = Ruled(tmp_path / "flown.txt")
+    again = fly(study, tmp_path, flyer, (LATE, LESS))
+    assert {one.arm: one for one in again} == block.searches
+    assert flyer.flown == []
+    assert read_searches(tmp_path / "searches.jsonl.gz") == read_searches(block.folder / "searches.jsonl.gz")
 
 
 def search(block: int, arm: str, found: int, opening: str = "o", **more: int) -> Search:
@@ -221,7 +223,7 @@ def search(block: int, arm: str, found: int, opening: str = "o", **more: int) ->
         else Sought(mutant, "", 0, None, 0, keys)
         for n, mutant in enumerate(BLOCKS[block - 1])
     )
-    return Search(block, arm, more.get("seed", seed_of(block)), more.get("budget", BUDGET), 200, sought)
+    return Search(block, arm, more.get("seed", seed_of(block)), more.get("budget", BUDGET * len(sought)), 200, sought)
 
 
 def evidence(found: Mapping[str, int], **flights: Outcome) -> Evidence:
@@ -229,14 +231,14 @@ def evidence(found: Mapping[str, int], **flights: Outcome) -> Evidence:
     return Evidence(BLOCKS, [search(block, arm, found[arm]) for block in every for arm in ARMS], flights)
 
 
-@pytest.mark.parametrize(("own", "said"), [(4, Answer.BETTER), (2, Answer.NO_DIFFERENCE), (1, Answer.WORSE)])
+@pytest.mark.parametrize(("own", "said"), [(3, Answer.BETTER), (2, Answer.NO_DIFFERENCE), (1, Answer.WORSE)])
 def test_the_page_decides_by_the_mutants_that_are_newly_detected(own: int, said: Answer) -> None:
     page = flown(evidence({**dict.fromkeys(ARMS, 2), SEARCH: own}), redraws=20)
-    assert f"**Rule 1: {said.value}.**  `seek` newly detects {10 * own} of 40 mutants; random 20" in page
+    assert f"**Rule 1: {said.value}.**  `seek` newly detects {12 * own} of {MUTANTS} mutants; random 24" in page
     assert "| `seek` beside | more mutants | blocks drawn again | p (Holm) |" in page
-    assert f"| random | {10 * (own - 2)} | {10 * (own - 2):+} to {10 * (own - 2):+} |" in page
-    assert "| - by situations of the opening | 10 | 10 | 10 | 10 |" in page
-    assert page.count("20: SR1 4/4") == 10 * len(ARMS)
+    assert f"| random | {12 * (own - 2)} | {12 * (own - 2):+} to {12 * (own - 2):+} |" in page
+    assert "| - by situations of the opening | 12 | 12 | 12 | 12 |" in page
+    assert page.count("20: SR1 4/4") == 12 * len(ARMS)
 
 
 def test_nothing_is_decided_while_a_search_is_missing_or_the_openings_differ() -> None:
@@ -261,7 +263,7 @@ def test_the_share_of_situations_that_show_a_mutant_is_read_from_the_flights() -
     struck = outcome(mutant, "later", seed, violated={"SR1": 9.0})
     flights = {one.name: one for one in (clean, struck)}
     page = flown(evidence(dict.fromkeys(ARMS, 0), **flights), redraws=5)
-    assert "| share that shows it, after the opening | 2.5 % of 40 |" in page
+    assert f"| share that shows it, after the opening | {100 / MUTANTS:.1f} % of {MUTANTS} |" in page
 
 
 def test_searches_are_read_as_they_were_written(tmp_path: Path) -> None:

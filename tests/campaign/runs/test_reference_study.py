@@ -33,7 +33,7 @@ def placebo_rows(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def default_rows(tmp_path_factory):
-    return rows_of(tmp_path_factory.mktemp("defaults") / "c", "--situation", "T1O1W0D0H0", "--baseline-seeds", "1")
+    return rows_of(tmp_path_factory.mktemp("defaults") / "c", "--situation", "T0O1W0D0H0", "--baseline-seeds", "1")
 
 
 def baselines(rows, axis_values):

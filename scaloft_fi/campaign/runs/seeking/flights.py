@@ -117,15 +117,18 @@ class SearchFlights:
         return self._known.get(flight.name)
 
     def beside(self, mutants: Sequence[Mutant], situations: Sequence[Situation], seeds: Sequence[int]) -> None:
-        """Fly baselines, then mutants where their baseline holds a requirement with room.
+        """Fly baselines and mutants, without mutants where a known baseline holds no requirement with room.
+
+        They fly together, because a mutant that flies with its baseline shares the flight up to its first altered
+        sample: that saves more than waiting for the baseline would.
 
         Raises:
             Interrupted, SpentError: as `fly`.
         """
         baselines = [Flight(None, situation, seed) for situation in situations for seed in seeds]
-        self.fly(baselines)
-        of_use = [one for one in baselines if is_of_use(self.outcome(one))]
-        self.fly(Flight(mutant, one.situation, one.seed) for one in of_use for mutant in mutants)
+        of_use = [one for one in baselines if one.name not in self._known or is_of_use(self.outcome(one))]
+        theirs = (Flight(mutant, one.situation, one.seed) for one in of_use for mutant in mutants)
+        self.fly([*baselines, *theirs])
 
     def distance(self, mutant: Mutant, situation: Situation) -> float:
         """How far a situation is from showing a mutant, with the first seed of the search."""

@@ -1,31 +1,32 @@
 """Proposals of situations for one mutant: Optuna's tree-structured Parzen estimator (TPE) by ask and tell.
 
 TPE (Bergstra et al., NeurIPS 2011) models where good and bad situations lie, handles axes that exist only with values
-of other axes, and needs few trials.  The first proposals are the same for every mutant, so that the mutants share the
-baselines there.  A free axis is one parameter, whose greatest values alone are off the benign value of the axis
-(`FreeAxis.drawn`): TPE so learns whether and where at once.
+of other axes, and needs few trials.  It is told of situations that others proposed too.  A free axis is one parameter,
+whose greatest values alone are off the benign value of the axis (`FreeAxis.drawn`): TPE so learns whether and where at
+once.
 """
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
 from scaloft_fi.analysis.seeking.shrink import brief
 from scaloft_fi.errors import InputError
+from scaloft_fi.sim.free_axis import DEVIATES
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.streams import key_words
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.grid import Grid
 
-GENERATION = 8
-"""Situations that are proposed and flown before the next ones are proposed, whatever the number of processes."""
-OPENING = 16
-"""Proposals that are the same for every mutant; TPE proposes the others."""
+OPENING = 24
+"""Situations that are flown for every mutant first; TPE proposes the others."""
+EDGES = 1 / 2
+"""Share of the numbers of the opening off their benign values that are not at an end of their range."""
 TRIES = 10
 """Times that TPE is asked again for a situation that is impossible or was proposed before."""
 IMPOSSIBLE = 3.0
@@ -50,13 +51,12 @@ def require_optuna() -> Any:
     return optuna
 
 
-@dataclass
+@dataclass(frozen=True)
 class Proposal:
-    """A proposed situation; `distance` is told to TPE when its generation is flown."""
+    """A proposed situation, and what it was made from."""
 
     situation: Situation
-    trial: Any
-    distance: float
+    parameters: Parameters
 
 
 class Proposer(Protocol):
@@ -72,17 +72,19 @@ class Proposer(Protocol):
         """Situations flown so far."""
         ...
 
-    def ask(self) -> list[Proposal]:
-        """The next generation: distinct situations that were not proposed before."""
+    def ask(self, count: int) -> list[Proposal]:
+        """The next situations, none of them flown for the mutant before."""
         ...
 
-    def tell(self, proposed: Sequence[Proposal]) -> None:
-        """Tell the distances of a generation, in its order."""
+    def tell(self, distances: Sequence[tuple[Proposal, float]]) -> None:
+        """Tell how far situations are from showing the mutant, whoever proposed them."""
         ...
 
 
 MakeProposer = Callable[["Grid", Possible, int, str], Proposer]
 """Makes the proposer of a mutant, from the grid, what can be flown, the seed of the search and the mutant's id."""
+Opening = Callable[["Grid", int, Possible], Iterable[Proposal]]
+"""Makes the situations that are flown for every mutant first, from the grid, the seed and what can be flown."""
 
 
 class Proposals:
@@ -96,7 +98,7 @@ class Proposals:
     """
 
     def __init__(self, grid: Grid, possible: Possible, seed: int, mutant: str) -> None:
-        optuna = require_optuna()
+        self._optuna = optuna = require_optuna()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
             sampler = optuna.samplers.TPESampler(
@@ -108,33 +110,41 @@ class Proposals:
             )
         self._grid, self._possible = grid, possible
         self._study = optuna.create_study(sampler=sampler)
+        self._asked: dict[Situation, Any] = {}
         self._known: dict[Situation, float] = {}
-        for parameters in opening(grid, seed):
-            self._study.enqueue_trial(dict(parameters))
 
-    def ask(self) -> list[Proposal]:
-        """The next generation: distinct situations that were not proposed before; fewer where TPE finds no more."""
+    def ask(self, count: int) -> list[Proposal]:
+        """The next situations, none of them flown for the mutant before; fewer where TPE finds no more."""
         proposed: list[Proposal] = []
-        for _ in range(GENERATION * TRIES):
+        for _ in range(count * TRIES):
             trial = self._study.ask()
-            situation = placed(self._grid, _suggest(trial, self._grid))
-            if situation is None or not self._possible(situation):
+            parameters = _suggest(trial, self._grid)
+            situation = placed(self._grid, parameters)
+            if situation is None or situation in self._asked or not self._possible(situation):
                 self._study.tell(trial, IMPOSSIBLE)
             elif situation in self._known:
                 self._study.tell(trial, self._known[situation])
-            elif any(situation == before.situation for before in proposed):
-                self._study.tell(trial, IMPOSSIBLE)
             else:
-                proposed.append(Proposal(situation, trial, IMPOSSIBLE))
-            if len(proposed) == GENERATION:
+                self._asked[situation] = trial
+                proposed.append(Proposal(situation, parameters))
+            if len(proposed) == count:
                 break
         return proposed
 
-    def tell(self, proposed: Sequence[Proposal]) -> None:
-        """Tell the distances of a generation, in its order."""
-        for proposal in proposed:
-            self._known[proposal.situation] = proposal.distance
-            self._study.tell(proposal.trial, proposal.distance)
+    def tell(self, distances: Sequence[tuple[Proposal, float]]) -> None:
+        """Tell how far situations are from showing the mutant, whoever proposed them."""
+        for proposal, distance in distances:
+            self._known[proposal.situation] = distance
+            if (trial := self._asked.pop(proposal.situation, None)) is not None:
+                self._study.tell(trial, distance)
+            else:
+                self._study.add_trial(self._trial(proposal.parameters, distance))
+
+    def _trial(self, parameters: Parameters, distance: float) -> Any:
+        choices = {axis.id: list(range(len(axis.values))) for axis in self._grid.axes}
+        whole, part = self._optuna.distributions.CategoricalDistribution, self._optuna.distributions.FloatDistribution
+        shapes = {name: whole(choices[name]) if name in choices else part(0.0, 1.0) for name in parameters}
+        return self._optuna.create_trial(params=dict(parameters), distributions=shapes, value=distance)
 
     @property
     def nearest(self) -> float:
@@ -147,19 +157,27 @@ class Proposals:
         return len(self._known)
 
 
-def opening(grid: Grid, seed: int, count: int = OPENING) -> Iterator[Parameters]:
-    """The parameters of the first proposals, distinct situations of the grid at random, the same for every mutant."""
+def opening(grid: Grid, seed: int, possible: Possible) -> Iterator[Proposal]:
+    """The first proposals, distinct situations of the grid, the same for every mutant.
+
+    Half of the numbers off their benign values are at an end of their range: faults show at the edges of what the
+    drone can do (boundary value analysis).
+    """
 
     def share(number: int, axis: str, what: str) -> float:
-        return (key_words("seek", "opening", seed, number, axis, what)[0] >> 11) / 2**53  # exact, below 1
+        drawn = (key_words("seek", "opening", seed, number, axis, what)[0] >> 11) / 2**53  # exact, below 1
+        if what == "level" or drawn < 1 - DEVIATES or share(number, axis, "level") < EDGES:
+            return drawn
+        return 1 - DEVIATES if drawn < 1 - DEVIATES / 2 else 1 - 2**-53
 
-    known: set[Situation | None] = {None}
-    for number in range(count * TRIES):
-        chosen = at_shares(grid, partial(share, number))
-        if (situation := placed(grid, chosen)) not in known:
+    known: set[Situation] = set()
+    for number in range(OPENING * TRIES):
+        parameters = at_shares(grid, partial(share, number))
+        situation = placed(grid, parameters)
+        if situation is not None and situation not in known and possible(situation):
             known.add(situation)
-            yield chosen
-        if len(known) > count:
+            yield Proposal(situation, parameters)
+        if len(known) == OPENING:
             return
 
 

@@ -10,7 +10,7 @@ from scaloft_fi.analysis.seeking.confirmation import confirmed, safely_held, see
 from scaloft_fi.analysis.seeking.shrink import shrunk
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON, SearchFlights
-from scaloft_fi.campaign.runs.seeking.proposals import Proposal, Proposer
+from scaloft_fi.campaign.runs.seeking.proposals import Proposer
 from scaloft_fi.mutants.mutant import Mutant
 
 if TYPE_CHECKING:
@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     from scaloft_fi.sim.found import Evidence
     from scaloft_fi.sim.grid import Grid
     from scaloft_fi.sim.situation import Situation
-
-REJECTED = 0.5
-"""Distance of a situation that shows the fault with the first seed only, or that fresh seeds do not confirm."""
 
 
 @dataclass
@@ -47,10 +44,13 @@ class Quest:
     after: int = 0
     rejected: set[Situation] = field(default_factory=set)
 
-    def generation(self, flights: SearchFlights, grid: Grid, alpha: float) -> tuple[Situation, Evidence] | None:
-        """Fly the next generation, and pursue what looks like a find, the most distant violation first.
+    def pursued(
+        self, situation: Situation, flights: SearchFlights, grid: Grid, alpha: float
+    ) -> tuple[Situation, Evidence] | None:
+        """The situation, shrunk if that is confirmed too, with the evidence; None where nothing is confirmed.
 
         Args:
+            situation: shows the mutant with the first seed of the search.
             flights: of the search.
             grid: the grid.
             alpha: the study's, of which each candidate spends its share.
@@ -58,24 +58,6 @@ class Quest:
         Raises:
             Interrupted, SpentError: as `SearchFlights.fly`.
         """
-        proposed = self.proposals.ask()
-        flights.beside([self.mutant], [one.situation for one in proposed], SEEN_ON[:1])
-        for one in proposed:
-            one.distance = flights.distance(self.mutant, one.situation)
-        found = None
-        for one in sorted(proposed, key=_distance):
-            if one.distance >= 0.0 or found is not None:
-                break
-            found = self._pursued(one.situation, flights, grid, alpha)
-            if found is None:
-                one.distance = REJECTED
-        self.proposals.tell(proposed)
-        return found
-
-    def _pursued(
-        self, situation: Situation, flights: SearchFlights, grid: Grid, alpha: float
-    ) -> tuple[Situation, Evidence] | None:
-        """The situation, shrunk if that is confirmed too, with the evidence; None where nothing is confirmed."""
         flights.beside([self.mutant], [situation], SEEN_ON)
         if not flights.shown_by(self.mutant, situation):
             return None
@@ -118,10 +100,6 @@ class Quest:
         if evidence is not None:
             self.shown_in, self.after = situation, flights.used
         return evidence
-
-
-def _distance(proposal: Proposal) -> float:
-    return proposal.distance
 
 
 def _flown(mutant: Mutant | None, situation: Situation, seeds: int, flights: SearchFlights) -> list[Outcome]:

@@ -1,4 +1,4 @@
-"""The search: mutants in turn, a generation each, until each is shown or the budget is used up.
+"""The search: families of mutants in turn, a generation each, until each mutant is shown or the budget is used up.
 
 Everything follows from the seed, the mutants asked for and the outcomes: an interrupted search asks for the same
 flights again, finds them in the store, and goes on where it stopped.  A budget decides only how far it goes.
@@ -17,8 +17,9 @@ from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.campaign import Campaign, opened
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import write_log
+from scaloft_fi.campaign.runs.seeking.family import families
 from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON, Allowance, SearchFlights, SpentError
-from scaloft_fi.campaign.runs.seeking.proposals import MakeProposer, Proposals, opening, placed
+from scaloft_fi.campaign.runs.seeking.proposals import MakeProposer, Opening, Proposal, Proposals, opening
 from scaloft_fi.campaign.runs.seeking.quest import Quest
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.errors import InputError
@@ -33,7 +34,11 @@ if TYPE_CHECKING:
 NAMED = "shows-"
 """The name of a find is this and the mutant that it was found for."""
 IDLE = 20
-"""Turns in which no mutant got a new situation or candidate, after which a search without a budget ends."""
+"""Turns without a new situation or candidate, after which a search without a budget ends."""
+CHUNK = 8
+"""Situations of the opening that are flown at once."""
+REJECTED = 0.5
+"""Distance of a situation that shows the fault with the first seed only, or that fresh seeds do not confirm."""
 
 
 @dataclass(frozen=True)
@@ -87,6 +92,7 @@ def seek(
     save: Callable[[Sequence[Find]], None],
     flyer: Flyer | None = None,
     proposer: MakeProposer = Proposals,
+    first: Opening = opening,
     shrinks: bool = True,
 ) -> SeekReport:
     """Search for a situation for each mutant.
@@ -102,6 +108,7 @@ def seek(
         save: called with all finds after each find.
         flyer: flies; PyBullet when None.
         proposer: makes what proposes the situations for a mutant.
+        first: makes the situations that are flown for every mutant first.
         shrinks: whether a situation is shrunk before it is confirmed.
 
     Raises:
@@ -110,14 +117,15 @@ def seek(
     """
     possible = _Possible(study)
     quests = [Quest(mutant, proposer(study.grid, possible, seed, mutant.id), shrinks=shrinks) for mutant in mutants]
-    first = [placed(study.grid, parameters) for parameters in opening(study.grid, seed)]
-    flown_first = [Flight(None, one, SEEN_ON[0]) for one in first if one is not None and possible(one)]
+    opened_with = list(first(study.grid, seed, possible))
+    flown_first = [Flight(None, one.situation, SEEN_ON[0]) for one in opened_with]
     with opened(
         study, folder, options or RunOptions(), progress=progress, flyer=flyer, first=flown_first[:1]
     ) as campaign:
         search = _Search(campaign, study, quests, seed, SearchFlights(campaign, allowance), save)
         spent = False
         try:
+            search.open(opened_with)
             search.turns()
         except SpentError:
             spent = True
@@ -163,30 +171,58 @@ class _Search:
         self.finds: list[Find] = []
         self.flights = flights
 
-    def turns(self) -> None:
-        """Give each mutant that is still sought a generation, again and again, until all are shown.
+    def open(self, first: Sequence[Proposal]) -> None:
+        """Fly the first situations for every mutant.
 
         Raises:
             Interrupted, SpentError: as `SearchFlights.fly`.
         """
-        turn, idle = 0, 0
+        for begin in range(0, len(first), CHUNK):
+            proposed = first[begin : begin + CHUNK]
+            self._tell_stage(f"opening {begin + len(proposed)} of {len(first)}")
+            self._generation(self._sought, proposed)
+
+    def turns(self) -> None:
+        """Give each family a generation, again and again, until all mutants are shown.
+
+        Raises:
+            Interrupted, SpentError: as `SearchFlights.fly`.
+        """
+        own, turn, idle = families(self._quests), 0, 0
         while self._sought and idle < IDLE:
             turn += 1
             before = self.flights.used
-            for quest in self._sought:
-                if quest.shown_in is None:  # another mutant's find may have shown it in this turn
-                    self._tell_stage(turn, quest)
-                    self._turn_of(quest)
+            for family in own:
+                if family.pauses:
+                    family.pauses -= 1
+                elif family.sought:
+                    self._tell_stage(f"turn {turn}: {family.sought[0].mutant.parameter}")
+                    nearest = family.nearest
+                    self._generation(family.sought, family.ask())
+                    family.rest_after(nearest)
             idle = idle + 1 if self.flights.used == before else 0
 
     @property
     def _sought(self) -> list[Quest]:
         return [quest for quest in self._quests if quest.shown_in is None]
 
-    def _turn_of(self, quest: Quest) -> None:
-        found = quest.generation(self.flights, self._grid, self._study.alpha)
+    def _generation(self, quests: Sequence[Quest], proposed: Sequence[Proposal]) -> None:
+        """Fly situations for mutants, and pursue what looks like a find, the most distant violation first."""
+        self.flights.beside([quest.mutant for quest in quests], [one.situation for one in proposed], SEEN_ON[:1])
+        for quest in quests:
+            distances = {one.situation: self.flights.distance(quest.mutant, one.situation) for one in proposed}
+            for situation in sorted(distances, key=lambda one: distances[one]):
+                if distances[situation] >= 0.0 or quest.shown_in is not None:
+                    break
+                if not self._pursue(quest, situation):
+                    distances[situation] = REJECTED
+            quest.proposals.tell([(one, distances[one.situation]) for one in proposed])
+
+    def _pursue(self, quest: Quest, situation: Situation) -> bool:
+        """Whether the situation led to a find, which is then noted."""
+        found = quest.pursued(situation, self.flights, self._grid, self._study.alpha)
         if found is None:
-            return
+            return False
         situation, evidence = found
         shows = {quest.mutant.id: evidence}
         self._note(quest, situation, shows)
@@ -195,6 +231,7 @@ class _Search:
         others = f", and {len(shows) - 1} others" if len(shows) > 1 else ""
         words = ", ".join(self._words(situation)) or "the benign situation"
         self._campaign.reporter.progress.line(f"found: {situation.key} ({words}) shows {quest.mutant.id}{others}")
+        return True
 
     def _others(self, situation: Situation) -> dict[str, Evidence]:
         """The evidence for the other mutants still sought that the situation shows, on the same seeds."""
@@ -223,10 +260,9 @@ class _Search:
     def _grid(self) -> Grid:
         return self._study.grid
 
-    def _tell_stage(self, turn: int, quest: Quest) -> None:
+    def _tell_stage(self, now: str) -> None:
         shown = sum(one.shown_in is not None for one in self._quests)
-        stage = f"turn {turn}: {quest.mutant.id}, {shown} of {len(self._quests)} shown"
-        self._campaign.reporter.progress.stage = stage
+        self._campaign.reporter.progress.stage = f"{now}, {shown} of {len(self._quests)} shown"
 
     def sought(self) -> tuple[Sought, ...]:
         """What the search for each mutant came to."""

@@ -14,7 +14,7 @@ from finding import Ruled, everywhere, fast, never
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.seeking.flights import OTHER_SEEDS, SEEN_ON, Allowance
-from scaloft_fi.campaign.runs.seeking.proposals import Proposal, Proposals
+from scaloft_fi.campaign.runs.seeking.proposals import Proposal, Proposals, opening
 from scaloft_fi.campaign.runs.seeking.seek import SeekReport, seek
 from scaloft_fi.campaign.store.folder import STORE_NAME
 from scaloft_fi.errors import InputError
@@ -45,12 +45,12 @@ class Listed:
     count: int = 0
     nearest: float = 0.0
 
-    def ask(self) -> list[Proposal]:
-        asked, self.left = self.left, []
-        return [Proposal(STUDY.grid.situation(key), None, 0.0) for key in asked]
+    def ask(self, count: int) -> list[Proposal]:
+        asked, self.left = self.left[:count], self.left[count:]
+        return [Proposal(STUDY.grid.situation(key), {}) for key in asked]
 
-    def tell(self, proposed: Sequence[Proposal]) -> None:
-        self.count += len(proposed)
+    def tell(self, distances: Sequence[tuple[Proposal, float]]) -> None:
+        self.count += len(distances)
 
 
 def search(folder: Path, flyer: Any, *mutants: Any, seed: int = 0, **more: Any) -> tuple[SeekReport, list[Find]]:
@@ -70,6 +70,7 @@ def search(folder: Path, flyer: Any, *mutants: Any, seed: int = 0, **more: Any) 
         save=save,
         flyer=flyer,
         proposer=more.get("proposer", Proposals),
+        first=more.get("first", opening),
         shrinks=more.get("shrinks", True),
     )
     return report, saved
@@ -155,7 +156,7 @@ def test_something_else_may_propose_and_what_it_shows_need_not_be_shrunk(tmp_pat
     keys = ["T0O0W0D0H0", "T0O0W1D0H1Cs=1Vx=1"]
 
     def found(where: str, **more: Any) -> Find:
-        report, (find,) = search(tmp_path / where, flyer, proposer=lambda *_: Listed(keys), **more)
+        report, (find,) = search(tmp_path / where, flyer, proposer=lambda *_: Listed(keys), first=lambda *_: (), **more)
         (sought,) = report.sought
         assert (sought.situations, sought.after) == (2, report.used)
         return find
