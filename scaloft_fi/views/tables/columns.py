@@ -56,7 +56,7 @@ def _lines(cell: str, width: int) -> int:
     """Lines that a cell takes, wrapped between its words, and within those that are longer."""
     ends, longest = _words(cell)
     if longest > width:
-        return len(wrap(cell, width))
+        return len(wrap(cell, width, break_on_hyphens=False))
     lines = begin = 0
     while begin < len(ends):
         # a blank stands behind each word, but for the last one of a line

@@ -102,7 +102,7 @@ def _one(table: Table, how: Format) -> str:
 
 
 def _wrapped(cell: str, limit: int | None) -> str:
-    return cell if limit is None or len(cell) <= limit else fill(cell, limit)
+    return cell if limit is None or len(cell) <= limit else fill(cell, limit, break_on_hyphens=False)
 
 
 def _in_csv(value: object) -> object:

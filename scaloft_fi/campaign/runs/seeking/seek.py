@@ -20,6 +20,7 @@ from scaloft_fi.campaign.runs.run import write_log
 from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON, Allowance, SearchFlights, SpentError
 from scaloft_fi.campaign.runs.seeking.proposals import Proposals, opening, placed
 from scaloft_fi.campaign.runs.seeking.quest import Quest
+from scaloft_fi.campaign.runs.seeking.sought import Unnamed
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.mutant import Mutant
@@ -83,6 +84,7 @@ def seek(
     allowance: Allowance,
     progress: Progress,
     save: Callable[[Sequence[Find]], None],
+    unnamed: Unnamed | None = None,
     flyer: Flyer | None = None,
 ) -> SeekReport:
     """Search for a situation for each mutant.
@@ -96,6 +98,7 @@ def seek(
         allowance: the budget.
         progress: progress display.
         save: called with all finds after each find.
+        unnamed: what is remembered of a search for which nobody named the mutants.
         flyer: flies; PyBullet when None.
 
     Raises:
@@ -111,6 +114,8 @@ def seek(
     ) as campaign:
         search = _Search(campaign, study, quests, seed, SearchFlights(campaign, allowance), save)
         spent = False
+        if unnamed is not None:
+            unnamed.begin(campaign.store)
         try:
             search.turns()
         except SpentError:
@@ -118,6 +123,8 @@ def seek(
         finally:
             campaign.reporter.close()
             write_log(study, folder, current_in(study, campaign.store))
+        if unnamed is not None:
+            unnamed.end(campaign.store)
         return SeekReport(tuple(search.finds), search.sought(), search.flights.used, campaign.flown, spent)
 
 
