@@ -47,7 +47,11 @@ LEGEND = (
     "next: seeds that decide (`run --mutant ID --seeds N`; anew: its own campaign); detected: `margin`.",
 )
 ITS_FIND = "fly its find"
-FIND_LEGEND = "its find: a situation that `seek` found for it; `scaloft-fi kills ID` has the command."
+WITH_FIND = (
+    *LEGEND[:-1],
+    "next: `run --mutant ID --seeds N` (anew: its own campaign); find: `kills ID --show survivors`.",
+)
+"""The legend where a row tells of a find."""
 _STOPPED = {
     Status.INVALID: "the harness failed",
     Status.NOT_REACHED: "its seam carries nothing",
@@ -102,8 +106,8 @@ def first_screen(
     groups.append(_group(title, CONTROL_COLUMNS, controls, len(scored.controls)))
     groups = [group for group in groups if group.rows]
     if groups:
-        told = any(row[-1] == ITS_FIND for group in groups for row in group.rows)
-        groups[-1] = replace(groups[-1], notes=(*groups[-1].notes, "", *LEGEND, *([FIND_LEGEND] if told else [])))
+        found = any(row[-1] == ITS_FIND for group in groups for row in group.rows)
+        groups[-1] = replace(groups[-1], notes=(*groups[-1].notes, "", *(WITH_FIND if found else LEGEND)))
     return (Table(TITLE, ("question", "answer"), tuple(replies)), *groups, Table("Besides", ("what", "finding"), lines))
 
 
