@@ -63,14 +63,14 @@ def load_grid(folder: Path, name: str | None = None) -> Grid:
         return read_grid(load(folder / FILE), documents)
     found = read_finds(folder)
     if found is not None and name.endswith(WITH_FOUND):
-        return _with_found(load_grid(folder), _searched(folder, found), found, name, folder / FOUND_FILE)
+        return _with_found(load_grid(folder), searched_grid(folder, found), found, name, folder / FOUND_FILE)
     grid = read_grid(load(folder / FOLDER / f"{name}.yaml"), documents, name)
     if found is None or found.grid != name:
         return grid
     return replace(grid, selected=_selected(found, load_grid(folder)))
 
 
-def _searched(folder: Path, found: Finds) -> Grid:
+def searched_grid(folder: Path, found: Finds) -> Grid:
     """The grid that was searched.
 
     Raises:

@@ -47,6 +47,7 @@ def test_the_grid_with_the_found_situations_has_the_own_ones_and_those(study):
     assert grid.situation("shows-A@1").key == FIND.situation
     assert grid.situation("1").key == "T0O0W0D0H1"
     assert [one.key for one in grid.select(["shows-A@1", "T1*H1"])][-1] == FIND.situation
+    assert [one.key for one in grid.select(["shows-*"])] == [PAPERS.situation, FIND.situation]
     assert grid.selected == {FIND.situation}
     assert load_grid(study, "search").selected == {FIND.situation}
     assert load_grid(study).selected == frozenset()

@@ -1,4 +1,4 @@
-"""A drone without physics whose mutants fail by rule, for the tests of the search."""
+"""A drone without physics whose mutants fail by rule, for the tests of the search; finds by hand."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.mutants.mutant import PLACEBO
+from scaloft_fi.sim.found import Evidence, Find
+from scaloft_fi.sim.known_finds import KnownFinds
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study
@@ -88,3 +90,23 @@ class Ruled:
     @property
     def flown(self) -> list[str]:
         return self.path.read_text().splitlines() if self.path.exists() else []
+
+
+def found(mutant: str, situation: str = "T0O0W0D0H2Cs=0.8", *, others: tuple[str, ...] = (), struck: str = "") -> Find:
+    """A find as `seek` writes it: six of six flights violate SR2."""
+    evidence = Evidence("SR2", 1, 0.00025, 0.005, 6, 6, struck, 10, 10, 0.071, 0.02)
+    shows = dict.fromkeys((mutant, *others), evidence)
+    return Find(f"shows-{mutant}", situation, ("human walks", "cruise speed 0.8 m/s"), mutant, shows, 0)
+
+
+def known(*finds: Find) -> KnownFinds:
+    """Finds that fit their study."""
+    return KnownFinds(finds, grid="paper+found")
+
+
+def flies(mutant: str, find: str = "", campaign: str = "") -> str:
+    """The command that flies a find of `found`."""
+    where = f" --campaign {campaign}" if campaign else ""
+    return (
+        f"scaloft-fi run --grid paper+found{where} --mutant {mutant} --situation {find or f'shows-{mutant}'} --seeds 6"
+    )

@@ -21,6 +21,7 @@ from scaloft_fi.campaign.runs.seeking.family import families
 from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON, Allowance, SearchFlights, SpentError
 from scaloft_fi.campaign.runs.seeking.proposals import MakeProposer, Opening, Proposal, Proposals, opening
 from scaloft_fi.campaign.runs.seeking.quest import Quest
+from scaloft_fi.campaign.runs.seeking.sought import Unnamed
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.mutant import Mutant
@@ -90,6 +91,7 @@ def seek(
     allowance: Allowance,
     progress: Progress,
     save: Callable[[Sequence[Find]], None],
+    unnamed: Unnamed | None = None,
     flyer: Flyer | None = None,
     proposer: MakeProposer = Proposals,
     first: Opening = opening,
@@ -106,6 +108,7 @@ def seek(
         allowance: the budget.
         progress: progress display.
         save: called with all finds after each find.
+        unnamed: what is remembered of a search for which nobody named the mutants.
         flyer: flies; PyBullet when None.
         proposer: makes what proposes the situations for a mutant.
         first: makes the situations that are flown for every mutant first.
@@ -124,6 +127,8 @@ def seek(
     ) as campaign:
         search = _Search(campaign, study, quests, seed, SearchFlights(campaign, allowance), save)
         spent = False
+        if unnamed is not None:
+            unnamed.begin(campaign.store)
         try:
             search.open(opened_with)
             search.turns()
@@ -132,6 +137,8 @@ def seek(
         finally:
             campaign.reporter.close()
             write_log(study, folder, current_in(study, campaign.store))
+        if unnamed is not None:
+            unnamed.end(campaign.store)
         return SeekReport(tuple(search.finds), search.sought(), search.flights.used, campaign.flown, spent)
 
 
