@@ -20,6 +20,7 @@ from scaloft_fi.streams import key_words
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.grid import Grid
+    from scaloft_fi.study import Study
 
 GENERATION = 8
 """Situations that are proposed and flown before the next ones are proposed, whatever the number of processes."""
@@ -29,6 +30,9 @@ TRIES = 10
 """Times that TPE is asked again for a situation that is impossible or was proposed before."""
 IMPOSSIBLE = 3.0
 """What TPE is told of an impossible situation: farther from the fault than any other."""
+
+PLACE = "situation"
+"""The attribute of a trial that names its situation."""
 
 Parameters = Mapping[str, Any]
 
@@ -56,6 +60,21 @@ class Proposal:
     distance: float
 
 
+class Possible:
+    """Whether a situation can be flown: its world is possible and its mission not too long."""
+
+    def __init__(self, study: Study) -> None:
+        self._study = study
+
+    def __call__(self, situation: Situation) -> bool:
+        """Whether it can."""
+        try:
+            self._study.scenario(situation)
+        except InputError:
+            return False
+        return True
+
+
 class Proposals:
     """The proposals for one mutant.
 
@@ -77,7 +96,7 @@ class Proposals:
                 constant_liar=True,
                 seed=key_words("seek", seed, mutant)[0] % 2**32,
             )
-        self._grid, self._possible = grid, possible
+        self._optuna, self._grid, self._possible = optuna, grid, possible
         self._study = optuna.create_study(sampler=sampler)
         self._known: dict[Situation, float] = {}
         for parameters in opening(grid, seed):
@@ -92,6 +111,7 @@ class Proposals:
             if situation is None or not self._possible(situation):
                 self._study.tell(trial, IMPOSSIBLE)
             elif situation in self._known:
+                trial.set_user_attr(PLACE, situation.key)
                 self._study.tell(trial, self._known[situation])
             elif any(situation == before.situation for before in proposed):
                 self._study.tell(trial, IMPOSSIBLE)
@@ -105,12 +125,29 @@ class Proposals:
         """Tell the distances of a generation, in its order."""
         for proposal in proposed:
             self._known[proposal.situation] = proposal.distance
+            proposal.trial.set_user_attr(PLACE, proposal.situation.key)
             self._study.tell(proposal.trial, proposal.distance)
+
+    def tell_anew(self, distance: Callable[[Situation], float]) -> None:
+        """Tell the distance of every situation again, after it has changed; the last generation is told before."""
+        self._known = {situation: distance(situation) for situation in self._known}
+        told = {situation.key: far for situation, far in self._known.items()}
+        before = self._study
+        self._study = self._optuna.create_study(sampler=before.sampler)
+        for trial in before.get_trials():
+            if PLACE in trial.user_attrs:
+                trial.value = told[trial.user_attrs[PLACE]]
+            self._study.add_trial(trial)
 
     @property
     def nearest(self) -> float:
         """The least distance so far."""
         return min(self._known.values(), default=IMPOSSIBLE)
+
+    @property
+    def situations(self) -> tuple[Situation, ...]:
+        """The situations so far, in the order in which they were told."""
+        return tuple(self._known)
 
     @property
     def count(self) -> int:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from scaloft_fi.analysis.scoring.pool import LEAST, Pool
+from scaloft_fi.analysis.seeking.aim import REJECTED
 from scaloft_fi.analysis.seeking.confirmation import confirmed, safely_held, seeds_for, share_of
 from scaloft_fi.analysis.seeking.shrink import shrunk
 from scaloft_fi.campaign.plan.flight import Flight
@@ -20,9 +21,6 @@ if TYPE_CHECKING:
     from scaloft_fi.sim.found import Evidence
     from scaloft_fi.sim.grid import Grid
     from scaloft_fi.sim.situation import Situation
-
-REJECTED = 0.5
-"""Distance of a situation that shows the fault with the first seed only, or that fresh seeds do not confirm."""
 
 
 @dataclass
