@@ -36,8 +36,8 @@ def distance(mutant: Outcome | None, baseline: Outcome | None) -> float:
 def breaking(baseline: Outcome | None, known: Collection[str], rejected: Collection[str]) -> float:
     """How far a situation is from breaking the unmutated drone in a new way.
 
-    The least robustness over the safety requirements, but `WORST` for one that is violated in a known way, and
-    `REJECTED` for one that is violated by chance.
+    The least robustness over the safety requirements that are not violated in a known way, and `REJECTED` for one that
+    is violated by chance.  With a known violation that is halved towards `WORST`: other situations come first.
 
     Args:
         baseline: outcome of the baseline; None without one.
@@ -50,7 +50,7 @@ def breaking(baseline: Outcome | None, known: Collection[str], rejected: Collect
         if reading.kind is not Kind.SAFETY or reading.open or rho is None or reading.requirement in known:
             continue
         least = min(least, REJECTED if reading.requirement in rejected else max(-WORST, rho))
-    return least
+    return 0.5 * (WORST + least) if known else least
 
 
 def shown_by(mutant: Outcome | None, baseline: Outcome | None) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ import re
 from bisect import bisect_left
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.errors import ScaloftError
@@ -67,10 +68,11 @@ class Signature:
 
 @dataclass(frozen=True)
 class Breach:
-    """A violation of a safety requirement by the unmutated drone.
+    """A moment at which the unmutated drone begins to violate a safety requirement, or several.
 
     Attributes:
-        signature: what makes it the same finding as another.
+        signature: what makes it the same finding as another; of several requirements the study's first one.
+        requirements: all of them.
         t_s: when [s from take-off].
         place: (3,) centre of the vehicle [m, world].
         error: how far the wrong belief was from the truth at most, in `unit`; 0 where none was wrong.
@@ -78,6 +80,7 @@ class Breach:
     """
 
     signature: Signature
+    requirements: tuple[str, ...]
     t_s: float
     place: tuple[float, float, float]
     error: float
@@ -92,7 +95,7 @@ def breaches(
     claims: Sequence[Claim],
     samples: Samples,
 ) -> tuple[Breach, ...]:
-    """What a flight's violations of safety requirements say, the earliest first.
+    """The moments at which a flight begins to violate safety requirements, the earliest first.
 
     Args:
         log: the flight, at least up to the last of the violations.
@@ -107,13 +110,19 @@ def breaches(
     """
     spoken_of = {requirement.name: _words(requirement) for requirement in requirements}
     told = []
-    for violation in sorted(violations, key=lambda one: one.t_s):
-        matter = [one for one in claims if not one.about or spoken_of[violation.requirement].intersection(one.about)]
-        stage, error, unit = _most_wrong(log, violation, matter, samples)
-        leg, near = _where(log, violation, world)
-        signature = Signature(violation.requirement, violation.struck, leg, near, stage)
-        told.append(Breach(signature, violation.t_s, (violation.x, violation.y, violation.z), error, unit))
+    for _, together in groupby(sorted(violations, key=_time), key=_time):
+        first, *others = together  # who is struck, may be so against several requirements: that is one finding
+        names = (first.requirement, *(one.requirement for one in others))
+        words = frozenset().union(*(spoken_of[name] for name in names))
+        matter = [claim for claim in claims if not claim.about or words.intersection(claim.about)]
+        stage, error, unit = _most_wrong(log, first, matter, samples)
+        signature = Signature(first.requirement, first.struck, *_where(log, first, world), stage)
+        told.append(Breach(signature, names, first.t_s, (first.x, first.y, first.z), error, unit))
     return tuple(told)
+
+
+def _time(violation: Violation) -> float:
+    return violation.t_s
 
 
 def _words(requirement: Requirement) -> frozenset[str]:

@@ -36,7 +36,8 @@ def breaks_table(report: BreaksReport, campaign: str, *, claims: bool) -> Table:
         f"{report.used} flights in all, {report.flown} of them flown now, {again}; {ended}.",
     )
     headers = ("", "violates", "strikes", "where", "wrong belief", "flights")
-    return Table(f"The unmutated drone breaks in {len(rows)} ways", headers, rows, notes)
+    ways = f"{len(rows)} {'way' if len(rows) == 1 else 'ways'}"
+    return Table(f"The unmutated drone breaks in {ways}", headers, rows, notes)
 
 
 def breaks_json(report: BreaksReport) -> dict[str, Any]:

@@ -73,7 +73,7 @@ def seek_breaks(
     progress: Progress,
     save: Callable[[Sequence[Break]], None],
     flyer: Flyer | None = None,
-    recall: Recall = recalled,
+    recall: Recall | None = None,
 ) -> BreaksReport:
     """Search for situations in which the unmutated drone violates a safety requirement, each in another way.
 
@@ -86,7 +86,7 @@ def seek_breaks(
         progress: progress display.
         save: called with all that was found after each find.
         flyer: flies; PyBullet when None.
-        recall: flies a flight again and tells how it violates the requirements.
+        recall: flies a flight again and tells how it violates the requirements; in PyBullet when None.
 
     Raises:
         InputError: Optuna is missing, the folder or the store cannot be written, or the study cannot be flown.
@@ -98,7 +98,9 @@ def seek_breaks(
     first = (placed(study.grid, parameters) for parameters in opening(study.grid, seed))
     begun = [Flight(None, one, SEEN_ON[0]) for one in first if one is not None and possible(one)][:1]
     with opened(study, folder, options or RunOptions(), progress=progress, flyer=flyer, first=begun) as campaign:
-        search = _Search(campaign, proposals, Recalls(campaign, recall), seed, SearchFlights(campaign, allowance), save)
+        search = _Search(
+            campaign, proposals, Recalls(campaign, recall or recalled), seed, SearchFlights(campaign, allowance), save
+        )
         spent = False
         try:
             search.generations()
@@ -180,11 +182,15 @@ class _Search:
 
     def _distance(self, situation: Situation) -> float:
         """How far a flown situation is from breaking the drone in a new way."""
-        signatures = [breach.signature for breach in self._told(situation)]
-        known = {one.requirement for one in signatures if one in self._breaks}
-        told = {one.requirement for one in signatures if (situation, one) not in self._rejected}
-        violated = {violation.requirement for violation in self._violations(situation)}
-        return breaking(self._outcome(situation, SEEN_ON[0]), known, violated - told)
+        known: set[str] = set()
+        new: set[str] = set()
+        for breach in self._told(situation):
+            if breach.signature in self._breaks:
+                known.update(breach.requirements)
+            elif (situation, breach.signature) not in self._rejected:
+                new.update(breach.requirements)
+        rejected = {violation.requirement for violation in self._violations(situation)} - new
+        return breaking(self._outcome(situation, SEEN_ON[0]), known, rejected)
 
     def _pursue(self, situation: Situation, signature: Signature) -> None:
         """Record the situation, shrunk if that is confirmed too; reject it where nothing is confirmed."""
