@@ -169,7 +169,6 @@ class _Search:
         self._flights.fly(Flight(None, one, SEEN_ON[0]) for one in situations)
         broken = [one for one in situations if self._violations(one)]
         self._look(broken)
-        before = len(self._breaks)
         for one in sorted(broken, key=self._distance):
             for breach in self._told(one):
                 if breach.signature not in self._breaks:
@@ -177,8 +176,6 @@ class _Search:
         for proposal in proposed:
             proposal.distance = self._distance(proposal.situation)
         self._proposals.tell(proposed)
-        if len(self._breaks) > before:
-            self._proposals.tell_anew(self._distance)
 
     def _distance(self, situation: Situation) -> float:
         """How far a flown situation is from breaking the drone in a new way."""

@@ -31,9 +31,6 @@ TRIES = 10
 IMPOSSIBLE = 3.0
 """What TPE is told of an impossible situation: farther from the fault than any other."""
 
-PLACE = "situation"
-"""The attribute of a trial that names its situation."""
-
 Parameters = Mapping[str, Any]
 
 
@@ -96,7 +93,7 @@ class Proposals:
                 constant_liar=True,
                 seed=key_words("seek", seed, mutant)[0] % 2**32,
             )
-        self._optuna, self._grid, self._possible = optuna, grid, possible
+        self._grid, self._possible = grid, possible
         self._study = optuna.create_study(sampler=sampler)
         self._known: dict[Situation, float] = {}
         for parameters in opening(grid, seed):
@@ -111,7 +108,6 @@ class Proposals:
             if situation is None or not self._possible(situation):
                 self._study.tell(trial, IMPOSSIBLE)
             elif situation in self._known:
-                trial.set_user_attr(PLACE, situation.key)
                 self._study.tell(trial, self._known[situation])
             elif any(situation == before.situation for before in proposed):
                 self._study.tell(trial, IMPOSSIBLE)
@@ -125,19 +121,7 @@ class Proposals:
         """Tell the distances of a generation, in its order."""
         for proposal in proposed:
             self._known[proposal.situation] = proposal.distance
-            proposal.trial.set_user_attr(PLACE, proposal.situation.key)
             self._study.tell(proposal.trial, proposal.distance)
-
-    def tell_anew(self, distance: Callable[[Situation], float]) -> None:
-        """Tell the distance of every situation again, after it has changed; the last generation is told before."""
-        self._known = {situation: distance(situation) for situation in self._known}
-        told = {situation.key: far for situation, far in self._known.items()}
-        before = self._study
-        self._study = self._optuna.create_study(sampler=before.sampler)
-        for trial in before.get_trials():
-            if PLACE in trial.user_attrs:
-                trial.value = told[trial.user_attrs[PLACE]]
-            self._study.add_trial(trial)
 
     @property
     def nearest(self) -> float:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from finding import Ruled, number, small_study
+from finding import Ruled, everywhere, number, small_study
 
 from scaloft_fi.analysis.seeking.signature import Breach, Signature
 from scaloft_fi.campaign.plan.flight import Flight
@@ -19,7 +19,7 @@ from scaloft_fi.campaign.runs.seeking.breaks import BreaksReport, seek_breaks
 from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON, Allowance
 from scaloft_fi.campaign.runs.seeking.proposals import OPENING, opening, placed
 from scaloft_fi.errors import ScaloftError
-from scaloft_fi.judge.outcome import Violation
+from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.sim.found import Break
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
@@ -142,6 +142,37 @@ def test_what_most_fresh_seeds_do_not_violate_is_no_find(search: Search, tmp_pat
     report, _ = search(tmp_path, flyer, budget="80flights")
     assert report.broken > 0
     assert report.breaks == ()
+
+
+@pytest.mark.parametrize(("reds", "violated"), [(5, None), (6, 6), (10, 10)])
+def test_more_than_half_of_the_fresh_seeds_must_violate(
+    search: Search, tmp_path: Path, reds: int, violated: int | None
+) -> None:
+    class Lucky(Ruled):
+        def __call__(self, study: Study, flight: Flight) -> Outcome:
+            red = flight.seed in SEEN_ON or flight.seed < reds
+            return Ruled(self.path, baseline=lambda _: -0.2 if red else 0.4)(study, flight)
+
+    def one_way(_study: Study, _flight: Flight, violations: Sequence[Violation]) -> tuple[Breach, ...]:
+        way = Signature("SR2", "person", "home to corner", "corner", "")
+        return tuple(Breach(way, ("SR2",), one.t_s, (0.0, 1.0, 1.6), 0.0, "") for one in violations)
+
+    report, _ = search(tmp_path, Lucky(tmp_path / "flown.txt"), budget="50flights", recall=one_way)
+    assert [one.violated for one in report.breaks] == ([] if violated is None else [violated])
+
+
+def test_shrinking_keeps_the_signature(search: Search, tmp_path: Path, flyer: Ruled) -> None:
+    def by_speed(_study: Study, flight: Flight, violations: Sequence[Violation]) -> tuple[Breach, ...]:
+        belief = "velocity" if number(flight.situation, "Cs", 0.5) >= 0.8 else "person"
+        way = Signature("SR2", "person", "home to corner", "corner", belief)
+        return tuple(Breach(way, ("SR2",), one.t_s, (0.0, 1.0, 1.6), 1.0, "m") for one in violations)
+
+    flyer.baseline = everywhere
+    report, _ = search(tmp_path, flyer, budget="100flights", recall=by_speed)
+    found = {one.belief: one.situation for one in report.breaks}
+    assert found["person"] == "T0D0H0"
+    assert found["velocity"].startswith("T0D0H0Cs=")
+    assert 0.8 <= float(found["velocity"].partition("=")[2]) < 0.95
 
 
 def test_the_same_seed_makes_the_same_finds_whatever_the_jobs(

@@ -58,32 +58,3 @@ def test_later_proposals_are_nearer_to_what_was_good():
     told = flown(0, 7)
     before, after = ([distance(one) for generation in part for one in generation] for part in (told[:2], told[5:]))
     assert sum(after) / len(after) < sum(before) / len(before) - 0.1
-
-
-def test_what_is_told_anew_counts_from_then_on():
-    def shy(situation: Situation) -> float:
-        return 3.0 - distance(situation)
-
-    def after(anew: bool) -> list[Situation]:
-        proposals = Proposals(GRID, lambda _: True, 0, "A")
-        for number in range(6):
-            if number == 3 and anew:
-                proposals.tell_anew(shy)
-            asked = proposals.ask()
-            for one in asked:
-                one.distance = shy(one.situation) if anew and number >= 3 else distance(one.situation)
-            proposals.tell(asked)
-        return [one.situation for one in asked]
-
-    same, other = after(anew=False), after(anew=True)
-    assert other == after(anew=True)
-    assert sum(map(distance, other)) / len(other) > sum(map(distance, same)) / len(same) + 0.2
-
-
-def test_proposals_that_wait_are_not_lost_when_distances_are_told_anew():
-    proposals = Proposals(GRID, lambda _: True, 0, "A")
-    proposals.tell(proposals.ask())
-    proposals.tell_anew(distance)
-    second = proposals.ask()
-    assert [one.situation for one in second] == [placed(GRID, one) for one in opening(GRID, 0)][GENERATION:]
-    assert len(proposals.situations) == proposals.count == GENERATION
