@@ -4,19 +4,24 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
 from click.testing import Result
-from finding import Ruled, fast, flies, found
+from finding import SMALL, Ruled, fast, flies, found
 from reading import embedded
 from refusal import sentence
 
+from scaloft_fi.analysis.seeking.signature import Breach, Signature
+from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.runs.seeking.finds import saver
 from scaloft_fi.campaign.runs.seeking.sought import anew, interrupted
 from scaloft_fi.campaign.store.folder import STORE_NAME
 from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.judge.outcome import Violation
+from scaloft_fi.sim.found import read_finds
+from scaloft_fi.study import Study
 
 Call = Callable[..., Result]
 LATE, MORE = "LATE-human@3s", "MORE-goal@0.6m"
@@ -129,11 +134,44 @@ def test_verbs_that_read_tell_of_the_find_and_its_flights_take_its_place(ruled: 
     assert told[1]["survivors"] == []
 
 
+def test_what_breaks_the_unmutated_drone_is_printed_and_written(
+    ruled: Ruled, call: Call, copy: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def recalled(_study: Study, _flight: Flight, violations: Sequence[Violation]) -> tuple[Breach, ...]:
+        names = tuple(one.requirement for one in violations)
+        way = Signature(names[0], violations[0].struck, "home to corner", "corner", "person detection")
+        return (Breach(way, names, violations[0].t_s, (0.0, 1.0, 1.6), 1.5, "m"),)
+
+    monkeypatch.setattr("scaloft_fi.campaign.runs.seeking.breaks.recalled", recalled)
+    ruled.baseline = fast
+    (copy / "sim" / "grids" / "small.yaml").write_text(SMALL, encoding="utf-8")
+    words = ("baseline", "--grid", "small", "--into", "where", "--budget", "70flights", "--jobs", "1")
+    done = call("seek", *words, "--format", "json", study=copy)
+    assert done.exit_code == 0, done.output
+    (found,) = json.loads(done.stdout)["breaks"]
+    assert found["name"] == "breaks-SR2-person-home_to_corner-near_corner-person_detection"
+    assert f"found: {found['name']}: {found['situation']} (human, cruise speed " in done.stderr
+    written = read_finds(copy / "sim")
+    assert written is not None
+    assert [one.situation for one in written.breaks] == [found["situation"]]
+    again = call("seek", *words, "--quiet", study=copy)
+    table = " ".join(again.stdout.split())
+    assert "The unmutated drone breaks in 1 way" in table
+    assert "1 SR2 person near corner, home to corner person detection, 1.50 m 10/10" in table
+    assert f"`scaloft-fi replay baseline/{found['situation']}/0 --campaign where`" in table
+    assert ", 0 of them flown now, " in table
+    words = ("--mutant", "LATE-human", "--situation", found["name"], "--situation", "T0D0H0", "--jobs", "1", "--quiet")
+    flown = call("run", "--grid", "small", *words, study=copy)
+    assert flown.exit_code == 0, flown.output
+    assert json.loads(call("score", "--format", "json", study=copy).stdout)["selected"] == [found["situation"]]
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [
         (("LATE-humna",), "no mutant 'LATE-humna'; did you mean 'LATE-human'?"),
         (("LATE-human", "--grid", "serach"), "--grid='serach' must be the name of a grid of the study"),
+        (("LATE-depth", "baseline"), "mutant 'LATE-depth' must not stand beside 'baseline'; seek each with its own"),
         (("LATE-human", "--budget", "10"), "--budget='10' must be a number of flights such as 2000flights, or a time"),
         ((), "no campaign was flown here"),
     ],

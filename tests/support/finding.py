@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -110,3 +111,44 @@ def flies(mutant: str, find: str = "", campaign: str = "") -> str:
     return (
         f"scaloft-fi run --grid paper+found{where} --mutant {mutant} --situation {find or f'shows-{mutant}'} --seeds 6"
     )
+
+
+SMALL = """
+axes:
+  T:
+    title: turning a corner
+    category: mine structure
+    values:
+      - {id: 0, title: straight}
+      - {id: 1, title: corner, set: {mission.route: [corner, end, corner, home]}, realised: eventually(x_m < -1)}
+  D:
+    title: lighting condition
+    category: environment, light level
+    values:
+      - {id: 0, title: light}
+      - {id: 1, title: dark, set: {light: 0.003}, realised: always(light <= 0.05)}
+  H:
+    title: human presence
+    category: operational domain, people
+    values:
+      - {id: 0, title: no human}
+      - {id: 1, title: human, set: {bodies.person.present: true}, realised: eventually(person_sight_m <= 3)}
+free:
+  Cs:
+    title: cruise speed
+    category: operational domain, speed
+    set: mission.cruise_mps
+    from: 0.3
+    to: 1.2
+    unit: m/s
+    distribution: uniform
+    benign: 0.5
+"""
+
+
+def small_study(folder: Path) -> Study:
+    """A copy of the reference study with a grid that is searched fast."""
+    for name in ("hazop", "mutants", "sim"):
+        shutil.copytree(Path(__file__).parents[2] / name, folder / name)
+    (folder / "sim" / "grids" / "small.yaml").write_text(SMALL, encoding="utf-8")
+    return Study.open(folder, "small")
