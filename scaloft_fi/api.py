@@ -29,10 +29,12 @@ from scaloft_fi.mutants.need import ANYTHING, IMAGE, NUMBERS, STAMP, Need, the
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
 from scaloft_fi.mutants.sample import on_each, within
 from scaloft_fi.mutants.window import Windows
+from scaloft_fi.sim.claims import declare_claims
 from scaloft_fi.sim.measures import signal
 from scaloft_fi.sim.stacks import declare_stack
 from scaloft_fi.stack import messages
 from scaloft_fi.stack.belief import Belief, Mark
+from scaloft_fi.stack.claim import Claim, Instant
 from scaloft_fi.stack.config import Bounds
 from scaloft_fi.stack.contract import PlainStack, Stack, Task
 from scaloft_fi.stack.declaration import Declaration
@@ -85,6 +87,7 @@ __all__ = [
     "Axis",
     "Belief",
     "Bounds",
+    "Claim",
     "Component",
     "Declaration",
     "Degrees",
@@ -98,6 +101,7 @@ __all__ = [
     "HappeningKind",
     "Hold",
     "Image",
+    "Instant",
     "Mark",
     "Metres",
     "Moment",
@@ -127,6 +131,7 @@ __all__ = [
     "Windows",
     "Wire",
     "check_stack",
+    "declare_claims",
     "declare_stack",
     "export_format",
     "messages",

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from scaloft_fi.analysis.disposition import Disposition
     from scaloft_fi.analysis.roster import Roster
     from scaloft_fi.mutants.mutant import Mutant
+    from scaloft_fi.sim.known_finds import KnownFinds
     from scaloft_fi.sim.situation import Situation
 
 PACKAGE = Path(__file__).resolve().parent
@@ -134,6 +135,14 @@ class Study(Setup):
         from scaloft_fi.dispositions import load_dispositions
 
         return load_dispositions(self.dispositions_path, self.matrix, _Keys(self))
+
+    @cached_property
+    def finds(self) -> KnownFinds:
+        """The situations that a search found, those that still fit the study."""
+        from scaloft_fi.sim.known_finds import known_finds
+
+        names = [requirement.name for requirement in self.requirements]
+        return known_finds(self.folder / "sim", self.matrix, names)
 
     @cached_property
     def inputs(self) -> Mapping[str, str]:

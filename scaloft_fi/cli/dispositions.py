@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import campaign_option, format_option, study_option, today_option
 from scaloft_fi.console import say, tell
 from scaloft_fi.errors import InputError
@@ -44,6 +45,7 @@ def dispositions_command(
     """
     from scaloft_fi.study import Study
     from scaloft_fi.views.dispositions import disposition_table
+    from scaloft_fi.views.score.finds import next_find
     from scaloft_fi.views.snapshot import snapshot
     from scaloft_fi.views.tables.table import Format, render
 
@@ -51,7 +53,9 @@ def dispositions_command(
     with snapshot(study, campaign) as now:
         study = now.study
         judged = _judged(study, now.score, today)
-    tell(render((disposition_table(judged),), Format(style)))
+        finds = told(study.finds)
+        found = [mutant.subject.id for mutant in now.score.mutants if next_find(mutant, finds)]
+    tell(render((disposition_table(judged, found, campaign),), Format(style)))
     if writing:
         _append(study, judged)
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from scaloft_fi.cli.files import check_writable, write
+from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import campaign_option, study_option
 from scaloft_fi.console import tell
 from scaloft_fi.errors import InputError
@@ -46,7 +47,9 @@ def export_command(study_folder: Path | None, campaign: str, style: str, output:
     chosen = FORMATS[style]
     if output is None and not chosen.text:
         raise InputError(f"--format={style!r} is no text: give --output FILE")
-    content = chosen.content(dossier(study, campaign))
+    made = dossier(study, campaign)
+    told(made.finds)
+    content = chosen.content(made)
     if output is None:
         tell(content)
     else:

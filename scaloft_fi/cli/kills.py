@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from scaloft_fi.cli.files import check_writable, write
+from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import campaign_option, format_option, study_option
 from scaloft_fi.console import tell, tell_line
 from scaloft_fi.errors import InputError
@@ -132,7 +133,8 @@ def _survivors(now: Snapshot, matrix: KillMatrix, campaign: str) -> tuple[Surviv
     seeds = sorted({outcome.seed for outcome in now.outcomes if outcome.mutant in ids})
     tracked = now.with_tracks(now.outcomes, [BASELINE, *ids], seeds[:1])
     known = backgrounds(now.study.matrix, [mutant.subject.id for mutant in now.score.mutants])
-    return survivors(tracked, now.score, matrix, known, short_units(now.study.requirements), campaign)
+    units, finds = short_units(now.study.requirements), told(now.study.finds)
+    return survivors(tracked, now.score, matrix, known, units, campaign, finds)
 
 
 def _results(

@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from scaloft_fi.cli.files import check_writable, write
+from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import as_of_option, campaign_option, study_option
 from scaloft_fi.console import tell_line
 
@@ -34,6 +35,7 @@ def report_command(study_folder: Path | None, campaign: str, output: Path | None
 
     study = Study.open(study_folder)
     evidence = gather(study, campaign, today)
+    told(evidence.study.finds)
     path = output or campaign_folder(study, campaign) / NAME
     content = page(evidence).encode()
     write(path, content)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import (
     all_option,
     baseline_from_option,
@@ -176,6 +177,7 @@ def _text(
         covered,
         lambda id_: backgrounds(study.matrix, [id_])[id_],
         campaign=campaign,
+        finds=told(study.finds),
         whole=everything or style != Format.TABLE,
     )
     behind: Sequence[Table] = ()

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import (
     campaign_option,
     format_option,
@@ -16,19 +18,26 @@ from scaloft_fi.cli.options import (
     typed,
     warnings_option,
 )
-from scaloft_fi.console import tell
+from scaloft_fi.console import say, tell
 from scaloft_fi.errors import InputError
 from scaloft_fi.inert import json_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from scaloft_fi.campaign.progress.progress import Progress
+    from scaloft_fi.campaign.runs.options import RunOptions
+    from scaloft_fi.campaign.runs.seeking.flights import Allowance
+    from scaloft_fi.campaign.runs.seeking.sought import Unnamed
     from scaloft_fi.mutants.mutant import Mutant
     from scaloft_fi.study import Study
+    from scaloft_fi.views.tables.table import Table
+
+FILE = "sim/found.yaml"
 
 
 @click.command("seek")
-@click.argument("mutants", nargs=-1, metavar="[ID|GLOB]...")
+@click.argument("mutants", nargs=-1, metavar="[baseline | ID|GLOB...]")
 @study_option
 @campaign_option
 @click.option(
@@ -78,26 +87,30 @@ def seek_command(
 ) -> None:
     """Find situations that show mutants: the mutant violates a safety requirement, the unmutated drone does not.
 
-    Sought are the named mutants, else every cell's default that the score of --campaign does not call detected.
+    `seek baseline` finds situations that break the unmutated drone itself, each in a way of its own: it violates
+    another requirement, strikes something else or elsewhere, or another stage believed what is not true.
+
+    Sought are the named mutants, else every cell's default that the score of --campaign does not call detected and no
+    situation in the study's sim/found.yaml shows.
     PLACEBO stands for the unmutated drone under other seeds, which no search should find anything for.
     Robustness guides the search.  What it finds is shrunk towards the benign values, confirmed on seeds that the search
-    never flew, by the score's own test, and written to the study's sim/found.yaml, which `scaloft-fi run --grid
-    NAME+found` flies (NAME: the study's own grid).  An interrupted search resumes with the same command.
+    never flew, by the score's own test, and written to sim/found.yaml, which `scaloft-fi run --grid NAME+found` flies
+    (NAME: the study's own grid).  An interrupted search resumes with the same command.
     """
     from scaloft_fi.campaign.processes.start import cores, one_thread_each
     from scaloft_fi.campaign.runs.options import RunOptions
+    from scaloft_fi.judge.outcome import BASELINE
 
+    others = [text for text in mutants if text != BASELINE]
+    if others and len(others) < len(mutants):
+        raise InputError(f"mutant {others[0]!r} must not stand beside {BASELINE!r}; seek each with its own command")
     one_thread_each()
     from scaloft_fi.campaign.progress.progress import Progress, Silence
-    from scaloft_fi.campaign.runs.seeking.finds import saver
     from scaloft_fi.campaign.runs.seeking.flights import Allowance
     from scaloft_fi.campaign.runs.seeking.proposals import require_optuna
-    from scaloft_fi.campaign.runs.seeking.seek import seek
     from scaloft_fi.campaign.store.flown_grid import study_of
     from scaloft_fi.campaign.store.folder import campaign_folder
-    from scaloft_fi.sim.grids import own_name
-    from scaloft_fi.views.runs.seek import seek_json, seek_tables
-    from scaloft_fi.views.tables.table import Format, render
+    from scaloft_fi.mutants.derive import realise
 
     allowance = Allowance.parse(budget)
     require_optuna()
@@ -105,23 +118,80 @@ def seek_command(
     if study.packaged:
         raise InputError("--study: the packaged study takes no finds; copy it with `cp -r` and name the copy")
     study.check()
-    sought = _named(study, mutants) if mutants else _survivors(study, study_folder, campaign)
-    if not sought:
-        raise InputError(f"--campaign={campaign!r}: every default is detected; name the mutants to seek")
-    report = seek(
+    folder = campaign_folder(study, into or grid)
+    search = _Search(
         study,
-        sought,
-        campaign_folder(study, into or grid),
+        folder,
         RunOptions(jobs=jobs or cores(), warnings=warnings, same_platform=same_platform, command=typed()),
-        seed=seed,
-        allowance=allowance,
-        progress=Silence() if quiet else Progress(),
-        save=saver(study.folder / "sim", study.grid.name),
+        seed,
+        allowance,
+        Silence() if quiet else Progress(),
     )
-    if style == Format.JSON:
-        tell(json_text(seek_json(report), indent=2) + "\n")
+    if mutants and not others:
+        printed = search.breaks(into or grid, style)
     else:
-        tell(render(seek_tables(report, own_name(study.folder / "sim")), Format(style)))
+        unnamed = None if mutants else _unnamed(study, study_folder, campaign, folder, seed, quiet=quiet)
+        sought = _named(study, mutants) if unnamed is None else [realise(study.matrix, id_) for id_ in unnamed.mutants]
+        printed = search.mutants(sought, unnamed, style)
+    tell(printed)
+
+
+@dataclass(frozen=True)
+class _Search:
+    """A search that the user asked for; each method makes one kind of search and returns what is printed."""
+
+    study: Study
+    folder: Path
+    options: RunOptions
+    seed: int
+    allowance: Allowance
+    progress: Progress
+
+    def mutants(self, sought: Sequence[Mutant], unnamed: Unnamed | None, style: str) -> str:
+        """Search for situations that show mutants; `unnamed` if nobody named them."""
+        from scaloft_fi.campaign.runs.seeking.finds import saver
+        from scaloft_fi.campaign.runs.seeking.seek import seek
+        from scaloft_fi.sim.grids import own_name
+        from scaloft_fi.views.runs.seek import seek_json, seek_tables
+
+        folder = self.study.folder / "sim"
+        report = seek(
+            self.study,
+            sought,
+            self.folder,
+            self.options,
+            seed=self.seed,
+            allowance=self.allowance,
+            progress=self.progress,
+            save=saver(folder, self.study.grid.name),
+            unnamed=unnamed,
+        )
+        return _printed(seek_json(report), seek_tables(report, own_name(folder)), style)
+
+    def breaks(self, campaign: str, style: str) -> str:
+        """Search for situations that break the unmutated drone; `campaign` holds the flights."""
+        from scaloft_fi.campaign.runs.seeking.breaks import seek_breaks
+        from scaloft_fi.campaign.runs.seeking.finds import break_saver
+        from scaloft_fi.sim.claims import claims_of
+        from scaloft_fi.views.runs.breaks import breaks_json, breaks_table
+
+        report = seek_breaks(
+            self.study,
+            self.folder,
+            self.options,
+            seed=self.seed,
+            allowance=self.allowance,
+            progress=self.progress,
+            save=break_saver(self.study.folder / "sim", self.study.grid.name),
+        )
+        claims = bool(claims_of(self.study.stack.name))
+        return _printed(breaks_json(report), (breaks_table(report, campaign, claims=claims),), style)
+
+
+def _printed(record: dict[str, Any], tables: Sequence[Table], style: str) -> str:
+    from scaloft_fi.views.tables.table import Format, render
+
+    return json_text(record, indent=2) + "\n" if style == Format.JSON else render(tables, Format(style))
 
 
 def _named(study: Study, mutants: Sequence[str]) -> Sequence[Mutant]:
@@ -132,12 +202,44 @@ def _named(study: Study, mutants: Sequence[str]) -> Sequence[Mutant]:
     return [*([PLACEBO] if len(others) < len(mutants) else []), *(choose.mutants(study, others) if others else ())]
 
 
-def _survivors(study: Study, folder: Path | None, campaign: str) -> Sequence[Mutant]:
-    """The defaults that the score of a campaign does not call detected, in the order of the matrix."""
-    from scaloft_fi.mutants.derive import realise
+def _unnamed(study: Study, opened: Path | None, campaign: str, folder: Path, seed: int, *, quiet: bool) -> Unnamed:
+    """What is sought when nobody names mutants: the same as before where that search was interrupted.
+
+    Args:
+        study: the study, with the grid that is searched.
+        opened: the study as the user named it.
+        campaign: the campaign whose score says what is not detected.
+        folder: folder of the campaign that holds the flights of the search.
+        seed: seed of the search.
+        quiet: whether nothing is said of what is left out.
+
+    Raises:
+        InputError: nothing is left to seek.
+    """
+    from scaloft_fi.campaign.runs.seeking.sought import anew, interrupted
+
+    defaults = study.roster.defaults.values()
+    before = interrupted(folder, seed, campaign)
+    if before is not None and set(before.mutants) <= set(defaults):
+        return before
+    survivors = _survivors(opened, campaign)
+    finds = told(study.finds)
+    mutants = [id_ for id_ in defaults if id_ in survivors and not finds.of(id_)]
+    if not mutants:
+        least = f"every default is detected or shown by a situation in {FILE}"
+        raise InputError(f"--campaign={campaign!r}: {least}; name the mutants to seek")
+    if len(mutants) < len(survivors) and not quiet:
+        shown = f"{len(survivors) - len(mutants)} of {len(survivors)} defaults that are not detected"
+        say(f"not sought: {shown}, because situations in {FILE} show them; a mutant that is named is sought again")
+    return anew(folder, seed, campaign, mutants)
+
+
+def _survivors(folder: Path | None, campaign: str) -> set[str]:
+    """The defaults that the score of a campaign does not call detected."""
     from scaloft_fi.study import Study
     from scaloft_fi.views.snapshot import snapshot
 
-    with snapshot(Study.open(folder), campaign) as now:
+    study = Study.open(folder)
+    with snapshot(study, campaign) as now:
         detected = {mutant.subject.id for mutant in now.score.mutants if mutant.detected}
-    return [realise(study.matrix, id_) for id_ in study.roster.defaults.values() if id_ not in detected]
+    return set(study.roster.defaults.values()) - detected

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from scaloft_fi.cli.files import check_writable, write
+from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import FORMATS, campaign_option, study_option
 from scaloft_fi.console import tell
 
@@ -45,7 +46,8 @@ def worksheet_command(study_folder: Path | None, campaign: str, style: str, outp
     study = Study.open(study_folder)
     with snapshot(study, campaign) as now:
         study = now.study
-        rows = worksheet(study.matrix, now.outcomes, now.score, study.space, study.dispositions)
+        finds = told(study.finds)
+        rows = worksheet(study.matrix, now.outcomes, now.score, study.space, study.dispositions, finds, campaign)
     content = _content(rows, style)
     if output is None:
         tell(content)

@@ -1,4 +1,4 @@
-"""The situations that a search found, `sim/found.yaml`: read for the grid that flies them."""
+"""The situations that searches found, `sim/found.yaml`: those that show mutants, and those that break the drone."""
 
 from __future__ import annotations
 
@@ -63,11 +63,62 @@ class Find:
 
 
 @dataclass(frozen=True)
+class Break:
+    """A named situation in which the unmutated drone violates a safety requirement.
+
+    Attributes:
+        name: name of the situation; it follows from requirement, struck, leg, near and belief.
+        situation: its key in the grid of the search.
+        words: the values that are not benign, in words.
+        requirement: the requirement.
+        struck: the body that is struck at the violation; empty for none.
+        leg: between which places of the route, such as `corner to end`; near: the nearer of the two.
+        belief: the stage whose belief was the most wrong before the violation; empty where none was wrong.
+        error: how far from the truth that belief was; unit: of the error.
+        violated: flights that violate the requirement and strike the same; flights: with the seeds 0, 1, ...
+        flight: seed of the flight that `leg`, `near`, `belief`, `error`, `t_s` and `place` tell of.
+        t_s: time of the violation [s from take-off].
+        place: (3,) centre of the vehicle then [m, world].
+        seed: seed of the search.
+    """
+
+    name: str
+    situation: str
+    words: tuple[str, ...]
+    requirement: str
+    struck: str
+    leg: str
+    near: str
+    belief: str
+    error: float
+    unit: str
+    violated: int
+    flights: int
+    flight: int
+    t_s: float
+    place: tuple[float, float, float]
+    seed: int
+
+
+@dataclass(frozen=True)
 class Finds:
-    """The finds of a study.  grid: name of the grid whose keys they have; finds: in the file's order."""
+    """The finds of a study.
+
+    Attributes:
+        grid: name of the grid whose keys they have.
+        finds: situations that show mutants, in the file's order.
+        breaks: situations that break the unmutated drone, in the file's order.
+    """
 
     grid: str
     finds: tuple[Find, ...]
+    breaks: tuple[Break, ...] = ()
+
+    @property
+    def named(self) -> dict[str, str]:
+        """The key of each situation by its name."""
+        shown = {find.name: find.situation for find in self.finds}
+        return shown | {one.name: one.situation for one in self.breaks}
 
 
 def read_finds(folder: Path) -> Finds | None:
@@ -85,8 +136,11 @@ def read_finds(folder: Path) -> Finds | None:
     item = load(path)
     grid = item.need("grid").text()
     finds = tuple(_find(name, entry) for name, entry in item.need("finds").mapping(most=MOST_FINDS).items())
+    breaks_item = item.get("breaks")
+    broken = breaks_item.mapping(most=MOST_FINDS).items() if breaks_item else ()
+    breaks = tuple(_break(name, entry) for name, entry in broken)
     item.close()
-    return Finds(grid, finds)
+    return Finds(grid, finds, breaks)
 
 
 def _find(name: str, item: Item) -> Find:
@@ -105,8 +159,39 @@ def _find(name: str, item: Item) -> Find:
     return find
 
 
+def _break(name: str, item: Item) -> Break:
+    violated_item = item.need("violated")
+    x, y, z = item.need("place").numbers(3)
+    found = Break(
+        name=name,
+        situation=item.need("situation").text(),
+        words=tuple(word.text() for word in item.need("words")),
+        requirement=item.need("requirement").text(),
+        struck=_optional(item, "struck"),
+        leg=item.need("leg").text(),
+        near=item.need("near").text(),
+        belief=_optional(item, "belief"),
+        error=item.need("error").number(least=0.0),
+        unit=_optional(item, "unit"),
+        violated=violated_item.whole(),
+        flights=item.need("flights").whole(least=1),
+        flight=item.need("flight").whole(),
+        t_s=item.need("t_s").number(least=0.0),
+        place=(x, y, z),
+        seed=item.need("seed").whole(),
+    )
+    item.close()
+    if not found.flights < 2 * found.violated <= 2 * found.flights:
+        raise violated_item.error(f"more than half of flights={found.flights}, and no more than all")
+    return found
+
+
+def _optional(item: Item, key: str) -> str:
+    entry = item.get(key)
+    return entry.text() if entry else ""
+
+
 def _evidence(item: Item) -> Evidence:
-    struck = item.get("struck")
     evidence = Evidence(
         requirement=item.need("requirement").text(),
         candidate=item.need("candidate").whole(least=1),
@@ -114,7 +199,7 @@ def _evidence(item: Item) -> Evidence:
         alpha=item.need("alpha").number(above=0.0, most=1.0),
         violated=item.need("violated").whole(),
         flights=item.need("flights").whole(least=1),
-        struck=struck.text() if struck else "",
+        struck=_optional(item, "struck"),
         held=item.need("held").whole(),
         baselines=item.need("baselines").whole(least=1),
         margin=item.need("margin").number(),

@@ -139,9 +139,9 @@ class Grid:
         return Situation.of(levels, {axis: numbers[axis] for axis in levels if axis in numbers} | off)
 
     def select(self, patterns: Iterable[str]) -> tuple[Situation, ...]:
-        """The situations that match a pattern (key, alias or glob such as `T1*H?`), in the grid's order.
+        """The situations that match a pattern (key, alias, or a glob over both such as `T1*H?`), in the grid's order.
 
-        Without patterns, all situations of the grid.  A pattern matches no drawn numbers; a key with drawn numbers
+        Without patterns, all situations of the grid.  A glob matches no drawn numbers; a key with drawn numbers
         selects its situation, which follows the one of its bins.
 
         Raises:
@@ -151,7 +151,8 @@ class Grid:
         patterns = tuple(patterns)
         for pattern in patterns:
             if any(mark in pattern for mark in "*?["):
-                matches = {key: one for key, one in self.by_key.items() if fnmatch.fnmatchcase(key, pattern)}
+                names = [name for name in (*self.by_key, *self.aliases) if fnmatch.fnmatchcase(name, pattern)]
+                matches = {one.key: one for one in map(self.situation, names)}
                 if not matches:
                     raise InputError(self.miss(pattern))
                 wanted |= matches

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -63,14 +64,24 @@ def load_grid(folder: Path, name: str | None = None) -> Grid:
         return read_grid(load(folder / FILE), documents)
     found = read_finds(folder)
     if found is not None and name.endswith(WITH_FOUND):
-        return _with_found(load_grid(folder), _searched(folder, found), found, name, folder / FOUND_FILE)
+        return _with_found(load_grid(folder), searched_grid(folder, found), found, name, folder / FOUND_FILE)
     grid = read_grid(load(folder / FOLDER / f"{name}.yaml"), documents, name)
     if found is None or found.grid != name:
         return grid
-    return replace(grid, selected=_selected(found, load_grid(folder)))
+    named = {name: key for name, key in found.named.items() if _has(grid, key)}
+    return replace(grid, aliases={**grid.aliases, **named}, selected=_selected(found, load_grid(folder)))
 
 
-def _searched(folder: Path, found: Finds) -> Grid:
+def _has(grid: Grid, key: str) -> bool:
+    """Whether a find still has its situation; a new search goes on without those that the study has outgrown."""
+    try:
+        grid.situation(key)
+    except InputError:
+        return False
+    return True
+
+
+def searched_grid(folder: Path, found: Finds) -> Grid:
     """The grid that was searched.
 
     Raises:
@@ -84,21 +95,15 @@ def _searched(folder: Path, found: Finds) -> Grid:
 
 
 def _with_found(own: Grid, searched: Grid, found: Finds, name: str, place: Path) -> Grid:
-    """The situations of the study's own grid, then the found ones, in the axes of the grid that was searched.
+    """The situations of the study's own grid, then those that show mutants, in the axes of the grid that was searched.
+
+    Those that break the unmutated drone are left out: a situation whose baseline is red puts no mutant to the test.
 
     Raises:
         InputError: one of them is no situation of that grid.
     """
-    listed: dict[str, Situation] = {}
-    aliases: dict[str, str] = {}
-    try:
-        for situation in own.situations:
-            listed[situation.key] = searched.situation(situation.key)
-        for find in found.finds:
-            listed[find.situation] = searched.situation(find.situation)
-            aliases[find.name] = find.situation
-    except InputError as error:
-        raise InputError(f"{place}: grid {found.grid!r}: {error}") from None
+    aliases = {find.name: find.situation for find in found.finds}
+    listed = _situations((*own.by_key, *aliases.values()), searched, place)
     given = {alias: key for alias, key in own.aliases.items() if key in listed}
     return replace(
         searched,
@@ -110,6 +115,18 @@ def _with_found(own: Grid, searched: Grid, found: Finds, name: str, place: Path)
     )
 
 
+def _situations(keys: Iterable[str], searched: Grid, place: Path) -> Mapping[str, Situation]:
+    """The situations by key, each once.
+
+    Raises:
+        InputError: one of them is no situation of the grid that was searched.
+    """
+    try:
+        return {key: searched.situation(key) for key in keys}
+    except InputError as error:
+        raise InputError(f"{place}: grid {searched.name!r}: {error}") from None
+
+
 def _selected(found: Finds, own: Grid) -> frozenset[str]:
     """The found situations that the study's own grid does not have."""
-    return frozenset(find.situation for find in found.finds if find.situation not in own.by_key)
+    return frozenset(found.named.values()).difference(own.by_key)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from scaloft_fi.analysis.disposition import Disposition, Judged, Standing
+from scaloft_fi.views.score.commands import DEFAULT, in_campaign
 from scaloft_fi.views.tables.table import Table
 
 
@@ -39,8 +40,14 @@ def complaint(judged: Judged) -> str:
     return f"{judged.mutant} survives in {', '.join(new)}, which its disposition does not name ({known.place})"
 
 
-def disposition_table(judged: Sequence[Judged]) -> Table:
-    """Every survivor and every disposition, a row each."""
+def disposition_table(judged: Sequence[Judged], found: Collection[str] = (), campaign: str = DEFAULT) -> Table:
+    """Every survivor and every disposition, a row each.
+
+    Args:
+        judged: how they stand.
+        found: mutants for which a find is to be flown next.
+        campaign: name of the campaign, for commands.
+    """
     rows = tuple(
         (
             entry.mutant,
@@ -55,8 +62,11 @@ def disposition_table(judged: Sequence[Judged]) -> Table:
         for entry in judged
     )
     headers = ("mutant", "state", "verdict", "survives in", "owner", "reason", "expires", "accepted in")
-    notes = (
+    notes: tuple[str, ...] = (
         "Survivors are the default mutants put to the test that are not detected, undecided ones too.",
         "open, uncovered and expired fail `score --ratchet`; stale: detected now, the disposition can go.",
     )
+    if to_fly := [entry.mutant for entry in judged if entry.mutant in found]:
+        command = f"`scaloft-fi kills{in_campaign(campaign)} --show survivors`"
+        notes += (f"A search found situations that show {', '.join(to_fly)}; {command} says how to fly them.",)
     return Table("Survivors and dispositions", headers, rows, notes)

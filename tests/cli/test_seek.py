@@ -4,16 +4,27 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
 from click.testing import Result
-from finding import Ruled, fast
+from finding import SMALL, Ruled, fast, flies, found
+from reading import embedded
 from refusal import sentence
 
+from scaloft_fi.analysis.seeking.signature import Breach, Signature
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.runs.seeking.finds import saver
+from scaloft_fi.campaign.runs.seeking.sought import anew, interrupted
+from scaloft_fi.campaign.store.folder import STORE_NAME
+from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.judge.outcome import Violation
+from scaloft_fi.sim.found import read_finds
+from scaloft_fi.study import Study
+
 Call = Callable[..., Result]
-LATE = "LATE-human@3s"
+LATE, MORE = "LATE-human@3s", "MORE-goal@0.6m"
 
 
 @pytest.fixture
@@ -61,19 +72,98 @@ def test_a_score_over_the_papers_situations_alone_is_not_selected(sought: Result
     assert json.loads(call("score", "--format", "json", study=copy).stdout)["selected"] == []
 
 
-def test_by_default_the_mutants_that_the_campaign_does_not_detect_are_sought(
+def test_by_default_the_mutants_are_sought_that_neither_the_campaign_nor_a_find_shows(
     ruled: Ruled, call: Call, copy: Path
 ) -> None:
     words = ("--mutant", "LATE-human", "--mutant", "MORE-goal", "--situation", "T0O0W0D0H*", "--seeds", "3")
     ruled.rules = {LATE: lambda _situation: -0.2}
     assert call("run", *words, "--jobs", "1", "--quiet", study=copy).exit_code == 0
-    done = call("seek", "--budget", "1flight", "--jobs", "1", "--format", "json", study=copy)
+    few = ("--budget", "1flight", "--jobs", "1", "--format", "json")
+    stale = found("EARLY-human@3s", "T0O0W0D0H9", others=("NO-depth@3s",))
+    saver(copy / "sim", "search")([found(MORE), stale])
+    done = call("seek", *few, study=copy)
     assert done.exit_code == 0, done.output
     named = [one["mutant"] for one in json.loads(done.stdout)["sought"]]
-    assert LATE not in named
-    assert "MORE-goal@0.6m" in named
-    assert len(named) == 113
-    assert not (copy / "sim" / "found.yaml").exists()
+    assert len(named) == 112
+    assert not {LATE, MORE} & set(named)
+    assert {"EARLY-human@3s", "NO-depth@3s"} <= set(named), "the study lacks the situation that would show them"
+    assert "warning: sim/found.yaml: left out, because the study has changed since: shows-EARLY" in done.stderr
+    assert "not sought: 1 of 113 defaults that are not detected, because situations in sim/found.yaml" in done.stderr
+    again = call("seek", "MORE-goal", *few, study=copy)
+    assert [one["mutant"] for one in json.loads(again.stdout)["sought"]] == [MORE]
+
+
+def test_an_interrupted_search_goes_on_with_its_own_mutants_whatever_it_has_found(
+    ruled: Ruled, call: Call, copy: Path
+) -> None:
+    saver(copy / "sim", "search")([found(LATE)])
+    folder, campaign = copy / "results" / "campaigns" / "search", str(copy.parent / "campaign")
+    folder.mkdir(parents=True)
+    with Store(folder / STORE_NAME) as store:
+        anew(folder, 0, campaign, [LATE, MORE]).begin(store)
+    done = call("seek", "--budget", "1flight", "--jobs", "1", "--format", "json", study=copy)
+    assert [one["mutant"] for one in json.loads(done.stdout)["sought"]] == [LATE, MORE]
+    assert interrupted(folder, 0, campaign) is None
+    assert "no campaign was flown here" in sentence(call("seek", study=copy)), "it asks for what is not detected"
+
+
+def test_verbs_that_read_tell_of_the_find_and_its_flights_take_its_place(ruled: Ruled, call: Call, copy: Path) -> None:
+    words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H0", "--seeds", "3")
+    assert call("run", *words, "--jobs", "1", "--quiet", study=copy).exit_code == 0
+    saver(copy / "sim", "search")([found(LATE, "T0O0W0D0H1Cs=0.9")])
+    campaign = ("--campaign", str(copy.parent / "campaign"))
+    command = flies(LATE)
+    assert f"`{command}` flies the situation" in " ".join(call("score", study=copy).stdout.split())
+    survivors = " ".join(call("kills", "--show", "survivors", "--format", "csv", study=copy).stdout.split())
+    assert "find,A search found a situation that shows it" in survivors.replace('"', "")
+    assert command in survivors
+    assert command in call("worksheet", "--format", "csv", study=copy).stdout
+    assert command in call("export", "--format", "junit", study=copy).stdout
+    assert f"A search found situations that show {LATE}" in " ".join(call("dispositions", study=copy).stdout.split())
+    flown = call(*command.split()[1:], "--jobs", "1", "--quiet", study=copy, campaign=False)
+    assert "1 of 1 fault would have been shown" in " ".join(flown.stdout.split())
+    page = copy / "page.html"
+    told = []
+    for name in (campaign, ("--campaign", "paper+found")):
+        assert call("report", "--output", str(page), *name, study=copy, campaign=False).exit_code == 0
+        told.append(embedded(page.read_text(encoding="utf-8"), "figures"))
+    before, after = (figures["found"]["finds"][0] for figures in told)
+    assert (before["name"], before["flights"], before["command"]) == (f"shows-{LATE}", None, command)
+    assert [one["mutant"] for one in after["flights"]] == [LATE, "baseline"]
+    assert [one["find"] for one in told[0]["survivors"]] == [f"shows-{LATE}"]
+    assert told[1]["survivors"] == []
+
+
+def test_what_breaks_the_unmutated_drone_is_printed_and_written(
+    ruled: Ruled, call: Call, copy: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def recalled(_study: Study, _flight: Flight, violations: Sequence[Violation]) -> tuple[Breach, ...]:
+        names = tuple(one.requirement for one in violations)
+        way = Signature(names[0], violations[0].struck, "home to corner", "corner", "person detection")
+        return (Breach(way, names, violations[0].t_s, (0.0, 1.0, 1.6), 1.5, "m"),)
+
+    monkeypatch.setattr("scaloft_fi.campaign.runs.seeking.breaks.recalled", recalled)
+    ruled.baseline = fast
+    (copy / "sim" / "grids" / "small.yaml").write_text(SMALL, encoding="utf-8")
+    words = ("baseline", "--grid", "small", "--into", "where", "--budget", "70flights", "--jobs", "1")
+    done = call("seek", *words, "--format", "json", study=copy)
+    assert done.exit_code == 0, done.output
+    (found,) = json.loads(done.stdout)["breaks"]
+    assert found["name"] == "breaks-SR2-person-home_to_corner-near_corner-person_detection"
+    assert f"found: {found['name']}: {found['situation']} (human, cruise speed " in done.stderr
+    written = read_finds(copy / "sim")
+    assert written is not None
+    assert [one.situation for one in written.breaks] == [found["situation"]]
+    again = call("seek", *words, "--quiet", study=copy)
+    table = " ".join(again.stdout.split())
+    assert "The unmutated drone breaks in 1 way" in table
+    assert "1 SR2 person near corner, home to corner person detection, 1.50 m 10/10" in table
+    assert f"`scaloft-fi replay baseline/{found['situation']}/0 --campaign where`" in table
+    assert ", 0 of them flown now, " in table
+    words = ("--mutant", "LATE-human", "--situation", found["name"], "--situation", "T0D0H0", "--jobs", "1", "--quiet")
+    flown = call("run", "--grid", "small", *words, study=copy)
+    assert flown.exit_code == 0, flown.output
+    assert json.loads(call("score", "--format", "json", study=copy).stdout)["selected"] == [found["situation"]]
 
 
 @pytest.mark.parametrize(
@@ -81,6 +171,7 @@ def test_by_default_the_mutants_that_the_campaign_does_not_detect_are_sought(
     [
         (("LATE-humna",), "no mutant 'LATE-humna'; did you mean 'LATE-human'?"),
         (("LATE-human", "--grid", "serach"), "--grid='serach' must be the name of a grid of the study"),
+        (("LATE-depth", "baseline"), "mutant 'LATE-depth' must not stand beside 'baseline'; seek each with its own"),
         (("LATE-human", "--budget", "10"), "--budget='10' must be a number of flights such as 2000flights, or a time"),
         ((), "no campaign was flown here"),
     ],

@@ -12,6 +12,7 @@ from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.parameter import Parameter
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Requirement
+from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
 from scaloft_fi.views.exchange.dossier import Dossier
 
 HOSTILE = "<script>alert('1')</script> \"&\" =cmd|' /C calc'!A0 ]]> 人 \\textbf{x} " + "long " * 60
@@ -36,7 +37,7 @@ MATRIX = Matrix(
 SOURCES = {f"hazop/matrix/{name}.yaml": "".join(f"line {i}\n" for i in range(20)) for name in PARAMETERS}
 
 
-def dossier(outcomes: list[Outcome]) -> Dossier:
+def dossier(outcomes: list[Outcome], finds: KnownFinds = NO_FINDS) -> Dossier:
     return Dossier(
         study="reference",
         campaign=HOSTILE,
@@ -49,6 +50,7 @@ def dossier(outcomes: list[Outcome]) -> Dossier:
         outcomes=tuple(outcomes),
         spending=Spending(),
         sources=SOURCES,
+        finds=finds,
     )
 
 

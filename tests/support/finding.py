@@ -1,7 +1,8 @@
-"""A drone without physics whose mutants fail by rule, for the tests of the search."""
+"""A drone without physics whose mutants fail by rule, for the tests of the search; finds by hand."""
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,6 +12,8 @@ from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.mutants.mutant import PLACEBO
+from scaloft_fi.sim.found import Evidence, Find
+from scaloft_fi.sim.known_finds import KnownFinds
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study
@@ -88,3 +91,64 @@ class Ruled:
     @property
     def flown(self) -> list[str]:
         return self.path.read_text().splitlines() if self.path.exists() else []
+
+
+def found(mutant: str, situation: str = "T0O0W0D0H2Cs=0.8", *, others: tuple[str, ...] = (), struck: str = "") -> Find:
+    """A find as `seek` writes it: six of six flights violate SR2."""
+    evidence = Evidence("SR2", 1, 0.00025, 0.005, 6, 6, struck, 10, 10, 0.071, 0.02)
+    shows = dict.fromkeys((mutant, *others), evidence)
+    return Find(f"shows-{mutant}", situation, ("human walks", "cruise speed 0.8 m/s"), mutant, shows, 0)
+
+
+def known(*finds: Find) -> KnownFinds:
+    """Finds that fit their study."""
+    return KnownFinds(finds, grid="paper+found")
+
+
+def flies(mutant: str, find: str = "", campaign: str = "") -> str:
+    """The command that flies a find of `found`."""
+    where = f" --campaign {campaign}" if campaign else ""
+    return (
+        f"scaloft-fi run --grid paper+found{where} --mutant {mutant} --situation {find or f'shows-{mutant}'} --seeds 6"
+    )
+
+
+SMALL = """
+axes:
+  T:
+    title: turning a corner
+    category: mine structure
+    values:
+      - {id: 0, title: straight}
+      - {id: 1, title: corner, set: {mission.route: [corner, end, corner, home]}, realised: eventually(x_m < -1)}
+  D:
+    title: lighting condition
+    category: environment, light level
+    values:
+      - {id: 0, title: light}
+      - {id: 1, title: dark, set: {light: 0.003}, realised: always(light <= 0.05)}
+  H:
+    title: human presence
+    category: operational domain, people
+    values:
+      - {id: 0, title: no human}
+      - {id: 1, title: human, set: {bodies.person.present: true}, realised: eventually(person_sight_m <= 3)}
+free:
+  Cs:
+    title: cruise speed
+    category: operational domain, speed
+    set: mission.cruise_mps
+    from: 0.3
+    to: 1.2
+    unit: m/s
+    distribution: uniform
+    benign: 0.5
+"""
+
+
+def small_study(folder: Path) -> Study:
+    """A copy of the reference study with a grid that is searched fast."""
+    for name in ("hazop", "mutants", "sim"):
+        shutil.copytree(Path(__file__).parents[2] / name, folder / name)
+    (folder / "sim" / "grids" / "small.yaml").write_text(SMALL, encoding="utf-8")
+    return Study.open(folder, "small")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
@@ -14,6 +14,8 @@ WORST = 1.5
 """Distance of a situation that says nothing: the fault changes no sample, or no requirement is put to the test."""
 BEYOND = 2.5
 """Distance of a situation whose baseline violates by far; no distance is greater."""
+REJECTED = 0.5
+"""Distance of a situation that shows something with the first seed only, or that fresh seeds do not confirm."""
 
 
 def distance(mutant: Outcome | None, baseline: Outcome | None) -> float:
@@ -29,6 +31,26 @@ def distance(mutant: Outcome | None, baseline: Outcome | None) -> float:
         baseline: outcome of the baseline of the same situation and seed; None without one.
     """
     return min((far for _, far in _distances(mutant, baseline)), default=WORST)
+
+
+def breaking(baseline: Outcome | None, known: Collection[str], rejected: Collection[str]) -> float:
+    """How far a situation is from breaking the unmutated drone in a new way.
+
+    The least robustness over the safety requirements that are not violated in a known way, and `REJECTED` for one that
+    is violated by chance.  With a known violation that is halved towards `WORST`: other situations come first.
+
+    Args:
+        baseline: outcome of the baseline; None without one.
+        known: requirements that it violates in a way that was found already.
+        rejected: requirements that it violates with this seed, and not with others.
+    """
+    least = WORST
+    for reading in baseline.readings if baseline is not None and not baseline.invalid else ():
+        rho = measured_rho(reading)
+        if reading.kind is not Kind.SAFETY or reading.open or rho is None or reading.requirement in known:
+            continue
+        least = min(least, REJECTED if reading.requirement in rejected else max(-WORST, rho))
+    return 0.5 * (WORST + least) if known else least
 
 
 def shown_by(mutant: Outcome | None, baseline: Outcome | None) -> tuple[str, ...]:

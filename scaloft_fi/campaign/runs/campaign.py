@@ -80,6 +80,10 @@ class Campaign:
         self.flown = 0
         self.repeats: list[Outcome] = []
 
+    def prepare(self) -> None:
+        """Prepare this process for flights; processes that are forked from it inherit that."""
+        self._workers.ready()
+
     def plan(self, flights: Iterable[Flight], *, canary: bool = False) -> None:
         """Record planned flights in the store."""
         self.store.plan(self._keys.planned(flight, canary=canary) for flight in flights)

@@ -18,7 +18,9 @@ from scaloft_fi.judge.flights import flights_of
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Requirement
 from scaloft_fi.judge.space import Space
+from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
 from scaloft_fi.views.flights.export import FlightRow, columns, export_rows
+from scaloft_fi.views.score.finds import next_find
 from scaloft_fi.views.score.verdict import next_command, verdict, why
 
 
@@ -35,6 +37,7 @@ class Dossier:
         spending: how the campaign spends alpha.
         sources: per file of the deviation matrix, by its path in the study, its text.
         grid_file: path of the grid's file in the study.
+        finds: of the study.
     """
 
     study: str
@@ -49,6 +52,7 @@ class Dossier:
     spending: Spending
     sources: Mapping[str, str]
     grid_file: str = "sim/situations.yaml"
+    finds: KnownFinds = NO_FINDS
 
     @cached_property
     def score(self) -> Score:
@@ -92,8 +96,12 @@ class Dossier:
         return why(mutant, self.score.lacking)
 
     def next_command(self, mutant: MutantScore) -> str:
-        """What to call next for a mutant that is undecided or not tested."""
-        return next_command(mutant, self.score.lacking, self.campaign, self.space.grid)
+        """What to call next for a mutant that is not detected."""
+        return next_command(mutant, self.score.lacking, self.campaign, self.space.grid, self.finds)
+
+    def find_told(self, mutant: MutantScore) -> str:
+        """`; next: ` and the command, where a search found a situation that shows a mutant; else empty."""
+        return f"; next: {self.next_command(mutant)}" if next_find(mutant, self.finds) else ""
 
     def shows(self, control: MutantScore) -> bool:
         """Whether a control shows itself by safety or operability.

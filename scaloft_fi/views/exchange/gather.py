@@ -32,4 +32,5 @@ def dossier(study: Study, campaign: str) -> Dossier:
         spending=spending,
         sources={path.relative_to(study.folder).as_posix(): read_text(path) for path in cells},
         grid_file=item.path.relative_to(study.folder).as_posix() if item else "",
+        finds=study.finds,
     )

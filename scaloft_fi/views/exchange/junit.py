@@ -1,8 +1,8 @@
 """The campaign as JUnit XML for CI: a test is a mutant, and passes when the mutant is detected.
 
 One that is not detected fails; one that is undecided or not tested is skipped with the reason and the command to call
-next; what the harness failed at is an error.  Controls have a suite of their own, in which those pass that show
-themselves by safety or operability.
+next; what the harness failed at is an error.  A failure has a command too where a search found a situation that shows
+the mutant.  Controls have a suite of their own, in which those pass that show themselves by safety or operability.
 """
 
 from __future__ import annotations
@@ -43,9 +43,8 @@ def _suite(dossier: Dossier, name: str, mutants: Sequence[MutantScore], kinds: S
     for mutant, kind in zip(mutants, kinds, strict=True):
         case = ET.SubElement(suite, "testcase", classname=line(f"scaloft-fi.{name}"), name=line(mutant.subject.id))
         if kind:
-            verdict = dossier.verdict(mutant)
-            message = f"{verdict}; next: {dossier.next_command(mutant)}" if kind == "skipped" else verdict
-            ET.SubElement(case, kind, message=line(message))
+            then = f"; next: {dossier.next_command(mutant)}" if kind == "skipped" else dossier.find_told(mutant)
+            ET.SubElement(case, kind, message=line(f"{dossier.verdict(mutant)}{then}"))
     suite.set("tests", str(len(mutants)))
     for count, kind in (("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):
         suite.set(count, str(kinds.count(kind)))

@@ -77,7 +77,7 @@ def _status(dossier: Dossier, mutant: MutantScore) -> str:
 
 
 def _reason(dossier: Dossier, mutant: MutantScore) -> str:
-    reason = dossier.verdict(mutant)
+    reason = dossier.verdict(mutant) + dossier.find_told(mutant)
     if dossier.roster.is_control(mutant.subject):
         return f"a control, in no ratio: {reason}"
     return reason if dossier.roster.counts(mutant.subject) else f"in no ratio, only its cell's default is: {reason}"

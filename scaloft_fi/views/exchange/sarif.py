@@ -46,7 +46,7 @@ def _result(dossier: Dossier, mutant: MutantScore, rule: int) -> dict[str, Any]:
         "ruleId": dossier.cell(mutant).name,
         "ruleIndex": rule,
         "level": "note" if mutant.verdict is Verdict.UNDECIDED else "warning",
-        "message": {"text": f"{mutant.subject.id} is {dossier.verdict(mutant)}."},
+        "message": {"text": f"{mutant.subject.id} is {dossier.verdict(mutant)}{dossier.find_told(mutant)}."},
         "locations": [
             {"physicalLocation": {"artifactLocation": {"uri": quote(name, errors="surrogateescape")}, "region": region}}
         ],

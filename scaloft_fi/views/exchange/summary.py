@@ -49,7 +49,7 @@ def _ratios(dossier: Dossier) -> Table:
 
 def _of(dossier: Dossier, verdict: Verdict) -> Table:
     """The mutants of a verdict, each with what it rests on."""
-    rows = tuple((mutant.subject.id, dossier.why(mutant)) for mutant in dossier.of(verdict))
+    rows = tuple((mutant.subject.id, dossier.why(mutant) + dossier.find_told(mutant)) for mutant in dossier.of(verdict))
     return Table(f"{len(rows)} {verdict.words}", ("mutant", "why"), rows)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from scaloft_fi.analysis.kills.survivor_case import Case
 from scaloft_fi.analysis.scoring.pool import State
+from scaloft_fi.sim.found import Find
 from scaloft_fi.views.score.commands import in_campaign
 from scaloft_fi.views.score.verdict import next_command, would_decide
 
@@ -119,6 +120,13 @@ def states_in_words(states: Mapping[State, int]) -> str:
     return (
         " and ".join(f"{state.value} in {count}" for state, count in present.items()) + f" situation{'s' * (last != 1)}"
     )
+
+
+def in_vain(case: Case, finds: Sequence[Find]) -> str:
+    """That finds were flown and did not show it; the study has changed since, or other situations drown them."""
+    names = listed(find.name for find in finds)
+    flown = f"{names} {'was' if len(finds) == 1 else 'were'} flown here with as many seeds"
+    return f"{flown}, and it is not detected all the same: `scaloft-fi seek {case.row.id}` seeks another situation."
 
 
 def situations(count: int) -> str:

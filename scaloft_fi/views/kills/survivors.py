@@ -9,7 +9,7 @@ matrix says of a cell; none knows a mutant by name.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from scaloft_fi.analysis.kills.background import Background
@@ -22,8 +22,10 @@ from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Requirement
 from scaloft_fi.judge.status import Status
+from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
 from scaloft_fi.views.kills import survivor_words as words
 from scaloft_fi.views.score.commands import DEFAULT, in_campaign
+from scaloft_fi.views.score.finds import facts, flies, flown_in_vain, next_find
 
 NEAR = 0.5
 """A flight that lost half its baseline's margin is a near miss: a somewhat larger fault may be detected."""
@@ -59,6 +61,8 @@ class Next(StrEnum):
     """What would make a survivor say something."""
 
     REPEAT = "repeat"
+    FIND = "find"
+    """The situation that a search found for it, which is to be flown."""
     POOL = "pool"
     """The baselines that are lacking to decide."""
     SEEDS = "seeds"
@@ -84,6 +88,7 @@ class Survivor:
         loss: where it lost most of a baseline's margin in a steady pair; None where it cannot be measured.
         off_path_m: how far it was off its baseline's path at the most, over flights that put it to the test and have a
             trajectory [m].
+        find: name of the find that is to be flown; empty without one.
     """
 
     mutant: str
@@ -93,6 +98,7 @@ class Survivor:
     why: str
     loss: Loss | None = None
     off_path_m: float = 0.0
+    find: str = ""
 
 
 def survivors(
@@ -102,6 +108,7 @@ def survivors(
     backgrounds: Mapping[str, Background],
     units: Mapping[str, str] | None = None,
     name: str = DEFAULT,
+    finds: KnownFinds = NO_FINDS,
 ) -> tuple[Survivor, ...]:
     """Every mutant that is not detected, by stage, then in the matrix's order; controls are left out.
 
@@ -112,10 +119,12 @@ def survivors(
         backgrounds: of every mutant in it.
         units: of the requirements' robustness, by name.
         name: of the campaign.
+        finds: of the study.
     """
     campaign = Campaign.of(outcomes, scored, matrix, backgrounds, units or {}, name)
     cases = [Case(campaign, row, backgrounds[row.id]) for row in matrix.mutants if row.verdict is not Verdict.DETECTED]
-    return tuple(sorted(map(_judge, cases), key=lambda survivor: list(Stage).index(survivor.stage)))
+    told = [_told(case, finds) for case in cases]
+    return tuple(sorted(told, key=lambda survivor: list(Stage).index(survivor.stage)))
 
 
 def short_units(requirements: Iterable[Requirement]) -> dict[str, str]:
@@ -126,6 +135,17 @@ def short_units(requirements: Iterable[Requirement]) -> dict[str, str]:
 def _say(case: Case, next_: Next, *sentences: str) -> Survivor:
     why = " ".join(sentence[:1].upper() + sentence[1:] for sentence in sentences if sentence)
     return Survivor(case.row.id, case.row.verdict, _STAGE[case.row.status], next_, why, case.loss, case.off_path_m)
+
+
+def _told(case: Case, finds: KnownFinds) -> Survivor:
+    """The survivor: its find is to be flown, or what its flights say."""
+    find = next_find(case.score, finds)
+    if find is not None:
+        command = flies(find, case.row.id, finds, case.campaign.name, case.campaign.space.grid)
+        return replace(_say(case, Next.FIND, facts(find, case.row.id), f"`{command}` flies it."), find=find.name)
+    survivor = _judge(case)
+    vain = flown_in_vain(case.score, finds)
+    return replace(survivor, why=f"{survivor.why} {words.in_vain(case, vain)}") if vain else survivor
 
 
 def _judge(case: Case) -> Survivor:

@@ -49,7 +49,7 @@ def analyses(evidence: Evidence, scored: Score, matrix: KillMatrix) -> dict[str,
         "orders": plain(orders(listed, matrix.space)),
         "suite": plain(minimal_suite(kills, [key for key, _ in matrix.space.situations])),
         "subsumption": plain(subsumption(kills)),
-        "survivors": plain(survivors(outcomes, scored, matrix, known, units, campaign)),
+        "survivors": plain(survivors(outcomes, scored, matrix, known, units, campaign, study.finds)),
     }
 
 

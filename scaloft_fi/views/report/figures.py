@@ -23,6 +23,7 @@ from scaloft_fi.views.report.accepted import accepted
 from scaloft_fi.views.report.analyses import analyses
 from scaloft_fi.views.report.bounds import bounds_of
 from scaloft_fi.views.report.evidence import Evidence
+from scaloft_fi.views.report.finds import found
 from scaloft_fi.views.report.karnaugh import folding
 from scaloft_fi.views.report.limits import limits
 from scaloft_fi.views.report.scenes import scenes
@@ -53,6 +54,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
     covered = coverage_of(rulings.baselines, rulings.draws, space)
     record = score_json(scored, covered, [])
     listed = (*record["mutants"], *record["controls"])
+    standing = scenes(study, sorted({outcome.situation for outcome in outcomes} & set(keys)))
     mutants = matrices.mutants(scored, kills, rulings, listed, roster, keys, by_severity(study.matrix, roster))
     return {
         "schema": SCHEMA,
@@ -65,7 +67,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "stale": evidence.stale,
         "owed": evidence.owed,
         "fingerprint": dict(evidence.fingerprint or {}),
-        "answers": plain(answers(scored, roster, evidence.campaign)),
+        "answers": plain(answers(scored, roster, evidence.campaign, study.finds, space.grid)),
         "besides": [
             {"name": "Situations", "text": coverage_line(covered)},
             {"name": "Unmutated drone", "text": baseline_line(scored.pool)},
@@ -97,7 +99,8 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         **analyses(evidence, scored, kills),
         "far": FAR,
         "endings": {ending.value: ending.sentence for ending in Ending},
-        "scenes": scenes(study, sorted({outcome.situation for outcome in outcomes} & set(keys))),
+        "scenes": standing,
+        "found": found(study, evidence.campaign, outcomes, standing["mines"]),
     }
 
 

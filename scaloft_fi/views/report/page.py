@@ -36,6 +36,7 @@ SCRIPTS = (
     "margins.js",
     "cell.js",
     "follows.js",
+    "found.js",
     "sections.js",
     "main.js",
 )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from scaloft_fi.views.pictures.scene import scene_of
 
 if TYPE_CHECKING:
+    from scaloft_fi.sim.world import World
     from scaloft_fi.study import Study
 
 DIGITS = 2
@@ -15,27 +16,30 @@ DIGITS = 2
 
 
 def scenes(study: Study, situations: Iterable[str]) -> dict[str, Any]:
-    """The mines, each once, and by situation its mine, bodies, waypoints and home [m, world].
+    """The mines, each once, and by situation its scene.
 
     Raises:
         InputError: the values of a situation do not go together.
     """
     mines: list[dict[str, Any]] = []
-    by: dict[str, Any] = {}
-    for key in situations:
-        scene = scene_of(study.grid.world(study.grid.situation(key)))
-        floor = [_outline(ring) for ring in scene.floor]
-        # a closed floor draws its own walls
-        mine = {"floor": floor, "walls": [] if floor else [_outline(segment) for segment in scene.walls]}
-        if mine not in mines:
-            mines.append(mine)
-        by[key] = {
-            "mine": mines.index(mine),
-            "bodies": [[body.kind, _outline(body.outline), _outline(body.path)] for body in scene.bodies],
-            "waypoints": _outline(scene.waypoints),
-            "home": _rounded(scene.home),
-        }
+    by = {key: scene(study.grid.world(study.grid.situation(key)), mines) for key in situations}
     return {"mines": mines, "situations": by}
+
+
+def scene(world: World, mines: list[dict[str, Any]]) -> dict[str, Any]:
+    """The place of a world's mine in `mines`, to which it is added, and bodies, waypoints and home [m, world]."""
+    seen = scene_of(world)
+    floor = [_outline(ring) for ring in seen.floor]
+    # a closed floor draws its own walls
+    mine = {"floor": floor, "walls": [] if floor else [_outline(segment) for segment in seen.walls]}
+    if mine not in mines:
+        mines.append(mine)
+    return {
+        "mine": mines.index(mine),
+        "bodies": [[body.kind, _outline(body.outline), _outline(body.path)] for body in seen.bodies],
+        "waypoints": _outline(seen.waypoints),
+        "home": _rounded(seen.home),
+    }
 
 
 def _outline(points: Iterable[tuple[float, float]]) -> list[list[float]]:

@@ -6,7 +6,7 @@ from typing import Any
 
 from scaloft_fi.analysis.plain import by_field
 from scaloft_fi.campaign.runs.seeking.seek import SeekReport
-from scaloft_fi.sim.found import Find
+from scaloft_fi.views.score.finds import words
 from scaloft_fi.views.tables.table import Table
 
 
@@ -15,7 +15,7 @@ def seek_tables(report: SeekReport, own: str) -> tuple[Table, Table]:
     rows = tuple(
         (
             mutant,
-            f"{evidence.requirement}" + f", strikes {evidence.struck}" * bool(evidence.struck),
+            evidence.requirement + f", strikes {evidence.struck}" * bool(evidence.struck),
             f"{evidence.violated}/{evidence.flights}",
             f"{evidence.p:.2g}",
             f"{evidence.held}/{evidence.baselines}",
@@ -56,8 +56,3 @@ def seek_tables(report: SeekReport, own: str) -> tuple[Table, Table]:
 def seek_json(report: SeekReport) -> dict[str, Any]:
     """Plain JSON values."""
     return by_field(report)
-
-
-def words(find: Find) -> str:
-    """The situation in words."""
-    return ", ".join(find.words) or "every value benign"

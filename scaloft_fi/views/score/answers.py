@@ -12,7 +12,9 @@ from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.pool import LEAST
 from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
 from scaloft_fi.views.score.commands import command, in_campaign
+from scaloft_fi.views.score.finds import effect, flies, next_find, words
 
 SHOWN, NOT_SHOWN, HOW_SURE, NEXT = NAMES = ("Shown", "Not shown", "How sure", "What next")
 
@@ -32,25 +34,33 @@ class Asked(NamedTuple):
         faults: the mutants that the answers count.
         campaign: its name.
         defaults: ids of the mutants that `run` flies when none is named.
+        finds: of the study.
+        grid: name of the campaign's grid, where that is a further grid of the study.
     """
 
     scored: Score
     faults: Sequence[MutantScore]
     campaign: str
     defaults: Collection[str]
+    finds: KnownFinds
+    grid: str
 
 
-def answers(scored: Score, roster: Roster, campaign: str = "default") -> tuple[Answer, ...]:
+def answers(
+    scored: Score, roster: Roster, campaign: str = "default", finds: KnownFinds = NO_FINDS, grid: str = ""
+) -> tuple[Answer, ...]:
     """The four answers.
 
     Args:
         scored: the campaign's score.
         roster: which mutants count: the default of each credible cell; where none was flown, all do.
         campaign: its name, for the commands.
+        finds: of the study.
+        grid: name of the campaign's grid, where that is a further grid of the study.
     """
     faults = scored.counted or [mutant for mutant in scored.mutants if mutant.flown]
     sentences = (_shown, _not_shown, _how_sure, _next) if scored.pooled else (_seen, _unknown, _not_sure, _next)
-    asked = Asked(scored, faults, campaign, frozenset(roster.defaults.values()))
+    asked = Asked(scored, faults, campaign, frozenset(roster.defaults.values()), finds, grid)
     return tuple(Answer(name, answer(asked)) for name, answer in zip(NAMES, sentences, strict=True))
 
 
@@ -119,6 +129,8 @@ def _next(asked: Asked) -> str:
         flies = command(asked.campaign, asked.faults, seeds, asked.defaults)
         count = len(asked.scored.lacking)
         return f"`{flies}` flies the baseline pool that is missing in {count} situation{'s' * (count != 1)}."
+    if found := _found(asked):
+        return found
     undecided = [mutant for mutant in asked.faults if mutant.verdict is Verdict.UNDECIDED]
     looks = [mutant for mutant in undecided if mutant.safety.needed and not mutant.safety.anew]
     if looks:
@@ -135,6 +147,21 @@ def _next(asked: Asked) -> str:
             f"`scaloft-fi margin{where} {asked.faults[0].subject.id}` finds the smallest magnitude that is still shown."
         )
     return "`scaloft-fi run --mutant ID` flies a mutant; `scaloft-fi mutants` lists them."
+
+
+def _found(asked: Asked) -> str:
+    """The command that flies the find of the first fault that has one; empty where none has."""
+    finds = [(mutant.subject.id, find) for mutant in asked.faults if (find := next_find(mutant, asked.finds))]
+    if not finds:
+        return ""
+    (mutant, find), *others = finds
+    flown = f"`{flies(find, mutant, asked.finds, asked.campaign, asked.grid)}`"
+    shows = f"{flown} flies the situation that a search found for it: {words(find)} ({effect(find.shows[mutant])})."
+    if not others:
+        return shows
+    survivors = f"`scaloft-fi kills{in_campaign(asked.campaign)} --show survivors`"
+    more = "1 more fault has a find" if len(others) == 1 else f"{len(others)} more faults have a find"
+    return f"{shows}  {more}: {survivors}."
 
 
 def _of(ratio: Ratio) -> str:

@@ -21,7 +21,9 @@ from scaloft_fi.inert import line
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Status
+from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
 from scaloft_fi.views.score.answers import Answer, answers
+from scaloft_fi.views.score.finds import next_find
 from scaloft_fi.views.tables.table import WIDTH, Format, Table, render
 
 MANY, SHOWN = 12, 10
@@ -44,6 +46,12 @@ LEGEND = (
     "first: earliest such violation [s from take-off].",
     "next: seeds that decide (`run --mutant ID --seeds N`; anew: its own campaign); detected: `margin`.",
 )
+ITS_FIND = "fly its find"
+WITH_FIND = (
+    *LEGEND[:-1],
+    "next: `run --mutant ID --seeds N` (anew: its own campaign); find: `kills ID --show survivors`.",
+)
+"""The legend where a row tells of a find."""
 _STOPPED = {
     Status.INVALID: "the harness failed",
     Status.NOT_REACHED: "its seam carries nothing",
@@ -63,6 +71,7 @@ def first_screen(
     background: Callable[[str], Background | None],
     *,
     campaign: str = "default",
+    finds: KnownFinds = NO_FINDS,
     whole: bool = False,
 ) -> tuple[Table, ...]:
     """The screen as tables: the answers, a table a group, and the two lines.
@@ -74,9 +83,10 @@ def first_screen(
         covered: its situation coverage.
         background: of the mutant with an id; None where nothing is known of it.
         campaign: its name, for the commands.
+        finds: of the study.
         whole: whether groups are shown to their ends.
     """
-    replies = answers(scored, roster, campaign)
+    replies = answers(scored, roster, campaign, finds, space.grid)
     lines = (Answer("Situations", coverage_line(covered)), Answer("Unmutated drone", baseline_line(scored.pool)))
     counted = Counter(mutant.verdict for mutant in scored.counted)
     groups = []
@@ -85,7 +95,7 @@ def first_screen(
         if verdict is Verdict.DETECTED:
             members.sort(key=lambda mutant: -len(mutant.killing))
         shown = _shown(members, whole=whole)
-        facts = [_facts(mutant, space, background(mutant.subject.id)) for mutant in shown]
+        facts = [_facts(mutant, space, background(mutant.subject.id), finds) for mutant in shown]
         rows = [(one["mutant"], *(one[column] for column in COLUMNS[verdict])) for one in facts]
         title = f"{verdict.words.capitalize()}: {len(members)}"
         if counted[verdict] != len(members):
@@ -96,7 +106,8 @@ def first_screen(
     groups.append(_group(title, CONTROL_COLUMNS, controls, len(scored.controls)))
     groups = [group for group in groups if group.rows]
     if groups:
-        groups[-1] = replace(groups[-1], notes=(*groups[-1].notes, "", *LEGEND))
+        found = any(row[-1] == ITS_FIND for group in groups for row in group.rows)
+        groups[-1] = replace(groups[-1], notes=(*groups[-1].notes, "", *(WITH_FIND if found else LEGEND)))
     return (Table(TITLE, ("question", "answer"), tuple(replies)), *groups, Table("Besides", ("what", "finding"), lines))
 
 
@@ -157,7 +168,7 @@ def _group(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...]], 
     return Table(title, ("mutant", *columns), tuple(rows), notes)
 
 
-def _facts(mutant: MutantScore, space: Space, background: Background | None) -> dict[str, str]:
+def _facts(mutant: MutantScore, space: Space, background: Background | None, finds: KnownFinds) -> dict[str, str]:
     where = mutant.condition(space)
     seen = Counter(name for result in mutant.results for name in result.seen)
     return {
@@ -170,7 +181,7 @@ def _facts(mutant: MutantScore, space: Space, background: Background | None) -> 
         "where": where if len(where) <= WIDEST else "mixed",
         "first": f"{mutant.first.t_s:.1f}" if mutant.first else "",
         "effect": effect(mutant),
-        "next": _next(mutant, background),
+        "next": ITS_FIND if next_find(mutant, finds) else _next(mutant, background),
     }
 
 

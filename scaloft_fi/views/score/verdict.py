@@ -8,7 +8,9 @@ from scaloft_fi.analysis.scoring.detection import LARGER, Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.pool import LEAST
 from scaloft_fi.judge.status import Status
+from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
 from scaloft_fi.views.score.commands import command, in_campaign
+from scaloft_fi.views.score.finds import flies, next_find
 
 NO_POOL = (
     f"no situation in which a mutant changes a sample has {LEAST} baseline flights to decide by; `scaloft-fi run` with "
@@ -50,15 +52,21 @@ def would_decide(mutant: MutantScore, lacking: Collection[str]) -> str:
     return f"{safety.needed} seeds" + (" in a campaign of its own" if safety.anew else "")
 
 
-def next_command(mutant: MutantScore, lacking: Collection[str], campaign: str, grid: str = "") -> str:
-    """What to call next for an undecided mutant or one that was not tested: what would decide, else what is known.
+def next_command(
+    mutant: MutantScore, lacking: Collection[str], campaign: str, grid: str = "", finds: KnownFinds = NO_FINDS
+) -> str:
+    """What to call next for a mutant that is not detected: its find, else what would decide, else what is known.
 
     Args:
         mutant: the mutant.
         lacking: situations without a baseline pool.
         campaign: name of the campaign.
         grid: name of its grid, where that is a further grid of the study.
+        finds: of the study.
     """
+    find = next_find(mutant, finds)
+    if find is not None:
+        return flies(find, mutant.subject.id, finds, campaign, grid)
     safety, seeds = mutant.safety, max((result.flown for result in mutant.results), default=1)
     if mutant.verdict is Verdict.UNDECIDED and lacks_pool(mutant, lacking):
         return command(campaign, [mutant], seeds)

@@ -24,7 +24,10 @@ from scaloft_fi.hazop.worksheet import record
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.derive import default_of
+from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
 from scaloft_fi.views.dispositions import acceptance
+from scaloft_fi.views.score.commands import DEFAULT
+from scaloft_fi.views.score.finds import effect, flies, next_find, words
 from scaloft_fi.views.score.verdict import NO_POOL, would_decide
 from scaloft_fi.views.worksheet.margin_text import UNKNOWN
 from scaloft_fi.views.worksheet.margins import cell_margins
@@ -87,7 +90,11 @@ FINDINGS = (
     Column("killing", "Situations with a kill", "their keys", width=30),
     Column("stopped_at", "Stopped at", "stage reached in situations without a kill, with situations", width=26),
     Column("disposition", "Disposition", "of a survivor that somebody accepted", short=True, width=30),
+    Column("find", "Find", "a situation that a search found, which shows the survivor", short=True, width=30),
+    Column("flies_find", "Flies it", "the command that flies the find", short=True, width=40),
 )
+FOUND = ("find", "flies_find")
+"""The columns that a page leaves out where no survivor has a find."""
 TEAM = (
     Column("safeguards", "Existing safeguards", "for the team", width=24),
     Column("severity", "Severity", "for the team, by its own matrix", width=10),
@@ -121,6 +128,8 @@ def worksheet(
     scored: Score,
     space: Space,
     dispositions: Sequence[Disposition] = (),
+    finds: KnownFinds = NO_FINDS,
+    campaign: str = DEFAULT,
 ) -> tuple[SheetRow, ...]:
     """The sheet, in the order of the matrix: credible cells, controls, and those that are not meaningful.
 
@@ -130,6 +139,8 @@ def worksheet(
         scored: the same, scored.
         space: the grid.
         dispositions: of the study.
+        finds: of the study.
+        campaign: name of the campaign, for commands.
     """
     flown = {mutant.subject.id: mutant for mutant in (*scored.mutants, *scored.controls)}
     margins = cell_margins(outcomes, scored, matrix)
@@ -147,7 +158,8 @@ def worksheet(
             if cell.status is CellStatus.CREDIBLE and margins[cell.name] != UNKNOWN:
                 values |= {"margin": margins[cell.name]}
             values |= {"disposition": acceptance(accepted[mutant])} if mutant in accepted else {}
-            values |= _of_flights(score, space, scored.lacking) if score else {}
+            if score:
+                values |= _of_flights(score, space, scored.lacking) | _of_find(score, finds, campaign, space.grid)
         rows.append(SheetRow(cell, values, score))
     return tuple(rows)
 
@@ -186,6 +198,16 @@ def _of_flights(score: MutantScore, space: Space, lacking: Collection[str]) -> d
     }
 
 
+def _of_find(score: MutantScore, finds: KnownFinds, campaign: str, grid: str) -> dict[str, SheetValue]:
+    find, mutant = next_find(score, finds), score.subject.id
+    if find is None:
+        return {}
+    return {
+        "find": f"{find.name}: {words(find)} ({effect(find.shows[mutant])})",
+        "flies_find": flies(find, mutant, finds, campaign, grid),
+    }
+
+
 def _p(score: MutantScore) -> Mapping[str, float]:
     """Nothing of a mutant that was not put to the test: there is nothing to explain."""
     return score.safety.p if score.tested else {}
@@ -219,7 +241,7 @@ def _record(row: SheetRow) -> dict[str, Any]:
             "requirements": plain(dict(score.requirements)),
             "killing": list(score.killing),
         }
-    besides = {key: values[key] for key in ("node", "design_intent", "margin", "disposition")}
+    besides = {key: values[key] for key in ("node", "design_intent", "margin", "disposition", *FOUND)}
     return {**record(row.cell), **besides, "results": results, "team": {column.key: None for column in TEAM}}
 
 

@@ -11,11 +11,12 @@ from scaloft_fi.hazop.cell import CellStatus
 from scaloft_fi.inert import line
 from scaloft_fi.views.tables.literal import latex, markdown
 from scaloft_fi.views.tables.table import Format, Table, csv_text, render
-from scaloft_fi.views.worksheet.worksheet import COLUMNS, Column, SheetRow, SheetValue, population
+from scaloft_fi.views.worksheet.worksheet import COLUMNS, FOUND, Column, SheetRow, SheetValue, population
 
 TITLE, LOG_TITLE = "HAZOP worksheet", "Deviations not credible"
 LOG_KEYS = ("cell", "parameter", "rationale")
 IN_TERMINAL = ("cell", "verdict", "operability", "kill_rate", "margin", "where", "disposition")
+FINDS_TITLE, FINDS_KEYS = "Finds for survivors", ("cell", *FOUND)
 LATEX_NOTE = (
     "% needs longtable, booktabs, array, pdflscape\n"
     "% letters that are not Latin need XeLaTeX or LuaLaTeX, with a font that has them"
@@ -35,16 +36,23 @@ def columns(keys: Sequence[str] = ()) -> list[Column]:
     return [column for column in COLUMNS if (column.key in keys if keys else column.short)]
 
 
+def filled(shown: Sequence[Column], rows: Sequence[SheetRow]) -> list[Column]:
+    """The columns without those of finds where no row has one."""
+    return [column for column in shown if column.key not in FOUND or any(row.values[column.key] for row in rows)]
+
+
 def value_text(value: SheetValue) -> str:
     """A value in a cell; nothing where there is none."""
     return "" if value is None else str(value)
 
 
 def to_text(rows: Sequence[SheetRow]) -> str:
-    """For a terminal: the findings of each deviation, then the log."""
+    """For a terminal: the findings of each deviation, the finds where there are any, then the log."""
     sheet, log = parts(rows)
+    found = [row for row in sheet if row.values["find"]]
     tables = (
         _table(TITLE, columns(IN_TERMINAL), sheet, (population(rows), "Every column: --format csv or xlsx.")),
+        *([_table(FINDS_TITLE, columns(FINDS_KEYS), found)] if found else []),
         _table(LOG_TITLE, columns(LOG_KEYS), log),
     )
     return render(tables, Format.TABLE)
@@ -61,7 +69,7 @@ def to_markdown(rows: Sequence[SheetRow]) -> str:
     return "\n".join(
         [
             f"### {TITLE}\n",
-            *_piped(columns(), sheet),
+            *_piped(filled(columns(), sheet), sheet),
             f"\n{markdown(population(rows))}\n",
             f"### {LOG_TITLE}\n",
             *_piped(columns(LOG_KEYS), log),
@@ -80,7 +88,7 @@ def to_latex(rows: Sequence[SheetRow]) -> str:
     """A fragment with two long tables on landscape pages, header rows repeated."""
     sheet, log = parts(rows)
     tables = [
-        _longtable(TITLE, columns(), sheet),
+        _longtable(TITLE, filled(columns(), sheet), sheet),
         latex(population(rows)),
         _longtable(LOG_TITLE, columns(LOG_KEYS), log),
     ]

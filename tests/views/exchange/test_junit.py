@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from builders import outcome, pool
 from dossiers import dossier, dossiers
+from finding import flies, found, known
 from hypothesis import given, settings
 from junitparser import Error, Failure, JUnitXml, Skipped
 
@@ -57,6 +58,15 @@ def test_what_is_skipped_names_the_reason_and_the_next_command() -> None:
     (skipped,) = case.result
     assert skipped.message.startswith("undecided: it violates SR2 in 1 of 1 situation that tests it")
     assert "; next: scaloft-fi run --campaign " in skipped.message
+
+
+def test_a_find_is_told_beside_a_failure_and_instead_of_seeds() -> None:
+    late, no = "LATE-human@3s", "NO-human@100%"
+    flights = [*pool(HERE), *(outcome(late, HERE, seed) for seed in range(3)), outcome(no, HERE)]
+    text = junit(dossier(flights, known(found(late), found(no))))
+    results = {case.name: case.result[0] for suite in JUnitXml.fromstring(text.encode()) for case in suite}
+    assert {id_: type(result) for id_, result in results.items()} == {late: Failure, no: Skipped}
+    assert all(result.message.endswith(f"; next: {flies(id_)}") for id_, result in results.items())
 
 
 def test_a_control_that_is_detected_by_operability_alone_passes() -> None:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 from builders import GRID, ROSTER, campaigns, outcome, pool, seeded, thrice
+from finding import flies, found, known
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -16,6 +17,7 @@ from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.track import TRACK_COLUMNS, pack_track
+from scaloft_fi.sim.found import Find
 from scaloft_fi.study import Study
 from scaloft_fi.views.kills.survivors import Next, Stage, Survivor, survivors
 
@@ -149,6 +151,30 @@ def test_what_no_number_of_seeds_would_decide_asks_for_a_situation() -> None:
     found = told([*clean, *rare])
     assert (found.verdict, found.next) == (Verdict.UNDECIDED, Next.SITUATION)
     assert "At that rate no number of seeds up to 50 would decide: add a situation" in found.why
+
+
+def with_finds(flights: list[Outcome], *finds: Find) -> Survivor:
+    scored = score(flights, ROSTER, GRID)
+    known_ = {flight.mutant: LATE_FAULT for flight in flights}
+    (survivor,) = survivors(flights, scored, kill_matrix(scored, ROSTER, GRID), known_, {}, "mine", known(*finds))
+    return survivor
+
+
+def test_where_a_search_found_a_situation_that_is_to_be_flown_next() -> None:
+    for flights in (thrice(LATE, HUMAN), [outcome(LATE, HUMAN)], [outcome(LATE, HUMAN, altered=0)]):
+        survivor = with_finds([*POOL, *flights], found(LATE, struck="person"))
+        assert (survivor.next, survivor.find) == (Next.FIND, f"shows-{LATE}")
+        assert survivor.why.startswith(f"A search found a situation that shows it, shows-{LATE} (human walks, cruise")
+        assert survivor.why.endswith(f" `{flies(LATE)}` flies it.")
+    assert with_finds([*POOL, *thrice(LATE, HUMAN)], found(NO)).next is Next.MAGNITUDE
+
+
+def test_a_find_that_was_flown_in_vain_is_told_and_another_one_sought() -> None:
+    flights = [*POOL, *(outcome(LATE, HUMAN, seed) for seed in range(6))]
+    survivor = with_finds(flights, found(LATE, HUMAN))
+    assert (survivor.next, survivor.find) == (Next.MAGNITUDE, "")
+    vain = f"shows-{LATE} was flown here with as many seeds, and it is not detected all the same"
+    assert survivor.why.endswith(f"{vain}: `scaloft-fi seek {LATE}` seeks another situation.")
 
 
 def test_a_masked_fault_asks_for_a_larger_one_and_at_the_ladders_end_for_a_situation() -> None:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import pytest
 from builders import GRID, ROSTER, campaigns, outcome, pool, seeded
+from finding import flies, found, known
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -12,7 +13,7 @@ from scaloft_fi.analysis.situations.coverage import coverage
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.views.score.answers import NAMES, answers
 from scaloft_fi.views.score.commands import MOST_NAMED, command
-from scaloft_fi.views.score.first_screen import LEGEND, MANY, SHOWN, first_screen, screen_text
+from scaloft_fi.views.score.first_screen import LEGEND, MANY, SHOWN, WITH_FIND, first_screen, screen_text
 from scaloft_fi.views.tables.table import WIDTH, Table
 
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
@@ -127,9 +128,33 @@ def test_the_last_lines_tell_coverage_and_the_unmutated_drone() -> None:
     assert last.rows[1][1] == "of 4 situations with a pool it holds steadily SR1 in 4, SR2 in 3 (1 vacuous)."
 
 
+def test_a_fault_with_a_find_is_told_to_fly_it_in_its_row_and_what_next_gives_the_command() -> None:
+    finds = known(found(GOAL, struck="person"), found(NO))
+    tables = first_screen(
+        score(CAMPAIGN, ROSTER, GRID), ROSTER, GRID, coverage(CAMPAIGN, GRID), lambda _: None, finds=finds
+    )
+    rows = {row[0]: row[-1] for table in tables for row in table.rows}
+    assert (rows[GOAL], rows[NO]) == ("fly its find", "fly its find")
+    assert set(WITH_FIND) <= set(screen_text(tables).splitlines())
+    told_ = f"`{flies(NO)}` flies the situation that a search found for it: human walks, cruise speed 0.8 m/s (violates"
+    assert tables[0].rows[-1][1] == f"{told_} SR2).  1 more fault has a find: `scaloft-fi kills --show survivors`."
+    (alone,) = [
+        answer.text
+        for answer in answers(score(CAMPAIGN, ROSTER, GRID), ROSTER, "mine", known(found(GOAL, struck="person")))
+        if answer.name == "What next"
+    ]
+    assert alone.endswith("human walks, cruise speed 0.8 m/s (violates SR2 and strikes person).")
+
+
+def test_a_pool_that_is_missing_comes_before_finds() -> None:
+    few = [one for one in CAMPAIGN if one.mutant != BASELINE or one.seed == 0]
+    said = answers(score(few, ROSTER, GRID), ROSTER, "default", known(found(GOAL)))[-1].text
+    assert "flies the baseline pool" in said
+
+
 def test_the_legend_has_at_most_five_lines() -> None:
-    assert len(LEGEND) <= 5
-    assert all(len(line) <= WIDTH for line in LEGEND)
+    assert len(LEGEND) == len(WITH_FIND) <= 5
+    assert all(len(line) <= WIDTH for line in (*LEGEND, *WITH_FIND))
     assert all(line in screen_text(screen(CAMPAIGN)).splitlines() for line in LEGEND)
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 from builders import GRID, ROSTER, campaigns, outcome, pool, seeded
+from finding import flies, found, known
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -122,6 +123,13 @@ def test_the_next_command_flies_what_would_decide_with_the_seeds_that_were_asked
     another = own.replace("mine", "ANOTHER")
     assert called(*pool(HERE), *flown(seeds=10, violating=4)) == f"{another} --seeds 20"
     assert called(*pool(HERE), *flown(altered=0)) == "scaloft-fi kills --campaign mine LATE-human@3s --show survivors"
+
+
+def test_the_find_of_a_mutant_is_the_next_command_before_any_seeds() -> None:
+    for flights in (flown(seeds=1), flown(altered=0)):
+        found_ = scored(*pool(HERE), *flights)
+        said = next_command(found_.mutants[0], found_.lacking, "mine", "", known(found("LATE-human@3s")))
+        assert said == flies("LATE-human@3s")
 
 
 @settings(deadline=None, max_examples=50)

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from builders import GRID, campaigns, outcome, pool, seeded
+from finding import flies, found, known
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from openpyxl import load_workbook
@@ -137,6 +138,35 @@ def test_an_accepted_survivor_stands_with_owner_day_and_reason() -> None:
     accepted = Disposition("NO-human@100%", "A. Engineer", "cannot happen", date(2027, 1, 31))
     values = named(rows(FLOWN, dispositions=(accepted,)), "NO-human").values
     assert values["disposition"] == "accepted by A. Engineer until 2027-01-31: cannot happen"
+
+
+def test_a_survivor_with_a_find_names_it_and_the_command_that_flies_it_in_every_format() -> None:
+    survivor, finds = "NO-human@100%", known(found("NO-human@100%", struck="person"), found("LATE-human@3s"))
+    flown = [*FLOWN, *(outcome(survivor, HUMAN, seed) for seed in SEEDS)]
+    told = worksheet(MATRIX, flown, score(flown, ROSTER, GRID), GRID, (), finds, "mine")
+    said = "shows-NO-human@100%: human walks, cruise speed 0.8 m/s (violates SR2 and strikes person)"
+    values = named(told, "NO-human").values
+    assert (values["find"], values["flies_find"]) == (said, flies(survivor))
+    assert named(told, "LATE-human").values["find"] is None, "it is detected"
+    (line_,) = [line for line in to_markdown(told).splitlines() if line.startswith("| NO-human ")]
+    assert markdown(said) in line_
+    assert markdown(flies(survivor)) in line_
+    assert latex(flies(survivor)) in to_latex(told)
+    (from_csv,) = [entry for entry in read_csv(told) if entry["cell"] == "NO-human"]
+    assert (from_csv["find"], from_csv["flies_find"]) == (said, flies(survivor))
+    (record,) = [entry for entry in to_records(told) if entry["cell"] == "NO-human"]
+    assert (record["find"], record["flies_find"]) == (said, flies(survivor))
+    texts = [cell.value for line in load_workbook(io.BytesIO(to_xlsx(told))).active.iter_rows() for cell in line]
+    assert {said, flies(survivor)} <= set(texts)
+    terminal = " ".join(to_text(told).partition("Finds for survivors")[2].partition("Deviations not")[0].split())
+    assert all(word in terminal for word in flies(survivor).split())
+
+
+def test_pages_have_no_columns_for_finds_where_there_are_none() -> None:
+    found_ = rows(FLOWN)
+    for text in (to_text(found_), to_markdown(found_), to_latex(found_)):
+        assert "Flies it" not in text
+    assert "flies_find" in read_csv(found_)[0]
 
 
 def test_deviations_that_are_not_credible_are_in_a_log_with_their_reason() -> None:

@@ -1,31 +1,41 @@
-"""Write `sim/found.yaml`: the finds of a search, beside those that earlier searches found for other mutants."""
+"""Write `sim/found.yaml`: what a search found, beside what earlier searches found."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
+from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import yaml
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import PLACEBO
 from scaloft_fi.output import write_whole
-from scaloft_fi.sim.found import FILE, Find, Finds, read_finds
+from scaloft_fi.sim.found import FILE, Break, Find, Finds, read_finds
+
+if TYPE_CHECKING:
+    from scaloft_fi.sim.grid import Grid
+    from scaloft_fi.sim.situation import Situation
 
 HEADER = """\
-# Situations that `scaloft-fi seek` found.  Each shows mutants that the study's own grid does not detect: the mutant
-# violates a safety requirement there that the unmutated drone holds.  Evidence: flights with the seeds 0, 1, ..., which
-# the search never flew, by the score's own test.  `scaloft-fi run --grid NAME+found` flies them, NAME being the study's
-# own grid.  They were chosen because of verdicts: a score that uses them is called selected.
+# Situations that `scaloft-fi seek` found, named for the grid that was searched.
+#
+# finds: each shows mutants that the study's own grid does not detect: the mutant violates a safety requirement there
+# that the unmutated drone holds.  Evidence: flights with the seeds 0, 1, ..., which the search never flew, by the
+# score's own test.  `scaloft-fi run --grid NAME+found` flies them, NAME being the study's own grid.  They were chosen
+# because of verdicts: a score that uses them is called selected.
+#
+# breaks: in each the unmutated drone violates a safety requirement in most of its flights with the seeds 0, 1, ...
+# They put no mutant to the test, so NAME+found leaves them out.
 """
 DIGITS = 4
 """Significant digits of numbers."""
 
 
 def saver(folder: Path, grid: str) -> Callable[[Sequence[Find]], None]:
-    """Returns a function that writes the finds of a search over `grid`.
+    """Returns a function that writes the situations that show mutants, found by a search over `grid`.
 
     Finds of earlier searches stay, but for those of the same names.
 
@@ -36,29 +46,60 @@ def saver(folder: Path, grid: str) -> Callable[[Sequence[Find]], None]:
     Raises:
         InputError: the file that is there cannot be read, or has finds of another grid.
     """
-    before = read_finds(folder)
-    if before is not None and before.grid != grid:
-        sentence = f"{folder / FILE}: grid={before.grid!r} must be {grid!r}, the grid that is searched"
-        raise InputError(f"{sentence}; move the file away to begin another one")
-    earlier = before.finds if before is not None else ()
+    earlier = _earlier(folder, grid)
 
     def save(finds: Sequence[Find]) -> None:
-        finds = [find for find in finds if find.mutant != PLACEBO]  # a false find is told, and flown by nobody
-        names = {find.name for find in finds}
-        kept = [find for find in earlier if find.name not in names]
-        content = text(Finds(grid, tuple(sorted((*kept, *finds), key=lambda find: find.name))))
-        path = folder / FILE
-        try:
-            write_whole(path, content.encode())
-        except OSError as error:
-            raise InputError(f"{path}: cannot be written: {error.strerror}") from error
+        told = [find for find in finds if find.mutant != PLACEBO]  # a false find is told, and flown by nobody
+        _write(folder, replace(earlier, finds=_merged(earlier.finds, told)))
 
     return save
 
 
+def break_saver(folder: Path, grid: str) -> Callable[[Sequence[Break]], None]:
+    """Returns a function that writes the situations that break the unmutated drone; all else is as for `saver`."""
+    earlier = _earlier(folder, grid)
+    return lambda breaks: _write(folder, replace(earlier, breaks=_merged(earlier.breaks, breaks)))
+
+
+def _earlier(folder: Path, grid: str) -> Finds:
+    earlier = read_finds(folder) or Finds(grid, ())
+    if earlier.grid != grid:
+        sentence = f"{folder / FILE}: grid={earlier.grid!r} must be {grid!r}, the grid that is searched"
+        raise InputError(f"{sentence}; move the file away to begin another one")
+    return earlier
+
+
+def _write(folder: Path, finds: Finds) -> None:
+    path = folder / FILE
+    try:
+        write_whole(path, text(finds).encode())
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror}") from error
+
+
+_Named = TypeVar("_Named", Find, Break)
+
+
+def _merged(earlier: Sequence[_Named], newer: Sequence[_Named]) -> tuple[_Named, ...]:
+    """All of them in the order of their names."""
+    by_name = {one.name: one for one in chain(earlier, newer)}
+    return tuple(by_name[name] for name in sorted(by_name))
+
+
+def words_of(situation: Situation, grid: Grid) -> tuple[str, ...]:
+    """The values of a situation that are not benign, in words."""
+    numbers = dict(situation.numbers)
+    values = grid.values(situation).items()
+    return tuple(value.title for axis, value in values if axis in numbers or value.id != 0)
+
+
 def text(finds: Finds) -> str:
     """The content of the file."""
-    plain = {"grid": finds.grid, "finds": {find.name: _plain(find) for find in finds.finds}}
+    plain = {
+        "grid": finds.grid,
+        "finds": {find.name: _plain(find) for find in finds.finds},
+        "breaks": {one.name: _broken(one) for one in finds.breaks},
+    }
     dumped: str = yaml.safe_dump(plain, sort_keys=False, allow_unicode=False, width=110)
     return f"{HEADER}\n{dumped}"
 
@@ -72,6 +113,11 @@ def _plain(find: Find) -> dict[str, Any]:
         "seed": find.seed,
         "shows": shows,
     }
+
+
+def _broken(one: Break) -> dict[str, Any]:
+    values = asdict(one) | {"words": list(one.words), "place": [float(f"{metres:.3f}") for metres in one.place]}
+    return {key: value for key, value in _short(values).items() if key != "name"}
 
 
 def _short(values: dict[str, Any]) -> dict[str, Any]:

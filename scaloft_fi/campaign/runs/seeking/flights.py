@@ -76,19 +76,20 @@ class SearchFlights:
         allowance: the budget.
 
     Attributes:
-        used: number of different flights that the search asked for, stored ones included.
+        used: number of different flights that the search asked for, stored ones and unstored ones included.
     """
 
     def __init__(self, campaign: Campaign, allowance: Allowance) -> None:
         self._campaign, self._allowance = campaign, allowance
         self._budget = Budget(allowance.seconds)
         self._known: dict[str, Outcome | None] = {}
+        self._unstored = 0
         campaign.reporter.progress.most_s = lambda: self._budget.left_s
 
     @property
     def used(self) -> int:
         """Number of different flights of the search so far."""
-        return len(self._known)
+        return len(self._known) + self._unstored
 
     def fly(self, flights: Iterable[Flight]) -> None:
         """Fly what is not known yet.
@@ -100,17 +101,37 @@ class SearchFlights:
         new = {flight.name: flight for flight in flights if flight.name not in self._known}
         if not new:
             return
-        most = math.inf if self._allowance.flights is None else self._allowance.flights
-        if self.used + len(new) > most or self._budget.left_s <= 0.0:
-            raise SpentError
+        self._afford(len(new))
         flown = {name: _flown_for(flight) for name, flight in new.items()}
         self._campaign.plan(flown.values())
         self._campaign.fly(flown.values())
-        self._campaign.raise_if_stopped("the flights of the search so far are")
+        self.raise_if_stopped()
         outcomes = {outcome.name: outcome for outcome in self._campaign.outcomes(flown.values())}
         for name, flight in new.items():
             outcome = outcomes.get(flown[name].name)
             self._known[name] = outcome if outcome is None or flight.mutant != PLACEBO else _as_placebo(outcome)
+
+    def spend(self, count: int) -> None:
+        """Spend the budget on flights that the campaign does not store.
+
+        Raises:
+            SpentError: the budget does not allow them.
+        """
+        self._afford(count)
+        self._unstored += count
+
+    def raise_if_stopped(self) -> None:
+        """Raise if the user asked to stop.
+
+        Raises:
+            Interrupted: the user did.
+        """
+        self._campaign.raise_if_stopped("the flights of the search so far are")
+
+    def _afford(self, count: int) -> None:
+        most = math.inf if self._allowance.flights is None else self._allowance.flights
+        if self.used + count > most or self._budget.left_s <= 0.0:
+            raise SpentError
 
     def outcome(self, flight: Flight) -> Outcome | None:
         """The outcome of a known flight; None where the harness failed."""

@@ -22,6 +22,7 @@ from scaloft_fi.streams import key_words
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.grid import Grid
+    from scaloft_fi.study import Study
 
 OPENING = 24
 """Situations that are flown for every mutant first; TPE proposes the others."""
@@ -87,6 +88,21 @@ Opening = Callable[["Grid", int, Possible], Iterable[Proposal]]
 """Makes the situations that are flown for every mutant first, from the grid, the seed and what can be flown."""
 
 
+class Flyable:
+    """Whether a situation can be flown: its world is possible and its mission not too long."""
+
+    def __init__(self, study: Study) -> None:
+        self._study = study
+
+    def __call__(self, situation: Situation) -> bool:
+        """Whether it can."""
+        try:
+            self._study.scenario(situation)
+        except InputError:
+            return False
+        return True
+
+
 class Proposals:
     """The proposals for one mutant.
 
@@ -150,6 +166,11 @@ class Proposals:
     def nearest(self) -> float:
         """The least distance so far."""
         return min(self._known.values(), default=IMPOSSIBLE)
+
+    @property
+    def situations(self) -> tuple[Situation, ...]:
+        """The situations so far, in the order in which they were told."""
+        return tuple(self._known)
 
     @property
     def count(self) -> int:

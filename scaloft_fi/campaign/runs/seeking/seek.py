@@ -18,11 +18,19 @@ from scaloft_fi.campaign.runs.campaign import Campaign, opened
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import write_log
 from scaloft_fi.campaign.runs.seeking.family import families
+from scaloft_fi.campaign.runs.seeking.finds import words_of
 from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON, Allowance, SearchFlights, SpentError
-from scaloft_fi.campaign.runs.seeking.proposals import MakeProposer, Opening, Proposal, Proposals, opening
+from scaloft_fi.campaign.runs.seeking.proposals import (
+    Flyable,
+    MakeProposer,
+    Opening,
+    Proposal,
+    Proposals,
+    opening,
+)
 from scaloft_fi.campaign.runs.seeking.quest import Quest
+from scaloft_fi.campaign.runs.seeking.sought import Unnamed
 from scaloft_fi.campaign.store.held import current_in
-from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.sim.found import Evidence, Find
 from scaloft_fi.study import Study
@@ -90,6 +98,7 @@ def seek(
     allowance: Allowance,
     progress: Progress,
     save: Callable[[Sequence[Find]], None],
+    unnamed: Unnamed | None = None,
     flyer: Flyer | None = None,
     proposer: MakeProposer = Proposals,
     first: Opening = opening,
@@ -106,6 +115,7 @@ def seek(
         allowance: the budget.
         progress: progress display.
         save: called with all finds after each find.
+        unnamed: what is remembered of a search for which nobody named the mutants.
         flyer: flies; PyBullet when None.
         proposer: makes what proposes the situations for a mutant.
         first: makes the situations that are flown for every mutant first.
@@ -115,7 +125,7 @@ def seek(
         InputError: Optuna is missing, the folder or the store cannot be written, or the study cannot be flown.
         Interrupted: the user stopped the search; all outcomes and finds are saved.
     """
-    possible = _Possible(study)
+    possible = Flyable(study)
     quests = [Quest(mutant, proposer(study.grid, possible, seed, mutant.id), shrinks=shrinks) for mutant in mutants]
     opened_with = list(first(study.grid, seed, possible))
     flown_first = [Flight(None, one.situation, SEEN_ON[0]) for one in opened_with]
@@ -124,6 +134,8 @@ def seek(
     ) as campaign:
         search = _Search(campaign, study, quests, seed, SearchFlights(campaign, allowance), save)
         spent = False
+        if unnamed is not None:
+            unnamed.begin(campaign.store)
         try:
             search.open(opened_with)
             search.turns()
@@ -132,21 +144,9 @@ def seek(
         finally:
             campaign.reporter.close()
             write_log(study, folder, current_in(study, campaign.store))
+        if unnamed is not None:
+            unnamed.end(campaign.store)
         return SeekReport(tuple(search.finds), search.sought(), search.flights.used, campaign.flown, spent)
-
-
-class _Possible:
-    """Whether a situation can be flown: its world is possible and its mission not too long."""
-
-    def __init__(self, study: Study) -> None:
-        self._study = study
-
-    def __call__(self, situation: Situation) -> bool:
-        try:
-            self._study.scenario(situation)
-        except InputError:
-            return False
-        return True
 
 
 class _Search:
@@ -229,7 +229,7 @@ class _Search:
         shows |= self._others(situation)
         self._note(quest, situation, shows)
         others = f", and {len(shows) - 1} others" if len(shows) > 1 else ""
-        words = ", ".join(self._words(situation)) or "the benign situation"
+        words = ", ".join(words_of(situation, self._grid)) or "the benign situation"
         self._campaign.reporter.progress.line(f"found: {situation.key} ({words}) shows {quest.mutant.id}{others}")
         return True
 
@@ -245,16 +245,9 @@ class _Search:
     def _note(self, quest: Quest, situation: Situation, shows: dict[str, Evidence]) -> None:
         """Record a find, and save all finds."""
         name = NAMED + quest.mutant.id
-        find = Find(name, situation.key, self._words(situation), quest.mutant.id, dict(shows), self._seed)
+        find = Find(name, situation.key, words_of(situation, self._grid), quest.mutant.id, dict(shows), self._seed)
         self.finds = [*(one for one in self.finds if one.name != name), find]
         self._save(self.finds)
-
-    def _words(self, situation: Situation) -> tuple[str, ...]:
-        """The values of the situation that are not benign, in words."""
-        numbers = dict(situation.numbers)
-        return tuple(
-            value.title for axis, value in self._grid.values(situation).items() if axis in numbers or value.id != 0
-        )
 
     @property
     def _grid(self) -> Grid:

@@ -56,7 +56,7 @@ const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 function pictures(situation, flight, clean) {
   if (!flight.rows && !clean?.rows) return [h("p", { class: "note" }, "The page holds no track of this flight.  ", withCode(DATA.detail))];
   const shownClean = flight.mutant === "baseline" ? null : clean;
-  const map = mapOf(situation, flight, shownClean);
+  const map = mapOf(DATA.scenes.situations[situation], flight, shownClean);
   const plots = DATA.columns.slice(4).map((column, number) => timeChart(column.name, number + 4, flight, shownClean)).filter(Boolean);
   const end = Math.max(...[flight, shownClean].filter((one) => one?.rows?.length).map((one) => one.rows.at(-1)[0]));
   const told = h("output", {}, "");
@@ -76,13 +76,14 @@ function pictures(situation, flight, clean) {
       !flight.rows && h("p", { class: "note" }, "This flight's own track is not in the page.  ", withCode(DATA.detail))))];
 }
 
+const lineOf = (kind) => s("svg", { width: 30, height: 12, "aria-hidden": "true" }, s("path", { class: kind, d: "M3,6H27" }));
+
 function key(flight, clean) {
-  const line = (kind) => s("svg", { width: 30, height: 12, "aria-hidden": "true" }, s("path", { class: kind, d: "M3,6H27" }));
   const small = (mark) => s("svg", { width: 18, height: 18, "aria-hidden": "true" }, sign({ kind: mark, text: "", t: 0 }, 9, 9));
   const kinds = new Set(marks(flight).map((mark) => mark.kind));
   return h("ul", { class: "keys" },
-    h("li", {}, line("flown"), flight.mutant === "baseline" ? "the unmutated drone" : flight.mutant),
-    clean && h("li", {}, line("clean"), "the unmutated drone, same seed"),
+    h("li", {}, lineOf("flown"), flight.mutant === "baseline" ? "the unmutated drone" : flight.mutant),
+    clean && h("li", {}, lineOf("clean"), "the unmutated drone, same seed"),
     [["infection", "first changed sample"], ["violation", "violation"], ["end", "end"]].filter(([kind]) => kinds.has(kind)).map(([kind, text]) => h("li", {}, small(kind), text)));
 }
 
@@ -163,9 +164,12 @@ function readings(flight, clean) {
 }
 
 function command(mutant, situation, seed) {
-  const words = `scaloft-fi replay${inCampaign()} ${literal(`${mutant}/${situation}/${seed}`)}`;
+  return commandBox("Fly it again, bit for bit", `scaloft-fi replay${inCampaign()} ${literal(`${mutant}/${situation}/${seed}`)}`);
+}
+
+function commandBox(title, words) {
   const button = h("button", { type: "button", onclick: () => copied(words, button) }, "Copy");
-  return h("div", {}, h("h3", { class: "sub" }, "Fly it again, bit for bit"), h("div", { class: "command" }, h("code", {}, words), button));
+  return h("div", {}, h("h3", { class: "sub" }, title), h("div", { class: "command" }, h("code", {}, words), button));
 }
 
 async function copied(words, button) {

@@ -16,6 +16,8 @@ async function follow() {
   const sheet = document.getElementById("sheet");
   const hash = location.hash;
   if (!SHEETS.test(hash)) {
+    const fold = document.getElementById(hash.slice(1));
+    if (fold?.tagName === "DETAILS") fold.open = true;
     if (sheet.open) {
       left = true;
       sheet.close();
@@ -92,12 +94,12 @@ function watch(sections) {
 
 function start() {
   document.title = `${DATA.study} \u00b7 ${DATA.campaign} \u00b7 scaloft-fi report`;
-  const makers = [[summary, "Figures"], [hazop, "HAZOP"], [killMatrix, "Kill matrix"], [unmutated, "Unmutated drone"], [whatKillsWhat, "What kills what"], [ladders, "Magnitudes"], [survivors, "Survivors"], [claims, "Not claimed"], [reading, "How to read"]];
+  const makers = [[summary, "Figures"], [hazop, "HAZOP"], [killMatrix, "Kill matrix"], [unmutated, "Unmutated drone"], [whatKillsWhat, "What kills what"], [ladders, "Magnitudes"], [survivors, "Survivors"], [foundSituations, "Found"], [claims, "Not claimed"], [reading, "How to read"]];
   const sections = makers.map(([make, short]) => {
     const section = make();
-    section.dataset.short = short;
+    if (section) section.dataset.short = short;
     return section;
-  });
+  }).filter(Boolean);
   document.getElementById("main").replaceChildren(masthead(), ...sections);
   document.getElementById("bar").replaceChildren(bar(sections));
   watch(sections);

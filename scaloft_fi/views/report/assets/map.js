@@ -1,11 +1,10 @@
-/* The flight from above: what stands in the situation, the unmutated drone's path and the mutant's. */
+/* A situation from above: what stands there, the unmutated drone's path and the mutant's, or the route where nothing is flown. */
 const PIXELS_PER_METRE = 52;
 const HULL_M = 0.235;
 const X = () => DATA.columns.findIndex((column) => column.name === "x_m");
 const Y = () => DATA.columns.findIndex((column) => column.name === "y_m");
 
-function mapOf(situation, flight, clean) {
-  const scene = DATA.scenes.situations[situation];
+function mapOf(scene, flight, clean) {
   if (!scene) return null;
   const mine = DATA.scenes.mines[scene.mine];
   const paths = [clean, flight].filter((one) => one?.rows).map((one) => one.rows.map((row) => [row[X()], row[Y()]]));
@@ -21,7 +20,7 @@ function mapOf(situation, flight, clean) {
   const closed = (outline) => `${pathOf(outline.map(at))}Z`;
   const metres = (axis) => ticks(box[axis][0], box[axis][1], box[axis][1] - box[axis][0]).filter(Number.isInteger);
   const cursors = [clean, flight].filter((one) => one?.rows?.length).map((one) => ({ one, node: s("circle", { class: one === clean && flight !== clean ? "hull of-clean" : "hull", r: HULL_M * PIXELS_PER_METRE, visibility: "hidden" }) }));
-  const root = s("svg", { class: "map", viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": "Map of the flight from above, one metre a square; home, waypoints and bodies are marked" },
+  const root = s("svg", { class: "map", viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": `Map of the ${flight ? "flight" : "situation"} from above, one metre a square; home, waypoints and bodies are marked` },
     mine.floor.length > 0 && s("path", { class: "floor", d: mine.floor.map(closed).join("") }),
     mine.walls.map((wall) => s("path", { class: "wall", d: pathOf(wall.map(at)) })),
     metres(0).map((value) => s("line", { class: "metre", x1: sx(value), x2: sx(value), y1: 0, y2: height })),
@@ -31,10 +30,11 @@ function mapOf(situation, flight, clean) {
     scene.waypoints.map((point) => s("circle", { class: "waypoint", cx: at(point)[0], cy: at(point)[1], r: 9 })),
     s("rect", { class: "waypoint", x: at(scene.home)[0] - 10, y: at(scene.home)[1] - 10, width: 20, height: 20, rx: 4 }),
     s("text", { class: "strong", x: at(scene.home)[0] + 15, y: at(scene.home)[1] + 5 }, "home"),
+    !flight && s("path", { class: "route", d: pathOf([scene.home, ...scene.waypoints].map(at)) }),
     clean?.rows && clean !== flight && s("path", { class: "clean", d: pathOf(clean.rows.map((row) => at([row[X()], row[Y()]]))) }),
-    flight.rows && s("path", { class: "flown", d: pathOf(flight.rows.map((row) => at([row[X()], row[Y()]]))) }),
+    flight?.rows && s("path", { class: "flown", d: pathOf(flight.rows.map((row) => at([row[X()], row[Y()]]))) }),
     cursors.map((cursor) => cursor.node),
-    marks(flight).map((mark) => sign(mark, ...at(mark.at))));
+    flight && marks(flight).map((mark) => sign(mark, ...at(mark.at))));
   const move = (time) => cursors.forEach(({ one, node }) => {
     const row = rowAt(one.rows, time);
     node.setAttribute("visibility", row ? "visible" : "hidden");

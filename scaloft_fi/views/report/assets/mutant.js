@@ -31,7 +31,7 @@ function mutantFacts(mutant) {
   const { first, decided_at: decided } = mutant;
   const word = mutant.control ? showsText(mutant) : verdictText(mutant);
   return [
-    h("p", {}, h("b", {}, capital(word)), `.  ${mutant.control ? "" : VERDICTS[mutant.verdict][1]}  `, needed(mutant, decided)),
+    h("p", {}, h("b", {}, capital(word)), `.  ${mutant.control ? "" : VERDICTS[mutant.verdict][1]}  `, findOf(mutant) ?? needed(mutant, decided)),
     (mutant.condition || first) && h("p", { class: "small" }, mutant.condition && `${mutant.kill_rate.part ? "Killed" : "Violations seen, no kill,"} where: ${mutant.condition}.  `,
       first && ["Earliest: ", h("a", { href: flightHash(mutant.id, first.situation, first.seed) }, `${first.requirement} at ${seconds(first.t_s)} in ${first.situation}, seed ${first.seed}`), "."]),
     mutant.tests.length > 0 && table(["tested by", { text: "p", number: true }, { text: "kills", number: true }, { text: "flights", number: true }, { text: "unmutated", number: true }],
@@ -39,6 +39,12 @@ function mutantFacts(mutant) {
     mutant.tests.length > 0 && h("p", { class: "small faint" }, `Kills: of the situations where the requirement tests it.  Flights: those there that violate it, of the mutant and of the unmutated drone.  p, over all situations that can be judged: the chance of so many violations or more if the fault did nothing, adjusted for the number of requirements; detected where at most ${trimmed(decided.alpha, 4)}, at ${plural(decided.seeds, "seed")}.`),
     acceptance(mutant.id),
   ];
+}
+
+/** The situation that a search found for a mutant, which is to be flown next; null without one. */
+function findOf(mutant) {
+  const told = DATA.survivors.find((one) => one.mutant === mutant.id);
+  return told?.find ? [withCode(told.why), " ", h("a", { href: findHash(told.find) }, "The situation found")] : null;
 }
 
 /** The command whose flights would decide on an undecided mutant. */

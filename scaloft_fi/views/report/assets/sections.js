@@ -57,10 +57,10 @@ function todo(entries) {
 /** A survivor's line: what it is, what to change, the facts that say so. */
 function survivor(mutant, told) {
   return [h("span", {}, h("a", { class: "id", href: mutantHash(mutant.id) }, mutant.id), h("span", { class: "faint small under" }, CELLS.get(mutant.cell)?.deviation ?? "")),
-    [h("span", { class: "faint narrow" }, "stopped at "), told.stage], h("b", {}, h("span", { class: "narrow" }, "change "), NEXT[told.next] ?? told.next), h("span", { class: "small" }, withCode(told.why)), acceptance(mutant.id) ?? h("span", { class: "faint", title: "The score does not count it against the tests." }, "\u2013")];
+    [h("span", { class: "faint narrow" }, "stopped at "), told.stage], h("b", {}, h("span", { class: "narrow" }, "change "), told.find ? h("a", { href: findHash(told.find) }, NEXT.find) : NEXT[told.next] ?? told.next), h("span", { class: "small" }, withCode(told.why)), acceptance(mutant.id) ?? h("span", { class: "faint", title: "The score does not count it against the tests." }, "\u2013")];
 }
 
-const NEXT = { repeat: "fly again", pool: "baseline pool", seeds: "seeds", situation: "situation", magnitude: "magnitude", oracle: "requirement", operability: "nothing (operability shows it)", expected: "nothing (known beforehand)" };
+const NEXT = { repeat: "fly again", find: "situation (found)", pool: "baseline pool", seeds: "seeds", situation: "situation", magnitude: "magnitude", oracle: "requirement", operability: "nothing (operability shows it)", expected: "nothing (known beforehand)" };
 
 function claims() {
   return part("claims", "What these figures do not claim", null,
@@ -71,7 +71,7 @@ function claims() {
     h("p", {}, "What they do claim: had one of the detected faults, of that magnitude, been in the drone, flying these situations with as many seeds would have shown violated requirements more often than the unmutated drone does; how many such verdicts chance explains stands at the top."),
     h("h3", { class: "sub" }, "Limits of the simulation"),
     h("ul", {},
-      ["The situations are static: nobody walks, the light does not change during a flight, missions are shorter than the battery lasts.",
+      ["What no axis of the situations changes stays as it is: without such an axis nobody walks, the light does not change during a flight, missions are shorter than the battery lasts.",
         "The requirements judge ground truth of the simulation, not what the drone believed.",
         "Bits are promised on one platform only: the one named below."].map((text) => h("li", {}, text))));
 }

@@ -16,6 +16,7 @@ from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.seeking.flights import OTHER_SEEDS, SEEN_ON, Allowance
 from scaloft_fi.campaign.runs.seeking.proposals import Proposal, Proposals, opening
 from scaloft_fi.campaign.runs.seeking.seek import SeekReport, seek
+from scaloft_fi.campaign.runs.seeking.sought import anew, interrupted
 from scaloft_fi.campaign.store.folder import STORE_NAME
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.derive import realise
@@ -68,6 +69,7 @@ def search(folder: Path, flyer: Any, *mutants: Any, seed: int = 0, **more: Any) 
         allowance=Allowance.parse(more.get("budget")),
         progress=more.get("progress", Progress(stream=io.StringIO())),
         save=save,
+        unnamed=more.get("unnamed"),
         flyer=flyer,
         proposer=more.get("proposer", Proposals),
         first=more.get("first", opening),
@@ -130,6 +132,28 @@ def test_a_search_that_dies_goes_on_where_it_stopped(tmp_path: Path, flyer: Rule
     assert resumed.flown < whole.flown
     again, _ = search(tmp_path / "b", flyer)
     assert (again.finds, again.used, again.flown) == (whole.finds, whole.used, 0)
+
+
+def test_a_search_that_nobody_named_mutants_for_is_remembered_until_it_ends(tmp_path: Path, flyer: Ruled) -> None:
+    folder = tmp_path / "c"
+    assert interrupted(folder, 0, "default") is None
+    first = anew(folder, 0, "default", [LATE.id, MORE.id])
+
+    class Dying(Progress):
+        def advance(self) -> None:
+            raise PowerError
+
+    with pytest.raises(PowerError):
+        search(tmp_path, flyer, LATE, MORE, unnamed=first, progress=Dying(stream=io.StringIO()))
+    assert interrupted(folder, 0, "default") == first
+    assert interrupted(folder, 1, "default") is None
+    assert interrupted(folder, 0, "other") is None
+    search(tmp_path, flyer, LATE, MORE, unnamed=first, budget="20flights")
+    assert interrupted(folder, 0, "default") is None
+    second = anew(folder, 0, "default", [MORE.id])
+    assert second.number == 1
+    search(tmp_path, flyer, MORE, unnamed=second, budget="10flights")
+    assert interrupted(folder, 0, "default") is None
 
 
 def test_a_budget_decides_only_how_far_it_goes(tmp_path: Path, flyer: Ruled) -> None:

@@ -1,0 +1,297 @@
+"""The search for situations that break the unmutated drone, each in a way of its own.
+
+The least robustness of the drone guides it.  What is found repels it: a requirement that is violated with a known
+signature counts as far from breaking, so that the search looks for others.  All else is as in the search for mutants:
+everything follows from the seed and the outcomes, and a budget decides only how far it goes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from scaloft_fi.analysis.scoring.pool import LEAST
+from scaloft_fi.analysis.seeking.aim import breaking
+from scaloft_fi.analysis.seeking.shrink import shrunk
+from scaloft_fi.analysis.seeking.signature import Breach, Signature
+from scaloft_fi.campaign.flights.worker import Flyer
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.progress.progress import Progress
+from scaloft_fi.campaign.runs.campaign import Campaign, opened
+from scaloft_fi.campaign.runs.options import RunOptions
+from scaloft_fi.campaign.runs.run import write_log
+from scaloft_fi.campaign.runs.seeking.family import GENERATION
+from scaloft_fi.campaign.runs.seeking.finds import words_of
+from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON, Allowance, SearchFlights, SpentError
+from scaloft_fi.campaign.runs.seeking.proposals import Flyable, Proposal, Proposals, opening
+from scaloft_fi.campaign.runs.seeking.recall import Recall, Recalls, recalled
+from scaloft_fi.campaign.store.held import current_in
+from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
+from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.sim.found import Break
+from scaloft_fi.study import Study
+
+if TYPE_CHECKING:
+    from scaloft_fi.sim.situation import Situation
+
+IDLE = 20
+"""Generations without a new situation, after which a search without a budget ends."""
+
+
+@dataclass(frozen=True)
+class BreaksReport:
+    """The result of a search.
+
+    Attributes:
+        breaks: the found situations, in the order of finding.
+        situations: situations that were proposed and flown.
+        broken: those of them in which the drone violates a safety requirement with the first seed.
+        candidates: violations that were tested on fresh seeds.
+        used: flights of the search, stored ones and those flown again included.
+        flown: flights that this run flew; again: flights that it flew again to see what the drone believed.
+        spent: whether the budget ended the search.
+    """
+
+    breaks: tuple[Break, ...]
+    situations: int
+    broken: int
+    candidates: int
+    used: int
+    flown: int
+    again: int
+    spent: bool
+
+
+def seek_breaks(
+    study: Study,
+    folder: Path,
+    options: RunOptions | None = None,
+    *,
+    seed: int,
+    allowance: Allowance,
+    progress: Progress,
+    save: Callable[[Sequence[Break]], None],
+    flyer: Flyer | None = None,
+    recall: Recall | None = None,
+) -> BreaksReport:
+    """Search for situations in which the unmutated drone violates a safety requirement, each in another way.
+
+    Args:
+        study: the study, with the grid that is searched.
+        folder: folder of the campaign that holds the flights of the search.
+        options: options of the run; one process when None.
+        seed: seed of the search.
+        allowance: the budget.
+        progress: progress display.
+        save: called with all that was found after each find.
+        flyer: flies; PyBullet when None.
+        recall: flies a flight again and tells how it violates the requirements; in PyBullet when None.
+
+    Raises:
+        InputError: Optuna is missing, the folder or the store cannot be written, or the study cannot be flown.
+        Interrupted: the user stopped the search; all outcomes and finds are saved.
+        ScaloftError: a claim of the stack fails.
+    """
+    possible = Flyable(study)
+    proposals, first = Proposals(study.grid, possible, seed, BASELINE), list(opening(study.grid, seed, possible))
+    begun = [Flight(None, one.situation, SEEN_ON[0]) for one in first[:1]]
+    with opened(study, folder, options or RunOptions(), progress=progress, flyer=flyer, first=begun) as campaign:
+        search = _Search(
+            campaign, proposals, Recalls(campaign, recall or recalled), seed, SearchFlights(campaign, allowance), save
+        )
+        spent = False
+        try:
+            search.generations(first)
+        except SpentError:
+            spent = True
+        finally:
+            campaign.reporter.close()
+            write_log(study, folder, current_in(study, campaign.store))
+        return search.report(spent=spent)
+
+
+class _Search:
+    """A search so far."""
+
+    def __init__(
+        self,
+        campaign: Campaign,
+        proposals: Proposals,
+        recalls: Recalls,
+        seed: int,
+        flights: SearchFlights,
+        save: Callable[[Sequence[Break]], None],
+    ) -> None:
+        self._campaign, self._grid = campaign, campaign.study.grid
+        self._proposals, self._recalls, self._flights = proposals, recalls, flights
+        self._seed, self._save = seed, save
+        self._breaks: dict[Signature, Break] = {}
+        self._rejected: set[tuple[Situation, Signature]] = set()
+        self._turn = self._candidates = 0
+
+    def generations(self, first: Sequence[Proposal]) -> None:
+        """Fly the first situations, then generation after generation, until none brings a new situation.
+
+        Raises:
+            Interrupted, SpentError: as `SearchFlights.fly`.
+        """
+        for begin in range(0, len(first), GENERATION):
+            self._tell_stage()
+            self._generation(first[begin : begin + GENERATION])
+        idle = 0
+        while idle < IDLE:
+            self._turn += 1
+            self._tell_stage()
+            before = self._flights.used
+            self._generation(self._proposals.ask(GENERATION))
+            idle = idle + 1 if self._flights.used == before else 0
+
+    def report(self, *, spent: bool) -> BreaksReport:
+        """What the search came to."""
+        return BreaksReport(
+            breaks=tuple(self._breaks.values()),
+            situations=self._proposals.count,
+            broken=sum(bool(self._violations(one)) for one in self._proposals.situations),
+            candidates=self._candidates,
+            used=self._flights.used,
+            flown=self._campaign.flown,
+            again=self._recalls.count,
+            spent=spent,
+        )
+
+    def _tell_stage(self) -> None:
+        breaks = f"{len(self._breaks)} {'break' if len(self._breaks) == 1 else 'breaks'}"
+        self._campaign.reporter.progress.stage = f"generation {self._turn}, {breaks}"
+
+    def _generation(self, proposed: Sequence[Proposal]) -> None:
+        """Fly situations, and pursue each violation that is new, the greatest first."""
+        situations = [one.situation for one in proposed]
+        self._flights.fly(Flight(None, one, SEEN_ON[0]) for one in situations)
+        broken = [one for one in situations if self._violations(one)]
+        self._look(broken)
+        for one in sorted(broken, key=self._distance):
+            for breach in self._told(one):
+                if breach.signature not in self._breaks:
+                    self._pursue(one, breach.signature)
+        self._proposals.tell([(one, self._distance(one.situation)) for one in proposed])
+
+    def _distance(self, situation: Situation) -> float:
+        """How far a flown situation is from breaking the drone in a new way."""
+        known: set[str] = set()
+        new: set[str] = set()
+        for breach in self._told(situation):
+            if breach.signature in self._breaks:
+                known.update(breach.requirements)
+            elif (situation, breach.signature) not in self._rejected:
+                new.update(breach.requirements)
+        rejected = {violation.requirement for violation in self._violations(situation)} - new
+        return breaking(self._outcome(situation, SEEN_ON[0]), known, rejected)
+
+    def _pursue(self, situation: Situation, signature: Signature) -> None:
+        """Record the situation, shrunk if that is confirmed too; reject it where nothing is confirmed."""
+
+        def shows(asked: Sequence[Situation], every: bool) -> list[bool]:
+            return self._shows(asked, signature, SEEN_ON if every else SEEN_ON[:1])
+
+        found = None
+        if all(shows([situation], True)):
+            for one in dict.fromkeys((shrunk(situation, self._grid, shows), situation)):
+                found = found or self._confirmed(one, signature)
+        if found is None:
+            self._rejected.add((situation, signature))
+            return
+        self._breaks[signature] = found
+        self._save(tuple(self._breaks.values()))
+        self._tell_stage()
+        words = ", ".join(found.words) or "the benign situation"
+        self._campaign.reporter.progress.line(f"found: {found.name}: {found.situation} ({words})")
+
+    def _shows(self, asked: Sequence[Situation], signature: Signature, seeds: Sequence[int]) -> list[bool]:
+        """Whether each situation violates the requirement and strikes the same with each of the seeds.
+
+        With all seeds the flight of the first one must have the same signature.
+        """
+        self._flights.fly(Flight(None, one, seed) for one in asked for seed in seeds)
+        alike = [all(_is_alike(self._outcome(one, seed), signature) for seed in seeds) for one in asked]
+        if tuple(seeds) != SEEN_ON:
+            return alike
+        self._look([one for one, good in zip(asked, alike, strict=True) if good])
+        return [
+            good and self._breach(one, SEEN_ON[0], signature) is not None
+            for one, good in zip(asked, alike, strict=True)
+        ]
+
+    def _confirmed(self, situation: Situation, signature: Signature) -> Break | None:
+        """The situation with what fresh seeds say of it.
+
+        None where most of them do not violate the requirement and strike the same, or none has the same signature.
+        """
+        self._candidates += 1
+        self._flights.fly(Flight(None, situation, seed) for seed in range(LEAST))
+        outcomes = [self._outcome(situation, seed) for seed in range(LEAST)]
+        counted = [outcome for outcome in outcomes if outcome is not None and not outcome.invalid]
+        alike = [outcome.seed for outcome in counted if _is_alike(outcome, signature)]
+        if len(counted) < LEAST or 2 * len(alike) <= len(counted):
+            return None
+        for seed in alike:
+            self._look([situation], seed)
+            breach = self._breach(situation, seed, signature)
+            if breach is not None:
+                return self._break(situation, breach, seed, len(alike), len(counted))
+        return None
+
+    def _break(self, situation: Situation, breach: Breach, flight: int, violated: int, flights: int) -> Break:
+        signature = breach.signature
+        return Break(
+            name=signature.name,
+            situation=situation.key,
+            words=words_of(situation, self._grid),
+            requirement=signature.requirement,
+            struck=signature.struck,
+            leg=signature.leg,
+            near=signature.near,
+            belief=signature.belief,
+            error=breach.error,
+            unit=breach.unit,
+            violated=violated,
+            flights=flights,
+            flight=flight,
+            t_s=breach.t_s,
+            place=breach.place,
+            seed=self._seed,
+        )
+
+    def _look(self, situations: Sequence[Situation], seed: int = SEEN_ON[0]) -> None:
+        """Fly flights that violate a safety requirement again, to see what the drone believed.
+
+        Raises:
+            Interrupted, SpentError: as `SearchFlights.fly`.
+        """
+        violations = {Flight(None, one, seed): self._violations(one, seed) for one in situations}
+        self._flights.spend(len(self._recalls.unknown(tuple(violations))))
+        self._recalls.look(violations)
+        self._flights.raise_if_stopped()
+
+    def _told(self, situation: Situation, seed: int = SEEN_ON[0]) -> tuple[Breach, ...]:
+        return self._recalls.of(Flight(None, situation, seed))
+
+    def _breach(self, situation: Situation, seed: int, signature: Signature) -> Breach | None:
+        """The violation with this signature; None without one."""
+        return next((one for one in self._told(situation, seed) if one.signature == signature), None)
+
+    def _outcome(self, situation: Situation, seed: int) -> Outcome | None:
+        return self._flights.outcome(Flight(None, situation, seed))
+
+    def _violations(self, situation: Situation, seed: int = SEEN_ON[0]) -> tuple[Violation, ...]:
+        """How a flight violates the safety requirements."""
+        outcome = self._outcome(situation, seed)
+        violations = outcome.violations if outcome is not None else ()
+        return tuple(violation for violation in violations if violation.kind is Kind.SAFETY)
+
+
+def _is_alike(outcome: Outcome | None, signature: Signature) -> bool:
+    """Whether a flight violates the requirement of a signature and strikes the same then."""
+    violations = outcome.violations if outcome is not None else ()
+    return any((one.requirement, one.struck) == (signature.requirement, signature.struck) for one in violations)

@@ -1,0 +1,53 @@
+"""What a search found that breaks the unmutated drone."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from scaloft_fi.analysis.plain import by_field
+from scaloft_fi.campaign.runs.seeking.breaks import BreaksReport
+from scaloft_fi.sim.found import Break
+from scaloft_fi.views.tables.table import Table
+
+
+def breaks_table(report: BreaksReport, campaign: str, *, claims: bool) -> Table:
+    """The breaks; `campaign` holds their flights, `claims` tells whether the stack declares claims."""
+    rows = tuple(
+        (number, one.requirement, one.struck or "nothing", f"near {one.near}, {one.leg}", _belief(one), _flights(one))
+        for number, one in enumerate(report.breaks, 1)
+    )
+    told = [
+        f"{number}: {one.situation}: {', '.join(one.words) or 'every value benign'}; after {one.t_s:.1f} s: "
+        f"`scaloft-fi replay baseline/{one.situation}/{one.flight} --campaign {campaign}`."
+        for number, one in enumerate(report.breaks, 1)
+    ]
+    beliefs = (
+        "wrong belief: the stage that was the most wrong in the last second before, and by how much."
+        if claims
+        else "wrong belief: not known, because the stack declares no claims (docs/stack.md)."
+    )
+    ended = "the budget ended the search" if report.spent else "the search came to its end"
+    again = f"{report.again} flown again to see what the drone believed"
+    notes = (
+        *told,
+        "flights: with fresh seeds; those that violate the requirement and strike the same, of all.",
+        beliefs,
+        f"The drone broke in {report.broken} of {report.situations} situations.",
+        f"{report.used} flights in all, {report.flown} of them flown now, {again}; {ended}.",
+    )
+    headers = ("", "violates", "strikes", "where", "wrong belief", "flights")
+    ways = f"{len(rows)} {'way' if len(rows) == 1 else 'ways'}"
+    return Table(f"The unmutated drone breaks in {ways}", headers, rows, notes)
+
+
+def breaks_json(report: BreaksReport) -> dict[str, Any]:
+    """Plain JSON values."""
+    return by_field(report)
+
+
+def _belief(one: Break) -> str:
+    return f"{one.belief}, {one.error:.2f} {one.unit}" if one.belief else "none"
+
+
+def _flights(one: Break) -> str:
+    return f"{one.violated}/{one.flights}"

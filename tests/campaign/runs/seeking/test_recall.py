@@ -1,0 +1,41 @@
+"""A baseline that is flown again: the same flight, and what the reference stack believed in it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from scaloft_fi.campaign.flights.fly import fly_log, judged
+from scaloft_fi.campaign.flights.physics import Physics
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.runs.seeking.recall import ListeningWire, recalled
+from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.sim.flight import fly
+from scaloft_fi.study import Study
+
+STUDY = Study.open(Path(__file__).parents[4])
+pytestmark = pytest.mark.flight
+
+
+def test_a_listener_changes_no_bit_and_hears_the_seams_that_it_asked_for() -> None:
+    situation = STUDY.grid.situation("T0O0W0D0H0")
+    wire = ListeningWire(["map", "velcmd", "imu"])
+    heard = fly(STUDY.sim, situation, 0, wire)
+    plain = fly_log(STUDY, Flight(None, situation, 0))
+    assert (heard.digest, heard.perceived_digest) == (plain.digest, plain.perceived_digest)
+    assert set(wire.kept) == {"map", "velcmd", "imu"}
+    assert all(wire.kept.values())
+
+
+def test_the_bar_is_struck_in_the_dark_because_the_map_lacks_it_and_the_person_is_missed() -> None:
+    Physics().prepare(STUDY, lambda _: None)
+    flight = Flight(None, STUDY.grid.situation("T1O0W0D1H1"), 0)
+    outcome = judged(STUDY, flight, fly_log(STUDY, flight))
+    violations = [one for one in outcome.violations if one.kind is Kind.SAFETY]
+    fast, bar = recalled(STUDY, flight, violations)
+    assert fast.signature.name == "breaks-SR2-nothing-home_to_corner-near_home-person_detection"
+    assert bar.signature.name == "breaks-SR1-bar-corner_to_end-near_end-obstacle_map"
+    assert fast.error > 1.5
+    assert 0.2 < bar.error <= 1.0
+    assert [one.t_s for one in (fast, bar)] == sorted(violation.t_s for violation in violations)

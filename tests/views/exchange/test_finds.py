@@ -1,0 +1,26 @@
+"""Formats that say of a survivor what it rests on say which command flies its find."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from builders import outcome, pool
+from dossiers import dossier
+from finding import flies, found, known
+
+from scaloft_fi.views.exchange import FORMATS
+
+LATE, NO, HERE = "LATE-human@3s", "NO-human@100%", "T0O0W0D0H0"
+FLIGHTS = [*pool(HERE), *(outcome(id_, HERE, seed) for id_ in (LATE, NO) for seed in range(3))]
+
+
+@pytest.mark.parametrize("style", ["mutation-testing", "sarif", "markdown", "junit"])
+def test_the_command_stands_behind_the_verdict_of_the_survivor_that_has_a_find(style: str) -> None:
+    text = FORMATS[style].content(dossier(FLIGHTS, known(found(LATE)))).decode().replace("\\", "")
+    assert text.count(f"; next: {flies(LATE)}") == 1
+    assert text.count("; next: ") == 1
+    bare = FORMATS[style].content(dossier(FLIGHTS)).decode()
+    assert "; next: " not in bare
+    if style in ("mutation-testing", "sarif"):
+        json.loads(bare)

@@ -1,0 +1,131 @@
+"""The found situations of the page: the evidence, what stands there, a pair of flights, the command."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import pytest
+from browsing import Opened
+from finding import flies, found
+from papers import STUDY
+from reading import embedded
+
+from scaloft_fi.errors import InputError
+from scaloft_fi.judge.track import TRACK_COLUMNS
+from scaloft_fi.sim.found import Find
+from scaloft_fi.sim.grids import load_grid
+from scaloft_fi.sim.known_finds import KnownFinds
+from scaloft_fi.study import Study
+from scaloft_fi.views.report.evidence import Evidence
+from scaloft_fi.views.report.finds import STEP_M
+from scaloft_fi.views.report.finds import found as told_finds
+from scaloft_fi.views.report.page import html
+
+LATE, MORE, LESS = "LATE-human@3s", "MORE-goal@0.6m", "LESS-goal@0.05m"
+HERE, ELSEWHERE = "T0O0W0D0H1", "T1O1W0D0H2Cs=0.8"
+FINDS = (found(LATE, HERE, others=(LESS,)), found(MORE, ELSEWHERE, struck="person"))
+
+
+def told(evidence: Evidence, *finds: Find, grid: str | None = None) -> dict[str, Any]:
+    """What the page has of finds, in a study with this grid."""
+    study = Study.open(STUDY, grid)
+    names = {"lost": "it is gone"}
+    vars(study)["finds"] = KnownFinds(finds, names, "paper+found", load_grid(STUDY / "sim", "search"))
+    return told_finds(study, "paper", evidence.outcomes, [])
+
+
+@pytest.fixture(scope="module")
+def both(evidence: Evidence) -> dict[str, Any]:
+    return told(evidence, *FINDS)
+
+
+def test_each_find_has_its_words_evidence_scene_and_command(both: dict[str, Any]) -> None:
+    assert (both["grid"], both["misfits"]) == ("paper+found", ["lost"])
+    for find, listed in zip(FINDS, both["finds"], strict=True):
+        assert (listed["name"], listed["situation"], listed["mutant"]) == (find.name, find.situation, find.mutant)
+        assert listed["words"] == "human walks, cruise speed 0.8 m/s"
+        assert listed["command"] == flies(find.mutant)
+        assert [one["mutant"] for one in listed["shows"]] == list(find.shows)
+    one = both["finds"][1]["shows"][0]
+    assert (one["requirement"], one["struck"], one["violated"], one["flights"]) == ("SR2", "person", 6, 6)
+    assert (one["p"], one["alpha"], one["held"], one["margin"], one["spread"]) == (0.00025, 0.005, 10, 0.071, 0.02)
+    still, walking = ({kind: path for kind, _, path in find["scene"]["bodies"]} for find in both["finds"])
+    assert not still["person"]
+    assert len(walking["person"]) > 1
+    assert set(walking) - set(still) == {"obstacle"}
+
+
+def test_flights_of_the_campaign_are_a_pair_that_shows_the_find(both: dict[str, Any], evidence: Evidence) -> None:
+    flown, unflown = both["finds"]
+    assert unflown["flights"] is None
+    mutated, clean = flown["flights"]
+    assert [one["mutant"] for one in (mutated, clean)] == [LATE, "baseline"]
+    assert mutated["seed"] == clean["seed"] == 0
+    assert [violation[0] for violation in mutated["violations"]] == ["SR2"]
+    assert TRACK_COLUMNS[:3] == ("elapsed_s", "x_m", "y_m"), "the page's map reads a row so"
+    for flight in (mutated, clean):
+        rows = flight["rows"]
+        assert (rows[0][0], rows[-1][0]) == (0.0, 40.0)
+        assert all(math.dist(a[1:], b[1:]) >= STEP_M - 0.015 for a, b in pairwise(rows[:-1]))
+        assert 50 < len(rows) < 200
+    (other,) = told(evidence, found("NO-depth@3s", HERE, others=(LESS,)))["finds"]
+    assert other["flights"][0]["mutant"] == "NO-depth@3s", "its own mutant first, though it violates nothing"
+    (other,) = told(evidence, found("NO-goal", HERE, others=(LATE,)))["finds"]
+    assert other["flights"][0]["mutant"] == LATE
+
+
+def test_flights_over_another_grid_are_of_other_situations_whatever_their_keys(evidence: Evidence) -> None:
+    (find,) = told(evidence, FINDS[0], grid="wide")["finds"]
+    assert find["flights"] is None
+
+
+def test_a_find_whose_values_do_not_go_together_any_more_is_named_and_left_out(
+    evidence: Evidence, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> None:
+        raise InputError("the person would stand in the wall")
+
+    monkeypatch.setattr("scaloft_fi.views.report.finds.scene", refuse)
+    both = told(evidence, *FINDS)
+    assert (both["finds"], both["misfits"]) == ([], ["lost", *(find.name for find in FINDS)])
+
+
+def test_a_page_without_finds_has_no_section_of_them(text: str) -> None:
+    assert embedded(text, "figures")["found"] == {"grid": "", "finds": [], "misfits": []}
+
+
+def test_the_page_draws_each_find_and_survivors_lead_to_theirs(
+    visit: Opened, text: str, both: dict[str, Any], tmp_path: Path
+) -> None:
+    figures = embedded(text, "figures")
+    assert visit().page.locator("#found").count() == 0
+    more = next(one for one in figures["survivors"] if one["mutant"] == MORE)
+    more |= {"next": "find", "find": f"shows-{MORE}", "why": f"A search found it: `{flies(MORE)}` flies it."}
+    figures["found"] = both
+    # the first find again and again: of many each is folded
+    for name, finds in (("few", both["finds"]), ("many", [*both["finds"], *both["finds"][:1] * 8])):
+        file = tmp_path / f"{name}.html"
+        file.write_text(html(figures | {"found": both | {"finds": finds}}, embedded(text, "flights")), encoding="utf-8")
+        seen = visit(file=file)
+        section = seen.page.locator("#found")
+        assert "lost" in section.locator(".notice").inner_text()
+        first, second = section.locator("details").nth(0), section.locator("details").nth(1)
+        assert first.get_attribute("open") == ("" if name == "few" else None)
+        seen.page.locator('#survivors a[href="#find-1"]').click()
+        assert second.locator("svg.map path.route").is_visible()
+        assert second.locator("svg.map path.walked").count() == 1
+        assert second.locator(".command code").inner_text() == flies(MORE)
+        assert "SR2, strikes person" in second.inner_text()
+    visit(f"#mutant={MORE.replace('@', '%40')}", file=file).page.locator('#sheet a[href="#find-1"]').click()
+    page = seen.page
+    first.locator("summary").click()
+    assert first.locator("svg.map path").evaluate_all(
+        "all => ['flown', 'clean', 'violation'].map((kind) => all.filter((one) => one.classList.contains(kind)).length)"
+    ) == [1, 1, 1]
+    assert "kill: SR2 violated in 3 of 3 flights" in first.inner_text()
+    first.locator("dl a").click()
+    page.wait_for_selector("#sheet .map")
+    assert seen.hash() == f"#flight=LATE-human%403s/{HERE}/0"
