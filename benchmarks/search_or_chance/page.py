@@ -8,7 +8,6 @@ from functools import cached_property
 
 from scaloft_fi.analysis.seeking.aim import distance
 from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON
-from scaloft_fi.campaign.runs.seeking.proposals import OPENING
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from search_or_chance.compare import REDRAWS, Counts, answer, beside_each, redrawn, share, totals
 from search_or_chance.plan import BUDGET, seed_of
@@ -55,8 +54,18 @@ class Evidence:
     def in_opening(self, block: int, arm: str) -> frozenset[tuple[str, str]]:
         """The mutants of a search that situations of the opening show, with the situation."""
         search = self.by_place[block, arm]
-        opening = {key for sought in search.sought for key in sought.situations[:OPENING]}
-        return frozenset((one.mutant, one.shown_in) for one in search.sought if one.shown_in in opening)
+        return frozenset((one.mutant, one.shown_in) for one in search.sought if one.shown_in in search.opening)
+
+    def after_opening(self, arm: str) -> list[tuple[str, str]]:
+        """The situations that an arm proposed, each with the mutants that were flown there."""
+        return [
+            (sought.mutant, key)
+            for (_, own), one in self.by_place.items()
+            if own == arm
+            for key in one.proposed
+            for sought in one.sought
+            if _flight(sought.mutant, key) in self.flights
+        ]
 
     @property
     def complete(self) -> bool:
@@ -78,8 +87,13 @@ class Evidence:
 
     def shows(self, mutant: str, situation: str) -> bool:
         """Whether a situation shows a mutant with the first seed of the search."""
-        theirs, own = (self.flights.get(f"{subject}/{situation}/{SEEN_ON[0]}") for subject in (BASELINE, mutant))
+        theirs, own = (self.flights.get(_flight(subject, situation)) for subject in (BASELINE, mutant))
         return distance(own, theirs) < 0.0
+
+
+def _flight(subject: str, situation: str) -> str:
+    """Name of the flight with the first seed of the search."""
+    return f"{subject}/{situation}/{SEEN_ON[0]}"
 
 
 def flown(evidence: Evidence, redraws: int = REDRAWS) -> str:
@@ -147,7 +161,7 @@ def _arms(evidence: Evidence) -> Iterator[Sequence[object]]:
         return (name, *map(value, ARMS))
 
     def later(arm: str) -> list[bool]:
-        return [evidence.shows(one.mutant, key) for one in sought[arm] for key in one.situations[OPENING:]]
+        return [evidence.shows(mutant, key) for mutant, key in evidence.after_opening(arm)]
 
     def opened(arm: str) -> int:
         return sum(len(evidence.in_opening(block, own)) for block, own in evidence.by_place if own == arm)
@@ -155,9 +169,9 @@ def _arms(evidence: Evidence) -> Iterator[Sequence[object]]:
     yield row("flights asked for", lambda arm: sum(o.used for (_, own), o in evidence.by_place.items() if own == arm))
     yield row("newly detected", lambda arm: sum(bool(one.shown_in) for one in sought[arm]))
     yield row("- by situations of the opening", opened)
-    yield row("situations flown for a mutant", lambda arm: _mean([len(one.situations) for one in sought[arm]]))
     yield row(
-        "share that shows it, after the opening", lambda arm: f"{100 * share(later(arm)):.1f} % of {len(later(arm))}"
+        "situations after the opening, that show a mutant of those flown there",
+        lambda arm: f"{100 * share(later(arm)):.1f} % of {len(later(arm))}",
     )
     yield row("candidates", lambda arm: sum(one.candidates for one in sought[arm]))
 
@@ -191,10 +205,6 @@ def _mutants(evidence: Evidence) -> Iterator[Sequence[object]]:
 def _words(sought: Sought) -> str:
     told = sought.evidence
     return f"{sought.after}: {told.requirement} {told.violated}/{told.flights}" if told else "-"
-
-
-def _mean(numbers: Sequence[int]) -> str:
-    return f"{sum(numbers) / len(numbers):.1f}" if numbers else ""
 
 
 def _table(head: Sequence[str], rows: Rows) -> Iterator[str]:

@@ -32,8 +32,10 @@ POWER = (
 )
 """Share of the open mutants that each arm of chance finds, share that the search finds, share of yes where mutants are
 found one by one, and where those of a block are found together."""
-SIMULATED_S = 50
+SIMULATED_S = 55
 """Mean length of what is simulated for a flight [s]: a mutant shares its baseline up to its first altered sample."""
+LEFT = 20
+"""Flights that a search leaves, about half of what the next situations take."""
 SPEED = 80
 """Simulated seconds per processor second."""
 PER_HOUR = round(2 * 3_600 * SPEED / SIMULATED_S / SURVIVORS)
@@ -57,6 +59,12 @@ ASKED = len(ARMS) * BUDGET * MUTANTS
 """Flights that the arms may ask for."""
 FLOWN = ASKED - (len(ARMS) - 1) * OPENING_FLIGHTS
 """Most of them that are different."""
+
+
+def _minutes(flights: int) -> float:
+    return flights * SIMULATED_S / SPEED / 60
+
+
 _BLOCKS = "\n".join(_row((n, seed_of(n), ", ".join(block))) for n, block in enumerate(_READ, 1))
 _POWER = "\n".join(_row(f"{100 * share:.0f} %" for share in row) for row in POWER)
 PLAN = f"""# Does search beat chance?
@@ -70,8 +78,8 @@ situations that are chosen without looking at flights, at equal flights, confirm
 **What is known already.**  No arm of chance was flown on these mutants.  `seek` was tried on some of them while it was
 built, with other seeds; its settings came before this plan.  Optuna was chosen after toy problems, where it needed
 fewer trials than random draws.  The wide grid, whose situations were chosen by hand and by an array, detects {WIDE} of
-the {MUTANTS} mutants below: many of them are easy.  The script was tried with other seeds on NO-human and NO-goal,
-which are not among them.
+the {MUTANTS} mutants below: many of them are easy.  The script was tried with other seeds on NO-human, NO-goal,
+LATE-human and LATE-depth, which are not among them.
 
 ## Arms
 
@@ -108,8 +116,9 @@ arm falsely detects a mutant with a chance of at most {ALPHA:g}.
   to the others of the block.  A search ends where its next flights do not all fit.
 - **Seeds**: a block has one seed, for opening, TPE, lists.  Noise is keyed by situation and seed of the flight.
 - **Time**: {ASKED:,} flights, at most {FLOWN:,} of them different.  At {SIMULATED_S} simulated s each and {SPEED}
-  simulated s per processor second that is at most {FLOWN * SIMULATED_S / SPEED / 60:.0f} minutes of processor time; \
-the arrays take some 7.
+  simulated s per processor second that is at most {_minutes(FLOWN):.0f} minutes of processor time, and about \
+{_minutes(FLOWN - len(ARMS) * len(_READ) * LEFT):.0f} if a search
+  leaves {LEFT} flights; the arrays take some 7.
 
 | block | seed | mutants |
 |---|---|---|
@@ -141,7 +150,7 @@ So a difference of seven mutants is shown in about half to three quarters of the
 missed.  {BUDGET} flights for each mutant are few: an hour on two processors has about {PER_HOUR} for each of the \
 {SURVIVORS}.
 
-Reported besides, and deciding nothing: how many are detected after how many flights; the share of the situations
-proposed after the opening that show the mutant with the first seed of the search, which does not depend on how flights
-are counted; candidates.  All arms, blocks and mutants are reported, whatever they show.
+Reported besides, and deciding nothing: how many are detected after how many flights; how often a situation proposed
+after the opening shows a mutant that was flown there, with the first seed of the search, which does not depend on how
+flights are counted; candidates.  All arms, blocks and mutants are reported, whatever they show.
 """

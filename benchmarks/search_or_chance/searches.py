@@ -13,7 +13,7 @@ from scaloft_fi.campaign.flights.worker import Flyer
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.seeking.flights import Allowance
-from scaloft_fi.campaign.runs.seeking.proposals import Possible, Proposal, Proposer
+from scaloft_fi.campaign.runs.seeking.proposals import Possible, Proposal, Proposer, opening
 from scaloft_fi.campaign.runs.seeking.seek import seek
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.output import write_whole
@@ -35,7 +35,6 @@ class Sought:
         after: flights of the search when it was found; 0 where it was not.
         evidence: of fresh seeds; None where it was not found.
         candidates: situations that were tested on fresh seeds.
-        situations: keys of the situations that were proposed and flown for it, in their order.
     """
 
     mutant: str
@@ -43,7 +42,6 @@ class Sought:
     after: int
     evidence: Evidence | None
     candidates: int
-    situations: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -56,7 +54,9 @@ class Search:
         seed: of the search.
         budget: flights that it was allowed.
         used: flights that it asked for.
-        sought: the mutants of the block, in the order of their turns.
+        sought: the mutants of the block.
+        opening: keys of the situations of the opening.
+        proposed: keys of those that the arm proposed; the last may have been too many for the budget.
     """
 
     block: int
@@ -65,22 +65,25 @@ class Search:
     budget: int
     used: int
     sought: tuple[Sought, ...]
+    opening: tuple[str, ...]
+    proposed: tuple[str, ...]
 
 
 @dataclass
 class Noted:
-    """A proposer whose situations are noted once they are flown."""
+    """A proposer whose proposals are noted, each once."""
 
     proposer: Proposer
-    situations: list[str]
+    keys: dict[str, None]
 
     def ask(self, count: int) -> list[Proposal]:
         """As the proposer."""
-        return self.proposer.ask(count)
+        asked = self.proposer.ask(count)
+        self.keys |= dict.fromkeys(one.situation.key for one in asked)
+        return asked
 
     def tell(self, distances: Sequence[tuple[Proposal, float]]) -> None:
         """As the proposer."""
-        self.situations += [one.situation.key for one, _ in distances]
         self.proposer.tell(distances)
 
     @property
@@ -124,11 +127,14 @@ def search(
     Raises:
         Interrupted: the user stopped the search; all outcomes are saved.
     """
-    noted: dict[str, list[str]] = {mutant: [] for mutant in mutants}
-    make = ARMS[arm]()
+    make, proposed, opened = ARMS[arm](), dict[str, None](), list[Proposal]()
 
     def proposer(grid: Grid, possible: Possible, own: int, mutant: str) -> Proposer:
-        return Noted(make(grid, possible, own, mutant), noted[mutant])
+        return Noted(make(grid, possible, own, mutant), proposed)
+
+    def first(grid: Grid, own: int, possible: Possible) -> list[Proposal]:
+        opened[:] = opening(grid, own, possible)
+        return opened
 
     report = seek(
         study,
@@ -141,14 +147,15 @@ def search(
         save=lambda _finds: None,
         flyer=flyer,
         proposer=proposer,
+        first=first,
         shrinks=False,
     )
     shows = {mutant: evidence for find in report.finds for mutant, evidence in find.shows.items()}
     sought = tuple(
-        Sought(one.mutant, one.shown_in, one.after, shows.get(one.mutant), one.candidates, tuple(noted[one.mutant]))
-        for one in report.sought
+        Sought(one.mutant, one.shown_in, one.after, shows.get(one.mutant), one.candidates) for one in report.sought
     )
-    return Search(number, arm, seed, budget, report.used, sought)
+    keys = tuple(one.situation.key for one in opened)
+    return Search(number, arm, seed, budget, report.used, sought, keys, tuple(proposed))
 
 
 def read_searches(path: Path) -> list[Search]:
@@ -167,9 +174,9 @@ def write_searches(path: Path, searches: Iterable[Search]) -> None:
 
 
 def _search(row: Mapping[str, Any]) -> Search:
-    return Search(**{**row, "sought": tuple(map(_sought, row["sought"]))})
+    keys = {name: tuple(row[name]) for name in ("opening", "proposed")}
+    return Search(**{**row, **keys, "sought": tuple(map(_sought, row["sought"]))})
 
 
 def _sought(row: Mapping[str, Any]) -> Sought:
-    evidence = Evidence(**row["evidence"]) if row["evidence"] else None
-    return Sought(**{**row, "evidence": evidence, "situations": tuple(row["situations"])})
+    return Sought(**{**row, "evidence": Evidence(**row["evidence"]) if row["evidence"] else None})

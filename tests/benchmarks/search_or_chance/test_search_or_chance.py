@@ -23,8 +23,10 @@ from search_or_chance.proposers import ARMS, SEARCH
 from search_or_chance.sample import FEWEST, FILE, MOST, Block, at_risk, blocks_of, read_blocks, survivors, text_of
 from search_or_chance.searches import Search, Sought, read_searches, write_searches
 
+from scaloft_fi.campaign.runs.seeking.family import GENERATION
 from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON
 from scaloft_fi.campaign.runs.seeking.proposals import OPENING
+from scaloft_fi.campaign.runs.seeking.seek import CHUNK
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.sim.found import Evidence as Shown
@@ -178,10 +180,9 @@ def test_every_arm_is_flown_with_the_budget_and_the_opening_only_once(study: Stu
         late, less = search.sought
         assert (late.mutant, less.mutant) == (LATE, LESS)
         assert not less.shown_in
-        assert less.situations[:OPENING] == block.searches[SEARCH].sought[1].situations[:OPENING]
-        assert late.situations == less.situations[: len(late.situations)]  # flown for all that are not found
-        assert len(less.situations) > OPENING
-        assert late.shown_in in late.situations  # nothing is shrunk
+        assert search.opening == block.searches[SEARCH].opening
+        assert len(search.opening) == OPENING
+        assert late.shown_in in search.opening  # nothing is shrunk
         assert 0 < late.after <= search.used
         assert late.evidence is not None
         assert late.evidence.p <= late.evidence.alpha
@@ -196,12 +197,20 @@ def test_every_arm_is_flown_with_the_budget_and_the_opening_only_once(study: Stu
     assert not replace(evidence, budget=SMALL_BUDGET + 1).by_place
     opened = {evidence.in_opening(1, arm) for arm in ARMS}
     assert opened == {frozenset({(LATE, block.searches["random"].sought[0].shown_in)})}
-    asked = [(one.mutant, key) for one in evidence.of("random") for key in one.situations]
-    assert {mutant for mutant, key in asked if evidence.shows(mutant, key)} == {LATE}
+    assert evidence.shows(LATE, block.searches["random"].sought[0].shown_in)
 
 
 def test_the_arms_differ_after_the_opening(block: Flown) -> None:
-    assert len({one.sought[1].situations[OPENING:] for one in block.searches.values()}) == len(ARMS)
+    assert len({one.proposed for one in block.searches.values()}) == len(ARMS)
+
+
+def test_a_situation_is_flown_for_all_that_are_not_found(block: Flown) -> None:
+    one = block.searches["random"]
+    until = one.opening.index(one.sought[0].shown_in) // CHUNK * CHUNK + CHUNK
+    for mutant, keys in ((LATE, one.opening[:until]), (LESS, (*one.opening, *one.proposed[:GENERATION]))):
+        flown_in = {name.split("/")[1] for name in block.flights if name.startswith(f"{mutant}/")}
+        assert set(keys) <= flown_in
+        assert mutant == LESS or not flown_in & set(one.proposed)
 
 
 def test_it_goes_on_where_it_stopped(study: Study, block: Flown, tmp_path: Path) -> None:
@@ -216,14 +225,14 @@ def test_it_goes_on_where_it_stopped(study: Study, block: Flown, tmp_path: Path)
 
 def search(block: int, arm: str, found: int, opening: str = "o", **more: int) -> Search:
     """A search that finds so many mutants, the first of them in the opening."""
-    keys = (*(f"{opening}{n}" for n in range(OPENING)), "later")
     sought = tuple(
-        Sought(mutant, keys[0] if n == 0 else "later", 20 + n, EVIDENCE, 1, keys)
+        Sought(mutant, opening if n == 0 else "later", 20 + n, EVIDENCE, 1)
         if n < found
-        else Sought(mutant, "", 0, None, 0, keys)
+        else Sought(mutant, "", 0, None, 0)
         for n, mutant in enumerate(BLOCKS[block - 1])
     )
-    return Search(block, arm, more.get("seed", seed_of(block)), more.get("budget", BUDGET * len(sought)), 200, sought)
+    seed, budget = more.get("seed", seed_of(block)), more.get("budget", BUDGET * len(sought))
+    return Search(block, arm, seed, budget, 200, sought, (opening,), ("later",))
 
 
 def evidence(found: Mapping[str, int], **flights: Outcome) -> Evidence:
@@ -257,13 +266,13 @@ def test_nothing_is_decided_while_a_search_is_missing_or_the_openings_differ() -
         assert "Rule 1" not in page
 
 
-def test_the_share_of_situations_that_show_a_mutant_is_read_from_the_flights() -> None:
-    mutant, seed = BLOCKS[0][0], SEEN_ON[0]
-    clean = outcome(BASELINE, "later", seed)
-    struck = outcome(mutant, "later", seed, violated={"SR1": 9.0})
-    flights = {one.name: one for one in (clean, struck)}
-    page = flown(evidence(dict.fromkeys(ARMS, 0), **flights), redraws=5)
-    assert f"| share that shows it, after the opening | {100 / MUTANTS:.1f} % of {MUTANTS} |" in page
+def test_how_often_situations_show_a_mutant_that_is_flown_there_is_read_from_the_flights() -> None:
+    first, second, *_ = BLOCKS[0]
+    clean, harmless = (outcome(subject, "later", SEEN_ON[0]) for subject in (BASELINE, second))
+    struck = outcome(first, "later", SEEN_ON[0], violated={"SR1": 9.0})
+    told = evidence(dict.fromkeys(ARMS, 0), **{one.name: one for one in (clean, harmless, struck)})
+    assert told.after_opening("random") == [(first, "later"), (second, "later")]
+    assert "| 50.0 % of 2 | 50.0 % of 2 | 50.0 % of 2 | 50.0 % of 2 |" in flown(told, redraws=5)
 
 
 def test_searches_are_read_as_they_were_written(tmp_path: Path) -> None:
