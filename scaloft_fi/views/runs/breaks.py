@@ -13,7 +13,7 @@ from scaloft_fi.views.tables.table import Table
 def breaks_table(report: BreaksReport, campaign: str, *, claims: bool) -> Table:
     """The breaks; `campaign` holds their flights, `claims` tells whether the stack declares claims."""
     rows = tuple(
-        (number, one.requirement, one.struck or "nothing", f"near {one.near}, {one.leg}", _belief(one), _flights(one))
+        (number, _share(one.requirement, one.violated, one), _struck(one), f"near {one.near}, {one.leg}", _belief(one))
         for number, one in enumerate(report.breaks, 1)
     )
     told = [
@@ -30,12 +30,12 @@ def breaks_table(report: BreaksReport, campaign: str, *, claims: bool) -> Table:
     again = f"{report.again} flown again to see what the drone believed"
     notes = (
         *told,
-        "flights: with fresh seeds; those that violate the requirement and strike the same, of all.",
+        "violates, strikes: in so many of the flights with fresh seeds.",
         beliefs,
         f"The drone broke in {report.broken} of {report.situations} situations.",
         f"{report.used} flights in all, {report.flown} of them flown now, {again}; {ended}.",
     )
-    headers = ("", "violates", "strikes", "where", "wrong belief", "flights")
+    headers = ("", "violates", "strikes", "where", "wrong belief")
     ways = f"{len(rows)} {'way' if len(rows) == 1 else 'ways'}"
     return Table(f"The unmutated drone breaks in {ways}", headers, rows, notes)
 
@@ -49,5 +49,9 @@ def _belief(one: Break) -> str:
     return f"{one.belief}, {one.error:.2f} {one.unit}" if one.belief else "none"
 
 
-def _flights(one: Break) -> str:
-    return f"{one.violated}/{one.flights}"
+def _struck(one: Break) -> str:
+    return _share(one.struck or "nothing", one.alike, one)
+
+
+def _share(what: str, flights: int, one: Break) -> str:
+    return f"{what} {flights}/{one.flights}"

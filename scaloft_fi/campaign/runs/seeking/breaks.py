@@ -1,19 +1,21 @@
 """The search for situations that break the unmutated drone, each in a way of its own.
 
-The least robustness of the drone guides it.  What is found repels it: a requirement that is violated with a known
-signature counts as far from breaking, so that the search looks for others.  All else is as in the search for mutants:
-everything follows from the seed and the outcomes, and a budget decides only how far it goes.
+Each safety requirement has turns, in which its robustness guides TPE.  What is found repels the search: a situation
+with a known signature counts as far from breaking.  Half of each generation is drawn at random, because what is new
+need not lie where the robustness is small.  All else is as in the search for mutants: everything follows from the seed
+and the outcomes, and a budget decides only how far it goes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scaloft_fi.analysis.scoring.pool import LEAST
-from scaloft_fi.analysis.seeking.aim import breaking
+from scaloft_fi.analysis.seeking.aim import REJECTED, WORST, breaking
 from scaloft_fi.analysis.seeking.shrink import shrunk
 from scaloft_fi.analysis.seeking.signature import Breach, Signature
 from scaloft_fi.campaign.flights.worker import Flyer
@@ -24,7 +26,7 @@ from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import write_log
 from scaloft_fi.campaign.runs.seeking.finds import words_of
 from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON, Allowance, SearchFlights, SpentError
-from scaloft_fi.campaign.runs.seeking.proposals import Possible, Proposals, opening, placed
+from scaloft_fi.campaign.runs.seeking.proposals import OPENING, Possible, Proposals, draws, opening, placed
 from scaloft_fi.campaign.runs.seeking.recall import Recall, Recalls, recalled
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
@@ -36,7 +38,7 @@ if TYPE_CHECKING:
     from scaloft_fi.sim.situation import Situation
 
 IDLE = 20
-"""Generations without a new situation, after which a search without a budget ends."""
+"""Turns without a new situation, after which a search without a budget ends."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +96,9 @@ def seek_breaks(
         ScaloftError: a claim of the stack fails.
     """
     possible = Possible(study)
-    proposals = Proposals(study.grid, possible, seed, BASELINE)
+    safety = [one.name for one in study.requirements if one.kind is Kind.SAFETY]
+    further = islice(draws(study.grid, seed), OPENING, None)
+    proposals = {name: Proposals(study.grid, possible, seed, f"{BASELINE} {name}", further) for name in safety}
     first = (placed(study.grid, parameters) for parameters in opening(study.grid, seed))
     begun = [Flight(None, one, SEEN_ON[0]) for one in first if one is not None and possible(one)][:1]
     with opened(study, folder, options or RunOptions(), progress=progress, flyer=flyer, first=begun) as campaign:
@@ -103,7 +107,7 @@ def seek_breaks(
         )
         spent = False
         try:
-            search.generations()
+            search.turns()
         except SpentError:
             spent = True
         finally:
@@ -118,7 +122,7 @@ class _Search:
     def __init__(
         self,
         campaign: Campaign,
-        proposals: Proposals,
+        proposals: Mapping[str, Proposals],
         recalls: Recalls,
         seed: int,
         flights: SearchFlights,
@@ -131,8 +135,8 @@ class _Search:
         self._rejected: set[tuple[Situation, Signature]] = set()
         self._turn = self._candidates = 0
 
-    def generations(self) -> None:
-        """Fly generation after generation, until none brings a new situation.
+    def turns(self) -> None:
+        """Give each requirement a generation, again and again, until none brings a new situation.
 
         Raises:
             Interrupted, SpentError: as `SearchFlights.fly`.
@@ -140,17 +144,19 @@ class _Search:
         idle = 0
         while idle < IDLE:
             self._turn += 1
-            self._tell_stage()
             before = self._flights.used
-            self._generation()
+            for requirement in self._proposals:
+                self._tell_stage()
+                self._generation(requirement)
             idle = idle + 1 if self._flights.used == before else 0
 
     def report(self, *, spent: bool) -> BreaksReport:
         """What the search came to."""
+        situations = {one for proposals in self._proposals.values() for one in proposals.situations}
         return BreaksReport(
             breaks=tuple(self._breaks.values()),
-            situations=self._proposals.count,
-            broken=sum(bool(self._violations(one)) for one in self._proposals.situations),
+            situations=len(situations),
+            broken=sum(bool(self._violations(one)) for one in situations),
             candidates=self._candidates,
             used=self._flights.used,
             flown=self._campaign.flown,
@@ -160,40 +166,36 @@ class _Search:
 
     def _tell_stage(self) -> None:
         breaks = f"{len(self._breaks)} {'break' if len(self._breaks) == 1 else 'breaks'}"
-        self._campaign.reporter.progress.stage = f"generation {self._turn}, {breaks}"
+        self._campaign.reporter.progress.stage = f"turn {self._turn}: {breaks}"
 
-    def _generation(self) -> None:
-        """Fly the next generation, and pursue each violation that is new, the greatest first."""
-        proposed = self._proposals.ask()
+    def _generation(self, requirement: str) -> None:
+        """Fly the next generation that is proposed for a requirement, and pursue each violation of any that is new."""
+        proposals = self._proposals[requirement]
+        proposed = proposals.ask()
         situations = [one.situation for one in proposed]
         self._flights.fly(Flight(None, one, SEEN_ON[0]) for one in situations)
         broken = [one for one in situations if self._violations(one)]
         self._look(broken)
-        for one in sorted(broken, key=self._distance):
-            for breach in self._told(one):
-                if breach.signature not in self._breaks:
-                    self._pursue(one, breach.signature)
+        for situation in broken:
+            for breach in self._told(situation):
+                if breach.signature not in self._breaks and (situation, breach.signature) not in self._rejected:
+                    self._pursue(situation, breach.signature)
         for proposal in proposed:
-            proposal.distance = self._distance(proposal.situation)
-        self._proposals.tell(proposed)
+            proposal.distance = self._distance(proposal.situation, requirement)
+        proposals.tell(proposed)
 
-    def _distance(self, situation: Situation) -> float:
-        """How far a flown situation is from breaking the drone in a new way."""
-        known: set[str] = set()
-        new: set[str] = set()
-        for breach in self._told(situation):
-            if breach.signature in self._breaks:
-                known.update(breach.requirements)
-            elif (situation, breach.signature) not in self._rejected:
-                new.update(breach.requirements)
-        rejected = {violation.requirement for violation in self._violations(situation)} - new
-        return breaking(self._outcome(situation, SEEN_ON[0]), known, rejected)
+    def _distance(self, situation: Situation, requirement: str) -> float:
+        """How far a flown situation is from breaking a requirement in a new way."""
+        if requirement not in self._violated(situation, SEEN_ON[0]):
+            return breaking(self._outcome(situation, SEEN_ON[0]), requirement)
+        told = [breach.signature for breach in self._told(situation) if requirement in breach.requirements]
+        return WORST if any(one in self._breaks for one in told) else REJECTED
 
     def _pursue(self, situation: Situation, signature: Signature) -> None:
         """Record the situation, shrunk if that is confirmed too; reject it where nothing is confirmed."""
 
         def shows(asked: Sequence[Situation], every: bool) -> list[bool]:
-            return self._shows(asked, signature, SEEN_ON if every else SEEN_ON[:1])
+            return self._shows(asked, signature, every=every)
 
         found = None
         if all(shows([situation], True)):
@@ -208,42 +210,48 @@ class _Search:
         words = ", ".join(found.words) or "the benign situation"
         self._campaign.reporter.progress.line(f"found: {found.name}: {found.situation} ({words})")
 
-    def _shows(self, asked: Sequence[Situation], signature: Signature, seeds: Sequence[int]) -> list[bool]:
-        """Whether each situation violates the requirement and strikes the same with each of the seeds.
+    def _shows(self, asked: Sequence[Situation], signature: Signature, *, every: bool) -> list[bool]:
+        """Whether the first flight in each situation violates the requirement and strikes what the signature says.
 
-        With all seeds the flight of the first one must have the same signature.
+        With `every` seed of the search all flights must violate the requirement; the first must have the signature.
         """
+        seeds = SEEN_ON if every else SEEN_ON[:1]
         self._flights.fly(Flight(None, one, seed) for one in asked for seed in seeds)
-        alike = [all(_is_alike(self._outcome(one, seed), signature) for seed in seeds) for one in asked]
-        if tuple(seeds) != SEEN_ON:
-            return alike
-        self._look([one for one, good in zip(asked, alike, strict=True) if good])
+        near = [
+            self._strikes(one, SEEN_ON[0], signature)
+            and all(signature.requirement in self._violated(one, seed) for seed in seeds)
+            for one in asked
+        ]
+        if not every:
+            return near
+        self._look([one for one, good in zip(asked, near, strict=True) if good])
         return [
-            good and self._breach(one, SEEN_ON[0], signature) is not None
-            for one, good in zip(asked, alike, strict=True)
+            good and self._breach(one, SEEN_ON[0], signature) is not None for one, good in zip(asked, near, strict=True)
         ]
 
     def _confirmed(self, situation: Situation, signature: Signature) -> Break | None:
         """The situation with what fresh seeds say of it.
 
-        None where most of them do not violate the requirement and strike the same, or none has the same signature.
+        None where most of them do not violate the requirement, or none has the signature.
         """
         self._candidates += 1
         self._flights.fly(Flight(None, situation, seed) for seed in range(LEAST))
         outcomes = [self._outcome(situation, seed) for seed in range(LEAST)]
-        counted = [outcome for outcome in outcomes if outcome is not None and not outcome.invalid]
-        alike = [outcome.seed for outcome in counted if _is_alike(outcome, signature)]
-        if len(counted) < LEAST or 2 * len(alike) <= len(counted):
+        flights = sum(outcome is not None and not outcome.invalid for outcome in outcomes)
+        violated = sum(signature.requirement in self._violated(situation, seed) for seed in range(LEAST))
+        alike = [seed for seed in range(LEAST) if self._strikes(situation, seed, signature)]
+        if flights < LEAST or 2 * violated <= flights:
             return None
         for seed in alike:
             self._look([situation], seed)
             breach = self._breach(situation, seed, signature)
             if breach is not None:
-                return self._break(situation, breach, seed, len(alike), len(counted))
+                return self._break(situation, breach, seed, (violated, flights, len(alike)))
         return None
 
-    def _break(self, situation: Situation, breach: Breach, flight: int, violated: int, flights: int) -> Break:
+    def _break(self, situation: Situation, breach: Breach, flight: int, counts: tuple[int, int, int]) -> Break:
         signature = breach.signature
+        violated, flights, alike = counts
         return Break(
             name=signature.name,
             situation=situation.key,
@@ -257,6 +265,7 @@ class _Search:
             unit=breach.unit,
             violated=violated,
             flights=flights,
+            alike=alike,
             flight=flight,
             t_s=breach.t_s,
             place=breach.place,
@@ -290,8 +299,10 @@ class _Search:
         violations = outcome.violations if outcome is not None else ()
         return tuple(violation for violation in violations if violation.kind is Kind.SAFETY)
 
+    def _violated(self, situation: Situation, seed: int) -> Mapping[str, str]:
+        """What a flight strikes when it violates a safety requirement, by requirement."""
+        return {violation.requirement: violation.struck for violation in self._violations(situation, seed)}
 
-def _is_alike(outcome: Outcome | None, signature: Signature) -> bool:
-    """Whether a flight violates the requirement of a signature and strikes the same then."""
-    violations = outcome.violations if outcome is not None else ()
-    return any((one.requirement, one.struck) == (signature.requirement, signature.struck) for one in violations)
+    def _strikes(self, situation: Situation, seed: int, signature: Signature) -> bool:
+        """Whether a flight violates the requirement of a signature and strikes the same then."""
+        return self._violated(situation, seed).get(signature.requirement) == signature.struck

@@ -11,6 +11,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import count, islice
 from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.analysis.seeking.shrink import brief
@@ -80,9 +81,17 @@ class Proposals:
         possible: whether a situation can be flown.
         seed: seed of the search.
         mutant: id of the mutant, which names its stream of randomness.
+        further: drawn situations, which take half of each generation after the opening; None for none.
     """
 
-    def __init__(self, grid: Grid, possible: Callable[[Situation], bool], seed: int, mutant: str) -> None:
+    def __init__(
+        self,
+        grid: Grid,
+        possible: Callable[[Situation], bool],
+        seed: int,
+        mutant: str,
+        further: Iterator[Parameters] | None = None,
+    ) -> None:
         optuna = require_optuna()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
@@ -96,12 +105,16 @@ class Proposals:
         self._grid, self._possible = grid, possible
         self._study = optuna.create_study(sampler=sampler)
         self._known: dict[Situation, float] = {}
+        self._further = further or iter(())
         for parameters in opening(grid, seed):
             self._study.enqueue_trial(dict(parameters))
 
     def ask(self) -> list[Proposal]:
         """The next generation: distinct situations that were not proposed before; fewer where TPE finds no more."""
         proposed: list[Proposal] = []
+        if not any(trial.state.name == "WAITING" for trial in self._study.get_trials(deepcopy=False)):
+            for parameters in islice(self._further, GENERATION // 2):
+                self._study.enqueue_trial(dict(parameters))
         for _ in range(GENERATION * TRIES):
             trial = self._study.ask()
             situation = placed(self._grid, _suggest(trial, self._grid))
@@ -140,21 +153,28 @@ class Proposals:
 
 
 def opening(grid: Grid, seed: int) -> Iterator[Parameters]:
-    """The parameters of the first proposals, distinct situations of the grid, the same for every mutant."""
+    """The parameters of the first proposals, the same for every mutant."""
+    return islice(draws(grid, seed), OPENING)
+
+
+def draws(grid: Grid, seed: int) -> Iterator[Parameters]:
+    """The parameters of distinct situations of the grid, drawn one after another; they end where no more are found."""
 
     def share(number: int, axis: str, what: str) -> float:
         return (key_words("seek", "opening", seed, number, axis, what)[0] >> 11) / 2**53  # exact, below 1
 
     known: set[Situation | None] = {None}
-    for number in range(OPENING * TRIES):
+    new = 0
+    for number in count():
         levels = {axis.id: int(share(number, axis.id, "level") * len(axis.values)) for axis in grid.axes}
         chosen: dict[str, Any] = dict(levels)
         chosen |= {f"{axis.id}=": share(number, axis.id, "number") for axis in grid.axes if axis.range}
         chosen |= {axis.id: share(number, axis.id, "number") for axis in grid.free if axis.goes_with(levels)}
         if (situation := placed(grid, chosen)) not in known:
             known.add(situation)
+            new = number
             yield chosen
-        if len(known) > OPENING:
+        elif number - new > OPENING * TRIES:
             return
 
 

@@ -11,13 +11,14 @@ from typing import Any
 import pytest
 from finding import Ruled, everywhere, number, small_study
 
+from scaloft_fi.analysis.seeking.aim import WORST
 from scaloft_fi.analysis.seeking.signature import Breach, Signature
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.seeking.breaks import BreaksReport, seek_breaks
 from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON, Allowance
-from scaloft_fi.campaign.runs.seeking.proposals import OPENING, opening, placed
+from scaloft_fi.campaign.runs.seeking.proposals import GENERATION, Proposal, Proposals
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.sim.found import Break
@@ -125,16 +126,33 @@ def test_it_is_confirmed_on_seeds_that_the_search_never_flew(whole: Whole) -> No
     assert confirming >= {one.situation for one in whole.saved}
 
 
-def test_what_was_found_repels_the_search(study: Study, search: Search, tmp_path: Path, flyer: Ruled) -> None:
-    def red(situation: Situation | None) -> bool:
-        return situation is not None and situation["D"] == 1 and situation["T"] == 0
+def test_what_was_found_repels_the_search(
+    search: Search, tmp_path: Path, flyer: Ruled, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: dict[str, list[Sequence[Proposal]]] = {}
 
+    class Spied(Proposals):
+        def __init__(self, *arguments: Any) -> None:
+            super().__init__(*arguments)
+            self.told = told.setdefault(arguments[3], [])
+
+        def tell(self, proposed: Sequence[Proposal]) -> None:
+            super().tell(proposed)
+            self.told.append(proposed)
+
+    def red(situation: Situation) -> bool:
+        return situation["D"] == 1 and situation["T"] == 0
+
+    monkeypatch.setattr("scaloft_fi.campaign.runs.seeking.breaks.Proposals", Spied)
     flyer.baseline = lambda one: -0.2 if red(one) else 0.5
-    report, _ = search(tmp_path, flyer, budget="100flights")
+    report, _ = search(tmp_path, flyer)
     assert len(report.breaks) == 1
-    first = sum(red(placed(study.grid, parameters)) for parameters in opening(study.grid, 0))
-    assert report.situations >= 2 * OPENING
-    assert report.broken - first <= (report.situations - OPENING) / 8  # a quarter of the grid is red
+    assert list(told) == ["baseline SR1", "baseline SR2"]
+    distances = {red(one.situation): one.distance for asked in told["baseline SR2"] for one in asked}
+    assert distances == {True: WORST, False: pytest.approx(0.5, abs=0.01)}
+    guided = [one.situation for asked in told["baseline SR2"][2:] for one in asked[GENERATION // 2 :]]
+    assert len(guided) >= 2 * GENERATION
+    assert sum(map(red, guided)) <= len(guided) / 8  # a quarter of the grid is red
 
 
 def test_what_most_fresh_seeds_do_not_violate_is_no_find(search: Search, tmp_path: Path, flyer: Ruled) -> None:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from itertools import islice
 from pathlib import Path
 
-from scaloft_fi.campaign.runs.seeking.proposals import GENERATION, OPENING, Proposals, opening, placed
+from scaloft_fi.campaign.runs.seeking.proposals import GENERATION, OPENING, Proposals, draws, opening, placed
 from scaloft_fi.sim.grids import load_grid
 from scaloft_fi.sim.situation import Situation
 
@@ -58,3 +59,18 @@ def test_later_proposals_are_nearer_to_what_was_good():
     told = flown(0, 7)
     before, after = ([distance(one) for generation in part for one in generation] for part in (told[:2], told[5:]))
     assert sum(after) / len(after) < sum(before) / len(before) - 0.1
+
+
+def test_further_draws_take_half_of_each_generation_after_the_opening():
+    drawn = [placed(GRID, parameters) for parameters in islice(draws(GRID, 0), OPENING + GENERATION)]
+    further = islice(draws(GRID, 0), OPENING, None)
+    proposals, told = Proposals(GRID, lambda _: True, 0, "A", further), []
+    for _ in range(4):
+        asked = proposals.ask()
+        for one in asked:
+            one.distance = distance(one.situation)
+        proposals.tell(asked)
+        told.append([one.situation for one in asked])
+    half = GENERATION // 2
+    assert told[0] + told[1] + told[2][:half] + told[3][:half] == drawn
+    assert not {*told[2][half:], *told[3][half:]} & {*drawn}
