@@ -76,7 +76,7 @@ class Break:
         belief: the stage whose belief was the most wrong before the violation; empty where none was wrong.
         error: how far from the truth that belief was; unit: of the error.
         violated: flights that violate the requirement; flights: with the seeds 0, 1, ...
-        alike: flights that violate the requirement and strike the same.
+        alike: flights that do so in the same way: they strike the same, on the same leg, after the same wrong belief.
         flight: seed of the flight that `leg`, `near`, `belief`, `error`, `t_s` and `place` tell of.
         t_s: time of the violation [s from take-off].
         place: (3,) centre of the vehicle then [m, world].

@@ -40,6 +40,9 @@ if TYPE_CHECKING:
 IDLE = 20
 """Turns without a new situation, after which a search without a budget ends."""
 
+ALIKE = 3
+"""Of the flights with fresh seeds at least so many must have the signature of a find."""
+
 
 @dataclass(frozen=True)
 class BreaksReport:
@@ -232,24 +235,21 @@ class _Search:
     def _confirmed(self, situation: Situation, signature: Signature) -> Break | None:
         """The situation with what fresh seeds say of it.
 
-        None where most of them do not violate the requirement, or none has the signature.
+        None where most of them do not violate the requirement, or fewer than `ALIKE` have the signature.
         """
         self._candidates += 1
         self._flights.fly(Flight(None, situation, seed) for seed in range(LEAST))
         outcomes = [self._outcome(situation, seed) for seed in range(LEAST)]
         flights = sum(outcome is not None and not outcome.invalid for outcome in outcomes)
         violated = sum(signature.requirement in self._violated(situation, seed) for seed in range(LEAST))
-        alike = [seed for seed in range(LEAST) if self._strikes(situation, seed, signature)]
-        if flights < LEAST or 2 * violated <= flights:
+        strike = [seed for seed in range(LEAST) if self._strikes(situation, seed, signature)]
+        if flights < LEAST or 2 * violated <= flights or len(strike) < ALIKE:
             return None
-        for seed in alike:
-            self._look([situation], seed)
-            breach = self._breach(situation, seed, signature)
-            if breach is not None:
-                return self._break(situation, breach, seed, (violated, flights, len(alike)))
-        return None
+        self._look([situation], strike)
+        alike = [(seed, breach) for seed in strike if (breach := self._breach(situation, seed, signature))]
+        return self._break(situation, *alike[0], (violated, flights, len(alike))) if len(alike) >= ALIKE else None
 
-    def _break(self, situation: Situation, breach: Breach, flight: int, counts: tuple[int, int, int]) -> Break:
+    def _break(self, situation: Situation, flight: int, breach: Breach, counts: tuple[int, int, int]) -> Break:
         signature = breach.signature
         violated, flights, alike = counts
         return Break(
@@ -272,13 +272,13 @@ class _Search:
             seed=self._seed,
         )
 
-    def _look(self, situations: Sequence[Situation], seed: int = SEEN_ON[0]) -> None:
+    def _look(self, situations: Sequence[Situation], seeds: Sequence[int] = SEEN_ON[:1]) -> None:
         """Fly flights that violate a safety requirement again, to see what the drone believed.
 
         Raises:
             Interrupted, SpentError: as `SearchFlights.fly`.
         """
-        violations = {Flight(None, one, seed): self._violations(one, seed) for one in situations}
+        violations = {Flight(None, one, seed): self._violations(one, seed) for one in situations for seed in seeds}
         self._flights.spend(len(self._recalls.unknown(tuple(violations))))
         self._recalls.look(violations)
         self._flights.raise_if_stopped()
