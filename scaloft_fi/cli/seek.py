@@ -87,15 +87,15 @@ def seek_command(
 ) -> None:
     """Find situations that show mutants: the mutant violates a safety requirement, the unmutated drone does not.
 
-    `seek baseline` finds situations that break the unmutated drone itself, each in a way of its own: it violates
-    another requirement, strikes something else or elsewhere, or another stage believed what is not true.
-
     Sought are the named mutants, else every cell's default that the score of --campaign does not call detected and no
     situation in the study's sim/found.yaml shows.
     PLACEBO stands for the unmutated drone under other seeds, which no search should find anything for.
     Robustness guides the search.  What it finds is shrunk towards the benign values, confirmed on seeds that the search
     never flew, by the score's own test, and written to sim/found.yaml, which `scaloft-fi run --grid NAME+found` flies
     (NAME: the study's own grid).  An interrupted search resumes with the same command.
+
+    `seek baseline` finds situations that break the unmutated drone itself, each in a way of its own: it violates
+    another requirement, strikes something else or elsewhere, or another stage believed what is not true.
     """
     from scaloft_fi.campaign.processes.start import cores, one_thread_each
     from scaloft_fi.campaign.runs.options import RunOptions
@@ -175,6 +175,7 @@ class _Search:
         from scaloft_fi.sim.claims import claims_of
         from scaloft_fi.views.runs.breaks import breaks_json, breaks_table
 
+        claims = claims_of(self.study.stack, self.study.signals)
         report = seek_breaks(
             self.study,
             self.folder,
@@ -184,8 +185,7 @@ class _Search:
             progress=self.progress,
             save=break_saver(self.study.folder / "sim", self.study.grid.name),
         )
-        claims = bool(claims_of(self.study.stack.name))
-        return _printed(breaks_json(report), (breaks_table(report, campaign, claims=claims),), style)
+        return _printed(breaks_json(report), (breaks_table(report, campaign, claims=bool(claims)),), style)
 
 
 def _printed(record: dict[str, Any], tables: Sequence[Table], style: str) -> str:

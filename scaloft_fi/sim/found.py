@@ -75,7 +75,8 @@ class Break:
         leg: between which places of the route, such as `corner to end`; near: the nearer of the two.
         belief: the stage whose belief was the most wrong before the violation; empty where none was wrong.
         error: how far from the truth that belief was; unit: of the error.
-        violated: flights that violate the requirement and strike the same; flights: with the seeds 0, 1, ...
+        violated: flights that violate the requirement; flights: with the seeds 0, 1, ...
+        alike: flights that do so in the same way: they strike the same, on the same leg, after the same wrong belief.
         flight: seed of the flight that `leg`, `near`, `belief`, `error`, `t_s` and `place` tell of.
         t_s: time of the violation [s from take-off].
         place: (3,) centre of the vehicle then [m, world].
@@ -94,6 +95,7 @@ class Break:
     unit: str
     violated: int
     flights: int
+    alike: int
     flight: int
     t_s: float
     place: tuple[float, float, float]
@@ -160,7 +162,7 @@ def _find(name: str, item: Item) -> Find:
 
 
 def _break(name: str, item: Item) -> Break:
-    violated_item = item.need("violated")
+    violated_item, alike_item = item.need("violated"), item.need("alike")
     x, y, z = item.need("place").numbers(3)
     found = Break(
         name=name,
@@ -175,6 +177,7 @@ def _break(name: str, item: Item) -> Break:
         unit=_optional(item, "unit"),
         violated=violated_item.whole(),
         flights=item.need("flights").whole(least=1),
+        alike=alike_item.whole(least=1),
         flight=item.need("flight").whole(),
         t_s=item.need("t_s").number(least=0.0),
         place=(x, y, z),
@@ -183,6 +186,8 @@ def _break(name: str, item: Item) -> Break:
     item.close()
     if not found.flights < 2 * found.violated <= 2 * found.flights:
         raise violated_item.error(f"more than half of flights={found.flights}, and no more than all")
+    if found.alike > found.violated:
+        raise alike_item.error(f"at most violated={found.violated}")
     return found
 
 

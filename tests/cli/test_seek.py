@@ -157,7 +157,7 @@ def test_what_breaks_the_unmutated_drone_is_printed_and_written(
     again = call("seek", *words, "--quiet", study=copy)
     table = " ".join(again.stdout.split())
     assert "The unmutated drone breaks in 1 way" in table
-    assert "1 SR2 person near corner, home to corner person detection, 1.50 m 10/10" in table
+    assert "1 SR2 10/10 person near corner, home to corner person detection, 1.50 m 10/10" in table
     assert f"`scaloft-fi replay baseline/{found['situation']}/0 --campaign where`" in table
     assert ", 0 of them flown now, " in table
     words = ("--mutant", "LATE-human", "--situation", found["name"], "--situation", "T0D0H0", "--jobs", "1", "--quiet")

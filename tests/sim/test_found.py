@@ -26,6 +26,7 @@ BAR = Break(
     unit="m",
     violated=10,
     flights=10,
+    alike=9,
     flight=0,
     t_s=25.45,
     place=(-1.614, 7.714, 1.605),
@@ -102,6 +103,7 @@ def test_a_break_is_flown_by_name_over_the_grid_that_was_searched_and_not_beside
     ("old", "new", "message"),
     [
         ("violated: 10", "violated: 5", r"found.yaml:\d+: violated=5 must be more than half of flights=10"),
+        ("alike: 9", "alike: 11", r"found.yaml:\d+: alike=11 must be at most violated=10"),
         ("violated: 10", "violated: 11", r"found.yaml:\d+: violated=11 must be .* no more than all"),
         ("    near: end\n", "", r"found.yaml:\d+: .*near"),
         ("flight: 0", "flihgt: 0", r"flight"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
@@ -33,24 +33,19 @@ def distance(mutant: Outcome | None, baseline: Outcome | None) -> float:
     return min((far for _, far in _distances(mutant, baseline)), default=WORST)
 
 
-def breaking(baseline: Outcome | None, known: Collection[str], rejected: Collection[str]) -> float:
-    """How far a situation is from breaking the unmutated drone in a new way.
+def breaking(baseline: Outcome | None, requirement: str) -> float:
+    """How far a situation is from breaking a requirement: the robustness that the unmutated drone has.
 
-    The least robustness over the safety requirements that are not violated in a known way, and `REJECTED` for one that
-    is violated by chance.  With a known violation that is halved towards `WORST`: other situations come first.
+    `WORST` where the requirement is not put to the test.  Requirements are not compared: the robustness of one may be
+    small wherever it is held, and would keep the search from the others.
 
     Args:
         baseline: outcome of the baseline; None without one.
-        known: requirements that it violates in a way that was found already.
-        rejected: requirements that it violates with this seed, and not with others.
+        requirement: its name.
     """
-    least = WORST
-    for reading in baseline.readings if baseline is not None and not baseline.invalid else ():
-        rho = measured_rho(reading)
-        if reading.kind is not Kind.SAFETY or reading.open or rho is None or reading.requirement in known:
-            continue
-        least = min(least, REJECTED if reading.requirement in rejected else max(-WORST, rho))
-    return 0.5 * (WORST + least) if known else least
+    reading = baseline.reading(requirement) if baseline is not None and not baseline.invalid else None
+    rho = measured_rho(reading) if reading is not None and not reading.open else None
+    return WORST if rho is None else max(-WORST, min(WORST, rho))
 
 
 def shown_by(mutant: Outcome | None, baseline: Outcome | None) -> tuple[str, ...]:

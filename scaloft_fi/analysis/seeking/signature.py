@@ -144,7 +144,7 @@ def _where(log: FlightLog, violation: Violation, world: World) -> tuple[str, str
 def _most_wrong(
     log: FlightLog, violation: Violation, claims: Sequence[Claim], samples: Samples
 ) -> tuple[str, float, str]:
-    """The stage whose belief was the most wrong in the last second, as a multiple of what is allowed; its error, unit.
+    """The stage whose belief was the most wrong in the second before, as a multiple of what is allowed; error, unit.
 
     All is empty where no belief was wrong.
     """
@@ -152,7 +152,7 @@ def _most_wrong(
     place = (violation.x, violation.y, violation.z)
     worst, told = 1.0, ("", 0.0, "")
     for claim in claims:
-        for sample in range(max(0, last - round(BEFORE_S * SAMPLE_HZ)), last + 1):
+        for sample in range(max(0, last - round(BEFORE_S * SAMPLE_HZ)), last):  # at a strike itself, estimates jump
             signals = {name: values[: sample + 1] for name, values in log.signals.items()}
             delivered = _delivered(samples.get(claim.seam, ()), float(signals["elapsed_s"][-1]))
             error = _error(claim, Instant(signals, delivered, place, violation.struck))

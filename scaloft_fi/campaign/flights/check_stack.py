@@ -99,6 +99,7 @@ class _Inspection:
         first = self._flown(PlainWire(), declared, "the first baseline flight")
         if first is not None and self._takes_off(first):
             self._check_beliefs(declared, first)
+            self._check_claims(declared, first)
             self._check_second(declared, first)
             self._check_polls(declared, first)
         for method in METHODS if not self.failures else ():
@@ -134,6 +135,25 @@ class _Inspection:
                 )
             if math.isnan(belief.unknown) and any(map(math.isnan, values.tolist())):
                 self.failures.append(f"belief {belief.name!r} is NaN, but declares no value for unknown")
+
+    def _check_claims(self, declared: Declaration, first: FlightLog) -> None:
+        from scaloft_fi.sim.claims import claims_of
+        from scaloft_fi.stack.claim import Instant
+
+        try:
+            claims = claims_of(declared, first.signals)
+        except ScaloftError as error:
+            self.failures.append(str(error))
+            return
+        x_m, y_m, z_m = (float(first.signals[name][-1]) for name in ("x_m", "y_m", "z_m"))
+        for claim in claims:
+            try:
+                off = float(claim.error(Instant(first.signals, None, (x_m, y_m, z_m), "")))
+            except Exception as problem:  # noqa: BLE001 - whatever the claim raises is what is asked for
+                self.failures.append(f"claim {claim.stage!r} raises at the end of a flight: {in_one_line(problem)}")
+                continue
+            if not math.isfinite(off):
+                self.failures.append(f"claim {claim.stage!r} has the error {off} at the end of a flight")
 
     def _check_second(self, declared: Declaration, first: FlightLog) -> None:
         from scaloft_fi.stack.seam import PlainWire

@@ -13,7 +13,14 @@ from scaloft_fi.views.tables.table import Table
 def breaks_table(report: BreaksReport, campaign: str, *, claims: bool) -> Table:
     """The breaks; `campaign` holds their flights, `claims` tells whether the stack declares claims."""
     rows = tuple(
-        (number, one.requirement, one.struck or "nothing", f"near {one.near}, {one.leg}", _belief(one), _flights(one))
+        (
+            number,
+            f"{one.requirement} {one.violated}/{one.flights}",
+            one.struck or "nothing",
+            f"near {one.near}, {one.leg}",
+            _belief(one),
+            f"{one.alike}/{one.flights}",
+        )
         for number, one in enumerate(report.breaks, 1)
     )
     told = [
@@ -30,12 +37,12 @@ def breaks_table(report: BreaksReport, campaign: str, *, claims: bool) -> Table:
     again = f"{report.again} flown again to see what the drone believed"
     notes = (
         *told,
-        "flights: with fresh seeds; those that violate the requirement and strike the same, of all.",
+        "violates: of the flights with fresh seeds; alike: those that do so in this way.",
         beliefs,
         f"The drone broke in {report.broken} of {report.situations} situations.",
         f"{report.used} flights in all, {report.flown} of them flown now, {again}; {ended}.",
     )
-    headers = ("", "violates", "strikes", "where", "wrong belief", "flights")
+    headers = ("", "violates", "strikes", "where", "wrong belief", "alike")
     ways = f"{len(rows)} {'way' if len(rows) == 1 else 'ways'}"
     return Table(f"The unmutated drone breaks in {ways}", headers, rows, notes)
 
@@ -47,7 +54,3 @@ def breaks_json(report: BreaksReport) -> dict[str, Any]:
 
 def _belief(one: Break) -> str:
     return f"{one.belief}, {one.error:.2f} {one.unit}" if one.belief else "none"
-
-
-def _flights(one: Break) -> str:
-    return f"{one.violated}/{one.flights}"

@@ -15,7 +15,19 @@ import numpy as np
 import pytest
 from tiny_stack import SOUND, FastHop, Hop, Level, hop
 
-from scaloft_fi.api import TICK_HZ, Declaration, Seam, StackCheck, Task, Wire, check_stack, messages
+from scaloft_fi.api import (
+    TICK_HZ,
+    Claim,
+    Declaration,
+    Instant,
+    Seam,
+    StackCheck,
+    Task,
+    Wire,
+    check_stack,
+    messages,
+)
+from scaloft_fi.sim.claims import CLAIMS
 from scaloft_fi.sim.stacks import STACKS
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -243,3 +255,23 @@ def test_settings_that_do_not_fit_are_named_with_their_place(check: Check) -> No
 
 def test_a_stack_that_declares_no_determinism_may_draw_random_numbers(check: Check) -> None:
     assert check(hop(RandomThrust, deterministic=False)).failures == ()
+
+
+def _beyond(now: Instant) -> float:
+    raise IndexError("the log ends")
+
+
+@pytest.mark.parametrize(
+    ("claim", "sentence"),
+    [
+        (Claim("height", "m", 0.1, lambda _: math.nan), "claim 'height' has the error nan at the end of a flight"),
+        (Claim("height", "m", 0.1, _beyond), "claim 'height' raises at the end of a flight: IndexError: the log ends"),
+        (Claim("height", "m", 0.1, lambda _: 0.0, seam="lvel"), "stack 'hop': claim 'height': seam 'lvel' does not"),
+    ],
+)
+def test_a_claim_that_cannot_be_asked_is_told(
+    check: Check, monkeypatch: pytest.MonkeyPatch, claim: Claim, sentence: str
+) -> None:
+    monkeypatch.setitem(CLAIMS._entries, "hop", (claim,))
+    (failure,) = check(SOUND).failures
+    assert failure.startswith(sentence)

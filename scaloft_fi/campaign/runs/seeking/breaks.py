@@ -1,19 +1,21 @@
 """The search for situations that break the unmutated drone, each in a way of its own.
 
-The least robustness of the drone guides it.  What is found repels it: a requirement that is violated with a known
-signature counts as far from breaking, so that the search looks for others.  All else is as in the search for mutants:
-everything follows from the seed and the outcomes, and a budget decides only how far it goes.
+Each safety requirement has turns, in which its robustness guides TPE.  What is found repels the search: a situation
+with a known signature counts as far from breaking.  Half of each generation is drawn at random, because what is new
+need not lie where the robustness is small.  All else is as in the search for mutants: everything follows from the seed
+and the outcomes, and a budget decides only how far it goes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scaloft_fi.analysis.scoring.pool import LEAST
-from scaloft_fi.analysis.seeking.aim import breaking
+from scaloft_fi.analysis.seeking.aim import REJECTED, WORST, breaking
 from scaloft_fi.analysis.seeking.shrink import shrunk
 from scaloft_fi.analysis.seeking.signature import Breach, Signature
 from scaloft_fi.campaign.flights.worker import Flyer
@@ -25,7 +27,7 @@ from scaloft_fi.campaign.runs.run import write_log
 from scaloft_fi.campaign.runs.seeking.family import GENERATION
 from scaloft_fi.campaign.runs.seeking.finds import words_of
 from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON, Allowance, SearchFlights, SpentError
-from scaloft_fi.campaign.runs.seeking.proposals import Flyable, Proposal, Proposals, opening
+from scaloft_fi.campaign.runs.seeking.proposals import OPENING, Flyable, Proposal, Proposals, draws
 from scaloft_fi.campaign.runs.seeking.recall import Recall, Recalls, recalled
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
@@ -37,7 +39,10 @@ if TYPE_CHECKING:
     from scaloft_fi.sim.situation import Situation
 
 IDLE = 20
-"""Generations without a new situation, after which a search without a budget ends."""
+"""Turns without a new situation, after which a search without a budget ends."""
+
+ALIKE = 3
+"""Of the flights with fresh seeds at least so many must have the signature of a find."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +100,10 @@ def seek_breaks(
         ScaloftError: a claim of the stack fails.
     """
     possible = Flyable(study)
-    proposals, first = Proposals(study.grid, possible, seed, BASELINE), list(opening(study.grid, seed, possible))
+    safety = [one.name for one in study.requirements if one.kind is Kind.SAFETY]
+    proposals = {name: Proposals(study.grid, possible, seed, f"{BASELINE} {name}") for name in safety}
+    drawn = draws(study.grid, seed, possible)
+    first = list(islice(drawn, OPENING))
     begun = [Flight(None, one.situation, SEEN_ON[0]) for one in first[:1]]
     with opened(study, folder, options or RunOptions(), progress=progress, flyer=flyer, first=begun) as campaign:
         search = _Search(
@@ -103,7 +111,8 @@ def seek_breaks(
         )
         spent = False
         try:
-            search.generations(first)
+            search.open(first)
+            search.turns(drawn)
         except SpentError:
             spent = True
         finally:
@@ -118,7 +127,7 @@ class _Search:
     def __init__(
         self,
         campaign: Campaign,
-        proposals: Proposals,
+        proposals: Mapping[str, Proposals],
         recalls: Recalls,
         seed: int,
         flights: SearchFlights,
@@ -131,8 +140,8 @@ class _Search:
         self._rejected: set[tuple[Situation, Signature]] = set()
         self._turn = self._candidates = 0
 
-    def generations(self, first: Sequence[Proposal]) -> None:
-        """Fly the first situations, then generation after generation, until none brings a new situation.
+    def open(self, first: Sequence[Proposal]) -> None:
+        """Fly the first situations.
 
         Raises:
             Interrupted, SpentError: as `SearchFlights.fly`.
@@ -140,20 +149,33 @@ class _Search:
         for begin in range(0, len(first), GENERATION):
             self._tell_stage()
             self._generation(first[begin : begin + GENERATION])
+
+    def turns(self, drawn: Iterator[Proposal]) -> None:
+        """Give each requirement a generation, again and again, until none brings a new situation.
+
+        Half of each generation is drawn: a way that no robustness leads to is found by chance.
+
+        Raises:
+            Interrupted, SpentError: as `SearchFlights.fly`.
+        """
         idle = 0
         while idle < IDLE:
             self._turn += 1
-            self._tell_stage()
             before = self._flights.used
-            self._generation(self._proposals.ask(GENERATION))
+            for guide in self._proposals.values():
+                self._tell_stage()
+                half = GENERATION // 2
+                asked = {one.situation: one for one in (*islice(drawn, half), *guide.ask(half))}
+                self._generation(tuple(asked.values()))
             idle = idle + 1 if self._flights.used == before else 0
 
     def report(self, *, spent: bool) -> BreaksReport:
         """What the search came to."""
+        situations = next(iter(self._proposals.values())).situations  # each guide is told of all
         return BreaksReport(
             breaks=tuple(self._breaks.values()),
-            situations=self._proposals.count,
-            broken=sum(bool(self._violations(one)) for one in self._proposals.situations),
+            situations=len(situations),
+            broken=sum(bool(self._violations(one)) for one in situations),
             candidates=self._candidates,
             used=self._flights.used,
             flown=self._campaign.flown,
@@ -163,37 +185,33 @@ class _Search:
 
     def _tell_stage(self) -> None:
         breaks = f"{len(self._breaks)} {'break' if len(self._breaks) == 1 else 'breaks'}"
-        self._campaign.reporter.progress.stage = f"generation {self._turn}, {breaks}"
+        self._campaign.reporter.progress.stage = f"turn {self._turn}: {breaks}"
 
     def _generation(self, proposed: Sequence[Proposal]) -> None:
-        """Fly situations, and pursue each violation that is new, the greatest first."""
+        """Fly situations, and pursue each violation that is new."""
         situations = [one.situation for one in proposed]
         self._flights.fly(Flight(None, one, SEEN_ON[0]) for one in situations)
         broken = [one for one in situations if self._violations(one)]
         self._look(broken)
-        for one in sorted(broken, key=self._distance):
-            for breach in self._told(one):
-                if breach.signature not in self._breaks:
-                    self._pursue(one, breach.signature)
-        self._proposals.tell([(one, self._distance(one.situation)) for one in proposed])
+        for situation in broken:
+            for breach in self._told(situation):
+                if breach.signature not in self._breaks and (situation, breach.signature) not in self._rejected:
+                    self._pursue(situation, breach.signature)
+        for requirement, guide in self._proposals.items():
+            guide.tell([(one, self._distance(one.situation, requirement)) for one in proposed])
 
-    def _distance(self, situation: Situation) -> float:
-        """How far a flown situation is from breaking the drone in a new way."""
-        known: set[str] = set()
-        new: set[str] = set()
-        for breach in self._told(situation):
-            if breach.signature in self._breaks:
-                known.update(breach.requirements)
-            elif (situation, breach.signature) not in self._rejected:
-                new.update(breach.requirements)
-        rejected = {violation.requirement for violation in self._violations(situation)} - new
-        return breaking(self._outcome(situation, SEEN_ON[0]), known, rejected)
+    def _distance(self, situation: Situation, requirement: str) -> float:
+        """How far a flown situation is from breaking a requirement in a new way."""
+        if requirement not in self._violated(situation, SEEN_ON[0]):
+            return breaking(self._outcome(situation, SEEN_ON[0]), requirement)
+        told = [breach.signature for breach in self._told(situation) if requirement in breach.requirements]
+        return WORST if any(one in self._breaks for one in told) else REJECTED
 
     def _pursue(self, situation: Situation, signature: Signature) -> None:
         """Record the situation, shrunk if that is confirmed too; reject it where nothing is confirmed."""
 
         def shows(asked: Sequence[Situation], every: bool) -> list[bool]:
-            return self._shows(asked, signature, SEEN_ON if every else SEEN_ON[:1])
+            return self._shows(asked, signature, every=every)
 
         found = None
         if all(shows([situation], True)):
@@ -208,42 +226,45 @@ class _Search:
         words = ", ".join(found.words) or "the benign situation"
         self._campaign.reporter.progress.line(f"found: {found.name}: {found.situation} ({words})")
 
-    def _shows(self, asked: Sequence[Situation], signature: Signature, seeds: Sequence[int]) -> list[bool]:
-        """Whether each situation violates the requirement and strikes the same with each of the seeds.
+    def _shows(self, asked: Sequence[Situation], signature: Signature, *, every: bool) -> list[bool]:
+        """Whether the first flight in each situation violates the requirement and strikes what the signature says.
 
-        With all seeds the flight of the first one must have the same signature.
+        With `every` seed of the search all flights must violate the requirement; the first must have the signature.
         """
+        seeds = SEEN_ON if every else SEEN_ON[:1]
         self._flights.fly(Flight(None, one, seed) for one in asked for seed in seeds)
-        alike = [all(_is_alike(self._outcome(one, seed), signature) for seed in seeds) for one in asked]
-        if tuple(seeds) != SEEN_ON:
-            return alike
-        self._look([one for one, good in zip(asked, alike, strict=True) if good])
+        near = [
+            self._strikes(one, SEEN_ON[0], signature)
+            and all(signature.requirement in self._violated(one, seed) for seed in seeds)
+            for one in asked
+        ]
+        if not every:
+            return near
+        self._look([one for one, good in zip(asked, near, strict=True) if good])
         return [
-            good and self._breach(one, SEEN_ON[0], signature) is not None
-            for one, good in zip(asked, alike, strict=True)
+            good and self._breach(one, SEEN_ON[0], signature) is not None for one, good in zip(asked, near, strict=True)
         ]
 
     def _confirmed(self, situation: Situation, signature: Signature) -> Break | None:
         """The situation with what fresh seeds say of it.
 
-        None where most of them do not violate the requirement and strike the same, or none has the same signature.
+        None where most of them do not violate the requirement, or fewer than `ALIKE` have the signature.
         """
         self._candidates += 1
         self._flights.fly(Flight(None, situation, seed) for seed in range(LEAST))
         outcomes = [self._outcome(situation, seed) for seed in range(LEAST)]
-        counted = [outcome for outcome in outcomes if outcome is not None and not outcome.invalid]
-        alike = [outcome.seed for outcome in counted if _is_alike(outcome, signature)]
-        if len(counted) < LEAST or 2 * len(alike) <= len(counted):
+        flights = sum(outcome is not None and not outcome.invalid for outcome in outcomes)
+        violated = sum(signature.requirement in self._violated(situation, seed) for seed in range(LEAST))
+        strike = [seed for seed in range(LEAST) if self._strikes(situation, seed, signature)]
+        if flights < LEAST or 2 * violated <= flights or len(strike) < ALIKE:
             return None
-        for seed in alike:
-            self._look([situation], seed)
-            breach = self._breach(situation, seed, signature)
-            if breach is not None:
-                return self._break(situation, breach, seed, len(alike), len(counted))
-        return None
+        self._look([situation], strike)
+        alike = [(seed, breach) for seed in strike if (breach := self._breach(situation, seed, signature))]
+        return self._break(situation, *alike[0], (violated, flights, len(alike))) if len(alike) >= ALIKE else None
 
-    def _break(self, situation: Situation, breach: Breach, flight: int, violated: int, flights: int) -> Break:
+    def _break(self, situation: Situation, flight: int, breach: Breach, counts: tuple[int, int, int]) -> Break:
         signature = breach.signature
+        violated, flights, alike = counts
         return Break(
             name=signature.name,
             situation=situation.key,
@@ -257,19 +278,20 @@ class _Search:
             unit=breach.unit,
             violated=violated,
             flights=flights,
+            alike=alike,
             flight=flight,
             t_s=breach.t_s,
             place=breach.place,
             seed=self._seed,
         )
 
-    def _look(self, situations: Sequence[Situation], seed: int = SEEN_ON[0]) -> None:
+    def _look(self, situations: Sequence[Situation], seeds: Sequence[int] = SEEN_ON[:1]) -> None:
         """Fly flights that violate a safety requirement again, to see what the drone believed.
 
         Raises:
             Interrupted, SpentError: as `SearchFlights.fly`.
         """
-        violations = {Flight(None, one, seed): self._violations(one, seed) for one in situations}
+        violations = {Flight(None, one, seed): self._violations(one, seed) for one in situations for seed in seeds}
         self._flights.spend(len(self._recalls.unknown(tuple(violations))))
         self._recalls.look(violations)
         self._flights.raise_if_stopped()
@@ -290,8 +312,10 @@ class _Search:
         violations = outcome.violations if outcome is not None else ()
         return tuple(violation for violation in violations if violation.kind is Kind.SAFETY)
 
+    def _violated(self, situation: Situation, seed: int) -> Mapping[str, str]:
+        """What a flight strikes when it violates a safety requirement, by requirement."""
+        return {violation.requirement: violation.struck for violation in self._violations(situation, seed)}
 
-def _is_alike(outcome: Outcome | None, signature: Signature) -> bool:
-    """Whether a flight violates the requirement of a signature and strikes the same then."""
-    violations = outcome.violations if outcome is not None else ()
-    return any((one.requirement, one.struck) == (signature.requirement, signature.struck) for one in violations)
+    def _strikes(self, situation: Situation, seed: int, signature: Signature) -> bool:
+        """Whether a flight violates the requirement of a signature and strikes the same then."""
+        return self._violated(situation, seed).get(signature.requirement) == signature.struck

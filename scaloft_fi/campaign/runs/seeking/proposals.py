@@ -12,6 +12,7 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import count, islice
 from typing import TYPE_CHECKING, Any, Protocol
 
 from scaloft_fi.analysis.seeking.shrink import brief
@@ -179,7 +180,12 @@ class Proposals:
 
 
 def opening(grid: Grid, seed: int, possible: Possible) -> Iterator[Proposal]:
-    """The first proposals, distinct situations of the grid, the same for every mutant.
+    """The first proposals, the same for every mutant."""
+    return islice(draws(grid, seed, possible), OPENING)
+
+
+def draws(grid: Grid, seed: int, possible: Possible) -> Iterator[Proposal]:
+    """Distinct situations of the grid that can be flown, drawn one after another, until no more are found.
 
     Half of the numbers off their benign values are at an end of their range: faults show at the edges of what the
     drone can do (boundary value analysis).
@@ -192,13 +198,15 @@ def opening(grid: Grid, seed: int, possible: Possible) -> Iterator[Proposal]:
         return 1 - DEVIATES if drawn < 1 - DEVIATES / 2 else 1 - 2**-53
 
     known: set[Situation] = set()
-    for number in range(OPENING * TRIES):
+    new = 0
+    for number in count():
         parameters = at_shares(grid, partial(share, number))
         situation = placed(grid, parameters)
         if situation is not None and situation not in known and possible(situation):
             known.add(situation)
+            new = number
             yield Proposal(situation, parameters)
-        if len(known) == OPENING:
+        elif number - new > OPENING * TRIES:
             return
 
 

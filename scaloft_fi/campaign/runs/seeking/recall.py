@@ -58,7 +58,7 @@ def recalled(study: Study, flight: Flight, violations: Sequence[Violation]) -> T
     from scaloft_fi.sim.flight import FlightLoop, physics_server
     from scaloft_fi.stack.rates import TICK_HZ
 
-    claims = claims_of(study.stack.name)
+    claims = claims_of(study.stack, study.signals)
     wire = ListeningWire(claim.seam for claim in claims if claim.seam)
     scenario = study.scenario(flight.situation)
     ticks = round(TICK_HZ * max(violation.t_s for violation in violations))

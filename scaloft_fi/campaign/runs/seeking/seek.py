@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from scaloft_fi.analysis.seeking.aim import REJECTED
 from scaloft_fi.campaign.flights.worker import Flyer
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.progress.progress import Progress
@@ -45,8 +46,6 @@ IDLE = 20
 """Turns without a new situation or candidate, after which a search without a budget ends."""
 CHUNK = 8
 """Situations of the opening that are flown at once."""
-REJECTED = 0.5
-"""Distance of a situation that shows the fault with the first seed only, or that fresh seeds do not confirm."""
 
 
 @dataclass(frozen=True)

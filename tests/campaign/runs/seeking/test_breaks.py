@@ -11,6 +11,8 @@ from typing import Any
 import pytest
 from finding import Ruled, everywhere, number, small_study
 
+from scaloft_fi.analysis.scoring.pool import LEAST
+from scaloft_fi.analysis.seeking.aim import WORST
 from scaloft_fi.analysis.seeking.signature import Breach, Signature
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.progress.progress import Progress
@@ -18,7 +20,7 @@ from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.seeking.breaks import BreaksReport, seek_breaks
 from scaloft_fi.campaign.runs.seeking.family import GENERATION
 from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON, Allowance
-from scaloft_fi.campaign.runs.seeking.proposals import OPENING, Flyable, opening
+from scaloft_fi.campaign.runs.seeking.proposals import OPENING, Proposal, Proposals
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.sim.found import Break
@@ -116,7 +118,8 @@ def test_every_way_is_found_once_shrunk_and_told_in_words(whole: Whole) -> None:
         assert found[f"breaks-SR2-person-{leg}-near_corner-no_belief"].situation.startswith(key)
     dark = found["breaks-SR2-person-home_to_corner-near_corner-person_detection"]
     assert (dark.requirement, dark.struck, dark.near, dark.error, dark.unit) == ("SR2", "person", "corner", 1.5, "m")
-    assert (dark.violated, dark.flights, dark.flight, dark.t_s, dark.seed) == (10, 10, 0, 7.0, 0)
+    assert (dark.violated, dark.flights, dark.alike) == (10, 10, 10)
+    assert (dark.flight, dark.t_s, dark.seed) == (0, 7.0, 0)
 
 
 def test_it_is_confirmed_on_seeds_that_the_search_never_flew(whole: Whole) -> None:
@@ -126,16 +129,42 @@ def test_it_is_confirmed_on_seeds_that_the_search_never_flew(whole: Whole) -> No
     assert confirming >= {one.situation for one in whole.saved}
 
 
-def test_what_was_found_repels_the_search(study: Study, search: Search, tmp_path: Path, flyer: Ruled) -> None:
+def test_what_was_found_repels_the_search(
+    search: Search, tmp_path: Path, flyer: Ruled, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: dict[str, dict[Situation, float]] = {}
+    guided: list[Situation] = []
+
+    class Spied(Proposals):
+        def __init__(self, *arguments: Any) -> None:
+            super().__init__(*arguments)
+            self.told = told.setdefault(arguments[3], {})
+
+        def ask(self, count: int) -> list[Proposal]:
+            asked = super().ask(count)
+            if self.told is told["baseline SR2"]:
+                guided.extend(one.situation for one in asked)
+            return asked
+
+        def tell(self, distances: Sequence[tuple[Proposal, float]]) -> None:
+            super().tell(distances)
+            self.told.update((one.situation, distance) for one, distance in distances)
+
     def red(situation: Situation) -> bool:
         return situation["D"] == 1 and situation["T"] == 0
 
-    flyer.baseline = lambda one: -0.2 if red(one) else 0.5
-    report, _ = search(tmp_path, flyer, budget="100flights")
+    monkeypatch.setattr("scaloft_fi.campaign.runs.seeking.breaks.Proposals", Spied)
+    flyer.baseline = lambda one: -0.2 if red(one) else 0.1 if one["T"] == 1 and one["H"] == 1 else 0.5
+    report, _ = search(tmp_path, flyer)
     assert len(report.breaks) == 1
-    first = sum(red(one.situation) for one in opening(study.grid, 0, Flyable(study)))
-    assert report.situations >= OPENING + 3 * GENERATION
-    assert report.broken - first <= (report.situations - OPENING) / 8  # a quarter of the grid is red
+    assert list(told) == ["baseline SR1", "baseline SR2"]
+    assert {(red(one), distance == WORST) for one, distance in told["baseline SR2"].items()} == {
+        (True, True),
+        (False, False),
+    }
+    assert len(told["baseline SR2"]) == report.situations > OPENING
+    assert len(guided) >= 2 * GENERATION
+    assert sum(map(red, guided)) <= len(guided) / 8  # a quarter of the grid is red
 
 
 def test_what_most_fresh_seeds_do_not_violate_is_no_find(search: Search, tmp_path: Path, flyer: Ruled) -> None:
@@ -160,6 +189,21 @@ def test_more_than_half_of_the_fresh_seeds_must_violate(
 
     report, _ = search(tmp_path, Lucky(tmp_path / "flown.txt"), budget="50flights", recall=one_way)
     assert [one.violated for one in report.breaks] == ([] if violated is None else [violated])
+
+
+@pytest.mark.parametrize(("same", "found"), [(2, False), (3, True)])
+def test_three_of_the_fresh_seeds_must_do_so_in_the_same_way(
+    search: Search, tmp_path: Path, flyer: Ruled, same: int, found: bool
+) -> None:
+    def by_seed(_study: Study, flight: Flight, violations: Sequence[Violation]) -> tuple[Breach, ...]:
+        usual = flight.seed in SEEN_ON or flight.seed >= LEAST - same
+        way = Signature("SR2", "person", "home to corner", "corner", "person" if usual else f"{flight.seed}")
+        return tuple(Breach(way, ("SR2",), one.t_s, (0.0, 1.0, 1.6), 1.0, "m") for one in violations)
+
+    flyer.baseline = everywhere
+    report, _ = search(tmp_path, flyer, budget="60flights", recall=by_seed)
+    told = [(one.belief, one.violated, one.alike, one.flight) for one in report.breaks]
+    assert told == ([("person", 10, same, 7)] if found else [])
 
 
 def test_shrinking_keeps_the_signature(search: Search, tmp_path: Path, flyer: Ruled) -> None:

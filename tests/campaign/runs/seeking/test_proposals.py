@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from itertools import islice
 from pathlib import Path
 
-from scaloft_fi.campaign.runs.seeking.proposals import OPENING, Proposals, opening
+from scaloft_fi.campaign.runs.seeking.proposals import OPENING, Proposals, draws, opening
 from scaloft_fi.sim.grids import load_grid
 from scaloft_fi.sim.situation import Situation
 
@@ -83,3 +84,10 @@ def test_what_another_proposed_is_known_and_learned_from():
     assert sum(map(distance, own)) < sum(map(distance, alone))
     assert told.nearest == min(distance(one.situation) for one in (*first, *theirs))
     assert not {*own} & {one.situation for one in (*first, *theirs)}
+
+
+def test_draws_go_on_after_the_opening_and_end_where_no_more_are_found():
+    drawn = [one.situation for one in islice(draws(GRID, 0, anything), OPENING + 8)]
+    assert len({*drawn}) == OPENING + 8
+    assert drawn[:OPENING] == [one.situation for one in opening(GRID, 0, anything)]
+    assert list(draws(GRID, 0, lambda one: one in drawn[:3])) == list(islice(draws(GRID, 0, anything), 3))
