@@ -72,7 +72,8 @@ class Break:
         words: the values that are not benign, in words.
         requirement: the requirement.
         struck: the body that is struck at the violation; empty for none.
-        leg: between which places of the route, such as `corner to end`; near: the nearer of the two.
+        leg: between which places of the route, such as `corner to end`.
+        near: the body that is struck; the nearer of the two places where none is.
         belief: the stage whose belief was the most wrong before the violation; empty where none was wrong.
         error: how far from the truth that belief was; unit: of the error.
         violated: flights that violate the requirement; flights: with the seeds 0, 1, ...

@@ -14,13 +14,13 @@ from scaloft_fi.sim.grids import grid_names, load_grid
 SHOWN = Evidence("SR2", 1, 0.00025, 0.005, 6, 6, "person", 10, 10, 0.071, 0.02)
 FIND = Find("shows-A@1", "T0O0W0D0H2Cs=0.8", ("human walks", "cruise speed 0.8 m/s"), "A@1", {"A@1": SHOWN}, 0)
 BAR = Break(
-    name="breaks-SR1-bar-corner_to_end-near_end-obstacle_map",
+    name="breaks-SR1-bar-corner_to_end-obstacle_map",
     situation="T1O0W0D1H0Cs=0.8",
     words=("corner", "dark", "cruise speed 0.8 m/s"),
     requirement="SR1",
     struck="bar",
     leg="corner to end",
-    near="end",
+    near="bar",
     belief="obstacle map",
     error=0.58,
     unit="m",
@@ -105,7 +105,7 @@ def test_a_break_is_flown_by_name_over_the_grid_that_was_searched_and_not_beside
         ("violated: 10", "violated: 5", r"found.yaml:\d+: violated=5 must be more than half of flights=10"),
         ("alike: 9", "alike: 11", r"found.yaml:\d+: alike=11 must be at most violated=10"),
         ("violated: 10", "violated: 11", r"found.yaml:\d+: violated=11 must be .* no more than all"),
-        ("    near: end\n", "", r"found.yaml:\d+: .*near"),
+        ("    near: bar\n", "", r"found.yaml:\d+: .*near"),
         ("flight: 0", "flihgt: 0", r"flight"),
     ],
 )

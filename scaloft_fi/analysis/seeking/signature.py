@@ -39,7 +39,7 @@ class Signature:
         requirement: the requirement.
         struck: the body struck at the violation; "" for none.
         leg: between which places of the route the drone flies, such as `corner to end`.
-        near: the nearer of the two.
+        near: the body that is struck, which tells the place; the nearer of the two where none is.
         belief: the stage whose belief was the most wrong; "" where none was wrong.
     """
 
@@ -53,16 +53,13 @@ class Signature:
     def name(self) -> str:
         """A name of letters, digits, _ and -.
 
-        >>> Signature("SR1", "bar", "corner to end", "end", "").name
-        'breaks-SR1-bar-corner_to_end-near_end-no_belief'
+        >>> Signature("SR1", "wall", "corner to end", "end", "").name
+        'breaks-SR1-wall-corner_to_end-near_end-no_belief'
+        >>> Signature("SR1", "bar", "corner to end", "bar", "obstacle map").name
+        'breaks-SR1-bar-corner_to_end-obstacle_map'
         """
-        parts = (
-            self.requirement,
-            self.struck or "nothing",
-            self.leg,
-            f"near {self.near}",
-            self.belief or "no belief",
-        )
+        near = () if self.near == self.struck else (f"near {self.near}",)
+        parts = (self.requirement, self.struck or "nothing", self.leg, *near, self.belief or "no belief")
         return "-".join(("breaks", *(re.sub(r"\W+", "_", part, flags=re.ASCII) for part in parts)))
 
 
@@ -132,13 +129,13 @@ def _words(requirement: Requirement) -> frozenset[str]:
 
 
 def _where(log: FlightLog, violation: Violation, world: World) -> tuple[str, str]:
-    """The leg of the route by the ground truth, and its nearer end."""
+    """The leg of the route by the ground truth, and what is near."""
     route = world.mission.route
     left = round(float(log.signals["waypoints_left"][log.at(violation.t_s)]))
     goal = max(0, min(len(route) - left, len(route) - 1))
     ends = ("home" if goal == 0 else route[goal - 1], route[goal])
-    near = min(ends, key=lambda name: math.dist(world.waypoints[name][:2], (violation.x, violation.y)))
-    return f"{ends[0]} to {ends[1]}", near
+    nearer = min(ends, key=lambda name: math.dist(world.waypoints[name][:2], (violation.x, violation.y)))
+    return f"{ends[0]} to {ends[1]}", violation.struck if violation.struck in world.bodies else nearer
 
 
 def _most_wrong(

@@ -17,7 +17,7 @@ def breaks_table(report: BreaksReport, campaign: str, *, claims: bool) -> Table:
             number,
             f"{one.requirement} {one.violated}/{one.flights}",
             one.struck or "nothing",
-            f"near {one.near}, {one.leg}",
+            one.leg if one.near == one.struck else f"near {one.near}, {one.leg}",
             _belief(one),
             f"{one.alike}/{one.flights}",
         )

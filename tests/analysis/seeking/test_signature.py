@@ -27,6 +27,7 @@ SR2 = Requirement(
 )
 WORLD: Any = SimpleNamespace(
     mission=SimpleNamespace(route=("corner", "end", "corner", "home")),
+    bodies={"bar": None, "person": None},
     waypoints={"home": (0.0, 0.0, 1.65), "corner": (0.0, 7.0, 1.65), "end": (-3.0, 8.0, 1.65)},
 )
 
@@ -52,7 +53,8 @@ def told(flight: FlightLog, *claims: Claim, of: tuple[Violation, ...] = (violati
 
 
 def test_the_leg_is_that_of_the_ground_truth_and_near_its_nearer_end():
-    legs = {left: told(log(left=left))[0].signature for left in (4, 3, 2, 1, 0)}
+    wall = (violation(struck="wall"),)
+    legs = {left: told(log(left=left), of=wall)[0].signature for left in (4, 3, 2, 1, 0)}
     assert [one.leg for one in legs.values()] == [
         "home to corner",
         "corner to end",
@@ -61,20 +63,25 @@ def test_the_leg_is_that_of_the_ground_truth_and_near_its_nearer_end():
         "corner to home",
     ]
     assert [one.near for one in legs.values()] == ["corner", "end", "end", "corner", "corner"]
-    assert told(log(), of=(violation(x=-0.5, y=7.2),))[0].signature.near == "corner"
+    assert told(log(), of=(violation(struck="", x=-0.5, y=7.2),))[0].signature.near == "corner"
+
+
+def test_a_body_that_is_struck_tells_the_place():
+    places = [violation(x=-0.5, y=7.2), violation(x=-2.5, y=7.9)]
+    assert {told(log(), of=(one,))[0].signature.near for one in places} == {"bar"}
 
 
 def test_the_stage_that_is_the_most_wrong_for_what_it_may_be_is_named():
     flight = log(position=0.5, map=0.9)
     (breach,) = told(flight, claim("position", 0.1), claim("map", 0.3))
-    assert breach.signature == Signature("SR1", "bar", "corner to end", "end", "position")
+    assert breach.signature == Signature("SR1", "bar", "corner to end", "bar", "position")
     assert (breach.error, breach.unit, breach.t_s, breach.place) == (0.5, "m", 9.0, (-2.0, 7.8, 1.6))
 
 
 def test_where_no_belief_was_wrong_it_is_said():
     (breach,) = told(log(position=0.1), claim("position", 0.1))
     assert (breach.signature.belief, breach.error, breach.unit) == ("", 0.0, "")
-    assert breach.signature.name == "breaks-SR1-bar-corner_to_end-near_end-no_belief"
+    assert breach.signature.name == "breaks-SR1-bar-corner_to_end-no_belief"
 
 
 def test_a_belief_that_was_wrong_more_than_a_second_before_does_not_count():
