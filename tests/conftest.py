@@ -16,6 +16,11 @@ settings.register_profile("scaloft-fi", derandomize=True, deadline=None)
 settings.load_profile("scaloft-fi")
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """Keep the order of the files: pytest-xdist would begin with those of many tests, whatever they take."""
+    config.option.loadscopereorder = False
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Files that fly come first: a file stays in one process, and a long one at the end would fly alone."""
     flying = {item.path for item in items if item.get_closest_marker("flight")}

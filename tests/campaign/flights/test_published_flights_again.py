@@ -13,7 +13,7 @@ import pytest
 pytest.importorskip("pyarrow.parquet")
 
 ROOT = Path(__file__).parents[3]
-NUMBER, NUMBER_WIDE = 140, 24
+NUMBER, NUMBER_WIDE = 180, 24
 FLAGS = "flags : fpu avx2 avx512f avx512cd avx512bw avx512dq avx512vl"
 
 

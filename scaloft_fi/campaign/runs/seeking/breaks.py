@@ -111,7 +111,7 @@ def seek_breaks(
         )
         spent = False
         try:
-            search.open(first)
+            search.begin(first)
             search.turns(drawn)
         except SpentError:
             spent = True
@@ -140,7 +140,7 @@ class _Search:
         self._rejected: set[tuple[Situation, Signature]] = set()
         self._turn = self._candidates = 0
 
-    def open(self, first: Sequence[Proposal]) -> None:
+    def begin(self, first: Sequence[Proposal]) -> None:
         """Fly the first situations.
 
         Raises:

@@ -136,7 +136,7 @@ def seek(
         if unnamed is not None:
             unnamed.begin(campaign.store)
         try:
-            search.open(opened_with)
+            search.begin(opened_with)
             search.turns()
         except SpentError:
             spent = True
@@ -170,7 +170,7 @@ class _Search:
         self.finds: list[Find] = []
         self.flights = flights
 
-    def open(self, first: Sequence[Proposal]) -> None:
+    def begin(self, first: Sequence[Proposal]) -> None:
         """Fly the first situations for every mutant.
 
         Raises:
@@ -208,14 +208,24 @@ class _Search:
     def _generation(self, quests: Sequence[Quest], proposed: Sequence[Proposal]) -> None:
         """Fly situations for mutants, and pursue what looks like a find, the most distant violation first."""
         self.flights.beside([quest.mutant for quest in quests], [one.situation for one in proposed], SEEN_ON[:1])
-        for quest in quests:
-            distances = {one.situation: self.flights.distance(quest.mutant, one.situation) for one in proposed}
-            for situation in sorted(distances, key=lambda one: distances[one]):
-                if distances[situation] >= 0.0 or quest.shown_in is not None:
-                    break
-                if not self._pursue(quest, situation):
-                    distances[situation] = REJECTED
-            quest.proposals.tell([(one, distances[one.situation]) for one in proposed])
+        far = {
+            quest.mutant.id: {one.situation: self.flights.distance(quest.mutant, one.situation) for one in proposed}
+            for quest in quests
+        }
+        try:
+            for quest in quests:
+                self._pursue_all(quest, far[quest.mutant.id])
+        finally:
+            for quest in quests:
+                quest.proposals.tell([(one, far[quest.mutant.id][one.situation]) for one in proposed])
+
+    def _pursue_all(self, quest: Quest, distances: dict[Situation, float]) -> None:
+        """Pursue violations until one is a find; those that are none are rejected."""
+        for situation in sorted(distances, key=lambda one: distances[one]):
+            if distances[situation] >= 0.0 or quest.shown_in is not None:
+                break
+            if not self._pursue(quest, situation):
+                distances[situation] = REJECTED
 
     def _pursue(self, quest: Quest, situation: Situation) -> bool:
         """Whether the situation led to a find, which is then noted."""
