@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from scaloft_fi.analysis.seeking.aim import distance, is_of_use, shown_by
+from scaloft_fi.campaign.plan.batch import Batch
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.runs.budget import Budget, budget_s
 from scaloft_fi.campaign.runs.campaign import Campaign
@@ -104,12 +105,17 @@ class SearchFlights:
         self._afford(len(new))
         flown = {name: _flown_for(flight) for name, flight in new.items()}
         self._campaign.plan(flown.values())
-        self._campaign.fly(flown.values())
+        self._campaign.fly(flown.values(), self._in_time)
         self.raise_if_stopped()
+        if self._budget.left_s <= 0.0 and self._campaign.missing(flown.values()):
+            raise SpentError
         outcomes = {outcome.name: outcome for outcome in self._campaign.outcomes(flown.values())}
         for name, flight in new.items():
             outcome = outcomes.get(flown[name].name)
             self._known[name] = outcome if outcome is None or flight.mutant != PLACEBO else _as_placebo(outcome)
+
+    def _in_time(self, flights: Sequence[Flight]) -> Iterable[Batch]:
+        return self._budget.while_it_lasts(self._campaign.arrange(flights))
 
     def spend(self, count: int) -> None:
         """Spend the budget on flights that the campaign does not store.

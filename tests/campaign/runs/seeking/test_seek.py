@@ -12,6 +12,7 @@ import pytest
 from finding import Ruled, everywhere, fast, never
 
 from scaloft_fi.campaign.progress.progress import Progress
+from scaloft_fi.campaign.runs.budget import Budget
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.seeking.flights import OTHER_SEEDS, SEEN_ON, Allowance
 from scaloft_fi.campaign.runs.seeking.proposals import Proposal, Proposals, opening
@@ -163,6 +164,18 @@ def test_a_budget_decides_only_how_far_it_goes(tmp_path: Path, flyer: Ruled) -> 
     longer, _ = search(tmp_path, flyer)
     flyer.path.unlink()
     assert longer.finds == search(tmp_path / "whole", flyer)[0].finds
+
+
+def test_a_budget_of_time_ends_among_the_flights_that_were_asked_for_together(
+    tmp_path: Path, flyer: Ruled, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def second_per_flight(seconds: float | None) -> Budget:
+        return Budget(seconds, clock=lambda: float(len(flyer.flown)))
+
+    monkeypatch.setattr("scaloft_fi.campaign.runs.seeking.flights.Budget", second_per_flight)
+    report, _ = search(tmp_path, flyer, budget="5s")
+    assert (report.spent, report.finds) == (True, ())
+    assert 5 <= len(flyer.flown) < 10, "the opening asks for sixteen at once"
 
 
 def test_a_find_shows_the_other_mutants_that_fail_there_too_on_the_same_seeds(tmp_path: Path, flyer: Ruled) -> None:
