@@ -1,4 +1,7 @@
-"""What the reference study must show when it is flown: the baselines as calibrated, PLACEBO, and faults that infect."""
+"""What the reference study must show: the baselines as calibrated, PLACEBO, and faults that infect.
+
+The faults are those of the published flights, of which a sample with every mutant is flown again by another test.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,7 @@ import sys
 from collections import Counter
 from pathlib import Path
 
+import published_flights
 import pytest
 
 from scaloft_fi.mutants.derive import defaults, expected_of
@@ -28,12 +32,14 @@ def rows_of(folder, *words):
 
 @pytest.fixture(scope="module")
 def placebo_rows(tmp_path_factory):
-    return rows_of(tmp_path_factory.mktemp("placebo") / "c", "--mutant", "PLACEBO")
+    folder = tmp_path_factory.mktemp("placebo") / "c"
+    return rows_of(folder, "--mutant", "PLACEBO", "--situation", "T?O?W0D?H?")
 
 
 @pytest.fixture(scope="module")
-def default_rows(tmp_path_factory):
-    return rows_of(tmp_path_factory.mktemp("defaults") / "c", "--situation", "T0O1W0D0H0", "--baseline-seeds", "1")
+def default_rows():
+    rows = published_flights.rows()
+    return [row for row in rows if (row["situation"], row["seed"]) == ("T1O1W0D0H0", 0)]
 
 
 def baselines(rows, axis_values):
@@ -42,23 +48,23 @@ def baselines(rows, axis_values):
     ]
 
 
-def test_placebo_is_the_baseline_bit_for_bit_in_all_32_situations(placebo_rows):
+def test_placebo_is_the_baseline_bit_for_bit_in_half_of_the_situations(placebo_rows):
     digests = {(row["mutant"], row["situation"]): row["digest"] for row in placebo_rows}
     keys = {situation for _, situation in digests}
-    assert len(keys) == 32
+    assert len(keys) == 16
     for key in keys:
         assert digests["PLACEBO", key] == digests["baseline", key]
 
 
 def test_in_light_the_baselines_hold_sr1_and_sr2_and_finish(placebo_rows):
     light = baselines(placebo_rows, ["D0"])
-    assert len(light) == 16
+    assert len(light) == 8
     assert sum(row["violated"] != [] for row in light) <= 1, "all but a rare flight"
 
 
 def test_in_the_dark_turning_missions_strike_the_bar_and_straight_ones_do_not(placebo_rows):
     turning, straight = baselines(placebo_rows, ["D1", "T1"]), baselines(placebo_rows, ["D1", "T0"])
-    assert sum("SR1" in row["violated"] for row in turning) >= 6
+    assert sum("SR1" in row["violated"] for row in turning) >= 3
     first = [row["struck"] for row in turning if row["violated"] == ["SR1"]]  # of others the row names SR2's moment
     assert first
     assert set(first) == {"bar"}
@@ -71,8 +77,9 @@ def test_in_the_dark_a_person_makes_every_baseline_red_by_sr2(placebo_rows):
 
 def test_most_default_mutants_infect_and_fly_differently(default_rows):
     study = Study.open(ROOT)
-    flown = {row["mutant"]: row for row in default_rows if row["mutant"] not in ("baseline", "PLACEBO")}
-    assert set(flown) == {mutant.id for mutant in defaults(study.matrix)}
+    names = {mutant.id for mutant in defaults(study.matrix)}
+    flown = {row["mutant"]: row for row in default_rows if row["mutant"] in names}
+    assert set(flown) == names
     statuses = Counter(row["status"] for row in flown.values())
     infected = len(flown) - statuses["not_reached"] - statuses["not_infected"] - statuses["invalid"]
     assert statuses["invalid"] == 0
