@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from scaloft_fi.views.tables import columns
 from scaloft_fi.views.tables.columns import limits
+from scaloft_fi.views.tables.table import _wrapped
 
 WORDS = st.lists(st.text("ab-", min_size=1, max_size=12), max_size=30).map(" ".join)
 
@@ -15,6 +16,14 @@ WORDS = st.lists(st.text("ab-", min_size=1, max_size=12), max_size=30).map(" ".j
 @given(WORDS, st.integers(1, 40))
 def test_the_lines_of_a_cell_are_those_that_it_is_wrapped_into(cell, width):
     assert columns._lines(cell, width) == max(1, len(wrap(cell, width, break_on_hyphens=False)))
+
+
+def test_a_name_is_not_cut_at_its_hyphen_where_a_cell_is_wrapped():
+    """A terminal takes a command that goes on in the next line, and no name that is in two parts."""
+    command = "`scaloft-fi run --campaign one-of-many --mutant LATE-human@3s --seeds 3`"
+    for wide in range(20, 60):
+        cells = _wrapped(command, wide).split()
+        assert {"--campaign", "one-of-many", "LATE-human@3s"} <= {*cells}
 
 
 @given(st.lists(st.tuples(WORDS, WORDS, WORDS), min_size=1, max_size=6), st.integers(40, 90))

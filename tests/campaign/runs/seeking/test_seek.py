@@ -166,6 +166,14 @@ def test_a_budget_decides_only_how_far_it_goes(tmp_path: Path, flyer: Ruled) -> 
     assert longer.finds == search(tmp_path / "whole", flyer)[0].finds
 
 
+def test_what_was_flown_is_told_though_the_budget_ends_in_a_pursuit(tmp_path: Path, flyer: Ruled) -> None:
+    flyer.rules = {LATE.id: everywhere}
+    report, _ = search(tmp_path, flyer, budget="20flights")
+    assert (report.spent, report.finds) == (True, ())
+    (sought,) = report.sought
+    assert (sought.situations, sought.nearest < 0.0) == (8, True)
+
+
 def test_a_budget_of_time_ends_among_the_flights_that_were_asked_for_together(
     tmp_path: Path, flyer: Ruled, monkeypatch: pytest.MonkeyPatch
 ) -> None:
