@@ -33,6 +33,12 @@ def distance(mutant: Outcome | None, baseline: Outcome | None) -> float:
     return min((far for _, far in _distances(mutant, baseline)), default=WORST)
 
 
+def nearest(mutant: Outcome, baseline: Outcome) -> tuple[float, str]:
+    """The distance and the requirement that has it; no requirement where none that is held with room tells anything."""
+    told = [(far, name) for name, far in _distances(mutant, baseline) if far < WORST]
+    return min(told, default=(WORST, ""))
+
+
 def breaking(baseline: Outcome | None, requirement: str) -> float:
     """How far a situation is from breaking a requirement: the robustness that the unmutated drone has.
 

@@ -17,8 +17,8 @@ def breaks_table(report: BreaksReport, campaign: str, *, claims: bool) -> Table:
             number,
             f"{one.requirement} {one.violated}/{one.flights}",
             one.struck or "nothing",
-            one.leg if one.near == one.struck else f"near {one.near}, {one.leg}",
-            _belief(one),
+            place(one),
+            belief(one),
             f"{one.alike}/{one.flights}",
         )
         for number, one in enumerate(report.breaks, 1)
@@ -52,5 +52,11 @@ def breaks_json(report: BreaksReport) -> dict[str, Any]:
     return by_field(report)
 
 
-def _belief(one: Break) -> str:
+def place(one: Break) -> str:
+    """Where the drone is: the leg of the route, and the nearer of its ends unless a body is struck."""
+    return one.leg if one.near == one.struck else f"near {one.near}, {one.leg}"
+
+
+def belief(one: Break) -> str:
+    """The belief that was the most wrong, and by how much."""
     return f"{one.belief}, {one.error:.2f} {one.unit}" if one.belief else "none"

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scaloft_fi.analysis.seeking.aim import REJECTED
+from scaloft_fi.analysis.seeking.effort import Effort
 from scaloft_fi.campaign.flights.worker import Flyer
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.progress.progress import Progress
@@ -56,17 +57,15 @@ class Sought:
         mutant: its id.
         shown_in: key of the situation that shows it; empty where none was found.
         after: flights of the search, stored ones included, when it was found; 0 where it was not.
-        situations: situations flown for it.
         candidates: situations that were tested on fresh seeds.
-        nearest: least distance of a situation; below 0 the fault showed on a seed of the search.
+        effort: how far the search came with it.
     """
 
     mutant: str
     shown_in: str
     after: int
-    situations: int
     candidates: int
-    nearest: float
+    effort: Effort
 
 
 @dataclass(frozen=True)
@@ -268,14 +267,14 @@ class _Search:
 
     def sought(self) -> tuple[Sought, ...]:
         """What the search for each mutant came to."""
+        efforts = self.flights.efforts()
         return tuple(
             Sought(
                 quest.mutant.id,
                 quest.shown_in.key if quest.shown_in is not None else "",
                 quest.after,
-                quest.proposals.count,
                 quest.candidates,
-                quest.proposals.nearest,
+                efforts.get(quest.mutant.id, Effort()),
             )
             for quest in self._quests
         )

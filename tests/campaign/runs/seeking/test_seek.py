@@ -14,8 +14,9 @@ from finding import Ruled, everywhere, fast, never
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.budget import Budget
 from scaloft_fi.campaign.runs.options import RunOptions
+from scaloft_fi.campaign.runs.seeking import flights
 from scaloft_fi.campaign.runs.seeking.flights import OTHER_SEEDS, SEEN_ON, Allowance
-from scaloft_fi.campaign.runs.seeking.proposals import Proposal, Proposals, opening
+from scaloft_fi.campaign.runs.seeking.proposals import Flyable, Proposal, Proposals, opening
 from scaloft_fi.campaign.runs.seeking.seek import SeekReport, seek
 from scaloft_fi.campaign.runs.seeking.sought import anew, interrupted
 from scaloft_fi.campaign.store.folder import STORE_NAME
@@ -171,7 +172,7 @@ def test_what_was_flown_is_told_though_the_budget_ends_in_a_pursuit(tmp_path: Pa
     report, _ = search(tmp_path, flyer, budget="20flights")
     assert (report.spent, report.finds) == (True, ())
     (sought,) = report.sought
-    assert (sought.situations, sought.nearest < 0.0) == (8, True)
+    assert (sought.effort.situations, sought.effort.showed, sought.effort.nearest < 0.0) == (8, 8, True)
 
 
 def test_a_budget_of_time_ends_among_the_flights_that_were_asked_for_together(
@@ -203,7 +204,7 @@ def test_something_else_may_propose_and_what_it_shows_need_not_be_shrunk(tmp_pat
     def found(where: str, **more: Any) -> Find:
         report, (find,) = search(tmp_path / where, flyer, proposer=lambda *_: Listed(keys), first=lambda *_: (), **more)
         (sought,) = report.sought
-        assert (sought.situations, sought.after) == (2, report.used)
+        assert (sought.effort.situations > 2, sought.after) == (more.get("shrinks", True), report.used)
         return find
 
     assert found("a", shrinks=False).situation == keys[1]
@@ -231,6 +232,18 @@ def test_a_baseline_that_violates_too_hides_the_fault(tmp_path: Path, flyer: Rul
     flyer.baseline = red
     report, _ = search(tmp_path, flyer, budget="60flights")
     assert report.finds == ()
+
+
+@pytest.mark.parametrize("together", [1, 2])
+def test_many_mutants_wait_for_the_baselines_and_do_not_fly_where_these_are_red(
+    tmp_path: Path, flyer: Ruled, monkeypatch: pytest.MonkeyPatch, together: int
+) -> None:
+    monkeypatch.setattr(flights, "TOGETHER", together)
+    flyer.baseline = flyer.first = lambda situation: -0.3 if situation["H"] == 1 else 0.4
+    search(tmp_path, flyer, LATE, MORE, budget="70flights")
+    opened = [one.situation.key for one in opening(STUDY.grid, 0, Flyable(STUDY))]
+    vain = [name for name in flyer.flown if "H1" in name and name.split("/")[1] in opened and LATE.id in name]
+    assert bool(vain) == (together == 2)
 
 
 def test_nothing_is_found_for_the_unmutated_drone_under_other_seeds(tmp_path: Path, flyer: Ruled) -> None:
