@@ -1,4 +1,4 @@
-"""The finds of a study that still fit it, for the verbs that read results."""
+"""The finds and breaks of a study that still fit it, for the verbs that read results."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from scaloft_fi.errors import InputError, did_you_mean, shown
 from scaloft_fi.mutants.derive import realise
-from scaloft_fi.sim.found import FILE, Find, read_finds
+from scaloft_fi.sim.found import FILE, Break, Find, read_finds
 from scaloft_fi.sim.grids import WITH_FOUND, own_name, searched_grid
 
 if TYPE_CHECKING:
@@ -26,12 +26,14 @@ class KnownFinds:
         misfits: why the others are left out, by name.
         grid: name of the grid that flies them.
         searched: the grid that was searched, whose keys they have; None without one.
+        breaks: situations that break the unmutated drone, in the file's order; misfits are told as those of finds.
     """
 
     finds: tuple[Find, ...] = ()
     misfits: Mapping[str, str] = field(default_factory=dict)
     grid: str = ""
     searched: Grid | None = None
+    breaks: tuple[Break, ...] = ()
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -71,27 +73,34 @@ def known_finds(folder: Path, matrix: Matrix, requirements: Collection[str]) -> 
     try:
         searched = searched_grid(folder, found)
     except InputError as error:
-        return KnownFinds((), dict.fromkeys((find.name for find in found.finds), str(error)), grid)
-    fitting, misfits = [], dict[str, str]()
-    for find in found.finds:
+        return KnownFinds((), dict.fromkeys(found.named, str(error)), grid)
+    misfits: dict[str, str] = {}
+    named: tuple[Find | Break, ...] = (*found.finds, *found.breaks)
+    for one in named:
         try:
-            _check(find, searched, matrix, requirements)
+            _check(one, searched, matrix, requirements)
         except InputError as error:
-            misfits[find.name] = str(error)
-        else:
-            fitting.append(find)
-    return KnownFinds(tuple(fitting), misfits, grid, searched)
+            misfits[one.name] = str(error)
+    return KnownFinds(
+        tuple(find for find in found.finds if find.name not in misfits),
+        misfits,
+        grid,
+        searched,
+        tuple(one for one in found.breaks if one.name not in misfits),
+    )
 
 
-def _check(find: Find, searched: Grid, matrix: Matrix, requirements: Collection[str]) -> None:
-    """Refuse a find whose situation, mutants or requirements the study does not have.
+def _check(one: Find | Break, searched: Grid, matrix: Matrix, requirements: Collection[str]) -> None:
+    """Refuse what has a situation, mutants or requirements that the study does not have.
 
     Raises:
-        InputError: it has not.
+        InputError: it has them.
     """
-    searched.situation(find.situation)
-    for mutant, evidence in find.shows.items():
+    searched.situation(one.situation)
+    shows = one.shows if isinstance(one, Find) else {}
+    for mutant in shows:
         realise(matrix, mutant)
-        if evidence.requirement not in requirements:
-            hint = did_you_mean(evidence.requirement, requirements)
-            raise InputError(f"no requirement {shown(evidence.requirement)}{hint}")
+    judged = [evidence.requirement for evidence in shows.values()] if isinstance(one, Find) else [one.requirement]
+    for requirement in judged:
+        if requirement not in requirements:
+            raise InputError(f"no requirement {shown(requirement)}{did_you_mean(requirement, requirements)}")

@@ -5,33 +5,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from finding import BAR
 
 from scaloft_fi.campaign.runs.seeking.finds import break_saver, saver, text
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.found import Break, Evidence, Find, Finds, read_finds
+from scaloft_fi.sim.found import Evidence, Find, Finds, read_finds
 from scaloft_fi.sim.grids import grid_names, load_grid
 
 SHOWN = Evidence("SR2", 1, 0.00025, 0.005, 6, 6, "person", 10, 10, 0.071, 0.02)
 FIND = Find("shows-A@1", "T0O0W0D0H2Cs=0.8", ("human walks", "cruise speed 0.8 m/s"), "A@1", {"A@1": SHOWN}, 0)
-BAR = Break(
-    name="breaks-SR1-bar-corner_to_end-obstacle_map",
-    situation="T1O0W0D1H0Cs=0.8",
-    words=("corner", "dark", "cruise speed 0.8 m/s"),
-    requirement="SR1",
-    struck="bar",
-    leg="corner to end",
-    near="bar",
-    belief="obstacle map",
-    error=0.58,
-    unit="m",
-    violated=10,
-    flights=10,
-    alike=9,
-    flight=0,
-    t_s=25.45,
-    place=(-1.614, 7.714, 1.605),
-    seed=0,
-)
 BLIND = replace(
     BAR, name="breaks-SR2-nothing-home_to_corner-near_home-no_belief", struck="", belief="", error=0.0, unit=""
 )

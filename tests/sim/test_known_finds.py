@@ -6,9 +6,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from finding import found
+from finding import BAR, found
 
-from scaloft_fi.campaign.runs.seeking.finds import saver
+from scaloft_fi.campaign.runs.seeking.finds import break_saver, saver
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.found import Find
 from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds, known_finds
@@ -77,3 +77,11 @@ def test_a_file_that_cannot_be_read_is_refused(study: Path) -> None:
     path.write_text(path.read_text().replace("violated: 6", "violated: many"))
     with pytest.raises(InputError, match=r"found.yaml:\d+: violated='many' must be a whole number"):
         known(study)
+
+
+def test_breaks_are_known_beside_the_finds_and_old_ones_are_left_out(study: Path) -> None:
+    stale = replace(BAR, name="breaks-SR9-bar", requirement="SR9"), replace(BAR, name="breaks-gone", situation="T7")
+    break_saver(study, "search")([BAR, *stale])
+    told = known(study)
+    assert (told.finds, told.breaks) == ((), (BAR,))
+    assert set(told.misfits) == {one.name for one in stale}

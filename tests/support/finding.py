@@ -12,7 +12,7 @@ from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.mutants.mutant import PLACEBO
-from scaloft_fi.sim.found import Evidence, Find
+from scaloft_fi.sim.found import Break, Evidence, Find
 from scaloft_fi.sim.known_finds import KnownFinds
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.streams import key_words
@@ -44,11 +44,15 @@ def everywhere(situation: Situation) -> float:
 
 @dataclass
 class Ruled:
-    """A flyer that notes on disk what it flew.  rules: robustness of SR2 by mutant; baseline: that of the drone."""
+    """A flyer that notes on disk what it flew.
+
+    rules: robustness of SR2 by mutant; baseline: that of the drone; first: of SR1, in all flights.
+    """
 
     path: Path
     rules: Mapping[str, Rule] = field(default_factory=dict)
     baseline: Rule = lambda _situation: 0.4
+    first: Rule = lambda _situation: 0.3
     noise: float = 0.01
 
     def prepare(self, study: Study, say: Callable[[str], None]) -> None:
@@ -67,7 +71,7 @@ class Ruled:
         chance = key_words("noise", flight.situation.key, flight.seed, "mutant" if mutated else "")[0] / 2**64
         rho = rule(flight.situation) + self.noise * (2 * chance - 1)
         readings = (
-            Reading("SR1", Kind.SAFETY, 0.3, None, 1, open=False),
+            Reading("SR1", Kind.SAFETY, self.first(flight.situation), None, 1, open=False),
             Reading("SR2", Kind.SAFETY, rho, 7.0 if rho < 0 else None, 1, open=False),
             Reading("OP1", Kind.OPERABILITY, 0.5, None, 1, open=False),
         )
@@ -98,6 +102,28 @@ def found(mutant: str, situation: str = "T0O0W0D0H2Cs=0.8", *, others: tuple[str
     evidence = Evidence("SR2", 1, 0.00025, 0.005, 6, 6, struck, 10, 10, 0.071, 0.02)
     shows = dict.fromkeys((mutant, *others), evidence)
     return Find(f"shows-{mutant}", situation, ("human walks", "cruise speed 0.8 m/s"), mutant, shows, 0)
+
+
+BAR = Break(
+    name="breaks-SR1-bar-corner_to_end-obstacle_map",
+    situation="T1O0W0D1H0Cs=0.8",
+    words=("corner", "dark", "cruise speed 0.8 m/s"),
+    requirement="SR1",
+    struck="bar",
+    leg="corner to end",
+    near="bar",
+    belief="obstacle map",
+    error=0.58,
+    unit="m",
+    violated=10,
+    flights=10,
+    alike=9,
+    flight=0,
+    t_s=25.45,
+    place=(-1.614, 7.714, 1.605),
+    seed=0,
+)
+"""A break as `seek baseline` writes it."""
 
 
 def known(*finds: Find) -> KnownFinds:

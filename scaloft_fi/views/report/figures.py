@@ -22,6 +22,7 @@ from scaloft_fi.views.report import matrices
 from scaloft_fi.views.report.accepted import accepted
 from scaloft_fi.views.report.analyses import analyses
 from scaloft_fi.views.report.bounds import bounds_of
+from scaloft_fi.views.report.breaks import broken
 from scaloft_fi.views.report.evidence import Evidence
 from scaloft_fi.views.report.finds import found
 from scaloft_fi.views.report.karnaugh import folding
@@ -101,6 +102,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "endings": {ending.value: ending.sentence for ending in Ending},
         "scenes": standing,
         "found": found(study, evidence.campaign, outcomes, standing["mines"]),
+        "breaks": broken(study.finds, standing["mines"]),
     }
 
 

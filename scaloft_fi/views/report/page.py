@@ -37,6 +37,7 @@ SCRIPTS = (
     "cell.js",
     "follows.js",
     "found.js",
+    "breaks.js",
     "sections.js",
     "main.js",
 )

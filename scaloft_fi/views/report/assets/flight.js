@@ -78,13 +78,14 @@ function pictures(situation, flight, clean) {
 
 const lineOf = (kind) => s("svg", { width: 30, height: 12, "aria-hidden": "true" }, s("path", { class: kind, d: "M3,6H27" }));
 
+const signOf = (kind) => s("svg", { width: 18, height: 18, "aria-hidden": "true" }, sign({ kind, text: "", t: 0 }, 9, 9));
+
 function key(flight, clean) {
-  const small = (mark) => s("svg", { width: 18, height: 18, "aria-hidden": "true" }, sign({ kind: mark, text: "", t: 0 }, 9, 9));
   const kinds = new Set(marks(flight).map((mark) => mark.kind));
   return h("ul", { class: "keys" },
     h("li", {}, lineOf("flown"), flight.mutant === "baseline" ? "the unmutated drone" : flight.mutant),
     clean && h("li", {}, lineOf("clean"), "the unmutated drone, same seed"),
-    [["infection", "first changed sample"], ["violation", "violation"], ["end", "end"]].filter(([kind]) => kinds.has(kind)).map(([kind, text]) => h("li", {}, small(kind), text)));
+    [["infection", "first changed sample"], ["violation", "violation"], ["end", "end"]].filter(([kind]) => kinds.has(kind)).map(([kind, text]) => h("li", {}, signOf(kind), text)));
 }
 
 /** One signal over time: the unmutated drone's as a broad band, the mutant's as a line, the limits that requirements set to it. */

@@ -94,7 +94,7 @@ function watch(sections) {
 
 function start() {
   document.title = `${DATA.study} \u00b7 ${DATA.campaign} \u00b7 scaloft-fi report`;
-  const makers = [[summary, "Figures"], [hazop, "HAZOP"], [killMatrix, "Kill matrix"], [unmutated, "Unmutated drone"], [whatKillsWhat, "What kills what"], [ladders, "Magnitudes"], [survivors, "Survivors"], [foundSituations, "Found"], [claims, "Not claimed"], [reading, "How to read"]];
+  const makers = [[summary, "Figures"], [hazop, "HAZOP"], [killMatrix, "Kill matrix"], [unmutated, "Unmutated drone"], [whatKillsWhat, "What kills what"], [ladders, "Magnitudes"], [survivors, "Survivors"], [foundSituations, "Found"], [breakingSituations, "Breaks"], [claims, "Not claimed"], [reading, "How to read"]];
   const sections = makers.map(([make, short]) => {
     const section = make();
     if (section) section.dataset.short = short;

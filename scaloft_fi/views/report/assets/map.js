@@ -4,7 +4,7 @@ const HULL_M = 0.235;
 const X = () => DATA.columns.findIndex((column) => column.name === "x_m");
 const Y = () => DATA.columns.findIndex((column) => column.name === "y_m");
 
-function mapOf(scene, flight, clean) {
+function mapOf(scene, flight, clean, marked = flight ? marks(flight) : []) {
   if (!scene) return null;
   const mine = DATA.scenes.mines[scene.mine];
   const paths = [clean, flight].filter((one) => one?.rows).map((one) => one.rows.map((row) => [row[X()], row[Y()]]));
@@ -34,7 +34,7 @@ function mapOf(scene, flight, clean) {
     clean?.rows && clean !== flight && s("path", { class: "clean", d: pathOf(clean.rows.map((row) => at([row[X()], row[Y()]]))) }),
     flight?.rows && s("path", { class: "flown", d: pathOf(flight.rows.map((row) => at([row[X()], row[Y()]]))) }),
     cursors.map((cursor) => cursor.node),
-    flight && marks(flight).map((mark) => sign(mark, ...at(mark.at))));
+    marked.map((mark) => sign(mark, ...at(mark.at))));
   const move = (time) => cursors.forEach(({ one, node }) => {
     const row = rowAt(one.rows, time);
     node.setAttribute("visibility", row ? "visible" : "hidden");
