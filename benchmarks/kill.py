@@ -1,7 +1,7 @@
 """Test that a campaign survives SIGKILL of all or one of its processes at random moments, again and again.
 
     python benchmarks/kill.py [--json] [--kills N] [--seed N] [--mutant ID]... [--situation KEY|GLOB]...
-        [--baseline-seeds N] [--jobs N] [--cluster]
+        [--baseline-seeds N] [--jobs N] [--cluster | --seek BUDGET]
 
 The script flies a small campaign undisturbed and keeps its export.  Then it starts the campaign again and sends SIGKILL
 after a random part of that time: in half of the cases to the whole process group, otherwise to one process.  It repeats
@@ -11,6 +11,9 @@ campaigns follow until the number of kills is reached.
 With `--cluster` a Dask cluster on the loopback interface flies: a scheduler and as many workers as `--jobs`.  Then the
 victim is, with equal chance, the run as above, the scheduler, a worker, or a process of a worker.  What was killed of
 the cluster is started again; a run outlives its workers, and ends when its scheduler does.
+
+With `--seek` a search for the mutants with this budget is killed and resumed, in a copy of the study without finds; its
+finds are compared beside the exports.
 
 kills: number of kills by target.  campaigns: number of completed campaigns.  equal: number of equal exports.  sound:
 number of kills after which SQLite found its file intact.  outlived: number of processes that outlived their run.
@@ -43,6 +46,7 @@ from typing import Any
 
 from scaloft_fi.campaign.store.folder import STORE_NAME
 
+STUDY = ("hazop", "mutants", "sim")
 MUTANTS = ("LATE-human", "MORE-goal", "UNINTENDED-collision@20s")
 SITUATIONS = ("T0O0W0D0H[01]",)
 HEAL_EVERY_S = 0.5
@@ -56,7 +60,8 @@ class Campaign:
     def __init__(self, folder: Path, words: Sequence[str], cluster: Cluster | None = None) -> None:
         self.folder = folder
         self._cluster = cluster
-        self._words = ["run", *words, "--quiet", "--campaign", str(folder)]
+        self._words = _call("run", *words, "--quiet", "--campaign", str(folder))
+        self._export = _call("export", "--campaign", str(folder))
 
     def run(self, kill_after_s: float | None, draw: random.Random) -> tuple[bool, str, int]:
         """Run the command, and kill it if it still runs after `kill_after_s`.
@@ -66,9 +71,7 @@ class Campaign:
         if self._cluster:
             self._cluster.heal()
         # a new session, which identifies all of its processes
-        run = subprocess.Popen(
-            _call(*self._words), cwd=checkout.ROOT, stdout=subprocess.DEVNULL, start_new_session=True
-        )
+        run = subprocess.Popen(self._words, cwd=checkout.ROOT, stdout=subprocess.DEVNULL, start_new_session=True)
         killed = ""
         try:
             run.wait(kill_after_s)
@@ -95,8 +98,29 @@ class Campaign:
 
     def export(self) -> bytes:
         """The export of the campaign."""
-        call = _call("export", "--campaign", str(self.folder))
-        return subprocess.run(call, cwd=checkout.ROOT, check=True, capture_output=True).stdout
+        return subprocess.run(self._export, cwd=checkout.ROOT, check=True, capture_output=True).stdout
+
+
+class Search(Campaign):
+    """A search in a copy of the study of its own."""
+
+    def __init__(self, folder: Path, words: Sequence[str], _cluster: Cluster | None = None) -> None:
+        super().__init__(folder, words)
+        self._study = folder.parent / f"{folder.name}_study"
+        for part in STUDY:
+            shutil.copytree(checkout.ROOT / part, self._study / part)
+        self._finds.unlink(missing_ok=True)
+        self._words = _call("seek", *words, "--quiet", "--into", str(folder), study=self._study)
+        self._export = _call("export", "--campaign", str(folder), study=self._study)
+
+    @property
+    def _finds(self) -> Path:
+        return self._study / "sim" / "found.yaml"
+
+    def export(self) -> bytes:
+        """The finds, and the export of the campaign."""
+        finds = self._finds.read_bytes() if self._finds.exists() else b""
+        return finds + super().export()
 
 
 class Cluster:
@@ -152,8 +176,8 @@ class Cluster:
         return sum(_outlived(process.pid) for process in self._processes.values())
 
 
-def _call(*words: str) -> list[str]:
-    return [sys.executable, "-m", "scaloft_fi", *words, "--study", str(checkout.ROOT)]
+def _call(*words: str, study: Path = checkout.ROOT) -> list[str]:
+    return [sys.executable, "-m", "scaloft_fi", *words, "--study", str(study)]
 
 
 def _kill(session: int, draw: random.Random) -> str:
@@ -193,13 +217,18 @@ def _outlived(session: int) -> int:
 
 
 def measure(
-    words: Sequence[str], kills: int, seed: int, folder: Path, cluster: Cluster | None = None
+    words: Sequence[str],
+    kills: int,
+    seed: int,
+    folder: Path,
+    cluster: Cluster | None = None,
+    kind: type[Campaign] = Campaign,
 ) -> dict[str, Any]:
-    """Fly, kill and resume campaigns until the number of kills is reached."""
+    """Fly, kill and resume campaigns of a kind until the number of kills is reached."""
     if cluster:
         words = [*words, "--executor", f"dask://{cluster.address}", "--cluster-key", str(cluster.key)]
     draw = random.Random(seed)
-    calm = Campaign(folder / "calm", words, cluster)
+    calm = kind(folder / "calm", words, cluster)
     calm.run(None, draw)  # once before, so that the timed run compiles nothing
     shutil.rmtree(calm.folder)
     begin_s = time.monotonic()
@@ -208,7 +237,7 @@ def measure(
     killed: Counter[str] = Counter()
     campaigns = equal = sound = outlived = 0
     while killed.total() < kills:
-        campaign = Campaign(folder / f"campaign{campaigns}", words, cluster)
+        campaign = kind(folder / f"campaign{campaigns}", words, cluster)
         done = False
         while not done:
             moment_s = draw.uniform(0.0, whole_s) if killed.total() < kills else None
@@ -243,16 +272,23 @@ def main() -> None:
     parser.add_argument("--situation", action="append", default=[], help="key or glob, repeatable")
     parser.add_argument("--baseline-seeds", type=int, default=10, help="of the baseline pool (default: 10)")
     parser.add_argument("--jobs", type=int, default=2, help="worker processes (default: 2)")
-    parser.add_argument("--cluster", action="store_true", help="fly on a Dask cluster, and kill its processes too")
+    other = parser.add_mutually_exclusive_group()
+    other.add_argument("--cluster", action="store_true", help="fly on a Dask cluster, and kill its processes too")
+    other.add_argument("--seek", metavar="BUDGET", help="kill a search with this budget, such as 300flights")
     options = parser.parse_args()
-    words = [word for mutant in options.mutant or MUTANTS for word in ("--mutant", mutant)]
-    words += [word for key in options.situation or SITUATIONS for word in ("--situation", key)]
+    mutants = options.mutant or MUTANTS
+    if options.seek:
+        words = [*mutants, "--budget", options.seek]
+    else:
+        words = [word for mutant in mutants for word in ("--mutant", mutant)]
+        words += [word for key in options.situation or SITUATIONS for word in ("--situation", key)]
+        words += ["--baseline-seeds", str(options.baseline_seeds)]
     folder = Path(tempfile.mkdtemp(prefix="kill"))
     try:
-        words += ["--baseline-seeds", str(options.baseline_seeds)]
         words += [] if options.cluster else ["--jobs", str(options.jobs)]
         cluster = Cluster(folder / "cluster", options.jobs) if options.cluster else None
-        figures = measure(words, options.kills, options.seed, folder, cluster)
+        kind = Search if options.seek else Campaign
+        figures = measure(words, options.kills, options.seed, folder, cluster, kind)
     finally:
         shutil.rmtree(folder)
     if options.json:
