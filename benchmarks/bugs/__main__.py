@@ -28,7 +28,7 @@ import published_kernels  # noqa: F401 - it must be imported before numpy
 import argparse
 from collections.abc import Sequence
 
-from bugs_plan import PLAN, names_of
+from bugs_plan import PLAN, REFERENCE, names_of
 from kept_flights import Flights, complete, flights_of, read
 from published_outcomes import rows_of
 
@@ -54,9 +54,9 @@ def fly(study: Study, bugs: Sequence[Bug], situations: Sequence[str], path: Path
         jobs: number of processes.
     """
     kept = read(path)
-    for bug in bugs:
-        copy = StackStudy(study.folder, stack_name=bug.key)
-        complete(path, kept, bug.key, copy, flights_of(copy, {}, names_of(situations)), jobs)
+    stacks = {bug.key: StackStudy(study.folder, stack_name=bug.key) for bug in bugs}
+    for arm, copy in {REFERENCE: study, **stacks}.items():
+        complete(path, kept, arm, copy, flights_of(copy, {}, names_of(situations)), jobs)
     return kept
 
 

@@ -31,13 +31,13 @@ class Published:
     Attributes:
         mutants: the score of each default mutant, by cell.
         pool: of ten seeds.
-        digests: of the baselines, by `SITUATION/SEED`.
+        violated: requirements that each baseline violates, by name of the flight.
         alpha: the study's.
     """
 
     mutants: Mapping[str, MutantScore]
     pool: Pool
-    digests: Mapping[str, str]
+    violated: Mapping[str, frozenset[str]]
     alpha: float
 
     @property
@@ -59,13 +59,23 @@ def published(study: Study, rows: Iterable[Row]) -> Published:
     return Published(
         {cell: by_id[mutant] for cell, mutant in study.roster.defaults.items() if mutant in by_id},
         Pool.of(outcome for outcome in clean if outcome.seed in POOL),
-        {f"{outcome.situation}/{outcome.seed}": outcome.digest for outcome in clean},
+        {outcome.name: violated_by(outcome) for outcome in clean},
         study.alpha,
     )
 
 
-def samples(flights: Iterable[Outcome], digests: Mapping[str, str]) -> Samples:
-    """A bug's flights by situation; one differs from the reference stack if its digest is not that of the baseline."""
+def violated_by(flown: Outcome) -> frozenset[str]:
+    """The requirements that a flight violates."""
+    return frozenset(violation.requirement for violation in flown.violations)
+
+
+def samples(flights: Iterable[Outcome], reference: Mapping[str, Outcome]) -> Samples:
+    """A bug's flights by situation; one differs if its digest is not that of the reference stack's flight.
+
+    Args:
+        flights: of the bug.
+        reference: flights of the reference stack on the same machine, by name.
+    """
     by_situation: dict[str, list[Outcome]] = {}
     for outcome in sorted(flights, key=lambda outcome: outcome.seed):
         by_situation.setdefault(outcome.situation, []).append(outcome)
@@ -73,7 +83,7 @@ def samples(flights: Iterable[Outcome], digests: Mapping[str, str]) -> Samples:
         key: Sample(
             key,
             tuple(tuple(violation.requirement for violation in one.violations) for one in own),
-            any(one.digest != digests[f"{key}/{one.seed}"] for one in own),
+            any(one.digest != reference[one.name].digest for one in own),
         )
         for key, own in by_situation.items()
     }

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
-from bugs_plan import LEVEL, SITUATIONS, TOGETHER
+from bugs_plan import LEVEL, REFERENCE, SITUATIONS, TOGETHER
 from kept_flights import Flights
 
 from bugs.bug import Bug
 from bugs.coupling import Coupling, detecting_share, mean_excess, relabelled_p, share
-from bugs.evidence import Published, Samples, coupling, samples, verdict
+from bugs.evidence import Published, Samples, coupling, samples, verdict, violated_by
 from scaloft_fi.judge.outcome import Outcome
 
 
@@ -18,10 +18,10 @@ def flown(bugs: Sequence[Bug], flights: Flights, seen: Published) -> str:
 
     Args:
         bugs: the bugs.
-        flights: by key of the bug and name of the flight.
+        flights: by key of the bug, or `REFERENCE`, and name of the flight.
         seen: the published campaign.
     """
-    own = {bug.key: samples(flights[bug.key].values(), seen.digests) for bug in bugs}
+    own = {bug.key: samples(flights[bug.key].values(), flights[REFERENCE]) for bug in bugs}
     same = {bug.key: [other.key for other in bugs if _alike(flights[bug.key], flights[other.key])] for bug in bugs}
     counted = [bug for bug in bugs if seen.killing(bug.cell)]
     apart = [bug for bug in bugs if not seen.killing(bug.cell)]
@@ -31,6 +31,7 @@ def flown(bugs: Sequence[Bug], flights: Flights, seen: Published) -> str:
         for bug in group
     }
     lines = ["", "## Flown", "", *_answer([found[bug.key] for bug in counted], seen), ""]
+    lines += [_reference(flights[REFERENCE], seen), ""]
     lines += [*_twins(same), *_couplings(counted, found, own, seen), "", *_sets(counted, own, seen), ""]
     lines += [*_others(counted, found, seen), "", *_apart(apart, found, own, seen), "", *_violations(bugs, flights)]
     return "\n".join(lines) + "\n"
@@ -50,6 +51,13 @@ def _answer(counted: Sequence[Coupling], seen: Published) -> Iterator[str]:
             yield f"**{shown} situations detect the bug of their cell oftener than random ones.**  Mean excess {told}."
         else:
             yield f"The easier comparison: mean excess {told}."
+
+
+def _reference(flights: Mapping[str, Outcome], seen: Published) -> str:
+    other = sum(violated_by(one) != seen.violated[name] for name, one in flights.items())
+    return (
+        f"{other} of {len(flights)} flights of the reference stack violate other requirements than the published ones."
+    )
 
 
 def _twins(same: Mapping[str, Sequence[str]]) -> Iterator[str]:

@@ -9,8 +9,9 @@ from functools import cached_property
 from random_faults.plan import EARLY_S, MOST_KILLED, POOL, SEEDS
 from scaloft_fi.analysis.scoring.detection import ALPHA, Spending
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore, mutant_score
-from scaloft_fi.analysis.scoring.pool import Pool
+from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.rulings import Rulings, rulings_of
 from scaloft_fi.judge.space import Space
 
@@ -79,6 +80,12 @@ class Arm:
             if not outcome.invalid:
                 found.setdefault(outcome.mutant, {})[outcome.situation, outcome.seed] = outcome.digest
         return found
+
+    @cached_property
+    def states(self) -> Mapping[tuple[str, str], State]:
+        """The state of each pair of situation and safety requirement in the pool."""
+        pool = Pool.of(self.rulings.baselines)
+        return {place: pair.state for place, pair in pool.pairs.items() if pair.kind is Kind.SAFETY}
 
     @property
     def behaviours(self) -> int:

@@ -30,13 +30,14 @@ def flown(hazop: Arm, random: Arm, faults: Mapping[str, Mutant], redraws: int = 
     """
     own, alike = _alike(hazop, random)
     complete = len(random.outcomes) == FLIGHTS and len(hazop.scores) == FAULTS and own == SITUATIONS * POOL
+    comparable = random.states == hazop.states
     lines = [
         "",
         "## Flown",
         "",
-        _told(random, alike, own),
+        _told(random, alike, own, comparable=comparable),
         "",
-        *(_decided(hazop, random, redraws) if complete and alike == own else [UNFINISHED]),
+        *(_decided(hazop, random, redraws) if complete and comparable else [UNFINISHED]),
         "",
         "### Arms",
         "",
@@ -62,10 +63,11 @@ def flown(hazop: Arm, random: Arm, faults: Mapping[str, Mutant], redraws: int = 
     return "\n".join(lines) + "\n"
 
 
-def _told(random: Arm, alike: int, own: int) -> str:
+def _told(random: Arm, alike: int, own: int, *, comparable: bool) -> str:
     return (
         f"{len(random.outcomes):,} of {FLIGHTS:,} flights of random faults and baselines, {random.invalid} of them "
-        f"invalid.  {alike} of {own} baselines have the digest of the published ones."
+        f"invalid.  {alike} of {own} baselines have the digest of the published ones; the pairs of situation and "
+        f"safety requirement {'all have the same' if comparable else 'do not all have the same'} state in both pools."
     )
 
 

@@ -143,7 +143,9 @@ per processor second.
 3. Seeds are drawn again {REDRAWS} times with replacement, for faults and pool, the same ones in both arms; the
    middle nine tenths of each number are shown.  Seeds that come twice make the test less strict, so these are
    spreads, no limits.
-4. The rule is decided only if every flight was flown and all baselines of both arms have equal digests.  A flight whose
+4. The rule is decided only if every flight was flown, and each pair of situation and safety requirement has the same
+   state (steady, unsteady, red, vacuous, open) in the pools of both arms.  Amended before any of these flights: equal
+   digests of the baselines were asked for, and these depend on how the processor's kernels round.  A flight whose
    harness fails is told of and counts as the score counts it; a stack that raises an error is a fact about the drone,
    and the faults that make it do so are counted.
 

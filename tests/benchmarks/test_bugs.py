@@ -11,7 +11,7 @@ from bugs.evidence import Published, coupling, published, samples, verdict
 from bugs.page import flown
 from bugs.registry import BUGS, DROPPED, SOUGHT, declare
 from bugs.study import StackStudy
-from bugs_plan import FLIGHTS, PLAN, SEEDS, names_of
+from bugs_plan import FLIGHTS, PLAN, REFERENCE, SEEDS, names_of
 from kept_flights import Flights, read
 from published_outcomes import outcomes, rows_of
 
@@ -116,7 +116,7 @@ def test_kept_flights_are_not_flown_again(study: Study, tmp_path: Path, capsys: 
     assert {name: o.digest for name, o in again["px4-11840"].items()} == {
         name: o.digest for name, o in first["px4-11840"].items()
     }
-    assert read(path).keys() == {"px4-11840"}
+    assert read(path).keys() == {"px4-11840", REFERENCE}
 
 
 def test_a_bug_that_the_killing_situations_alone_detect_is_coupled() -> None:
@@ -157,12 +157,13 @@ def test_three_violations_in_a_situation_that_tests_detect_alone(seen: Published
     clean, bug = _as_bug(campaign, BASELINE), BY_KEY["px4-11764"]
     chosen = frozenset(sorted(seen.killing(bug.cell))[:2])
     red = frozenset(seen.pool.flown - seen.tested)
-    own = samples(_struck(clean, chosen | red).values(), seen.digests)
+    own = samples(_struck(clean, chosen | red).values(), clean)
     assert coupling(bug, own, seen, 1).alone == chosen
 
 
 def test_flights_of_the_reference_stack_detect_nothing(seen: Published, campaign: list[Outcome]) -> None:
-    own = samples(_as_bug(campaign, BASELINE).values(), seen.digests)
+    clean = _as_bug(campaign, BASELINE)
+    own = samples(clean.values(), clean)
     assert not any(sample.infected for sample in own.values())
     assert verdict("none", own, seen, own).verdict.words == "not tested"
 
@@ -171,25 +172,26 @@ def test_a_cells_own_mutant_taken_for_its_bug_is_detected_where_it_is_killed(
     seen: Published, campaign: list[Outcome]
 ) -> None:
     bug = BY_KEY["px4-11764"]
-    own = samples(_as_bug(campaign, "NO-speedlimit").values(), seen.digests)
+    own = samples(_as_bug(campaign, "NO-speedlimit").values(), _as_bug(campaign, BASELINE))
     assert coupling(bug, own, seen, 1).alone >= seen.killing(bug.cell)
 
 
 def test_the_page_tells_yes_and_no_by_its_rules(seen: Published, campaign: list[Outcome]) -> None:
     clean = _as_bug(campaign, BASELINE)
-    nothing: Flights = {bug.key: clean for bug in BUGS}
+    nothing: Flights = {REFERENCE: clean} | {bug.key: clean for bug in BUGS}
     page = flown(BUGS, nothing, seen)
     assert "**These bugs do not show that killing situations" in page
+    assert "0 of 96 flights of the reference stack violate other requirements than the published ones." in page
     assert "Bit-identical flights: " + " and ".join(bug.key for bug in BUGS) in page
     assert page.count("no situation detects it") == sum(bool(seen.killing(bug.cell)) for bug in BUGS) == 8
-    hit: Flights = {bug.key: _struck(clean, seen.killing(bug.cell)) for bug in BUGS}
+    hit: Flights = {REFERENCE: clean} | {bug.key: _struck(clean, seen.killing(bug.cell)) for bug in BUGS}
     page = flown(BUGS, hit, seen)
     assert "**Yes: killing situations" in page
     assert page.count("| yes |") == 8
 
 
 def test_the_plan_counts_its_flights_and_names_every_bug() -> None:
-    assert len(BUGS) * len(list(names_of(str(number) for number in range(32)))) == FLIGHTS
+    assert (len(BUGS) + 1) * len(list(names_of(str(number) for number in range(32)))) == FLIGHTS
     assert all(f"| {bug.key} |" in PLAN for bug in BUGS)
     assert all(f"- {name}: " in PLAN for name in DROPPED)
 

@@ -16,6 +16,7 @@ from random_faults.page import UNFINISHED, flown
 from random_faults.plan import FAULTS, FLIGHTS, KNOWN, LEAST, MOST, PLAN, POOL, SEEDS, fisher, names_of
 from scipy.stats import fisher_exact
 
+from scaloft_fi.analysis.scoring.pool import State
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.store.fingerprint import fingerprint
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject
@@ -191,17 +192,23 @@ def whole(study: Study, hazop: Arm, struck: int) -> Arm:
 def test_the_page_decides_by_the_useful_faults(study: Study, hazop: Arm, struck: int, said: str) -> None:
     page = flown(hazop, whole(study, hazop, struck), faults_of(study), redraws=2)
     assert f"**Rule 1: {said}.**  Useful are 21 of 114 default mutants and {struck} of 114 random faults" in page
-    assert "320 of 320 baselines have the digest of the published ones." in page
+    assert "320 of 320 baselines have the digest of the published ones; the pairs" in page
+    assert "all have the same state in both pools." in page
     assert f"| detected | 32 | {struck} |" in page
     assert f"| different sets of kills | 17 | {min(struck, 1)} |" in page
     listed = [line.split(" ")[1] for line in page.splitlines() if line.startswith("| RANDOM-")]
     assert listed == [fault.id for fault in experiment.read_faults()]
 
 
-def test_nothing_is_decided_while_a_flight_is_missing_or_a_baseline_differs(study: Study, hazop: Arm) -> None:
+def test_nothing_is_decided_while_a_flight_is_missing_or_the_pools_differ(study: Study, hazop: Arm) -> None:
     made = whole(study, hazop, 0)
     fewer = replace(made, outcomes=made.outcomes[:-1])
-    other = replace(made, outcomes=[replace(made.outcomes[0], digest="another"), *made.outcomes[1:]])
+    red = next(o for o in made.outcomes if o.violations and o.violations[0].requirement == "SR1")
+    held = next(key for (key, name), state in made.states.items() if (name, state) == ("SR1", State.STEADY))
+    hit = [
+        replace(o, readings=red.readings) if (o.mutant, o.situation) == (BASELINE, held) else o for o in made.outcomes
+    ]
+    other = replace(made, outcomes=hit)
     broken = replace(made, outcomes=[replace(made.outcomes[0], invalid="it hung"), *made.outcomes[1:]])
     for unfinished in (fewer, other, broken):
         page = flown(hazop, unfinished, faults_of(study), redraws=1)
