@@ -52,7 +52,7 @@ def read_bytes(path: Path, most_bytes: int = FILE_BYTES) -> bytes:
     Raises:
         UnreadableError: the file is no regular file, is larger than `most_bytes`, or cannot be opened.
     """
-    with _opened(path, most_bytes) as file:
+    with opened(path, most_bytes) as file:
         content = file.read(most_bytes + 1)
     if len(content) > most_bytes:  # it has grown since it was opened, or its file system gives no sizes
         raise UnreadableError(path, _too_large(most_bytes))
@@ -77,7 +77,7 @@ def digest(path: Path, most_bytes: int = FILE_BYTES) -> str:
     Raises:
         UnreadableError: as `read_bytes`.
     """
-    with _opened(path, most_bytes) as file:
+    with opened(path, most_bytes) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
@@ -97,8 +97,12 @@ def is_there(path: Path) -> bool:
 
 
 @contextmanager
-def _opened(path: Path, most_bytes: int) -> Iterator[BufferedReader]:
-    """The file, open for reading; the open file itself is checked, so that nobody can exchange it after the check."""
+def opened(path: Path, most_bytes: int = FILE_BYTES) -> Iterator[BufferedReader]:
+    """The file, open for reading; the open file itself is checked, so that nobody can exchange it after the check.
+
+    Raises:
+        UnreadableError: as `read_bytes`.
+    """
     try:
         # Without O_NONBLOCK, opening a pipe waits for a writer.
         number = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))

@@ -43,6 +43,7 @@ VERBS: dict[str, tuple[str, str]] = {
     "export": ("scaloft_fi.cli.export:export_command", "write one row per flight, or a file for another tool"),
     "report": ("scaloft_fi.cli.report:report_command", "write one HTML file with the whole campaign"),
     "replay": ("scaloft_fi.cli.replay:replay_command", "fly one flight again, bit for bit, and draw it"),
+    "judge": ("scaloft_fi.cli.judge:judge_command", "judge records of flights with the study's requirements"),
     "doctor": ("scaloft_fi.cli.doctor:doctor_command", "show what decides the bits of a flight, and what is installed"),
 }
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from scaloft_fi.study import Study
 
 PICTURES = (".svg", ".png")
-RECORDING = ".mcap"
+RECORDINGS = (".mcap", ".csv")
 
 
 @click.command("replay")
@@ -30,7 +30,7 @@ RECORDING = ".mcap"
     "--output",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Write a map of the flight (.svg, .png), or a recording for Foxglove (.mcap).",
+    help="Write a map of the flight (.svg, .png), a recording for Foxglove (.mcap), or a table of its log (.csv).",
 )
 @click.option("--gui", is_flag=True, help="Watch the flight in PyBullet's window, in real time.")
 @click.option(
@@ -46,8 +46,8 @@ def replay_command(
 
     MUTANT is `baseline`, `PLACEBO` or a mutant's id.  The map shows the baseline beside the mutant.
     """
-    if output is not None and output.suffix.lower() not in (*PICTURES, RECORDING):
-        raise InputError(f"--output={str(output)!r} must end in .svg, .png or .mcap")
+    if output is not None and output.suffix.lower() not in (*PICTURES, *RECORDINGS):
+        raise InputError(f"--output={str(output)!r} must end in .svg, .png, .mcap or .csv")
     check_writable(output)
     from scaloft_fi.campaign.processes.start import one_thread_each
 
@@ -68,10 +68,11 @@ def replay_command(
         log = fly_log(study, flight)
     outcome = judged(study, flight, log)
     tell(f"{_facts(study, flight, outcome, log)}\n")
-    if output is not None and output.suffix.lower() == RECORDING:
+    if output is not None and output.suffix.lower() in RECORDINGS:
+        from scaloft_fi.views.flights.log_table import log_table
         from scaloft_fi.views.flights.mcap import mcap
 
-        write(output, mcap(log, outcome.name))
+        write(output, log_table(log) if output.suffix.lower() == ".csv" else mcap(log, outcome.name))
         tell_line(f"recording: {output}")
     elif output is not None:
         _draw(study, flight, outcome, log, output)

@@ -30,7 +30,7 @@ STUDY = Path(__file__).parents[2]
         (("LATE-human/T0O0W0D0H1/x",), "must be MUTANT/SITUATION/SEED"),
         (("LATE-humna/T0O0W0D0H1/0",), "LATE-humna"),
         (("LATE-human/T0O0W0D0H7/0",), "no situation 'T0O0W0D0H7'"),
-        (("baseline/T0O0W0D0H1/0", "--output", "map.pdf"), "must end in .svg, .png or .mcap"),
+        (("baseline/T0O0W0D0H1/0", "--output", "map.pdf"), "must end in .svg, .png, .mcap or .csv"),
         (("baseline/T0O0W0D0H1/0", "--output", "no/where/map.svg"), "cannot be written"),
     ],
 )

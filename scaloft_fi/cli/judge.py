@@ -1,0 +1,52 @@
+"""`scaloft-fi judge`: judge records of flights with the study's requirements."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from scaloft_fi.cli.options import format_option, study_option
+from scaloft_fi.console import tell
+
+
+@click.command("judge")
+@click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@study_option
+@click.option(
+    "--record",
+    "mapping_file",
+    type=click.Path(path_type=Path),
+    metavar="MAPPING.yaml",
+    help="Where the signals stand in the records.  [default: sim/record.yaml of the study, else the mapping of the "
+    "records that replay --output writes]",
+)
+@click.option(
+    "--situation",
+    metavar="KEY",
+    help="The situation that was flown, which has a route and a time limit.  [default: not known]",
+)
+@format_option
+def judge_command(
+    files: tuple[Path, ...], study_folder: Path | None, mapping_file: Path | None, situation: str | None, style: str
+) -> None:
+    """Judge records of flights (.csv, .mcap, .ulg, .bag, .db3, or a folder of rosbag2) with the study's requirements.
+
+    Nothing is flown and no campaign is read.  A violation is a finding: the exit code is 0.
+
+    \b
+    Examples:
+      scaloft-fi judge flight.csv --situation T0O0W0D0H1
+      scaloft-fi judge logs/*.ulg --record px4.yaml
+      scaloft-fi judge bag/ --format json
+    """  # noqa: D301 - click reads the \b
+    from scaloft_fi.campaign.flights.recorded import judged_record, known_of, mapping_of
+    from scaloft_fi.study import Study
+    from scaloft_fi.views.flights.judged import judged_table
+    from scaloft_fi.views.tables.table import Format, render
+
+    study = Study.open(study_folder)
+    mapping = mapping_of(study, mapping_file)
+    known = known_of(study, study.grid.situation(situation) if situation else None)
+    records = [judged_record(study, path, mapping, known) for path in files]
+    tell(render((judged_table(records),), Format(style)))

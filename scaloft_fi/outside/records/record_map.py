@@ -1,0 +1,200 @@
+"""The mapping of a record: where the signals of a flight log stand in it, `sim/record.yaml`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from pathlib import Path
+
+from scaloft_fi.document import LARGEST, MOST, Item, load
+from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.outside.records.source import Source, Timing
+
+UNITS: Mapping[str, tuple[float, float]] = {
+    "mm to m": (1e-3, 0.0),
+    "cm to m": (1e-2, 0.0),
+    "km to m": (1e3, 0.0),
+    "ft to m": (0.3048, 0.0),
+    "deg to rad": (math.pi / 180.0, 0.0),
+    "deg/s to rad/s": (math.pi / 180.0, 0.0),
+    "km/h to m/s": (1.0 / 3.6, 0.0),
+    "mm/s to m/s": (1e-3, 0.0),
+    "cm/s to m/s": (1e-2, 0.0),
+    "ms to s": (1e-3, 0.0),
+    "us to s": (1e-6, 0.0),
+    "ns to s": (1e-9, 0.0),
+    "percent to share": (1e-2, 0.0),
+    "degC to K": (1.0, 273.15),
+}
+"""Factor and offset by name of the conversion."""
+TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+OWN_TOPIC, OWN_TIME = "/signals", "elapsed_s"
+"""Topic, and column of the time, in the records that `replay --output` writes."""
+
+
+class Keep(StrEnum):
+    """Which value stands for the messages since the last sample."""
+
+    LAST = "last"
+    LEAST = "least"
+    MOST = "most"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Where a signal comes from.
+
+    Attributes:
+        source: where it stands; None for a constant.
+        factor, offset: signal = factor x value + offset.
+        constant: its value, where it stands nowhere.
+        unknown: its value before its first message; None = it must have one by the start of the flight.
+        keep: which value stands for the messages since the last sample.
+    """
+
+    source: Source | None
+    factor: float = 1.0
+    offset: float = 0.0
+    constant: float = 0.0
+    unknown: float | None = None
+    keep: Keep = Keep.LAST
+
+
+@dataclass(frozen=True)
+class Moment:
+    """The first message whose value is at least `least`."""
+
+    entry: Entry
+    least: float
+
+
+@dataclass(frozen=True)
+class RecordMap:
+    """Where the signals of a flight log stand in a record.
+
+    Attributes:
+        name: where the mapping stands, for errors.
+        timing: which time the values have.
+        signals: entry by name of the signal.
+        start, end: when the flight starts and ends; None = at the first and the last message of `x_m`.
+        altered, carried: how many samples a fault has altered, and how many its seam has carried, up to then.
+    """
+
+    name: str
+    timing: Timing
+    signals: Mapping[str, Entry] = field(default_factory=dict)
+    start: Moment | None = None
+    end: Moment | None = None
+    altered: Entry | None = None
+    carried: Entry | None = None
+
+
+def own_map(signals: Sequence[str]) -> RecordMap:
+    """The mapping of the records that `replay --output` writes: every signal by its own name."""
+    entries = {name: Entry(Source(name, column=name, topic=OWN_TOPIC, field=name)) for name in signals}
+    return RecordMap("the mapping of our own records", Timing(column=OWN_TIME), entries)
+
+
+def load_record_map(path: Path, signals: Sequence[str] | None = None) -> RecordMap:
+    """Read a mapping.
+
+    Args:
+        path: the file.
+        signals: names of the signals that it may map; None = any.
+
+    Raises:
+        InputError: it is no such mapping; the message names file and line.
+    """
+    document = load(path)
+    entries = document.need("signals").mapping(most=MOST)
+    for name, item in entries.items():
+        if signals is not None and name not in signals:
+            hint = did_you_mean(name, signals)
+            raise InputError(f"{item.place}: {name!r} is no signal that this study knows{hint}")
+    found = RecordMap(
+        name=str(path),
+        timing=_timing(document.get("time")),
+        signals={name: _entry(name, item) for name, item in entries.items()},
+        start=_moment("start", document.get("start")),
+        end=_moment("end", document.get("end")),
+        altered=_counted("altered", document.get("altered")),
+        carried=_counted("carried", document.get("carried")),
+    )
+    document.close()
+    return found
+
+
+def _timing(item: Item | None) -> Timing:
+    """`{column: t_s, unit: ms}`, `{message: received}` (the default), `{message: stamp}` or `{clock: /clock}`."""
+    if item is None:
+        return Timing()
+    ways = [way for way in ("column", "message", "clock") if item.get(way)]
+    if len(ways) != 1:
+        raise item.error("one of {column: NAME}, {message: received}, {message: stamp} and {clock: TOPIC}")
+    column, message, clock = item.get("column"), item.get("message"), item.get("clock")
+    unit = item.get("unit") if column else None
+    timing = Timing(
+        column=column.text() if column else "",
+        unit_s=TIME_UNITS[unit.choice(list(TIME_UNITS))] if unit else 1.0,
+        stamped=message is not None and message.choice(("received", "stamp")) == "stamp",
+        clock=clock.text() if clock else "",
+    )
+    item.close()
+    return timing
+
+
+def _entry(name: str, item: Item) -> Entry:
+    if constant := item.get("constant"):
+        entry = Entry(None, constant=_plain(constant))
+        item.close()
+        return entry
+    source = _source(name, item)
+    unit, factor, offset = item.get("unit"), item.get("factor"), item.get("offset")
+    if unit and (factor or offset):
+        raise InputError(f"{unit.place}: {name} must have a unit, or a factor and an offset, not both")
+    by, plus = UNITS[unit.choice(list(UNITS))] if unit else (1.0, 0.0)
+    unknown, keep = item.get("unknown"), item.get("keep")
+    entry = Entry(
+        source,
+        factor=factor.number() if factor else by,
+        offset=offset.number() if offset else plus,
+        unknown=_plain(unknown) if unknown else None,
+        keep=Keep(keep.choice(list(Keep))) if keep else Keep.LAST,
+    )
+    item.close()
+    return entry
+
+
+def _source(name: str, item: Item) -> Source:
+    column, topic, fields = item.get("column"), item.get("topic"), item.get("field")
+    if column and (topic or fields):
+        raise InputError(f"{item.place}: {name} must have a column, or a topic and a field, not both")
+    if column:
+        return Source(name, column=column.text())
+    if not topic and not fields:
+        raise item.error("{column: NAME}, {topic: NAME, field: PATH} or {constant: NUMBER}")
+    return Source(name, topic=item.need("topic").text(), field=item.need("field").text())
+
+
+def _moment(name: str, item: Item | None) -> Moment | None:
+    if item is None:
+        return None
+    least = item.need("least").number()
+    moment = Moment(Entry(_source(name, item)), least)
+    item.close()
+    return moment
+
+
+def _counted(name: str, item: Item | None) -> Entry | None:
+    if item is None:
+        return None
+    entry = Entry(_source(name, item), unknown=0.0)
+    item.close()
+    return entry
+
+
+def _plain(item: Item) -> float:
+    """A number, or a truth value."""
+    return float(item.value) if isinstance(item.value, bool) else item.number(least=-LARGEST, most=LARGEST)
