@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from pathlib import Path
 
@@ -80,6 +80,7 @@ class RecordMap:
         signals: entry by name of the signal.
         start, end: when the flight starts and ends; None = at the first and the last message of `x_m`.
         altered, carried: how many samples a fault has altered, and how many its seam has carried, up to then.
+        loose: whether a record may lack signals of it.
     """
 
     name: str
@@ -89,12 +90,21 @@ class RecordMap:
     end: Moment | None = None
     altered: Entry | None = None
     carried: Entry | None = None
+    loose: bool = False
+
+    def within(self, there: Collection[str]) -> RecordMap:
+        """The mapping without the signals that are not there, among the columns, or fields after their topics."""
+
+        def stands(source: Source | None) -> bool:
+            return source is None or source.column in there or f"{source.topic}: {source.field}" in there
+
+        return replace(self, signals={name: entry for name, entry in self.signals.items() if stands(entry.source)})
 
 
 def own_map(signals: Sequence[str]) -> RecordMap:
     """The mapping of the records that `replay --output` writes: every signal by its own name."""
     entries = {name: Entry(Source(name, column=name, topic=OWN_TOPIC, field=name)) for name in signals}
-    return RecordMap("the mapping of our own records", Timing(column=OWN_TIME), entries)
+    return RecordMap("the mapping of our own records", Timing(column=OWN_TIME), entries, loose=True)
 
 
 def load_record_map(path: Path, signals: Sequence[str] | None = None) -> RecordMap:

@@ -58,6 +58,8 @@ def flight_log(
         InputError: the record cannot be read, or lacks a needed signal.
     """
     kind = kind_of(path)
+    if mapping.loose:
+        mapping = mapping.within(frozenset(kind.names(path)))
     position = dict.fromkeys(PLACE, "the place of a violation")
     names = _direct(path, kind, mapping, known, {**position, **needed}, wanted)
     entries = {name: mapping.signals[name] for name in names}

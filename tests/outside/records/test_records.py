@@ -1,0 +1,214 @@
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import records
+
+from scaloft_fi.errors import InputError
+from scaloft_fi.outside.records.derived import Known
+from scaloft_fi.outside.records.kind import kind_of
+from scaloft_fi.outside.records.record_map import load_record_map
+from scaloft_fi.outside.records.recorded import flight_log
+from scaloft_fi.sim.log import Ending, FlightLog
+
+KNOWN = Known(("wall",), (0.0, 0.0))
+NEEDED = {"clearance_m": "requirement SR1", "speed_mps": "requirement SR2"}
+COLUMNS = ("{column: t_s}", "{column: x}", "{column: clear}")
+ROS = ("{topic: /point, field: point.x, unit: mm to m}", "{topic: /clear, field: data}")
+
+KINDS: dict[str, tuple[Callable[[Path], Path], tuple[str, str, str]]] = {
+    "csv": (records.table, COLUMNS),
+    "rosbag2": (records.rosbag2, ("{clock: /clock}", *ROS)),
+    "db3": (lambda folder: next(records.rosbag2(folder).glob("*.db3")), ("{clock: /clock}", *ROS)),
+    "mcap": (records.ros_mcap, ("{clock: /clock}", *ROS)),
+    "rosbag1": (records.rosbag1, ("", "{topic: /x, field: data}", "{topic: /clear, field: data}")),
+    "ulog": (records.ulog, ("", "{topic: place, field: 'at[0]'}", "{topic: place, field: clear}")),
+}
+
+
+def _log(path: Path, mapping: Path, needed: dict[str, str] = NEEDED) -> FlightLog:
+    return flight_log(path, load_record_map(mapping), KNOWN, needed=needed)
+
+
+def _table(tmp_path: Path, text: str, more: str = "", x: str = "{column: x}", clear: str = "{constant: 1}") -> FlightLog:
+    path = tmp_path / "own.csv"
+    path.write_text(text)
+    return _log(path, records.mapping(tmp_path, "{column: t}", x, clear, more))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_record_of_every_kind_says_the_same(kind: str, tmp_path: Path) -> None:
+    write, words = KINDS[kind]
+    log = _log(write(tmp_path), records.mapping(tmp_path, *words))
+    assert len(log.signals["x_m"]) == 81
+    assert log.duration_s == 4.0
+    held = np.repeat(records.X_M, 2)[:81]  # 10 Hz, held at 20 Hz
+    np.testing.assert_allclose(log.signals["x_m"], held, atol=1e-6)
+    near = np.flatnonzero(log.signals["clearance_m"] < 0.5)
+    assert near.tolist() == [60, 61]
+    assert set(log.signals["speed_mps"]) == {1.0}
+    assert log.ending is Ending.TIMED_OUT
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_topic_or_field_that_is_not_there_is_named_with_the_nearest(kind: str, tmp_path: Path) -> None:
+    write, words = KINDS[kind]
+    near = words[2].replace("clear", "claer") if "data" not in words[2] else words[2].replace("data", "dota")
+    with pytest.raises(InputError, match="signal 'clearance_m' needs the .* did you mean"):
+        _log(write(tmp_path), records.mapping(tmp_path, words[0], words[1], near))
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "csv"])
+def test_half_a_record_is_one_sentence(kind: str, tmp_path: Path) -> None:
+    write, words = KINDS[kind]
+    path = write(tmp_path)
+    file = path if path.is_file() else next(path.glob("*.db3"))
+    content = file.read_bytes()
+    file.write_bytes(content[: len(content) // 2] if kind != "ulog" else content[:30])
+    with pytest.raises(InputError, match=r"damaged|incomplete|does not have"):
+        _log(path, records.mapping(tmp_path, *words))
+
+
+def test_messages_may_have_the_time_of_their_stamps(tmp_path: Path) -> None:
+    path = records.mapping(tmp_path, "{message: stamp}", ROS[0], "{constant: 1}")
+    assert _log(records.rosbag2(tmp_path), path).duration_s == 4.0
+    path = records.mapping(tmp_path, "{message: received}", ROS[0], "{constant: 1}")
+    assert _log(tmp_path / "bag", path).duration_s == 2.0
+    with pytest.raises(InputError, match="the message has no stamp"):
+        _log(tmp_path / "bag", records.mapping(tmp_path, "{message: stamp}", *ROS))
+
+
+def test_the_worst_value_since_the_last_sample_is_kept_where_the_mapping_says_so(tmp_path: Path) -> None:
+    text = "t,x,near\n0,0,1\n0.05,0,1\n0.06,0,0.1\n0.07,0,1\n0.1,0,1\n0.15,0,1\n"
+    assert min(_table(tmp_path, text, clear="{column: near}").signals["clearance_m"]) == 1.0
+    least = _table(tmp_path, text, clear="{column: near, keep: least}").signals["clearance_m"]
+    assert least.tolist() == [1.0, 1.0, 0.1, 1.0]
+
+
+def test_the_last_message_counts_although_it_comes_between_two_samples(tmp_path: Path) -> None:
+    log = _table(tmp_path, "t,x,near\n0,0,1\n0.1,0,1\n0.12,0,-0.1\n", clear="{column: near}")
+    assert log.duration_s == 0.15
+    assert log.ending is Ending.STRUCK
+
+
+def test_the_flight_begins_and_ends_where_the_mapping_says(tmp_path: Path) -> None:
+    text = "t,x,armed\n0,0,0\n1,1,1\n2,2,1\n3,3,2\n4,4,2\n"
+    more = "start: {column: armed, least: 1}\nend: {column: armed, least: 2}"
+    log = _table(tmp_path, text, more)
+    assert (log.signals["x_m"][0], log.signals["x_m"][-1], log.duration_s) == (1.0, 3.0, 2.0)
+    with pytest.raises(InputError, match="the end of the flight never comes"):
+        _table(tmp_path, text, "end: {column: armed, least: 3}")
+
+
+def test_a_log_ends_at_the_first_contact_and_names_the_surface(tmp_path: Path) -> None:
+    path = tmp_path / "record.yaml"
+    records.mapping(tmp_path, "{column: t}", "{column: x}", "{column: near}")
+    path.write_text(path.read_text() + "  clearance_wall_m: {column: near}\n")
+    (tmp_path / "own.csv").write_text("t,x,near\n0,0,1\n1,1,-1\n2,2,1\n")
+    log = _log(tmp_path / "own.csv", path)
+    assert (log.ending, log.struck, log.struck_at_s, log.duration_s) == (Ending.STRUCK, "wall", 1.0, 1.0)
+
+
+def test_a_log_ends_at_touch_down_and_not_before_take_off(tmp_path: Path) -> None:
+    path = records.mapping(tmp_path, "{column: t}", "{column: x}", "{constant: 1}")
+    path.write_text(path.read_text() + "  landed: {column: down}\n")
+    (tmp_path / "own.csv").write_text("t,x,down\n0,0,1\n1,1,0\n2,2,0\n3,3,1\n4,4,1\n")
+    log = _log(tmp_path / "own.csv", path)
+    assert (log.ending, log.duration_s) == (Ending.LANDED, 3.0)
+
+
+def test_an_empty_cell_says_nothing_new_and_unknown_stands_before_the_first_value(tmp_path: Path) -> None:
+    text = "t,x,near\n0,0,\n0.05,,0.5\n0.1,1,\n"
+    log = _table(tmp_path, text, clear="{column: near, unknown: 9}")
+    assert log.signals["clearance_m"].tolist() == [9.0, 0.5, 0.5]
+    assert log.signals["x_m"].tolist() == [0.0, 0.0, 1.0]
+    with pytest.raises(InputError, match="'clearance_m' is not known at the start: .* give unknown: VALUE"):
+        _table(tmp_path, text, clear="{column: near}")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("t,x\n0,0\n1,nan\n", "line 3: signal 'x_m' must be a finite number, and is nan"),
+        ("t,x\n0,0\n1,fast\n", "own.csv:3: signal 'x_m': x='fast' must be a number"),
+        ("t,x\n1,0\n0,1\n", "own.csv:3: t=0 must not be before the time of the line above"),
+        ("t,x\n0,0\n1\n", "own.csv:3: 1 cells must be 2"),
+        ("t,x,x\n0,0,0\n", "column 'x' occurs twice"),
+        ("", "the first line must have the names of the columns"),
+        ("t,x\n", "'x_m' has no message"),
+        ("t,x\n0,0\n", "must last more than 0 s"),
+        ("t,x\n0,0\n999999,0\n", "at most 10,800 s"),
+    ],
+)
+def test_a_wrong_table_is_refused_with_its_place(text: str, said: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="own.csv") as refused:
+        _table(tmp_path, text)
+    assert said in str(refused.value)
+
+
+def test_what_a_requirement_needs_and_the_mapping_lacks_is_named_with_the_nearest_column(tmp_path: Path) -> None:
+    path = records.table(tmp_path)
+    mapping = records.mapping(tmp_path, *COLUMNS)
+    with pytest.raises(InputError, match="requirement SR2 needs the signal 'clear_m', .*did you mean 'clear'"):
+        _log(path, mapping, {"clear_m": "requirement SR2"})
+    with pytest.raises(InputError, match="'remaining_s', which follows from the situation of the flight"):
+        _log(path, mapping, {"remaining_s": "requirement OP1"})
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("signals: {x_m: {colum: x}}", "{column: NAME}, {topic: NAME, field: PATH} or {constant: NUMBER}"),
+        ("signals: {x_m: {column: x, topic: /x}}", "a column, or a topic and a field, not both"),
+        ("signals: {x_m: {column: x, unit: mn to m}}", "did you mean 'mm to m'"),
+        ("signals: {x_m: {column: x, unit: mm to m, factor: 2}}", "a unit, or a factor and an offset, not both"),
+        ("signals: {x_m: {column: x, keep: worst}}", "keep='worst' is not known"),
+        ("signals: {}\ntime: {column: t, clock: /clock}", "one of {column: NAME}"),
+        ("signals: {}\nstart: {column: x}", "lacks the key 'least'"),
+        ("signals: {}\nsampling: 5", "unknown key 'sampling'"),
+    ],
+)
+def test_a_wrong_mapping_is_refused_with_its_line(text: str, said: str, tmp_path: Path) -> None:
+    path = tmp_path / "record.yaml"
+    path.write_text(text)
+    with pytest.raises(InputError, match=r"record\.yaml:\d+: ") as refused:
+        load_record_map(path)
+    assert said in str(refused.value)
+
+
+def test_a_mapping_may_name_only_signals_that_the_study_knows(tmp_path: Path) -> None:
+    path = records.mapping(tmp_path, *COLUMNS)
+    with pytest.raises(InputError, match="'x_m' is no signal that this study knows; did you mean 'x_mm'"):
+        load_record_map(path, ["x_mm"])
+
+
+def test_only_known_endings_are_records(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"did you mean '\.mcap'"):
+        kind_of(tmp_path / "flight.mcpa")
+    with pytest.raises(InputError, match=r"allowed: '\.csv'"):
+        kind_of(tmp_path / "flight")
+
+
+@pytest.mark.parametrize("kind", ["rosbag1", "ulog", "mcap"])
+def test_a_missing_library_is_one_sentence_with_what_to_install(
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write, words = KINDS[kind]
+    path = write(tmp_path)
+    for name in [name for name in sys.modules if name.partition(".")[0] in ("rosbags", "pyulog", "mcap")]:
+        monkeypatch.delitem(sys.modules, name)
+    for name in ("rosbags", "pyulog", "mcap"):
+        monkeypatch.setitem(sys.modules, name, None)
+    with pytest.raises(InputError, match=r"pip install 'scaloft-fi\[records\]'"):
+        _log(path, records.mapping(tmp_path, *words))
+
+
+def test_altered_samples_are_counted_from_the_record(tmp_path: Path) -> None:
+    text = "t,x,hit,sent\n0,0,0,1\n1,1,0,2\n2,2,3,3\n3,3,5,9\n"
+    log = _table(tmp_path, text, "altered: {column: hit}\ncarried: {column: sent}")
+    (count,) = log.counts.values()
+    assert (count.altered, count.carried, count.first_altered_s) == (5, 9, 2.0)

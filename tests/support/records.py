@@ -1,0 +1,96 @@
+"""One short flight as a record of every kind: it flies along x at 1 m/s, and is near the wall for one message."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import numpy as np
+
+TIMES_S = np.arange(41) / 10.0
+X_M = TIMES_S.copy()
+NEAR_AT = 30
+"""Index of the message that is near the wall."""
+CLEAR_M = np.where(np.arange(41) == NEAR_AT, 0.2, 1.0)
+
+CONSTANT = "{constant: %g}"
+
+
+def mapping(folder: Path, time: str, x: str, clear: str, more: str = "") -> Path:
+    """A mapping that takes these two signals from a record, and the rest from nowhere."""
+    entries = {"x_m": x, "clearance_m": clear, "y_m": CONSTANT % 0, "z_m": CONSTANT % 1.5}
+    entries |= {"vx_mps": CONSTANT % 1, "vy_mps": CONSTANT % 0, "vz_mps": CONSTANT % 0}
+    lines = [f"  {name}: {entry}" for name, entry in entries.items()]
+    path = folder / "record.yaml"
+    path.write_text("\n".join([f"time: {time}" if time else "", more, "signals:", *lines]) + "\n")
+    return path
+
+
+def table(folder: Path) -> Path:
+    """CSV."""
+    rows = (f"{t},{x},{c}" for t, x, c in zip(TIMES_S.tolist(), X_M.tolist(), CLEAR_M.tolist(), strict=True))
+    path = folder / "flight.csv"
+    path.write_text("\n".join(["t_s,x,clear", *rows]) + "\n")
+    return path
+
+
+def rosbag2(folder: Path, plugin: str = "SQLITE3") -> Path:
+    """A folder of rosbag2, recorded while the simulation ran at twice real time; positions in millimetres."""
+    from rosbags.rosbag2 import StoragePlugin, Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store, path = get_typestore(Stores.ROS2_HUMBLE), folder / "bag"
+    stamp, header = store.types["builtin_interfaces/msg/Time"], store.types["std_msgs/msg/Header"]
+    point, stamped = store.types["geometry_msgs/msg/Point"], store.types["geometry_msgs/msg/PointStamped"]
+    number, clock = store.types["std_msgs/msg/Float64"], store.types["rosgraph_msgs/msg/Clock"]
+    with Writer(path, version=9, storage_plugin=StoragePlugin[plugin]) as writer:
+        ticks = writer.add_connection("/clock", clock.__msgtype__, typestore=store)
+        where = writer.add_connection("/point", stamped.__msgtype__, typestore=store)
+        clear = writer.add_connection("/clear", number.__msgtype__, typestore=store)
+        for t_s, x_m, clear_m in zip(TIMES_S.tolist(), X_M.tolist(), CLEAR_M.tolist(), strict=True):
+            now = stamp(sec=int(t_s), nanosec=round((t_s - int(t_s)) * 1e9))
+            place = stamped(header=header(stamp=now, frame_id="world"), point=point(x=x_m * 1000.0, y=0.0, z=0.0))
+            for to, message in ((ticks, clock(clock=now)), (where, place), (clear, number(data=clear_m))):
+                writer.write(to, 7_000_000_000 + round(t_s * 0.5e9), store.serialize_cdr(message, to.msgtype))
+    return path
+
+
+def ros_mcap(folder: Path) -> Path:
+    """The same in MCAP."""
+    return next(rosbag2(folder, "MCAP").glob("*.mcap"))
+
+
+def rosbag1(folder: Path) -> Path:
+    """A bag of ROS 1."""
+    from rosbags.rosbag1 import Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store, path = get_typestore(Stores.ROS1_NOETIC), folder / "flight.bag"
+    number = store.types["std_msgs/msg/Float64"]
+    with Writer(path) as writer:
+        topics = [writer.add_connection(name, number.__msgtype__, typestore=store) for name in ("/x", "/clear")]
+        for t_s, *values in zip(TIMES_S.tolist(), X_M.tolist(), CLEAR_M.tolist(), strict=True):
+            for topic, value in zip(topics, values, strict=True):
+                data = store.serialize_ros1(number(data=value), number.__msgtype__)
+                writer.write(topic, 7_000_000_000 + round(t_s * 1e9), data)
+    return path
+
+
+def ulog(folder: Path) -> Path:
+    """A log of PX4."""
+
+    def message(kind: bytes, data: bytes) -> bytes:
+        return struct.pack("<HB", len(data), kind[0]) + data
+
+    parts = [
+        b"ULog\x01\x12\x35\x01" + struct.pack("<Q", 0),
+        message(b"B", bytes(40)),
+        message(b"F", b"place:uint64_t timestamp;float[3] at;float clear;"),
+        message(b"A", struct.pack("<BH", 0, 7) + b"place"),
+    ]
+    for t_s, x_m, clear_m in zip(TIMES_S.tolist(), X_M.tolist(), CLEAR_M.tolist(), strict=True):
+        row = struct.pack("<HQ4f", 7, 1_000_000 + round(t_s * 1e6), x_m, 0.0, 0.0, clear_m)
+        parts.append(message(b"D", row))
+    path = folder / "flight.ulg"
+    path.write_bytes(b"".join(parts))
+    return path
