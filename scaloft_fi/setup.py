@@ -12,6 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.document import load
 from scaloft_fi.errors import InputError
+from scaloft_fi.outside.command import FILE, Command, load_command
+from scaloft_fi.outside.records.record_map import load_record_map
+from scaloft_fi.reading import is_there
 from scaloft_fi.registry import in_one_line
 from scaloft_fi.sim.stacks import STACKS
 from scaloft_fi.stack.declaration import Declaration
@@ -38,8 +41,20 @@ class Setup:
     grid_name: str | None = None
 
     @cached_property
+    def command(self) -> Command | None:
+        """The command that flies, where `sim/flyer.yaml` declares one; None = our simulator flies.
+
+        Raises:
+            InputError: the file declares no command.
+        """
+        path = self.folder / "sim" / FILE
+        return load_command(path) if is_there(path) else None
+
+    @cached_property
     def stack(self) -> Declaration:
         """The declaration of the stack that `sim/stack.yaml` names; its own operators are declared with it.
+
+        Of a stack that a command flies only the seams count that `sim/flyer.yaml` offers.
 
         Raises:
             InputError: there is no such stack, or its operators cannot be loaded.
@@ -55,7 +70,7 @@ class Setup:
             except Exception as error:
                 sentence = f"stack {declared.name!r}: its operators in {module!r} cannot be loaded"
                 raise InputError(f"{sentence}: {in_one_line(error)}") from error
-        return declared
+        return self.command.declared(declared) if self.command else declared
 
     @cached_property
     def sim(self) -> SimConfig:
@@ -87,11 +102,15 @@ class Setup:
 
     @cached_property
     def signals(self) -> tuple[str, ...]:
-        """Names of the signals that requirements and situations may use."""
+        """Names of the signals that requirements and situations may use; a command adds those of its record."""
         from scaloft_fi.sim.signals import signal_names
 
         world = self.grid.world()
-        return signal_names(world.surfaces, self.stack.beliefs, world.signals)
+        ours = signal_names(world.surfaces, self.stack.beliefs, world.signals)
+        path = self.folder / "sim" / "record.yaml"
+        if self.command is None or not is_there(path):
+            return ours
+        return tuple(dict.fromkeys((*ours, *load_record_map(path).signals)))
 
     @cached_property
     def caps(self) -> Mapping[str, float]:

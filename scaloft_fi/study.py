@@ -149,13 +149,14 @@ class Study(Setup):
         """Hashes of everything that decides an outcome, by part; comments and the order of keys do not count."""
         sim = self.folder / "sim"
         parts = {"stack": load(sim / "stack.yaml"), **self.grid.documents}
-        documents = {name: parts[name].plain() for name in FLYING_DATA}
+        documents = {name: parts[name].plain() for name in FLYING_DATA} | self._command_documents()
         files = {path.relative_to(sim): path for path in _files(sim) if path.suffix not in _APART}
         others = {
             path.as_posix(): digest(file)
             for path, file in files.items()
             if self.grid_name is not None or path.parts[0] != FOLDER
         }
+        others |= {f"../{name}": digest(self.folder / name) for name in (self.command.inputs if self.command else ())}
         roles = [(b.name, ROLES[b.role].seen_as) for b in self.grid.world().bodies.values()]
         judged = [(r.name, r.kind, r.text, r.trigger, r.definitions) for r in self.requirements]
         return {
@@ -163,6 +164,13 @@ class Study(Setup):
             "requirements": _digest(judged),
             "code": digest_of(self.flying_modules),
         }
+
+    def _command_documents(self) -> dict[str, Any]:
+        """The documents that decide a flight of a command, beside those of every flight."""
+        if self.command is None:
+            return {}
+        paths = {name: self.folder / "sim" / f"{name}.yaml" for name in ("flyer", "record")}
+        return {name: load(path).plain() for name, path in paths.items() if is_there(path)}
 
     @property
     def flying_modules(self) -> tuple[str, ...]:

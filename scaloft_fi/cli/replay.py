@@ -52,6 +52,7 @@ def replay_command(
     from scaloft_fi.campaign.processes.start import one_thread_each
 
     one_thread_each()
+    from scaloft_fi.campaign.flights.commanded import Commanded
     from scaloft_fi.campaign.flights.fly import fly_log, judged
     from scaloft_fi.campaign.flights.physics import Physics
     from scaloft_fi.campaign.store.flown_grid import study_of
@@ -59,7 +60,9 @@ def replay_command(
     study = study_of(study_folder, campaign)
     flight = _flight(study, name)
     study.check((flight.situation,))
-    Physics().prepare(study, say)
+    (Commanded() if study.command else Physics()).prepare(study, say)
+    if gui and study.command:
+        raise InputError("--gui shows flights of our simulator, and a command flies this study (sim/flyer.yaml)")
     if gui:
         from scaloft_fi.campaign.flights.window import fly_in_window
 

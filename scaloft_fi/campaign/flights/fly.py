@@ -20,7 +20,11 @@ if TYPE_CHECKING:
 
 
 def fly_log(study: Study, flight: Flight) -> FlightLog:
-    """Fly one flight; returns its log."""
+    """Fly one flight, by the command of the study where it has one; returns its log."""
+    if study.command is not None:
+        from scaloft_fi.campaign.flights.command_log import command_log
+
+        return command_log(study, study.command, flight)
     from scaloft_fi.sim.flight import fly
 
     return fly(study.sim, flight.situation, flight.seed, wire_of(study, flight))

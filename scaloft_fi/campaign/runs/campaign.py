@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scaloft_fi.analysis.scoring.pool import LEAST
+from scaloft_fi.campaign.flights.commanded import Commanded
 from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.campaign.flights.worker import Flyer
 from scaloft_fi.campaign.plan.arrange import alone, together
@@ -69,7 +70,7 @@ class Campaign:
     ) -> None:
         self.study, self.folder, self.store = study, folder, store
         self.options, self.stopped = options, stopped
-        self.reporter = Reporter(study, progress, folder / LOG_NAME, share=options.share, warnings=options.warnings)
+        self.reporter = Reporter(study, progress, folder / LOG_NAME, share=self._shares, warnings=options.warnings)
         self._workers = workers
         self._keys = Keys(study)
         self._planned: Plan | None = None
@@ -90,11 +91,16 @@ class Campaign:
 
     def arrange(self, flights: Sequence[Flight]) -> list[Batch]:
         """Arrange flights in batches, the longest first; with the option `share`, mutants with their baseline."""
-        return together(flights, self.weight_s, self._workers.jobs) if self.options.share else alone(flights)
+        return together(flights, self.weight_s, self._workers.jobs) if self._shares else alone(flights)
 
     def unit(self, flights: Sequence[Flight]) -> list[Batch]:
         """Arrange flights in batches for one process."""
-        return together(flights, self.weight_s, 1) if self.options.share else alone(flights)
+        return together(flights, self.weight_s, 1) if self._shares else alone(flights)
+
+    @property
+    def _shares(self) -> bool:
+        """Whether mutants fly with their baseline, which a command cannot do."""
+        return self.options.share and self.study.command is None
 
     def fly(self, flights: Iterable[Flight], arrange: Arrange | None = None) -> None:
         """Fly the `flights` that the store lacks, and the baselines that they share.
@@ -249,7 +255,7 @@ def opened(
         folder: folder of the campaign.
         options: options of the run.
         progress: progress display.
-        flyer: flies; PyBullet when None.
+        flyer: flies; when None the command of the study, else PyBullet.
         first: first requested flights.  If the store lacks any of them, the flyer is prepared before anything is
             written, so that a study that cannot be flown leaves no files.
 
@@ -261,7 +267,9 @@ def opened(
     executor = options.executor or Local(options.jobs)
     with (
         interruptible() as stopped,
-        executor.workers(study, flyer or Physics(), stop=stopped, say=progress.line) as workers,
+        executor.workers(
+            study, flyer or (Commanded() if study.command else Physics()), stop=stopped, say=progress.line
+        ) as workers,
     ):
         if not _all_flown(study, first, folder / STORE_NAME):
             workers.ready()

@@ -32,6 +32,7 @@ _POSE = _object(
     position=_object(x=_NUMBER, y=_NUMBER, z=_NUMBER),
     orientation=_object(x=_NUMBER, y=_NUMBER, z=_NUMBER, w=_NUMBER),
 )
+_POSE_SIGNALS = ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")
 SCHEMAS = {
     "/pose": ("foxglove.PoseInFrame", _object(timestamp=_TIME, frame_id=_TEXT, pose=_POSE)),
     "/path": (
@@ -56,6 +57,8 @@ def mcap(log: FlightLog, name: str) -> bytes:
         from mcap.writer import CompressionType, Writer
     except ImportError as error:
         raise InputError("an .mcap file needs mcap: pip install 'scaloft-fi[mcap]'") from error
+    if lost := next((name for name in _POSE_SIGNALS if name not in log.signals), None):
+        raise InputError(f"an .mcap file needs the signal {lost!r}, which the record of the flight lacks; write .csv")
     file = io.BytesIO()
     writer: Any = Writer(file, compression=CompressionType.NONE)
     writer.start(profile="", library="scaloft-fi")

@@ -34,7 +34,9 @@ def _log(path: Path, mapping: Path, needed: dict[str, str] = NEEDED) -> FlightLo
     return flight_log(path, load_record_map(mapping), KNOWN, needed=needed)
 
 
-def _table(tmp_path: Path, text: str, more: str = "", x: str = "{column: x}", clear: str = "{constant: 1}") -> FlightLog:
+def _table(
+    tmp_path: Path, text: str, more: str = "", x: str = "{column: x}", clear: str = "{constant: 1}"
+) -> FlightLog:
     path = tmp_path / "own.csv"
     path.write_text(text)
     return _log(path, records.mapping(tmp_path, "{column: t}", x, clear, more))
@@ -58,7 +60,7 @@ def test_a_record_of_every_kind_says_the_same(kind: str, tmp_path: Path) -> None
 def test_a_topic_or_field_that_is_not_there_is_named_with_the_nearest(kind: str, tmp_path: Path) -> None:
     write, words = KINDS[kind]
     near = words[2].replace("clear", "claer") if "data" not in words[2] else words[2].replace("data", "dota")
-    with pytest.raises(InputError, match="signal 'clearance_m' needs the .* did you mean"):
+    with pytest.raises(InputError, match=r"signal 'clearance_m' needs the .* did you mean"):
         _log(write(tmp_path), records.mapping(tmp_path, words[0], words[1], near))
 
 
@@ -126,7 +128,7 @@ def test_an_empty_cell_says_nothing_new_and_unknown_stands_before_the_first_valu
     log = _table(tmp_path, text, clear="{column: near, unknown: 9}")
     assert log.signals["clearance_m"].tolist() == [9.0, 0.5, 0.5]
     assert log.signals["x_m"].tolist() == [0.0, 0.0, 1.0]
-    with pytest.raises(InputError, match="'clearance_m' is not known at the start: .* give unknown: VALUE"):
+    with pytest.raises(InputError, match=r"'clearance_m' is not known at the start: .* give unknown: VALUE"):
         _table(tmp_path, text, clear="{column: near}")
 
 
@@ -145,7 +147,7 @@ def test_an_empty_cell_says_nothing_new_and_unknown_stands_before_the_first_valu
     ],
 )
 def test_a_wrong_table_is_refused_with_its_place(text: str, said: str, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="own.csv") as refused:
+    with pytest.raises(InputError, match=r"own\.csv") as refused:
         _table(tmp_path, text)
     assert said in str(refused.value)
 
@@ -153,7 +155,7 @@ def test_a_wrong_table_is_refused_with_its_place(text: str, said: str, tmp_path:
 def test_what_a_requirement_needs_and_the_mapping_lacks_is_named_with_the_nearest_column(tmp_path: Path) -> None:
     path = records.table(tmp_path)
     mapping = records.mapping(tmp_path, *COLUMNS)
-    with pytest.raises(InputError, match="requirement SR2 needs the signal 'clear_m', .*did you mean 'clear'"):
+    with pytest.raises(InputError, match=r"requirement SR2 needs the signal 'clear_m', .*did you mean 'clear'"):
         _log(path, mapping, {"clear_m": "requirement SR2"})
     with pytest.raises(InputError, match="'remaining_s', which follows from the situation of the flight"):
         _log(path, mapping, {"remaining_s": "requirement OP1"})

@@ -1,0 +1,27 @@
+"""Write a study whose flights a command flies: the reference study, with `sim/flyer.yaml` and `sim/record.yaml`.
+
+python copy_study.py FOLDER
+"""
+
+import shutil
+import sys
+from pathlib import Path
+
+from scaloft_fi.api import Study
+
+HERE = Path(__file__).resolve().parent
+PARTS = ("hazop", "mutants", "sim")
+
+
+def copy_study(folder: Path, source: Path | None = None) -> None:
+    """Copy the study in `source`, else the nearest or packaged one; `world/` is what the program knows of it."""
+    study = Study.open(source).folder
+    for name in PARTS:
+        shutil.copytree(study / name, folder / name)
+        shutil.copytree(study / name, folder / "world" / name)
+    shutil.copytree(HERE / "study" / "sim", folder / "sim", dirs_exist_ok=True)
+    shutil.copy(HERE / "fly.py", folder)
+
+
+if __name__ == "__main__":
+    copy_study(Path(sys.argv[1]))

@@ -1,0 +1,68 @@
+"""The flyer of a study whose flights a command flies."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from scaloft_fi.campaign.flights.command_log import command_log, known_in, needs_of, values_of
+from scaloft_fi.campaign.flights.fly import judged
+from scaloft_fi.campaign.flights.recorded import mapping_of
+from scaloft_fi.campaign.flights.worker import Worker
+from scaloft_fi.campaign.plan.batch import Batch
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.errors import InputError
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.requirement import judge_signals
+from scaloft_fi.outside.command import Command
+from scaloft_fi.outside.records.kind import RECORDS, kind_of
+from scaloft_fi.outside.records.recorded import lacking
+from scaloft_fi.study import Study
+
+
+@dataclass(frozen=True)
+class Commanded:
+    """Flies with the command of the study, each flight alone."""
+
+    def prepare(self, study: Study, say: Callable[[str], None]) -> None:
+        """Prove before the first flight what would fail in each: the program, its places, the mapping; parse formulas.
+
+        Raises:
+            InputError: the study cannot be flown.
+        """
+        command = _command(study)
+        first = Flight(None, study.grid.situations[0], 0)
+        values = values_of(study, first, Path("folder"), command)
+        program, *_ = [word.filled(values) for word in command.run]
+        for text in command.env.values():
+            text.filled(values)
+        if shutil.which(program) is None and not (study.folder / program).is_file():
+            raise InputError(f"{command.run[0].place}: there is no program {program!r} here")
+        if Path(command.record).suffix.lower() not in RECORDS and Path(command.record).suffix:
+            kind_of(Path(command.record))
+        mapping, known = mapping_of(study), known_in(study, command, first.situation)
+        for name, by in needs_of(study).items():
+            if lack := lacking(mapping, known, name):
+                raise InputError(f"{study.folder / 'sim' / 'record.yaml'}: {by} needs the signal {name!r}, and {lack}")
+        zeros = dict.fromkeys((*study.signals, "elapsed_s"), np.zeros(2))
+        for requirement in study.requirements:
+            judge_signals(requirement, zeros, cut_short=False)
+
+    def __call__(self, study: Study, flight: Flight) -> Outcome:
+        """Fly and judge one flight; a failure of the command is raised."""
+        return judged(study, flight, command_log(study, _command(study), flight))
+
+    def share(self, study: Study, batch: Batch, report: Callable[[Outcome], None]) -> None:
+        """Fly each flight alone: nobody can fork a simulator of somebody else's."""
+        alone = Worker(study, self)
+        for flight in batch.flights:
+            alone(Batch((flight,)), report)
+
+
+def _command(study: Study) -> Command:
+    assert study.command is not None
+    return study.command
