@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.document import load
 from scaloft_fi.errors import InputError
-from scaloft_fi.outside.command import FILE, Command, load_command
-from scaloft_fi.outside.records.record_map import load_record_map
 from scaloft_fi.reading import is_there
 from scaloft_fi.registry import in_one_line
 from scaloft_fi.sim.stacks import STACKS
@@ -22,6 +20,7 @@ from scaloft_fi.stack.declaration import Declaration
 if TYPE_CHECKING:
     from scaloft_fi.judge.requirement import Requirement
     from scaloft_fi.judge.space import Realisation, Space
+    from scaloft_fi.outside.command import Command
     from scaloft_fi.sim.grid import Grid
     from scaloft_fi.sim.load import SimConfig
     from scaloft_fi.sim.scenario import Scenario
@@ -47,8 +46,12 @@ class Setup:
         Raises:
             InputError: the file declares no command.
         """
-        path = self.folder / "sim" / FILE
-        return load_command(path) if is_there(path) else None
+        path = self.folder / "sim" / "flyer.yaml"
+        if not is_there(path):
+            return None
+        from scaloft_fi.outside.command import load_command
+
+        return load_command(path)
 
     @cached_property
     def stack(self) -> Declaration:
@@ -110,6 +113,8 @@ class Setup:
         path = self.folder / "sim" / "record.yaml"
         if self.command is None or not is_there(path):
             return ours
+        from scaloft_fi.outside.records.record_map import load_record_map
+
         return tuple(dict.fromkeys((*ours, *load_record_map(path).signals)))
 
     @cached_property

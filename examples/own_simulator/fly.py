@@ -32,6 +32,9 @@ COLUMNS = {
     "person_sight_m": "person",
     "told_person": "seen",
     "told_range_m": "seen_at",
+    "obstacle_pixels": "obstacle",
+    "waypoint_wall_m": "wall",
+    "light": "light",
     "landed": "down",
 }
 """Column of the table by signal of the log."""
@@ -60,8 +63,13 @@ def main() -> None:
     write(Path(words.record), log)
     counts = log.counts.values()
     first = [count.first_altered_s for count in counts if count.first_altered_s is not None]
-    told = {"carried": sum(count.carried for count in counts), "altered": sum(count.altered for count in counts)}
-    sys.stdout.write(f"{json.dumps({**told, "first_altered_s": min(first, default=None), "stack_error": log.stack_error})}\n")
+    told = {
+        "carried": sum(count.carried for count in counts),
+        "altered": sum(count.altered for count in counts),
+        "first_altered_s": min(first, default=None),
+        "stack_error": log.stack_error,
+    }
+    sys.stdout.write(f"{json.dumps(told)}\n")
 
 
 if __name__ == "__main__":

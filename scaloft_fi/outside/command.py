@@ -15,7 +15,6 @@ from scaloft_fi.outside.ports import PORTS
 from scaloft_fi.stack.declaration import Declaration
 from scaloft_fi.stack.seam import Seam
 
-FILE = "flyer.yaml"
 MOST_LIMIT_S = 24 * 3600.0
 EVERY = "every"
 """Stands for every seam of the stack that `sim/stack.yaml` names."""

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from scaloft_fi.errors import ScaloftError
+from scaloft_fi.errors import InputError, ScaloftError
 from scaloft_fi.registry import in_one_line
 from scaloft_fi.stack.messages import Thrust
 
@@ -70,11 +70,13 @@ def check_stack(study: Path | str | None = None, *, situation: str = "", seed: i
         seed: of the noise.
 
     Raises:
-        InputError: the study cannot be opened, or has no such situation.
+        InputError: the study cannot be opened, has no such situation, or is flown by a command.
     """
     from scaloft_fi.study import Study
 
     opened = Study.open(study)
+    if opened.command is not None:
+        raise InputError(f"{opened.folder}: a command flies this study (sim/flyer.yaml), so its stack is not called")
     chosen = opened.grid.situation(situation) if situation else opened.grid.situations[0]
     return _Inspection(opened, chosen, seed).result()
 

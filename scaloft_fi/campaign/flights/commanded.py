@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,8 +18,11 @@ from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import judge_signals
+from scaloft_fi.judge.stl import tokenize
 from scaloft_fi.outside.command import Command
+from scaloft_fi.outside.records.derived import Known
 from scaloft_fi.outside.records.kind import RECORDS, kind_of
+from scaloft_fi.outside.records.record_map import RecordMap
 from scaloft_fi.outside.records.recorded import lacking
 from scaloft_fi.study import Study
 
@@ -48,6 +51,8 @@ class Commanded:
         for name, by in needs_of(study).items():
             if lack := lacking(mapping, known, name):
                 raise InputError(f"{study.folder / 'sim' / 'record.yaml'}: {by} needs the signal {name!r}, and {lack}")
+        for sentence in _unmet(study, mapping, known):
+            say(sentence)
         zeros = dict.fromkeys((*study.signals, "elapsed_s"), np.zeros(2))
         for requirement in study.requirements:
             judge_signals(requirement, zeros, cut_short=False)
@@ -61,6 +66,16 @@ class Commanded:
         alone = Worker(study, self)
         for flight in batch.flights:
             alone(Batch((flight,)), report)
+
+
+def _unmet(study: Study, mapping: RecordMap, known: Known) -> Iterator[str]:
+    """A sentence for each value of an axis of which no record can tell whether a flight met it."""
+    for axis in study.grid.axes:
+        for value in axis.values:
+            names = set(tokenize(value.realised)) & set(study.signals) if value.realised else set[str]()
+            lost = next((name for name in sorted(names) if lacking(mapping, known, name)), None)
+            if lost:
+                yield f"{axis.id}{value.id} counts as not met in every flight: {mapping.name} maps no signal {lost!r}"
 
 
 def _command(study: Study) -> Command:

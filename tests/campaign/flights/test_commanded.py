@@ -1,0 +1,193 @@
+"""Studies whose flights a command flies; the command here writes a table at once, and simulates nothing."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from scaloft_fi.campaign.flights.commanded import Commanded
+from scaloft_fi.campaign.flights.worker import Worker
+from scaloft_fi.campaign.plan.batch import Batch
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.store.held import flight_named
+from scaloft_fi.campaign.store.key import flight_key
+from scaloft_fi.errors import InputError
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.study import Study
+
+ROOT = Path(__file__).parents[3]
+PROGRAM = """
+import json, os, sys
+situation, seed, fault, record, mass, level = sys.argv[1:]
+fault = json.loads(fault)
+near = -0.5 if fault and fault["operator"] == "delay" else 0.8
+with open(record, "w") as file:
+    file.write("t,x,near,person\\n")
+    for i in range(60):
+        file.write(f"{i / 20},{i / 100},{near if i == 40 else 1},{100 if level == '0' else 2}\\n")
+print("mass", mass, os.environ["SEED"])
+if fault:
+    print(json.dumps({"altered": 4, "carried": 8, "first_altered_s": 0.5}))
+"""
+FLYER = """
+flyer: command
+run: ["{python}", fly.py, "{situation}", "{seed}", "{fault}", "{record}", "{vehicle.mass_kg}", "{H}"]
+env: {SEED: "{seed}"}
+record: flight.csv
+limit_s: 20
+inputs: [fly.py]
+seams: {every: {parameter: true}}
+"""
+MAPPING = """
+time: {column: t}
+signals:
+  x_m: {column: x}
+  y_m: {constant: 0}
+  z_m: {constant: 1.6}
+  speed_mps: {constant: 0.2}
+  clearance_m: {column: near}
+  clearance_person_m: {constant: 1}
+  person_sight_m: {column: person}
+  told_person: {constant: 0}
+  told_range_m: {constant: 100}
+  landed: {constant: 0}
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name in ("hazop", "mutants", "sim"):
+        shutil.copytree(ROOT / name, tmp_path / name)
+    (tmp_path / "fly.py").write_text(PROGRAM)
+    (tmp_path / "sim" / "flyer.yaml").write_text(FLYER)
+    (tmp_path / "sim" / "record.yaml").write_text(MAPPING)
+    return tmp_path
+
+
+def _fly(study: Study, *names: str, shared: bool = False) -> list[Outcome]:
+    flyer = Commanded()
+    flyer.prepare(study, lambda _: None)
+    flights = []
+    for name in names:
+        mutant, situation, seed = name.split("/")
+        flights.append(flight_named(study, mutant, situation, int(seed)))
+    outcomes: list[Outcome] = []
+    Worker(study, flyer)(Batch(tuple(flights), shared=shared), outcomes.append)
+    return outcomes
+
+
+def _edit(path: Path, old: str, new: str) -> None:
+    assert old in path.read_text()
+    path.write_text(path.read_text().replace(old, new))
+
+
+def test_a_flight_is_judged_from_what_the_command_recorded(folder: Path) -> None:
+    clean, late = _fly(Study.open(folder), "baseline/T0O0W0D0H1/0", "LATE-human@3s/T0O0W0D0H1/0")
+    assert (clean.invalid, clean.ending, clean.duration_s) == ("", "timed_out", 2.95)
+    assert not clean.violations
+    assert (late.ending, late.first_violation and late.first_violation.t_s) == ("struck", 2.0)
+    assert (late.altered, late.carried, late.infected_at_s) == (4, 8, 0.5)
+    assert clean.digest != late.digest
+
+
+def test_the_situation_reaches_the_command_and_comes_true_in_its_record(folder: Path) -> None:
+    near, far = _fly(Study.open(folder), "baseline/T0O0W0D0H1/0", "baseline/T0O0W0D0H0/0")
+    assert (dict(near.realised)["H"], dict(far.realised)["H"]) == (True, True)
+    assert near.digest != far.digest
+
+
+def test_a_shared_batch_flies_each_flight_alone_and_one_failure_is_one_invalid_flight(folder: Path) -> None:
+    _edit(folder / "fly.py", "fault = json.loads(fault)", "fault = json.loads(fault)\nif fault: sys.exit('no fault')")
+    clean, late = _fly(Study.open(folder), "baseline/T0O0W0D0H1/0", "LATE-human@3s/T0O0W0D0H1/0", shared=True)
+    assert not clean.invalid
+    assert "the command ended with exit code 1; it said last: no fault" in late.invalid
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("with open(record", "with open(record + '.part'", "0 files 'flight.csv' must be 1"),
+        ("near if i == 40 else 1", "'nan' if i == 40 else 1", "line 42: signal 'clearance_m' must be a finite number"),
+        ("t,x,near,person", "t,x,nea,person", "did you mean 'nea'"),
+        ("for i in range(60)", "for i in range(0)", "'x_m' has no message"),
+        ("import json", "raise SystemExit(7)\nimport json", "ended with exit code 7"),
+    ],
+)
+def test_a_command_that_records_nothing_usable_makes_an_invalid_flight(
+    old: str, new: str, said: str, folder: Path
+) -> None:
+    _edit(folder / "fly.py", old, new)
+    (outcome,) = _fly(Study.open(folder), "baseline/T0O0W0D0H1/0")
+    assert said in outcome.invalid
+
+
+def test_a_fault_whose_altered_samples_nobody_counts_is_invalid(folder: Path) -> None:
+    _edit(folder / "fly.py", 'print(json.dumps({"altered": 4,', 'print(json.dumps({"altred": 4,')
+    clean, late = _fly(Study.open(folder), "PLACEBO/T0O0W0D0H1/0", "LATE-human@3s/T0O0W0D0H1/0")
+    assert not clean.invalid
+    assert "says how many samples the fault altered" in late.invalid
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "said"),
+    [
+        ("flyer.yaml", '"{python}"', "no-such-program", "flyer.yaml:3: there is no program 'no-such-program' here"),
+        ("flyer.yaml", "{H}", "{Q}", "flyer.yaml:3: there is no value {Q}"),
+        ("flyer.yaml", "flight.csv", "flight.cvs", "did you mean '.csv'"),
+        ("record.yaml", "  speed_mps: {constant: 0.2}\n", "", "needs the signal 'speed_mps'"),
+        ("record.yaml", "told_range_m", "told_rnge_m", "needs the signal 'told_range_m'"),
+    ],
+)
+def test_what_would_fail_in_every_flight_is_refused_before_the_first(
+    file: str, old: str, new: str, said: str, folder: Path
+) -> None:
+    _edit(folder / "sim" / file, old, new)
+    study = Study.open(folder)
+    with pytest.raises(InputError) as refused:
+        Commanded().prepare(study, lambda _: None)
+    assert said in str(refused.value)
+
+
+def test_the_matrix_may_use_only_the_seams_that_the_command_offers(folder: Path) -> None:
+    _edit(folder / "sim" / "flyer.yaml", "every:", "person:")
+    with pytest.raises(InputError, match="seam"):
+        _ = Study.open(folder).matrix
+
+
+def test_program_mapping_and_declaration_are_part_of_the_key_of_a_flight(folder: Path) -> None:
+    def key() -> str:
+        study = Study.open(folder)
+        return flight_key(study, Flight(None, study.grid.situations[0], 0))
+
+    keys = {key()}
+    _edit(folder / "fly.py", "0.8", "0.7")
+    keys.add(key())
+    _edit(folder / "sim" / "record.yaml", "constant: 0.2", "constant: 0.3")
+    keys.add(key())
+    _edit(folder / "sim" / "flyer.yaml", "limit_s: 20", "limit_s: 30")
+    keys.add(key())
+    assert len(keys) == 4
+
+
+def test_a_command_is_not_deterministic_unless_it_says_so(folder: Path) -> None:
+    assert not Study.open(folder).stack.deterministic
+    with (folder / "sim" / "flyer.yaml").open("a") as file:
+        file.write("deterministic: true\n")
+    assert Study.open(folder).stack.deterministic
+
+
+def test_a_requirement_may_use_a_signal_that_only_the_record_has(folder: Path) -> None:
+    with (folder / "sim" / "record.yaml").open("a") as file:
+        file.write("  dust: {column: x}\n")
+    _edit(folder / "sim" / "requirements.yaml", "always(clearance_m > 0)", "always(clearance_m > 0 and dust < 0.5)")
+    (outcome,) = _fly(Study.open(folder), "baseline/T0O0W0D0H1/0")
+    assert outcome.first_violation is not None
+    assert outcome.first_violation.t_s == 2.55  # at 0.5 exactly its robustness is 0, which is no violation
+
+
+def test_without_a_command_nothing_changes() -> None:
+    study = Study.open(ROOT)
+    assert study.command is None
+    assert study.stack.deterministic

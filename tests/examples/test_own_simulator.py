@@ -1,0 +1,62 @@
+"""The example of a simulator of one's own: flown by the command and judged from its table, as the built-in flyer."""
+
+from __future__ import annotations
+
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from scaloft_fi.campaign.flights.commanded import Commanded
+from scaloft_fi.campaign.flights.fly import fly_log, judged
+from scaloft_fi.campaign.store.held import flight_named
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.study import Study
+
+ROOT = Path(__file__).parents[2]
+EXAMPLE = ROOT / "examples" / "own_simulator"
+FLIGHTS = (
+    "baseline/T1O0W0D1H0/0",
+    "PLACEBO/T0O0W0D0H1/0",
+    "LATE-human@3s/T0O0W0D0H1/0",
+    "REVERSE-velcmd/T0O0W0D0H0/0",
+)
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    sys.path.insert(0, str(EXAMPLE))
+    try:
+        from copy_study import copy_study
+    finally:
+        sys.path.remove(str(EXAMPLE))
+    folder = tmp_path_factory.mktemp("own") / "study"
+    copy_study(folder, ROOT)
+    return Study.open(folder)
+
+
+def _fly(study: Study, name: str) -> Outcome:
+    mutant, situation, seed = name.split("/")
+    flight = flight_named(study, mutant, situation, int(seed))
+    return Commanded()(study, flight) if study.command else judged(study, flight, fly_log(study, flight))
+
+
+def test_the_study_can_be_flown_and_nothing_in_it_counts_as_unmet(study: Study) -> None:
+    said: list[str] = []
+    study.check()
+    Commanded().prepare(study, said.append)
+    assert said == []
+
+
+@pytest.mark.flight
+def test_its_verdicts_are_those_of_the_built_in_flyer(study: Study) -> None:
+    with ThreadPoolExecutor(2) as pool:
+        theirs = list(pool.map(lambda name: _fly(study, name), FLIGHTS))
+    ours = [_fly(Study.open(ROOT), name) for name in FLIGHTS]
+    for one, other in zip(ours, theirs, strict=True):
+        assert one.readings == other.readings
+        assert one.violations == other.violations
+        assert (one.ending, one.struck, one.realised) == (other.ending, other.struck, other.realised)
+        assert (one.carried, one.altered, one.infected_at_s) == (other.carried, other.altered, other.infected_at_s)
+    assert [bool(outcome.first_violation) for outcome in theirs] == [True, False, True, True]
