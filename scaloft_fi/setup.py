@@ -14,7 +14,7 @@ from scaloft_fi.document import load
 from scaloft_fi.errors import InputError
 from scaloft_fi.reading import is_there
 from scaloft_fi.registry import in_one_line
-from scaloft_fi.sim.stacks import STACKS
+from scaloft_fi.sim.stacks import StackChoice
 from scaloft_fi.stack.declaration import Declaration
 
 if TYPE_CHECKING:
@@ -62,11 +62,7 @@ class Setup:
         Raises:
             InputError: there is no such stack, or its operators cannot be loaded.
         """
-        name = load(self.folder / "sim" / "stack.yaml").need("name")
-        try:
-            declared = STACKS[name.text()]
-        except InputError as error:
-            raise InputError(f"{name.place}: {error}") from None
+        declared = StackChoice.read(load(self.folder / "sim" / "stack.yaml")).declaration
         for module in declared.operators:
             try:
                 import_module(module)

@@ -25,7 +25,6 @@ from scaloft_fi.sim.occasions import Lookout
 from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.sensors import Sensors
 from scaloft_fi.sim.situation import Situation
-from scaloft_fi.sim.stacks import STACKS
 from scaloft_fi.sim.stepper import ServerStepper, Stepper
 from scaloft_fi.stack.camera import DepthCamera
 from scaloft_fi.stack.config import ConfigError
@@ -67,9 +66,12 @@ def fly(
     scenario = config.scenario(situation)
     with physics_server() as client:
         flight = FlightLoop(client, config, scenario, seed, wire, declared)
-        while flight.tick():
-            flight.advance()
-        return flight.log()
+        try:
+            while flight.tick():
+                flight.advance()
+            return flight.log()
+        finally:
+            flight.close()
 
 
 @contextmanager
@@ -100,6 +102,7 @@ def make_stack(config: SimConfig, declared: Declaration, scenario: Scenario, wir
         altitude_m=mission.altitude_m,
         cruise_mps=mission.cruise_mps,
         slow_mps=mission.slow_mps,
+        folder=str(config.stack.document.path.absolute().parents[1]),
     )
     try:
         return declared.make(task, wire)
@@ -130,7 +133,7 @@ class FlightLoop:
         vehicle = scenario.vehicle
         self._ids = ids = build(client, scenario.world)
         self._around = around = scenario.world.surroundings()
-        self._declared = declared or STACKS[config.stack.name]
+        self._declared = declared or config.stack.declaration
         self.stack: Stack = make_stack(config, self._declared, scenario, wire)
         self.sensors = Sensors(scenario.sensors, around, scenario.labels, scenario.key, seed)
         self._client, self._scenario, self._wire = client, scenario, wire
@@ -256,12 +259,13 @@ class FlightLoop:
         truth, beliefs = self._truth.signals(), self._beliefs.signals()
         counts: Mapping[str, Count] = getattr(self._wire, "counts", {})
         observer = self._observer
+        stack_error = self._stack_error or str(getattr(self.stack, "complaint", ""))
         return FlightLog(
             signals={**truth, **beliefs},
             ending=self._ending(self.ticks / TICK_HZ) or Ending.TIMED_OUT,
             struck=observer.struck,
             struck_at_s=observer.struck_at_s,
-            stack_error=self._stack_error,
+            stack_error=stack_error,
             counts=counts,
             t_max_s=self._scenario.t_max_s,
             events=events_of(
@@ -271,11 +275,17 @@ class FlightLoop:
                 counts,
                 observer.struck,
                 observer.struck_at_s,
-                self._stack_error,
+                stack_error,
                 self._around.began,
             ),
             beliefs=self._declared.belief_names,
         )
+
+    def close(self) -> None:
+        """Let the stack end what it started."""
+        close = getattr(self.stack, "close", None)
+        if close is not None:
+            close()
 
     def _ending(self, now_s: float) -> Ending | None:
         if self._observer.struck:

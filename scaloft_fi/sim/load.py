@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 from pathlib import Path
-from typing import Any
 
 from scaloft_fi.document import Item
 from scaloft_fi.document import load as load_document
@@ -19,10 +18,9 @@ from scaloft_fi.sim.patch import PARTS, leaves, patched
 from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.sensors import SensorsConfig, read_sensors
 from scaloft_fi.sim.situation import AxisValue, Situation
+from scaloft_fi.sim.stacks import StackChoice
 from scaloft_fi.sim.vehicle import Vehicle, read_vehicle
 from scaloft_fi.sim.world import World
-from scaloft_fi.stack.config import ConfigError, build
-from scaloft_fi.stack.declaration import Declaration
 
 DOCUMENTS = (*PARTS, "situations", "stack")
 MOST_NOMINAL_S = 3_600.0
@@ -38,44 +36,6 @@ class Source:
 
     kind: str
     text: str
-
-
-@dataclass(frozen=True, eq=False)
-class StackChoice:
-    """The choice of the stack.
-
-    Attributes:
-        name: name in the registry of stacks.
-        parameters: settings of the stack, plain data.
-        document: the document of the settings, for the places of errors.
-    """
-
-    name: str
-    parameters: Mapping[str, Any]
-    document: Item
-
-    def settings(self, declared: Declaration) -> Any:
-        """The settings in the schema that the stack declares.
-
-        Raises:
-            InputError: the settings do not fit; the message names the place.
-        """
-        if declared.settings is None:
-            return self.parameters
-        try:
-            return build(declared.settings(), self.parameters)
-        except ConfigError as error:
-            raise InputError(f"{self.place_of(error.path)}: {error}") from error
-
-    def place_of(self, path: str) -> str:
-        """`file:line` of the setting at `path`, such as `stack.mission.goal_radius_m`, or of its nearest parent."""
-        item = self.document
-        for key in path.replace("[", ".").split(".")[1:]:
-            inner = item.value.get(key) if isinstance(item.value, dict) else None
-            if inner is None:
-                break
-            item = inner
-        return item.place
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,7 +169,7 @@ def load(
         vehicle=vehicle,
         sensors=sensors,
         grid=grid,
-        stack=_stack(documents["stack"]),
+        stack=StackChoice.read(documents["stack"]),
         sources={**_sources_of(folder, documents), **_own_sources(grid, documents)},
         numbers=_numbers(documents),
     )
@@ -223,12 +183,6 @@ def _written(axis: str, levels: Mapping[str, int], numbers: Mapping[str, float])
 
 def _read(grid: Grid, documents: Mapping[str, Item]) -> tuple[World, Vehicle, SensorsConfig]:
     return grid.world_of(documents), read_vehicle(documents["vehicle"]), read_sensors(documents["sensors"])
-
-
-def _stack(item: Item) -> StackChoice:
-    name = item.need("name").text()
-    parameters = {key: entry.plain() for key, entry in item.mapping().items() if key != "name"}
-    return StackChoice(name, parameters, item)
 
 
 def _numbers(documents: Mapping[str, Item]) -> dict[str, float]:

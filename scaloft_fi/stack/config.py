@@ -1,6 +1,7 @@
 """Builds the settings of a stack from plain data: nested frozen dataclasses and named tuples from mappings.
 
-An unknown, missing or mistyped setting is refused, and so is a number outside its `Bounds`.
+An unknown, missing or mistyped setting is refused, and so is a number outside its `Bounds`.  A field with a default may
+be left out; a field of type `Mapping[str, X]` takes a mapping of any keys.
 """
 
 from __future__ import annotations
@@ -8,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 import difflib
 from collections.abc import Mapping
-from typing import Annotated, Any, TypeVar, get_type_hints
+from typing import Annotated, Any, TypeVar, get_origin, get_type_hints
 
 C = TypeVar("C")
 Number = TypeVar("Number", int, float)
@@ -22,6 +23,7 @@ class Bounds:
     most: float = 1e9
 
 
+Scalar = str | int | float | bool
 Positive = Annotated[float, Bounds(least=1e-6)]
 NotNegative = Annotated[float, Bounds(least=0.0)]
 Count = Annotated[int, Bounds(least=1, most=1_000)]
@@ -43,17 +45,28 @@ def build(cls: type[C], data: Mapping[str, Any], path: str = "stack") -> C:
         ConfigError: naming the setting, what is wrong with it, and the nearest known name.
     """
     hints = get_type_hints(cls, include_extras=True)
-    names = list(getattr(cls, "_fields", None) or (field.name for field in dataclasses.fields(cls)))  # type: ignore[arg-type]
+    names, optional = _names(cls)
     for key in data:
         if key not in names:
             near = difflib.get_close_matches(key, names, n=1)
             raise ConfigError(f"{path}.{key}", "unknown setting" + (f"; did you mean {near[0]!r}?" if near else ""))
     values = {}
     for name in names:
-        if name not in data:
+        if name in data:
+            values[name] = _convert(hints[name], data[name], f"{path}.{name}")
+        elif name not in optional:
             raise ConfigError(path, f"lacks the setting {name!r}")
-        values[name] = _convert(hints[name], data[name], f"{path}.{name}")
     return cls(**values)
+
+
+def _names(cls: type) -> tuple[list[str], set[str]]:
+    """The fields of a dataclass or named tuple, and those of them that have a default."""
+    if hasattr(cls, "_fields"):
+        return list(cls._fields), set(getattr(cls, "_field_defaults", ()))
+    fields = dataclasses.fields(cls)
+    missing = dataclasses.MISSING
+    have = {field.name for field in fields if field.default is not missing or field.default_factory is not missing}
+    return [field.name for field in fields], have
 
 
 def _convert(hint: Any, value: Any, path: str) -> Any:
@@ -63,6 +76,14 @@ def _convert(hint: Any, value: Any, path: str) -> Any:
         if not isinstance(value, Mapping):
             raise ConfigError(path, "must be a mapping of settings")
         return build(hint, value, path)
+    if get_origin(hint) is Mapping:
+        if not isinstance(value, Mapping):
+            raise ConfigError(path, "must be a mapping")
+        return {key: _convert(hint.__args__[1], entry, f"{path}.{key}") for key, entry in value.items()}
+    if hint == Scalar:
+        if not isinstance(value, str | int | float | bool):
+            raise ConfigError(path, "must be a text, a number, true or false")
+        return value
     if hint is float:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise ConfigError(path, f"{value!r} must be a number")
@@ -71,6 +92,8 @@ def _convert(hint: Any, value: Any, path: str) -> Any:
         if isinstance(value, bool) or not isinstance(value, int):
             raise ConfigError(path, f"{value!r} must be a whole number")
         return _bounded(value, marks, path)
+    if hint is Any:
+        return value
     if hint is str or hint is bool:
         if not isinstance(value, hint):
             raise ConfigError(path, f"{value!r} must be {'a text' if hint is str else 'true or false'}")

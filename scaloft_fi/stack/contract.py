@@ -23,6 +23,7 @@ class Task:
         route: waypoints in order; the mission lands at the last one [m, world].
         altitude_m: height of flight [m].
         cruise_mps, slow_mps: cruise speed, and the speed after a person was seen [m/s].
+        folder: folder of the study, for a stack with files of its own.
     """
 
     settings: Any
@@ -33,6 +34,7 @@ class Task:
     altitude_m: float
     cruise_mps: float
     slow_mps: float
+    folder: str = "."
 
 
 class Stack(Protocol):
@@ -45,6 +47,9 @@ class Stack(Protocol):
 
     An exception in a method is a failure of the drone.  After an error of `autopilot`, `stamps` or `step` the rotors
     stop; after an error of `companion` the autopilot flies on alone.  The requirements judge what follows.
+
+    A stack may have a method `close()`, which ends what it started, called once after the flight; and an attribute
+    `complaint`, a sentence about what went wrong in the drone without an exception, "" for nothing.
 
     Two flights of the same subject, situation and seed call the methods with the same arguments; a stack that is
     declared deterministic answers with the same bits, so it draws no random numbers and reads no clock.

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 from scaloft_fi.stack.belief import Belief
 from scaloft_fi.stack.contract import Stack, Task
@@ -28,6 +29,12 @@ class Declaration:
             flies a control there, to prove that faults reach the drone.
         operators: modules that declare operators of this stack's own; imported when a study names the stack.
         deterministic: whether two flights of the same subject, situation and seed have the same bits.
+        forks: whether a flight may be forked in mid-air.  A stack with threads or other processes cannot: each of its
+            flights has a process of its own.
+        shape: the declaration that follows from the settings, of a stack whose seams are data; it may raise
+            `ConfigError`.
+        rehearse: makes a stack for the trial flight before the first flight, without threads or other processes; None =
+            `make`.
 
     Raises:
         ValueError: a name is taken twice, or a canary is no seam.
@@ -41,6 +48,9 @@ class Declaration:
     canaries: tuple[str, ...] = ()
     operators: tuple[str, ...] = ()
     deterministic: bool = True
+    forks: bool = True
+    shape: Callable[[Any], Declaration] | None = None
+    rehearse: Callable[[Task, Wire], Stack] | None = None
 
     def __post_init__(self) -> None:
         for noun, names in (("seam", [s.name for s in self.seams]), ("belief", [b.name for b in self.beliefs])):
@@ -50,6 +60,11 @@ class Declaration:
         lost = [name for name in self.canaries if name not in self.by_name]
         if lost:
             raise ValueError(f"stack {self.name!r} has no seam {lost[0]!r} for a canary")
+
+    @property
+    def rehearsed(self) -> Declaration:
+        """The declaration for the trial flight."""
+        return replace(self, make=self.rehearse) if self.rehearse else self
 
     @cached_property
     def by_name(self) -> Mapping[str, Seam]:

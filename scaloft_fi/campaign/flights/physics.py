@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from threading import Timer
 from typing import TYPE_CHECKING
 
@@ -48,7 +49,8 @@ class Physics:
         try:
             first = study.grid.situations[0]
             with flight.physics_server() as client:
-                trial = flight.FlightLoop(client, study.sim, study.scenario(first), 0, PlainWire())
+                rehearsed = study.stack.rehearsed
+                trial = flight.FlightLoop(client, study.sim, study.scenario(first), 0, PlainWire(), rehearsed)
                 trial.step()
                 for _ in range(round(KERNELS_S * TICK_HZ)):
                     trial.tick()
@@ -59,14 +61,29 @@ class Physics:
             notice.join()
 
     def __call__(self, study: Study, flight: Flight) -> Outcome:
-        """Fly and judge one flight from take-off."""
-        return judged(study, flight, fly_log(study, flight))
+        """Fly and judge one flight from take-off; with a stack that does not fork, in a process of its own."""
+        if study.stack.forks:
+            return judged(study, flight, fly_log(study, flight))
+        with Pool(_Apart(study), 1, left=left_of, lost=lost, patience_s=PATIENCE_S) as apart:
+            (outcome,) = apart.map([Batch((flight,))])
+        return outcome
 
     def share(self, study: Study, batch: Batch, report: Callable[[Outcome], None]) -> None:
         """Fly the baseline once, and each mutant from the moment at which it leaves the baseline."""
         # in a process of its own, so that a crash loses one flight only
         with Pool(Worker(study, self), 1, left=left_of, lost=lost, patience_s=PATIENCE_S) as apart:
             fly_shared(study, batch, report, lambda flight: apart.map([Batch((flight,))]))
+
+
+@dataclass(frozen=True)
+class _Apart:
+    """The work of a process that flies one flight and ends, with whatever threads the stack has started in it."""
+
+    study: Study
+
+    def __call__(self, batch: Batch, report: Callable[[Outcome], None]) -> None:
+        for flight in batch.flights:
+            report(judged(self.study, flight, fly_log(self.study, flight)))
 
 
 @contextmanager

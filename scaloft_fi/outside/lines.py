@@ -1,0 +1,248 @@
+"""The border `lines`: JSON lines over a Unix socket in the flight's private folder; it needs no other software.
+
+To every process, one line a message, the clock last in a tick:
+
+    {"topic": "/odom", "t_s": 1.25, "data": {"stamp_s": 1.25, "position": [0.1, 0.2, 1.6], ...}}
+    {"clock": 1.25}
+
+From a process, first the topics that it will send, then its messages:
+
+    {"publishes": ["/cmd_vel"]}
+    {"topic": "/cmd_vel", "data": {"velocity": [0.5, 0.0, 0.0], "turn_radps": 0.0}}
+
+The fields are those of `ports.py` (`plain.py` says how each is written), or those of the topic's own mapping.
+"""
+
+from __future__ import annotations
+
+import json
+import select
+import socket
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from scaloft_fi.inert import line as inert
+from scaloft_fi.outside.border import Arrival, BorderError, Topic
+from scaloft_fi.outside.client import VARIABLE
+from scaloft_fi.outside.paths import given, taken
+from scaloft_fi.outside.plain import MisfitError, from_plain, to_plain
+
+LONGEST_LINE = 1 << 20
+"""Most bytes of a line."""
+MOST_READ = 4 << 20
+"""Most bytes that are read of one process in a tick."""
+MOST_PROCESSES = 16
+AHEAD_S = 0.1
+"""A message may be stamped this much later than the flight's clock [s]."""
+STALL_S = 10.0
+"""How long a process may leave its messages unread before it counts as gone [s, wall]."""
+
+
+@dataclass(eq=False)
+class _Peer:
+    """A process that has connected."""
+
+    socket: socket.socket
+    rest: bytes = b""
+    publishes: frozenset[str] = frozenset()
+    read: int = 0
+
+
+@dataclass
+class _Inbox:
+    """What came over an inward topic since it was last taken; `fresh`: something came since the last clock."""
+
+    topic: Topic
+    sample: Any | None = None
+    count: int = 0
+    refused: str = ""
+    fresh: bool = False
+
+
+@dataclass(eq=False)
+class LinesBorder:
+    """A border over a Unix socket."""
+
+    topics: Sequence[Topic]
+    folder: Path
+    _peers: list[_Peer] = field(default_factory=list)
+    _clock_s: float = 0.0
+    _listener: socket.socket | None = None
+
+    def __post_init__(self) -> None:
+        self._outward = {topic.seam: topic for topic in self.topics if topic.outward}
+        self._inbox = {topic.seam: _Inbox(topic) for topic in self.topics if not topic.outward}
+        self._by_name = {topic.name: self._inbox[topic.seam] for topic in self.topics if not topic.outward}
+        self._strange = ""
+
+    @property
+    def _path(self) -> Path:
+        return self.folder / "border"
+
+    @property
+    def environment(self) -> Mapping[str, str]:
+        """The path of the socket."""
+        return {VARIABLE: str(self._path)}
+
+    def open(self) -> None:
+        """Listen.
+
+        Raises:
+            BorderError: the socket cannot be opened.
+        """
+        listener = socket.socket(socket.AF_UNIX)
+        try:
+            listener.bind(str(self._path))
+            listener.listen(MOST_PROCESSES)
+        except OSError as error:
+            listener.close()
+            raise BorderError(f"{self._path}: the socket cannot be opened: {error.strerror or error}") from error
+        listener.setblocking(False)
+        self._listener = listener
+
+    def lacking(self) -> str:
+        """The inward topics that no connected process has named; with none, whether any process is connected."""
+        self._receive(0.0)
+        named = frozenset(topic for peer in self._peers for topic in peer.publishes)
+        missing = [box.topic.name for box in self._inbox.values() if box.topic.name not in named]
+        if missing:
+            return f"no process has connected that publishes {', '.join(missing)}"
+        return "" if self._peers else "no process has connected"
+
+    def send(self, seam: str, t_s: float, sample: Any) -> None:
+        """Send a sample to every process."""
+        topic = self._outward[seam]
+        data = given(to_plain(sample), topic.fields)
+        self._write({"topic": topic.name, "t_s": t_s, "data": data})
+
+    def clock(self, t_s: float) -> None:
+        """Tell the time to every process."""
+        self._clock_s = t_s
+        for peer in self._peers:
+            peer.read = 0
+        for box in self._inbox.values():
+            box.fresh = False
+        self._write({"clock": t_s})
+
+    def wait(self, seam: str, within_s: float) -> bool:
+        """Wait for a message; a refused one is none."""
+        box, due_s = self._inbox[seam], time.monotonic() + within_s
+        self._receive(0.0)
+        while not box.fresh and self._peers and (left_s := due_s - time.monotonic()) > 0.0:
+            self._receive(left_s)
+        return box.fresh
+
+    def take(self, seam: str) -> Arrival:
+        """What came, the newest sample last."""
+        self._receive(0.0)
+        box = self._inbox[seam]
+        refused, self._strange = box.refused or self._strange, ""
+        arrival = Arrival(box.sample, box.count, refused)
+        box.sample, box.count, box.refused = None, 0, ""
+        return arrival
+
+    def close(self) -> None:
+        """Close the socket."""
+        for peer in self._peers:
+            peer.socket.close()
+        self._peers.clear()
+        if self._listener is not None:
+            self._listener.close()
+            self._listener = None
+
+    def _write(self, message: Any) -> None:
+        line = json.dumps(message).encode() + b"\n"
+        for peer in tuple(self._peers):
+            try:
+                peer.socket.sendall(line)
+            except OSError:  # it has gone, or reads no more
+                self._forget(peer)
+
+    def _forget(self, peer: _Peer) -> None:
+        peer.socket.close()
+        self._peers.remove(peer)
+
+    def _receive(self, within_s: float) -> None:
+        """Read what has come; wait for it at most `within_s` [s, wall]."""
+        if self._listener is None:
+            return
+        readable = [peer for peer in self._peers if peer.read < MOST_READ]
+        ready = select.select([self._listener, *(peer.socket for peer in readable)], [], [], within_s)[0]
+        if self._listener in ready:
+            self._accept()
+        for peer in readable:
+            if peer.socket in ready:
+                for line in self._lines(peer):
+                    self._deliver(peer, line)
+
+    def _accept(self) -> None:
+        assert self._listener is not None
+        with suppress(OSError):
+            connected, _ = self._listener.accept()
+            if len(self._peers) >= MOST_PROCESSES:
+                connected.close()
+                return
+            connected.settimeout(STALL_S)
+            self._peers.append(_Peer(connected))
+
+    def _lines(self, peer: _Peer) -> Iterator[bytes]:
+        try:
+            text = peer.socket.recv(1 << 16)
+        except OSError:
+            text = b""
+        if not text:
+            self._forget(peer)
+            return
+        peer.read += len(text)
+        *whole, peer.rest = (peer.rest + text).split(b"\n")
+        if len(peer.rest) > LONGEST_LINE:
+            self._strange = self._strange or f"a line of more than {LONGEST_LINE:,} bytes"
+            self._forget(peer)
+        yield from whole
+
+    def _deliver(self, peer: _Peer, line: bytes) -> None:
+        try:
+            message = _json(line)
+            if "publishes" in message:
+                names = message["publishes"]
+                peer.publishes = frozenset(map(str, names)) if isinstance(names, list) else frozenset()
+                return
+            name = message.get("topic")
+            if not isinstance(name, str) or name not in self._by_name:
+                raise MisfitError(f"topic={inert(repr(name))[:100]} is none of {', '.join(self._by_name)}")
+        except MisfitError as error:
+            self._strange = self._strange or str(error)
+            return
+        box = self._by_name[name]
+        box.count += 1
+        try:
+            if (stamp_s := message.get("stamp_s", 0.0)) > self._clock_s + AHEAD_S:
+                raise MisfitError(f"stamp_s={stamp_s!r} is later than the clock, {self._clock_s:g}")
+            box.sample = from_plain(box.topic.message, taken(message.get("data"), box.topic.fields))
+        except (MisfitError, TypeError) as error:
+            box.refused = box.refused or f"{name}: {inert(str(error))[:300]}"
+            return
+        box.fresh = True
+
+
+def _json(line: bytes) -> dict[str, Any]:
+    """A message.
+
+    Raises:
+        MisfitError: the line is no JSON mapping.
+    """
+    try:
+        message = json.loads(line, parse_constant=_refuse)
+    except (ValueError, RecursionError) as error:
+        raise MisfitError(f"a line is not JSON: {inert(str(error))[:200]}") from error
+    if not isinstance(message, dict):
+        raise MisfitError("a line must be a mapping")
+    return message
+
+
+def _refuse(constant: str) -> float:
+    raise MisfitError(f"{constant} is no number of JSON")

@@ -1,0 +1,213 @@
+"""A stack whose stages run in other processes, above flight control, or flight control and planner, of our drone."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+import numpy as np
+
+from scaloft_fi.outside.exchange import Exchange
+from scaloft_fi.outside.mission import GoalMission, TakenLimit
+from scaloft_fi.outside.ports import CameraInfo, Motion
+from scaloft_fi.outside.settings import OutsideConfig
+from scaloft_fi.stack.camera import DepthCamera
+from scaloft_fi.stack.config import build
+from scaloft_fi.stack.contract import Task
+from scaloft_fi.stack.fast_path import FastPath
+from scaloft_fi.stack.fields import Array
+from scaloft_fi.stack.messages import DepthFrame, Exposure, Imu, SensorFrames, Stamps, Thrust
+from scaloft_fi.stack.rates import STEP_HZ, TICK_S
+from scaloft_fi.stack.reference.beliefs import MODES
+from scaloft_fi.stack.reference.control import ControlConfig
+from scaloft_fi.stack.reference.estimator import Estimator, EstimatorConfig
+from scaloft_fi.stack.reference.flight_control import FailsafeConfig, FlightControl
+from scaloft_fi.stack.reference.inner_loop import InnerLoop
+from scaloft_fi.stack.reference.messages import PoseEstimate, VelocityCommand
+from scaloft_fi.stack.reference.stack import ReferenceStack
+from scaloft_fi.stack.seam import Wire
+
+S = TypeVar("S")
+
+
+@dataclass(frozen=True)
+class AutopilotConfig:
+    """Settings of `inside` where flight control alone is ours."""
+
+    estimator: EstimatorConfig
+    control: ControlConfig
+    failsafe: FailsafeConfig
+
+
+class DeclaredWire:
+    """A wire over the declared seams; stages that are not in use cross it unseen.
+
+    Args:
+        wire: of the flight.
+        names: of the declared seams.
+    """
+
+    def __init__(self, wire: Wire, names: Collection[str]) -> None:
+        self._wire, self._names = wire, frozenset(names)
+
+    def listens(self, seam: str) -> bool:
+        """Whether the flight's wire listens on a declared seam."""
+        return seam in self._names and self._wire.listens(seam)
+
+    def cross(self, seam: str, t_s: float, sample: S | None) -> S | None:
+        """Carry the sample over a declared seam; return it as it is over any other."""
+        return self._wire.cross(seam, t_s, sample) if seam in self._names else sample
+
+
+def words_of(task: Task) -> Mapping[str, str]:
+    """What the words in braces in the commands stand for."""
+    return {
+        "route": json.dumps(task.route),
+        "home": json.dumps(task.home),
+        "altitude_m": f"{task.altitude_m:g}",
+        "cruise_mps": f"{task.cruise_mps:g}",
+        "slow_mps": f"{task.slow_mps:g}",
+        "yaw_deg": f"{math.degrees(task.yaw_rad):g}",
+    }
+
+
+def offered(frames: SensorFrames, pose: PoseEstimate, camera: DepthCamera) -> Mapping[str, Any]:
+    """The sample of each outward port at a tick; None where there is none."""
+    return {
+        "odometry": pose,
+        "depth": frames.depth,
+        "camera_info": camera_info(frames.depth, camera),
+        "detections": frames.detections,
+        "battery": frames.battery,
+        "contacts": frames.bumper,
+    }
+
+
+def camera_info(frame: DepthFrame | None, camera: DepthCamera) -> CameraInfo | None:
+    """The pinhole geometry of an image, x right and y down as cameras have it."""
+    if frame is None:
+        return None
+    height, width = frame.depth.shape
+    (left, per_column), (up, per_row) = camera.column, camera.row
+    return CameraInfo(
+        frame.stamp_s, width, height, -1.0 / per_column, -1.0 / per_row, -left / per_column, -up / per_row
+    )
+
+
+class VelocityStack:
+    """Stages outside order velocities; estimator and flight control of our drone follow them.
+
+    A velocity that stops coming is flight control's time-out: it holds, then lands.
+    """
+
+    def __init__(self, task: Task, wire: Wire, exchange: Exchange | None) -> None:
+        config: OutsideConfig = task.settings
+        inside = build(AutopilotConfig, config.inside, "stack.inside")
+        self.exposure = Exposure(0.0, 1.0, 0.0)
+        self._camera, self._wire, self._exchange = task.camera, wire, exchange
+        self._estimator = Estimator(inside.estimator, np.array(task.home), task.yaw_rad)
+        self._control = FlightControl(inside.control, inside.failsafe, self._estimator, task.yaw_rad)
+        self._control.take_off(task.altitude_m)
+        self._pose = self._estimator.tick(0.0, None)
+        self._yaw_rad = task.yaw_rad
+        self._ordered = np.zeros(3)
+        self._body = any(seam.carries == "velocity" and seam.frame == "body" for seam in config.seams.values())
+        self._inertial = next((name for name, seam in config.seams.items() if seam.carries == "inertial"), "")
+        self.fast_path: FastPath | None = None if self._inertial else InnerLoop(self._estimator, self._control)
+
+    @property
+    def complaint(self) -> str:
+        """What was wrong with the first message that was refused."""
+        return self._exchange.complaint if self._exchange else ""
+
+    def stamps(self, now_s: float) -> Stamps:
+        """The true time."""
+        return Stamps(now_s, now_s, now_s)
+
+    def autopilot(self, now_s: float, frames: SensorFrames) -> None:
+        """Correct the estimate and check flight control's time-outs."""
+        self._pose = self._estimator.tick(now_s, self._wire.cross("fix", now_s, frames.fix))
+        self._control.watch(now_s)
+
+    def companion(self, now_s: float, frames: SensorFrames) -> None:
+        """Exchange samples with the stages outside, and follow their orders."""
+        if self._exchange is None:
+            return
+        taken = self._exchange.tick(now_s, offered(frames, self._pose, self._camera))
+        if taken.get("land") is not None:
+            self._control.land(self._control.config.land_mps)
+        motion: Motion | None = taken.get("velocity")
+        if motion is not None:
+            self._follow(now_s, motion)
+
+    def _follow(self, now_s: float, motion: Motion) -> None:
+        self._yaw_rad += motion.turn_radps * TICK_S
+        x, y, z = motion.velocity.tolist()
+        if self._body:
+            cos, sin = math.cos(self._pose.yaw_rad), math.sin(self._pose.yaw_rad)
+            x, y = cos * x - sin * y, sin * x + cos * y
+        self._ordered = np.array([x, y, z])
+        self._control.command(
+            now_s, VelocityCommand(now_s, self._ordered, self._yaw_rad), self._control.config.accel_mps2
+        )
+
+    def step(self, now_s: float, imu: Imu) -> Thrust | None:
+        """One step of flight control."""
+        cross = self._wire.cross
+        if self._inertial and self._exchange is not None:
+            self._exchange.send(self._inertial, now_s, imu)
+        return cross("thrust", now_s, self._control.step(now_s, cross("imu", now_s, imu), 1.0 / STEP_HZ))
+
+    def beliefs(self, now_s: float) -> Array:
+        """The values of the declared beliefs."""
+        mode = float(MODES.index(self._control.mode))
+        return np.array((*self._ordered, self._yaw_rad, *self._estimator.state[:6].tolist(), mode))
+
+    def close(self) -> None:
+        """End the stages outside."""
+        if self._exchange is not None:
+            self._exchange.close()
+
+
+class GoalStack(ReferenceStack):
+    """The mission is outside; everything below it is the reference stack's."""
+
+    def __init__(self, task: Task, wire: Wire, exchange: Exchange | None) -> None:
+        config: OutsideConfig = task.settings
+        stack = replace(task, settings=build(type_of_inside(config), config.inside, "stack.inside"))
+        super().__init__(stack, wire)
+        stages = self._companion.stages
+        self._mission = GoalMission(stages.mission.config, stages.mission.home)
+        self._limit = TakenLimit(stages.speed_limit.config, task.cruise_mps, task.slow_mps)
+        self._companion.stages = replace(stages, mission=self._mission, speed_limit=self._limit)
+        self._camera, self._exchange = task.camera, exchange
+
+    @property
+    def complaint(self) -> str:
+        """What was wrong with the first message that was refused."""
+        return self._exchange.complaint if self._exchange else ""
+
+    def companion(self, now_s: float, frames: SensorFrames) -> None:
+        """Exchange samples with the mission outside, then run the stages below it."""
+        if self._exchange is not None:
+            taken = self._exchange.tick(now_s, offered(frames, self._pose, self._camera))
+            self._mission.fly_to(taken.get("goal"))
+            self._limit.newest = taken.get("speed_limit")
+            if taken.get("land") is not None:
+                self._mission.land()
+        super().companion(now_s, frames)
+
+    def close(self) -> None:
+        """End the mission outside."""
+        if self._exchange is not None:
+            self._exchange.close()
+
+
+def type_of_inside(config: OutsideConfig) -> type:
+    """The schema of the settings of the part of our drone that flies below."""
+    from scaloft_fi.stack.reference.stack import ReferenceConfig
+
+    return AutopilotConfig if config.below == "flight_control" else ReferenceConfig
