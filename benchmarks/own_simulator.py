@@ -13,15 +13,12 @@ from checkout import ROOT  # first: it sets the path and the threads
 # isort: split
 
 import argparse
+import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-
-sys.path.append(str(ROOT / "examples" / "own_simulator"))
-
-from copy_study import copy_study
 
 from scaloft_fi.campaign.flights.commanded import Commanded
 from scaloft_fi.campaign.flights.physics import Physics
@@ -33,6 +30,7 @@ from scaloft_fi.campaign.workers.local import Local
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 
+COPY = ROOT / "examples" / "own_simulator" / "copy_study.py"
 MUTANTS = ("baseline", "PLACEBO", "LATE-human@3s", "UNINTENDED-collision@20s", "REVERSE-velcmd")
 SITUATIONS = ("T0O0W0D0H0", "T0O0W0D0H1", "T1O0W0D1H0", "T1O1W1D0H1")
 """Every kind of flight: nothing violated, a person passed too fast, a contact, one not landed."""
@@ -82,7 +80,7 @@ def main() -> int:
     ours = Study.open(ROOT)
     names = [f"{mutant}/{situation}/0" for mutant in MUTANTS for situation in SITUATIONS]
     with tempfile.TemporaryDirectory() as made:
-        copy_study(Path(made) / "own", ROOT)
+        subprocess.run([sys.executable, str(COPY), f"{made}/own"], cwd=ROOT, check=True)
         theirs = flown(Study.open(Path(made) / "own"), Commanded(), names, jobs)
     built_in = flown(ours, Physics(), names, jobs)
     same = [name for name in names if verdict_of(built_in[name]) == verdict_of(theirs[name])]

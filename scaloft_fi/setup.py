@@ -20,7 +20,8 @@ from scaloft_fi.stack.declaration import Declaration
 if TYPE_CHECKING:
     from scaloft_fi.judge.requirement import Requirement
     from scaloft_fi.judge.space import Realisation, Space
-    from scaloft_fi.outside.command import Command
+    from scaloft_fi.outside.command import FlightCommand
+    from scaloft_fi.outside.records.record_map import RecordMap
     from scaloft_fi.sim.grid import Grid
     from scaloft_fi.sim.load import SimConfig
     from scaloft_fi.sim.scenario import Scenario
@@ -40,7 +41,7 @@ class Setup:
     grid_name: str | None = None
 
     @cached_property
-    def command(self) -> Command | None:
+    def command(self) -> FlightCommand | None:
         """The command that flies, where `sim/flyer.yaml` declares one; None = our simulator flies.
 
         Raises:
@@ -49,9 +50,9 @@ class Setup:
         path = self.folder / "sim" / "flyer.yaml"
         if not is_there(path):
             return None
-        from scaloft_fi.outside.command import load_command
-
-        return load_command(path)
+        # by name: the keys of a study without a command leave out what reads one
+        command: FlightCommand = import_module("scaloft_fi.outside.command").load_command(path)
+        return command
 
     @cached_property
     def stack(self) -> Declaration:
@@ -109,9 +110,8 @@ class Setup:
         path = self.folder / "sim" / "record.yaml"
         if self.command is None or not is_there(path):
             return ours
-        from scaloft_fi.outside.records.record_map import load_record_map
-
-        return tuple(dict.fromkeys((*ours, *load_record_map(path).signals)))
+        mapping: RecordMap = import_module("scaloft_fi.outside.records.record_map").load_record_map(path)
+        return tuple(dict.fromkeys((*ours, *mapping.signals)))
 
     @cached_property
     def caps(self) -> Mapping[str, float]:

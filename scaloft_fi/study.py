@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 PACKAGE = Path(__file__).resolve().parent
 FLYING = ("scaloft_fi.campaign.flights.share", "scaloft_fi.setup")
 """The modules that fly and judge; these modules and all that they import can change an outcome."""
+COMMANDED = ("scaloft_fi.campaign.flights.command_log", "scaloft_fi.outside.command")
+"""The modules that fly besides where a command flies."""
 FLYING_DATA = ("world", "vehicle", "sensors", "stack")
 """The documents of `sim/` that decide every flight; of `situations.yaml` only the values of the situation do."""
 
@@ -194,7 +196,7 @@ class Study(Setup):
             *(HAPPENINGS[name].read for name in self._kinds_of_happenings if name in HAPPENINGS),
             *(OPERATORS[name].make for name in sorted(operators) if name in OPERATORS),
         ]
-        return *FLYING, *dict.fromkeys(make.__module__ for make in makers)
+        return *FLYING, *(COMMANDED if self.command else ()), *dict.fromkeys(make.__module__ for make in makers)
 
     @property
     def _kinds_of_happenings(self) -> list[str]:

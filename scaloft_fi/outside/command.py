@@ -48,7 +48,7 @@ class Text:
 
 
 @dataclass(frozen=True)
-class Command:
+class FlightCommand:
     """A command that flies one flight.
 
     Attributes:
@@ -100,7 +100,7 @@ class Command:
         )
 
 
-def load_command(path: Path) -> Command:
+def load_command(path: Path) -> FlightCommand:
     """Read `sim/flyer.yaml`.
 
     Raises:
@@ -113,7 +113,7 @@ def load_command(path: Path) -> Command:
         raise document.need("run").error("a list that begins with a program")
     env, mission, inputs = document.get("env"), document.get("mission_s"), document.get("inputs")
     deterministic, seams = document.get("deterministic"), document.get("seams")
-    command = Command(
+    command = FlightCommand(
         run=run,
         record=_record(document.need("record")),
         limit_s=document.need("limit_s").number(above=0.0, most=MOST_LIMIT_S),

@@ -3,25 +3,25 @@
 from __future__ import annotations
 
 import json
-import os
-import signal
-import subprocess
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
+import re
+import time
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from threading import Thread
-from typing import IO
 
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.inert import line
+from scaloft_fi.outside.processes import Command, Processes
+from scaloft_fi.reading import is_file, read_bytes
 
-TAIL_BYTES = 1 << 16
-"""How much of its output is kept, from the end."""
+MOST_OUTPUT = 1 << 20
+"""Largest end of its output that is read."""
+LOOK_S = 0.002
+"""How often a running command is looked at [s, wall]."""
+DONE = "ended with code 0"
+_HOW = re.compile(r"(ended with code -?\d+|was ended by \w+|cannot be started: .*|the guard of the processes .*)$")
 SHOWN_LINES, SHOWN = 5, 400
 """How many of its last lines an error shows, and how many characters of them."""
-GRACE_S = 2.0
-"""How long it has to end when it is asked to [s, wall]."""
 MOST_COUNTED = 10**12
 
 
@@ -45,37 +45,51 @@ class Told:
     stack_error: str = ""
 
 
-def run_command(words: Sequence[str], env: Mapping[str, str], cwd: Path, limit_s: float) -> Told:
+def run_command(
+    words: Sequence[str],
+    env: Mapping[str, str],
+    cwd: Path,
+    limit_s: float,
+    folder: Path,
+    attend: Callable[[], None] = lambda: None,
+) -> Told:
     """Run a command to its end; returns what its last line of output says.
 
+    Args:
+        words: program and arguments.
+        env: environment variables beside ours.
+        cwd: where it runs.
+        limit_s: longest time that it may take [s, wall].
+        folder: empty folder for the end of its output.
+        attend: called again and again while it runs.
+
     Raises:
-        CommandError: it cannot be started, takes longer than `limit_s` [s, wall], or fails.
+        BorderError: it cannot be started.
+        CommandError: it takes longer, or fails.
     """
+    processes = Processes([Command(tuple(words), env)], cwd, {}, folder)
+    due_s, how = time.monotonic() + limit_s, ""
     try:
-        process = subprocess.Popen(
-            list(words),
-            cwd=cwd,
-            env={**os.environ, **env},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            start_new_session=True,
-        )
-    except (OSError, ValueError) as error:
-        raise CommandError(f"the command {words[0]!r} cannot be started: {error}") from error
-    assert process.stdout is not None
-    tail = _Tail(process.stdout)
-    try:
-        code = process.wait(limit_s)
-    except subprocess.TimeoutExpired:
-        raise CommandError(f"the command ran longer than {limit_s:g} s; it said last: {tail.shown()}") from None
+        processes.start()
+        while not (how := processes.ended()) and time.monotonic() < due_s:
+            attend()
+            time.sleep(LOOK_S)
     finally:
-        _end(process)
-        tail.close()
-    if code != 0:
-        how = f"ended with exit code {code}" if code > 0 else f"died of signal {-code}"
-        raise CommandError(f"the command {how}; it said last: {tail.shown()}")
-    return told(tail.lines[-1] if tail.lines else "")
+        processes.stop()
+    said = processes.last_lines(SHOWN_LINES)[-SHOWN:] or "nothing"
+    if not how:
+        raise CommandError(f"the command ran longer than {limit_s:g} s; it said last: {said}")
+    if not how.endswith(DONE):
+        ended = _HOW.search(how)
+        raise CommandError(f"the command {ended[0] if ended else how}; it said last: {said}")
+    lines = [text for text in _output(folder).decode("utf-8", "replace").splitlines() if text.strip()]
+    return told(lines[-1] if lines else "")
+
+
+def _output(folder: Path) -> bytes:
+    """The end of the command's output, of which the older part may be missing."""
+    paths = [path for path in (folder / "output.old", folder / "output") if is_file(path)]
+    return b"".join(read_bytes(path, MOST_OUTPUT) for path in paths)
 
 
 def told(last: str) -> Told:
@@ -100,41 +114,3 @@ def told(last: str) -> Told:
     if first is not None and (isinstance(first, bool) or not isinstance(first, int | float) or not 0.0 <= first < 1e9):
         raise CommandError(f"the last line says first_altered_s={str(first)[:40]}, which must be a number >= 0")
     return Told(counts["altered"], counts["carried"], None if first is None else float(first), line(str(error))[:SHOWN])
-
-
-class _Tail:
-    """Reads the output of a process to its end, and keeps the last part."""
-
-    def __init__(self, pipe: IO[bytes]) -> None:
-        self._pipe, self._kept = pipe, b""
-        self._thread = Thread(target=self._read, daemon=True)
-        self._thread.start()
-
-    def _read(self) -> None:
-        with suppress(OSError, ValueError):
-            while piece := os.read(self._pipe.fileno(), TAIL_BYTES):
-                self._kept = (self._kept + piece)[-TAIL_BYTES:]
-
-    def close(self) -> None:
-        """Wait for the last output; the process has ended."""
-        self._thread.join(GRACE_S)
-        if not self._thread.is_alive():
-            self._pipe.close()
-
-    @property
-    def lines(self) -> list[str]:
-        """The last lines."""
-        return [text for text in self._kept.decode("utf-8", "replace").splitlines() if text.strip()]
-
-    def shown(self) -> str:
-        """The last lines in one, without control characters."""
-        return line(" | ".join(self.lines[-SHOWN_LINES:]))[-SHOWN:] or "nothing"
-
-
-def _end(process: subprocess.Popen[bytes]) -> None:
-    """End the process and all that it started in its group; may be called after its end."""
-    for stop in (signal.SIGTERM, signal.SIGKILL):
-        with suppress(OSError):
-            os.killpg(process.pid, stop)
-        with suppress(subprocess.TimeoutExpired):
-            process.wait(GRACE_S)

@@ -84,6 +84,7 @@ class FakeStudy:
     predicate: str = "t"
     alpha: float = 0.01
     grid_name: str | None = None
+    command: None = None
 
     def changes(self, situation: FakeSituation) -> dict[str, Any]:
         return {"key": situation.key}

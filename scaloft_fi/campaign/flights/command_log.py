@@ -17,7 +17,7 @@ from scaloft_fi.campaign.flights.recorded import known_of, mapping_of, needed_by
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.mutant import PLACEBO
-from scaloft_fi.outside.command import FAULT, FLIGHT_FOLDER, PYTHON, RECORD, SEED, SITUATION, STUDY, Command
+from scaloft_fi.outside.command import FAULT, FLIGHT_FOLDER, PYTHON, RECORD, SEED, SITUATION, STUDY, FlightCommand
 from scaloft_fi.outside.command_run import CommandError, Told, run_command
 from scaloft_fi.outside.records.recorded import RecordCount, flight_log
 from scaloft_fi.sim.log import Count, FlightLog
@@ -36,7 +36,7 @@ FAR: Mapping[str, float] = {"clearance_m": CLEARANCE_CAP_M, "person_sight_m": FA
 """What the track says where neither the record nor a requirement has the signal: that nothing is near."""
 
 
-def command_log(study: Study, command: Command, flight: Flight) -> FlightLog:
+def command_log(study: Study, command: FlightCommand, flight: Flight) -> FlightLog:
     """Run the command, and read its record.
 
     Raises:
@@ -45,11 +45,13 @@ def command_log(study: Study, command: Command, flight: Flight) -> FlightLog:
     """
     mapping, known = mapping_of(study), known_in(study, command, flight.situation)
     with tempfile.TemporaryDirectory(prefix="scaloft-fi-") as made:
-        folder = Path(made)
+        folder, beside = Path(made) / "flight", Path(made) / "beside"
+        folder.mkdir()
+        beside.mkdir()
         values = values_of(study, flight, folder, command)
         words = [word.filled(values) for word in command.run]
         env = {name: text.filled(values) for name, text in command.env.items()}
-        told = run_command(words, env, study.folder.resolve(), command.limit_s)
+        told = run_command(words, env, study.folder.resolve(), command.limit_s, beside)
         try:
             log = _read(study, _record_in(folder, command), mapping, known)
         except InputError as error:
@@ -57,7 +59,7 @@ def command_log(study: Study, command: Command, flight: Flight) -> FlightLog:
     return replace(log, stack_error=told.stack_error, counts=_counts(flight, log.counts, told))
 
 
-def known_in(study: Study, command: Command, situation: Situation) -> Known:
+def known_in(study: Study, command: FlightCommand, situation: Situation) -> Known:
     """What is known of a flight of the command beside its record."""
     known = known_of(study, situation)
     return known if command.mission_s is None else replace(known, limit_s=command.mission_s)
@@ -68,7 +70,7 @@ def needs_of(study: Study) -> Mapping[str, str]:
     return {**TRACK, **needed_by(study)}
 
 
-def values_of(study: Study, flight: Flight, folder: Path, command: Command) -> dict[str, Any]:
+def values_of(study: Study, flight: Flight, folder: Path, command: FlightCommand) -> dict[str, Any]:
     """The values that a command may ask for: of the flight, of its axes, and of the documents of its situation."""
     situation, grid = flight.situation, study.grid
     fault = None if flight.mutant is None else flight.mutant.to_json()
@@ -88,7 +90,7 @@ def values_of(study: Study, flight: Flight, folder: Path, command: Command) -> d
     }
 
 
-def _record_in(folder: Path, command: Command) -> Path:
+def _record_in(folder: Path, command: FlightCommand) -> Path:
     """The record that the command wrote.
 
     Raises:

@@ -19,7 +19,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import judge_signals
 from scaloft_fi.judge.stl import tokenize
-from scaloft_fi.outside.command import Command
+from scaloft_fi.outside.command import FlightCommand
 from scaloft_fi.outside.records.derived import Known
 from scaloft_fi.outside.records.kind import RECORDS, kind_of
 from scaloft_fi.outside.records.record_map import RecordMap
@@ -78,6 +78,6 @@ def _unmet(study: Study, mapping: RecordMap, known: Known) -> Iterator[str]:
                 yield f"{axis.id}{value.id} counts as not met in every flight: {mapping.name} maps no signal {lost!r}"
 
 
-def _command(study: Study) -> Command:
+def _command(study: Study) -> FlightCommand:
     assert study.command is not None
     return study.command

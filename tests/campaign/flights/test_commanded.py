@@ -102,7 +102,7 @@ def test_a_shared_batch_flies_each_flight_alone_and_one_failure_is_one_invalid_f
     _edit(folder / "fly.py", "fault = json.loads(fault)", "fault = json.loads(fault)\nif fault: sys.exit('no fault')")
     clean, late = _fly(Study.open(folder), "baseline/T0O0W0D0H1/0", "LATE-human@3s/T0O0W0D0H1/0", shared=True)
     assert not clean.invalid
-    assert "the command ended with exit code 1; it said last: no fault" in late.invalid
+    assert "the command ended with code 1; it said last: no fault" in late.invalid
 
 
 @pytest.mark.parametrize(
@@ -112,7 +112,7 @@ def test_a_shared_batch_flies_each_flight_alone_and_one_failure_is_one_invalid_f
         ("near if i == 40 else 1", "'nan' if i == 40 else 1", "line 42: signal 'clearance_m' must be a finite number"),
         ("t,x,near,person", "t,x,nea,person", "did you mean 'nea'"),
         ("for i in range(60)", "for i in range(0)", "'x_m' has no message"),
-        ("import json", "raise SystemExit(7)\nimport json", "ended with exit code 7"),
+        ("import json", "raise SystemExit(7)\nimport json", "ended with code 7"),
     ],
 )
 def test_a_command_that_records_nothing_usable_makes_an_invalid_flight(
