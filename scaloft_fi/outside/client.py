@@ -34,6 +34,11 @@ class Connection:
         """Send a message."""
         self._write({"topic": topic, "data": data, **more})
 
+    def close(self) -> None:
+        """End the connection."""
+        self._lines.close()
+        self._socket.close()
+
     def _write(self, message: Any) -> None:
         self._socket.sendall(json.dumps(message).encode() + b"\n")
 

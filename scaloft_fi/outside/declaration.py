@@ -67,6 +67,7 @@ def shaped(settings: Any) -> Declaration:
         OUTSIDE,
         seams=seams_of(config),
         beliefs=beliefs_of(config),
+        settings=_with_velocities if config.below == "flight_control" else _with_goals,
         canaries=(*orders[:1], *odometry[:1]),
         deterministic=config.deterministic,
     )
@@ -99,6 +100,18 @@ def _stack(task: Task, wire: Wire, exchange: Any) -> Stack:
 
 def _settings() -> type:
     return OutsideConfig
+
+
+def _with_velocities() -> type:
+    from scaloft_fi.outside.stack import VelocityConfig
+
+    return VelocityConfig
+
+
+def _with_goals() -> type:
+    from scaloft_fi.outside.stack import GoalConfig
+
+    return GoalConfig
 
 
 OUTSIDE = Declaration(

@@ -16,6 +16,8 @@ from scaloft_fi.outside.processes import Processes
 from scaloft_fi.outside.settings import OutsideConfig
 from scaloft_fi.stack.seam import Wire
 
+ENDS_S = 0.3
+"""How long a process that answers no more may take to end, before it counts as hung [s, wall]."""
 CHECK_S = 0.02
 """Time between two looks at whether the processes have come up [s, wall]."""
 
@@ -143,10 +145,11 @@ class Exchange:
             self._silent = 0
             return
         self._silent += 1
-        if self._silent >= self.config.silent_ticks and not self.processes.ended():
+        if self._silent >= self.config.silent_ticks and not self.processes.ended(within_s=ENDS_S):
             topic = self.config.seams[self.config.answer].topic
             waited = f"{self._silent} ticks in a row, for {self.config.answer_s:g} s each"
-            raise OutsideError(f"no answer on {topic} for {waited}{self._said()}")
+            before = f"; before that, {self.complaint}" if self.complaint else self._said()
+            raise OutsideError(f"no answer on {topic} for {waited}{before}")
 
     def _complain(self, sentence: str) -> None:
         self.complaint = self.complaint or f"outside at {sentence}{self._said()}"

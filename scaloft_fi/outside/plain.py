@@ -12,6 +12,8 @@ from scaloft_fi.stack.fields import Point, field_names, image_fields
 
 SIDE = 4096
 """Greatest height and width of an image."""
+LARGEST = 1 << 1023
+"""Greatest whole number that is read as a number with a point."""
 LONGEST = 1_000
 """Greatest length of a tuple, and of a text."""
 
@@ -94,7 +96,7 @@ def _value(hint: Any, value: Any, path: str) -> Any:
 def _number(value: Any, path: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise MisfitError(f"{path} must be a number")
-    if abs(value) > 1e308 or not math.isfinite(value):
+    if (isinstance(value, int) and abs(value) > LARGEST) or not math.isfinite(value):
         raise MisfitError(f"{path}={value!r:.20} must be finite")
     return float(value)
 

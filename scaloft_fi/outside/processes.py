@@ -96,10 +96,14 @@ class Processes:
             "folder": str(self._study / command.folder),
         }
 
-    def ended(self) -> str:
-        """A sentence on the first of them that has ended, or on the death of their guard; "" while all run."""
+    def ended(self, within_s: float = 0.0) -> str:
+        """A sentence on the first of them that has ended, or on the death of their guard; "" while all run.
+
+        Args:
+            within_s: how long to wait for an end [s, wall].
+        """
         if not self._ended and self._guard is not None:
-            self._listen(0.0)
+            self._listen(within_s)
         return self._ended
 
     def _listen(self, wait_s: float) -> None:
@@ -121,7 +125,10 @@ class Processes:
         self._news = b"\n".join([line for line in whole if line.startswith(b"started")] + [rest])
 
     def _name(self, number: int) -> str:
-        return inert(" ".join(self._commands[number].run))[:LINE]
+        """The program: that of an interpreter is its first argument."""
+        program, *arguments = self._commands[number].run
+        script = arguments[0] if arguments and program == "{python}" else program
+        return inert(Path(script).name)[:LINE]
 
     def last_lines(self, count: int = 5) -> str:
         """The last lines that they wrote, made inert and joined by " / "; "" for none."""

@@ -86,7 +86,7 @@ class OutsideConfig:
         below: what of our drone flies below the stages outside, a key of `BELOW`.
         processes: what is started for every flight, in order.
         seams: the seams at the border, by name.
-        inside: settings of the part that flies below.
+        inside: settings of the part that flies below; the flights have them in its schema.
         answer: the seam whose sample answers each tick, which puts the flight into lock step; "" = without.
         answer_s: how long a tick waits for its answer [s, wall].
         ready_s: how long the processes may take to come up [s, wall].
@@ -100,7 +100,7 @@ class OutsideConfig:
     below: str
     processes: tuple[ProcessConfig, ...]
     seams: Mapping[str, SeamConfig]
-    inside: Mapping[str, Any]
+    inside: Any
     answer: str = ""
     answer_s: Wait = 0.5
     ready_s: Wait = 30.0

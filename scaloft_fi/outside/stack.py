@@ -15,7 +15,6 @@ from scaloft_fi.outside.mission import GoalMission, TakenLimit
 from scaloft_fi.outside.ports import CameraInfo, Motion
 from scaloft_fi.outside.settings import OutsideConfig
 from scaloft_fi.stack.camera import DepthCamera
-from scaloft_fi.stack.config import build
 from scaloft_fi.stack.contract import Task
 from scaloft_fi.stack.fast_path import FastPath
 from scaloft_fi.stack.fields import Array
@@ -27,7 +26,7 @@ from scaloft_fi.stack.reference.estimator import Estimator, EstimatorConfig
 from scaloft_fi.stack.reference.flight_control import FailsafeConfig, FlightControl
 from scaloft_fi.stack.reference.inner_loop import InnerLoop
 from scaloft_fi.stack.reference.messages import PoseEstimate, VelocityCommand
-from scaloft_fi.stack.reference.stack import ReferenceStack
+from scaloft_fi.stack.reference.stack import ReferenceConfig, ReferenceStack
 from scaloft_fi.stack.seam import Wire
 
 S = TypeVar("S")
@@ -40,6 +39,20 @@ class AutopilotConfig:
     estimator: EstimatorConfig
     control: ControlConfig
     failsafe: FailsafeConfig
+
+
+@dataclass(frozen=True)
+class VelocityConfig(OutsideConfig):
+    """All settings where velocities come from outside."""
+
+    inside: AutopilotConfig
+
+
+@dataclass(frozen=True)
+class GoalConfig(OutsideConfig):
+    """All settings where the mission is outside."""
+
+    inside: ReferenceConfig
 
 
 class DeclaredWire:
@@ -104,8 +117,8 @@ class VelocityStack:
     """
 
     def __init__(self, task: Task, wire: Wire, exchange: Exchange | None) -> None:
-        config: OutsideConfig = task.settings
-        inside = build(AutopilotConfig, config.inside, "stack.inside")
+        config: VelocityConfig = task.settings
+        inside = config.inside
         self.exposure = Exposure(0.0, 1.0, 0.0)
         self._camera, self._wire, self._exchange = task.camera, wire, exchange
         self._estimator = Estimator(inside.estimator, np.array(task.home), task.yaw_rad)
@@ -176,9 +189,8 @@ class GoalStack(ReferenceStack):
     """The mission is outside; everything below it is the reference stack's."""
 
     def __init__(self, task: Task, wire: Wire, exchange: Exchange | None) -> None:
-        config: OutsideConfig = task.settings
-        stack = replace(task, settings=build(type_of_inside(config), config.inside, "stack.inside"))
-        super().__init__(stack, wire)
+        config: GoalConfig = task.settings
+        super().__init__(replace(task, settings=config.inside), wire)
         stages = self._companion.stages
         self._mission = GoalMission(stages.mission.config, stages.mission.home)
         self._limit = TakenLimit(stages.speed_limit.config, task.cruise_mps, task.slow_mps)
@@ -204,10 +216,3 @@ class GoalStack(ReferenceStack):
         """End the mission outside."""
         if self._exchange is not None:
             self._exchange.close()
-
-
-def type_of_inside(config: OutsideConfig) -> type:
-    """The schema of the settings of the part of our drone that flies below."""
-    from scaloft_fi.stack.reference.stack import ReferenceConfig
-
-    return AutopilotConfig if config.below == "flight_control" else ReferenceConfig
