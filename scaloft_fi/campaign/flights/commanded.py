@@ -2,29 +2,18 @@
 
 from __future__ import annotations
 
-import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from scaloft_fi.campaign.flights.command_log import command_log, known_in, needs_of, values_of
-from scaloft_fi.campaign.flights.fly import judged
-from scaloft_fi.campaign.flights.recorded import mapping_of
+from scaloft_fi.campaign.flights.fly import fly_log, judged
 from scaloft_fi.campaign.flights.worker import Worker
 from scaloft_fi.campaign.plan.batch import Batch
 from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.requirement import judge_signals
-from scaloft_fi.judge.stl import tokenize
-from scaloft_fi.outside.command import FlightCommand
-from scaloft_fi.outside.records.derived import Known
-from scaloft_fi.outside.records.kind import RECORDS, kind_of
-from scaloft_fi.outside.records.record_map import RecordMap
-from scaloft_fi.outside.records.recorded import lacking
-from scaloft_fi.study import Study
+
+if TYPE_CHECKING:
+    from scaloft_fi.study import Study
 
 
 @dataclass(frozen=True)
@@ -32,52 +21,22 @@ class Commanded:
     """Flies with the command of the study, each flight alone."""
 
     def prepare(self, study: Study, say: Callable[[str], None]) -> None:
-        """Prove before the first flight what would fail in each: the program, its places, the mapping; parse formulas.
+        """Prove before the first flight what would fail in each, and parse the formulas.
 
         Raises:
             InputError: the study cannot be flown.
         """
-        command = _command(study)
-        first = Flight(None, study.grid.situations[0], 0)
-        values = values_of(study, first, Path("folder"), command)
-        program, *_ = [word.filled(values) for word in command.run]
-        for text in command.env.values():
-            text.filled(values)
-        if shutil.which(program) is None and not (study.folder / program).is_file():
-            raise InputError(f"{command.run[0].place}: there is no program {program!r} here")
-        if Path(command.record).suffix.lower() not in RECORDS and Path(command.record).suffix:
-            kind_of(Path(command.record))
-        mapping, known = mapping_of(study), known_in(study, command, first.situation)
-        for name, by in needs_of(study).items():
-            if lack := lacking(mapping, known, name):
-                raise InputError(f"{study.folder / 'sim' / 'record.yaml'}: {by} needs the signal {name!r}, and {lack}")
-        for sentence in _unmet(study, mapping, known):
-            say(sentence)
-        zeros = dict.fromkeys((*study.signals, "elapsed_s"), np.zeros(2))
-        for requirement in study.requirements:
-            judge_signals(requirement, zeros, cut_short=False)
+        from scaloft_fi.campaign.flights.command_check import check_command
+
+        assert study.command is not None
+        check_command(study, study.command, say)
 
     def __call__(self, study: Study, flight: Flight) -> Outcome:
         """Fly and judge one flight; a failure of the command is raised."""
-        return judged(study, flight, command_log(study, _command(study), flight))
+        return judged(study, flight, fly_log(study, flight))
 
     def share(self, study: Study, batch: Batch, report: Callable[[Outcome], None]) -> None:
         """Fly each flight alone: nobody can fork a simulator of somebody else's."""
         alone = Worker(study, self)
         for flight in batch.flights:
             alone(Batch((flight,)), report)
-
-
-def _unmet(study: Study, mapping: RecordMap, known: Known) -> Iterator[str]:
-    """A sentence for each value of an axis of which no record can tell whether a flight met it."""
-    for axis in study.grid.axes:
-        for value in axis.values:
-            names = set(tokenize(value.realised)) & set(study.signals) if value.realised else set[str]()
-            lost = next((name for name in sorted(names) if lacking(mapping, known, name)), None)
-            if lost:
-                yield f"{axis.id}{value.id} counts as not met in every flight: {mapping.name} maps no signal {lost!r}"
-
-
-def _command(study: Study) -> FlightCommand:
-    assert study.command is not None
-    return study.command
