@@ -11,6 +11,8 @@ from typing import Any
 
 from scaloft_fi.document import LARGEST, MOST, Item, load
 from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.mutants.mutant import EVERY_SEAM
+from scaloft_fi.outside.border import BORDERS
 from scaloft_fi.outside.ports import PORTS
 from scaloft_fi.stack.declaration import Declaration
 from scaloft_fi.stack.seam import Seam
@@ -48,6 +50,38 @@ class Text:
 
 
 @dataclass(frozen=True)
+class Relay:
+    """A relay between two topics of the simulator, through the tap of a seam.
+
+    Attributes:
+        source, to: the topic that it reads, and the one that it writes.
+        border: name of the border over which both go.
+        type, frame, qos, fields: of both topics; see `border.Topic`.
+    """
+
+    source: str
+    to: str
+    border: str
+    type: str = ""
+    frame: str = ""
+    qos: Mapping[str, Any] = field(default_factory=dict)
+    fields: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Offer:
+    """A seam that the matrix may use.
+
+    Attributes:
+        port: the port whose message it has; "" = as the stack declares the seam.
+        relay: the relay that carries its samples; None = the simulator injects the fault itself.
+    """
+
+    port: str = ""
+    relay: Relay | None = None
+
+
+@dataclass(frozen=True)
 class FlightCommand:
     """A command that flies one flight.
 
@@ -59,7 +93,8 @@ class FlightCommand:
         mission_s: time limit of a flight [s, simulated]; None = that of its situation.
         deterministic: whether two flights of the same subject, situation and seed are the same.
         inputs: files of the study that decide what is flown, beside `sim/`.
-        seams: by name of a seam that the matrix may use, the port whose message it has; "" = as the stack declares it.
+        seams: the seams that the matrix may use, by name.
+        place: where these stand, for errors.
     """
 
     run: tuple[Text, ...]
@@ -69,7 +104,7 @@ class FlightCommand:
     mission_s: float | None = None
     deterministic: bool = False
     inputs: tuple[str, ...] = ()
-    seams: Mapping[str, str] = field(default_factory=dict)
+    seams: Mapping[str, Offer] = field(default_factory=dict)
     place: str = ""
 
     def declared(self, stack: Declaration) -> Declaration:
@@ -79,11 +114,11 @@ class FlightCommand:
             InputError: a seam is not one of the stack's and has no port.
         """
         seams: dict[str, Seam] = {}
-        for name, port in self.seams.items():
+        for name, offer in self.seams.items():
             if name == EVERY:
                 seams |= stack.by_name
-            elif port:
-                offered = PORTS[port]
+            elif offer.port:
+                offered = PORTS[offer.port]
                 seams[name] = Seam(name, offered.message, offered.rate_hz, offered.meaning, units=offered.units)
             elif name in stack.by_name:
                 seams[name] = stack.by_name[name]
@@ -98,6 +133,15 @@ class FlightCommand:
             canaries=canaries,
             deterministic=self.deterministic,
         )
+
+    @property
+    def relays(self) -> Mapping[str, Relay]:
+        """The relays by name of their seam."""
+        return {name: offer.relay for name, offer in self.seams.items() if offer.relay}
+
+    def injects(self, seam: str) -> bool:
+        """Whether the simulator injects the faults of a seam itself."""
+        return len(self.relays) < len(self.seams) if seam == EVERY_SEAM else seam not in self.relays
 
 
 def load_command(path: Path) -> FlightCommand:
@@ -150,13 +194,29 @@ def _inside(item: Item) -> str:
     return path.as_posix()
 
 
-def _seam(name: str, item: Item) -> str:
-    """The port of a seam, "" without one."""
-    parameter, message = item.get("parameter"), item.get("message")
-    if parameter is None or not parameter.flag():
-        raise item.error("{parameter: true}: the command gets the fault in {fault} and injects it itself")
+def _seam(name: str, item: Item) -> Offer:
+    parameter, relay, message = item.get("parameter"), item.get("relay"), item.get("message")
+    if (parameter is None) == (relay is None) or (parameter is not None and not parameter.flag()):
+        raise item.error("{parameter: true}, so that the command gets the fault in {fault}, or {relay: {...}}")
     port = message.choice(list(PORTS)) if message else ""
-    if port and name == EVERY:
-        raise item.error("without message: it stands for the seams of the stack")
+    if name == EVERY and (port or relay):
+        raise item.error("{parameter: true}: it stands for the seams of the stack")
     item.close()
-    return port
+    return Offer(port, _relay(relay) if relay else None)
+
+
+def _relay(item: Item) -> Relay:
+    kind, frame, qos, fields = (item.get(key) for key in ("type", "frame", "qos", "fields"))
+    relay = Relay(
+        source=item.need("from").text(),
+        to=item.need("to").text(),
+        border=item.need("border").choice(list(BORDERS)),
+        type=kind.text() if kind else "",
+        frame=frame.text() if frame else "",
+        qos={key: entry.plain() for key, entry in qos.mapping(most=MOST).items()} if qos else {},
+        fields={key: entry.text() for key, entry in fields.mapping(most=MOST).items()} if fields else {},
+    )
+    if relay.source == relay.to:
+        raise item.error("between two topics: to= must not be from=")
+    item.close()
+    return relay

@@ -20,6 +20,7 @@ from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.outside.command import FAULT, FLIGHT_FOLDER, PYTHON, RECORD, SEED, SITUATION, STUDY, FlightCommand
 from scaloft_fi.outside.command_run import CommandError, Told, run_command
 from scaloft_fi.outside.records.recorded import RecordCount, flight_log
+from scaloft_fi.outside.relay import Relays
 from scaloft_fi.sim.log import Count, FlightLog
 from scaloft_fi.sim.patch import leaves
 from scaloft_fi.sim.signals import CLEARANCE_CAP_M, FAR_M
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from scaloft_fi.outside.records.derived import Known
     from scaloft_fi.outside.records.record_map import RecordMap
     from scaloft_fi.sim.situation import Situation
+    from scaloft_fi.stack.seam import Wire
     from scaloft_fi.study import Study
 
 TRACK = {"speed_mps": "the track of a flight"}
@@ -36,13 +38,22 @@ FAR: Mapping[str, float] = {"clearance_m": CLEARANCE_CAP_M, "person_sight_m": FA
 """What the track says where neither the record nor a requirement has the signal: that nothing is near."""
 
 
-def command_log(study: Study, command: FlightCommand, flight: Flight) -> FlightLog:
-    """Run the command, and read its record.
+def command_log(study: Study, command: FlightCommand, flight: Flight, wire: Wire) -> FlightLog:
+    """Run the command, with its relays, and read its record.
+
+    Args:
+        study: the study.
+        command: its command.
+        flight: the flight.
+        wire: carries the samples of the relays.
 
     Raises:
+        BorderError: the command or a relay cannot be started, or a relay cannot carry what comes.
         CommandError: the command fails, or its record cannot be read.
         InputError: the command has a place for a value that there is not, or the mapping of its record is wrong.
     """
+    if flight.mutant is not None and flight.mutant.event and not command.injects(flight.mutant.seam):
+        raise CommandError(f"{flight.mutant.id} strikes at an event, and a relay is told of none")
     mapping, known = mapping_of(study), known_in(study, command, flight.situation)
     with tempfile.TemporaryDirectory(prefix="scaloft-fi-") as made:
         folder, beside = Path(made) / "flight", Path(made) / "beside"
@@ -51,12 +62,19 @@ def command_log(study: Study, command: FlightCommand, flight: Flight) -> FlightL
         values = values_of(study, flight, folder, command)
         words = [word.filled(values) for word in command.run]
         env = {name: text.filled(values) for name, text in command.env.items()}
-        told = run_command(words, env, study.folder.resolve(), command.limit_s, beside)
+        relays = Relays(command.relays, study.stack, wire, beside)
+        try:
+            env |= relays.open()
+            attend = relays.attend if command.relays else None
+            told = run_command(words, env, study.folder.resolve(), command.limit_s, beside, attend)
+        finally:
+            relays.close()
         try:
             log = _read(study, _record_in(folder, command), mapping, known)
         except InputError as error:
             raise CommandError(f"its record: {error}") from error
-    return replace(log, stack_error=told.stack_error, counts=_counts(flight, log.counts, told))
+    carried = getattr(wire, "counts", {}) if command.relays else {}
+    return replace(log, stack_error=told.stack_error, counts=_counts(command, flight, log.counts, carried, told))
 
 
 def known_in(study: Study, command: FlightCommand, situation: Situation) -> Known:
@@ -73,7 +91,8 @@ def needs_of(study: Study) -> Mapping[str, str]:
 def values_of(study: Study, flight: Flight, folder: Path, command: FlightCommand) -> dict[str, Any]:
     """The values that a command may ask for: of the flight, of its axes, and of the documents of its situation."""
     situation, grid = flight.situation, study.grid
-    fault = None if flight.mutant is None else flight.mutant.to_json()
+    mutant = flight.mutant
+    fault = mutant.to_json() if mutant is not None and command.injects(mutant.seam) else None
     documents = grid.documents_with(grid.values(situation).values())
     plain = {f"{name}.{path}": item.value for name, item in documents.items() for path, item in leaves(item)}
     return {
@@ -111,17 +130,26 @@ def _read(study: Study, path: Path, mapping: RecordMap, known: Known) -> FlightL
     return replace(log, signals={**log.signals, **far})
 
 
-def _counts(flight: Flight, recorded: Mapping[str, Count], told: Told) -> Mapping[str, Count]:
-    """How many samples the fault altered, by the last line of output, else by the record.
+def _counts(
+    command: FlightCommand,
+    flight: Flight,
+    recorded: Mapping[str, Count],
+    relayed: Mapping[str, Count],
+    told: Told,
+) -> Mapping[str, Count]:
+    """How many samples the fault altered: by the relays, the last line of output, or else by the record.
 
     Raises:
-        CommandError: neither says it.
+        CommandError: the simulator injected the fault, and nothing says it.
     """
     if flight.mutant is None:
         return {}
+    seam = flight.mutant.seam
+    if not command.injects(seam):
+        return {name: count for name, count in relayed.items() if name in command.relays}
     if told.altered is not None:
         carried = max(told.carried or 0, told.altered)
-        return {flight.mutant.seam: RecordCount(carried, told.altered, told.first_altered_s)}
+        return {seam: RecordCount(carried, told.altered, told.first_altered_s)}
     if recorded or flight.mutant == PLACEBO:
         return recorded
     raise CommandError('neither a last line {"altered": COUNT} nor the record says how many samples the fault altered')

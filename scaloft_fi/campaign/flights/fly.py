@@ -28,7 +28,7 @@ def fly_log(study: Study, flight: Flight) -> FlightLog:
     """Fly one flight, by the command of the study where it has one; returns its log."""
     if study.command is not None:
         # by name: the keys of a study without a command leave out what reads its records
-        log: FlightLog = import_module(COMMANDED).command_log(study, study.command, flight)
+        log: FlightLog = import_module(COMMANDED).command_log(study, study.command, flight, wire_of(study, flight))
         return log
     from scaloft_fi.sim.flight import fly
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,8 @@ from scaloft_fi.campaign.store.held import flight_named
 from scaloft_fi.campaign.store.key import flight_key
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.mutants.mutant import PLACEBO, Mutant
+from scaloft_fi.outside.command_run import CommandError
 from scaloft_fi.study import Study
 
 ROOT = Path(__file__).parents[3]
@@ -191,3 +194,35 @@ def test_without_a_command_nothing_changes() -> None:
     study = Study.open(ROOT)
     assert study.command is None
     assert study.stack.deterministic
+
+
+RELAYED = """
+import json, sys
+from scaloft_fi.outside.client import connect
+situation, seed, fault, record, mass, level = sys.argv[1:]
+assert json.loads(fault) is None, "the relay injects it"
+border = connect(publishes=["/cmd_raw"])
+with open(record, "w") as file:
+    file.write("t,x,near,person\\n")
+    for i in range(60):
+        border.send("/cmd_raw", {"velocity": [0.01, 0.0, 0.0], "turn_radps": 0.0})
+        message = next(message for message in border if message.get("topic") == "/cmd")
+        file.write(f"{i / 20},{i * message['data']['velocity'][0]},1,100\\n")
+"""
+
+
+def test_a_relay_carries_the_topic_of_a_seam_through_the_tap_of_the_mutant(folder: Path) -> None:
+    (folder / "fly.py").write_text(RELAYED)
+    relay = "{drive: {relay: {from: /cmd_raw, to: /cmd, border: lines}, message: velocity}}"
+    _edit(folder / "sim" / "flyer.yaml", "{every: {parameter: true}}", relay)
+    study = Study.open(folder)
+    Commanded().prepare(study, lambda _: None)
+    fast = Mutant("X", "X", "drive", "", 0.0, "drive", "scale", {"factor": 2.0, "field": "velocity"})
+    situation = study.grid.situations[0]
+    clean, faulty, placebo = (Commanded()(study, Flight(one, situation, 0)) for one in (None, fast, PLACEBO))
+    assert (clean.carried, clean.altered) == (0, 0)
+    assert (faulty.carried, faulty.altered) == (60, 60)
+    assert (placebo.carried, placebo.altered) == (60, 0)
+    assert clean.digest == placebo.digest != faulty.digest
+    with pytest.raises(CommandError, match="strikes at an event"):
+        Commanded()(study, Flight(replace(fast, event="contact"), situation, 0))
