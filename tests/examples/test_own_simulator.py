@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import re
+import shlex
+import shutil
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from plugins import call
 
 from scaloft_fi.campaign.flights.commanded import Commanded
 from scaloft_fi.campaign.flights.fly import fly_log, judged
 from scaloft_fi.campaign.store.held import flight_named
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.outside.command import load_command
+from scaloft_fi.outside.records.record_map import load_record_map
 from scaloft_fi.study import Study
 
 ROOT = Path(__file__).parents[2]
@@ -58,3 +65,33 @@ def test_its_verdicts_are_those_of_the_built_in_flyer(study: Study) -> None:
         assert (one.ending, one.struck, one.realised) == (other.ending, other.struck, other.realised)
         assert (one.carried, one.altered, one.infected_at_s) == (other.carried, other.altered, other.infected_at_s)
     assert [bool(outcome.first_violation) for outcome in theirs] == [True, False, True, True]
+
+
+@pytest.mark.parametrize(
+    ("guide", "key", "load"),
+    [
+        ("own_simulator", "flyer:", load_command),
+        ("judge", "signals:", load_record_map),
+    ],
+)
+def test_the_documents_of_the_guides_can_be_read(
+    guide: str, key: str, load: Callable[[Path], object], tmp_path: Path
+) -> None:
+    blocks = re.findall(r"^```yaml\n(.*?)^```$", (ROOT / "docs" / f"{guide}.md").read_text(), re.MULTILINE | re.DOTALL)
+    assert [key in block for block in blocks] == [True]
+    (tmp_path / "document.yaml").write_text(blocks[0])
+    load(tmp_path / "document.yaml")
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("guide", ["judge", "own_simulator"])
+def test_the_commands_of_the_guides_run(guide: str, tmp_path: Path) -> None:
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    for name in ("hazop", "mutants", "sim"):
+        shutil.copytree(ROOT / name, tmp_path / name)
+    commands = re.findall(r"^\$ (.*)$", (ROOT / "docs" / f"{guide}.md").read_text(), re.MULTILINE)
+    assert commands
+    for command in commands:
+        program, *words = shlex.split(command)
+        done = call(tmp_path, *(("-m", "scaloft_fi") if program == "scaloft-fi" else ()), *words, cwd=tmp_path)
+        assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"

@@ -65,7 +65,7 @@ def kind_of(path: Path) -> RecordKind:
     """
     ending = FOLDER if is_folder(path) else path.suffix.lower()
     if ending not in RECORDS:
-        endings = [name for name in RECORDS if name != FOLDER]
+        endings = sorted(name for name in RECORDS if name != FOLDER)
         hint = did_you_mean(ending, endings) if ending else f"; allowed: {', '.join(map(repr, endings))}"
         raise InputError(f"{path}: a record must end in one of the known endings, or be a folder of rosbag2{hint}")
     return RECORDS[ending]

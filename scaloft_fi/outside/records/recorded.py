@@ -105,7 +105,7 @@ def _direct(
     for name, by in needed.items():
         if lack := lacking(mapping, known, name):
             near = did_you_mean(name, kind.names(path))
-            raise InputError(f"{path}: {by} needs the signal {name!r}, and {lack}; in the record{near or ' is none'}")
+            raise InputError(f"{path}: {by} needs the signal {name!r}, and {lack}{near}")
     names = dict.fromkeys(name for name in (*needed, *wanted) if name in mapping.signals)
     for name in (*needed, *wanted, CLEARANCE, LANDED):
         if name in mapping.signals:

@@ -191,7 +191,7 @@ def test_a_mapping_may_name_only_signals_that_the_study_knows(tmp_path: Path) ->
 def test_only_known_endings_are_records(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"did you mean '\.mcap'"):
         kind_of(tmp_path / "flight.mcpa")
-    with pytest.raises(InputError, match=r"allowed: '\.csv'"):
+    with pytest.raises(InputError, match=r"allowed: '\.bag'"):
         kind_of(tmp_path / "flight")
 
 
@@ -214,3 +214,30 @@ def test_altered_samples_are_counted_from_the_record(tmp_path: Path) -> None:
     log = _table(tmp_path, text, "altered: {column: hit}\ncarried: {column: sent}")
     (count,) = log.counts.values()
     assert (count.altered, count.carried, count.first_altered_s) == (5, 9, 2.0)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_record_with_too_many_messages_is_refused(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in ("table", "messages", "mcap", "ulog"):
+        monkeypatch.setattr(f"scaloft_fi.outside.records.{module}.MOST_MESSAGES", 20)
+    write, words = KINDS[kind]
+    with pytest.raises(InputError, match=r"must have at most .* messages or rows"):
+        _log(write(tmp_path), records.mapping(tmp_path, *words))
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "csv"])
+def test_a_message_that_is_no_number_is_refused_with_its_place(
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(records, "CLEAR_M", np.where(np.arange(41) == 30, np.nan, 1.0))
+    write, words = KINDS[kind]
+    with pytest.raises(InputError, match=r"(message \d+ \(/clear\)|place at 4\.0+ s): signal 'clearance_m' .* is nan"):
+        _log(write(tmp_path), records.mapping(tmp_path, *words))
+
+
+def test_a_file_that_is_too_large_is_not_read(tmp_path: Path) -> None:
+    for name in ("large.csv", "large.mcap", "large.ulg", "large.bag"):
+        with (tmp_path / name).open("wb") as file:
+            file.truncate((1 << 30) + 1)
+        with pytest.raises(InputError, match="it is larger than"):
+            _log(tmp_path / name, records.mapping(tmp_path, *COLUMNS))
