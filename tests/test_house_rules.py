@@ -61,7 +61,7 @@ READERS = {
     "views/runs/installation.py": "/proc/meminfo",
 }
 """The modules that open files, and which."""
-NO_FILES = {"Study", "windows", "self.windows", "tarfile", "stream"}
+NO_FILES = {"Study", "border", "windows", "self.windows", "tarfile", "stream"}
 """What has a method `open` that opens no file that a user names."""
 
 

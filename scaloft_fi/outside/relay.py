@@ -54,7 +54,7 @@ class Relays:
     _began_s: float = 0.0
     _told_s: float = 0.0
 
-    def open(self) -> Mapping[str, str]:
+    def begin(self) -> Mapping[str, str]:
         """Open the borders; returns what the simulator needs in its environment to find them.
 
         Raises:

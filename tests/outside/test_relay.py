@@ -65,7 +65,7 @@ def _run(tmp_path: Path, stack: Declaration, wire: Wire, program: str = PROGRAM,
     beside.mkdir()
     relays = Relays(RELAY, stack, wire, folder)
     try:
-        env = relays.open()
+        env = relays.begin()
         return run_command([sys.executable, "-c", program], env, tmp_path, limit_s, beside, relays.attend)
     finally:
         relays.close()
@@ -107,5 +107,5 @@ def test_messages_that_come_faster_than_they_are_carried_are_not_lost_silently(
 def test_two_seams_may_have_relays_of_one_border(tmp_path: Path, stack: Declaration) -> None:
     two = replace(stack, seams=(*stack.seams, replace(stack.seams[0], name="second")), canaries=())
     relays = Relays({**RELAY, "second": Relay("/b_raw", "/b", "lines")}, two, PlainWire(), tmp_path)
-    assert len(relays.open()) == 1
+    assert len(relays.begin()) == 1
     relays.close()

@@ -64,7 +64,7 @@ def command_log(study: Study, command: FlightCommand, flight: Flight, wire: Wire
         env = {name: text.filled(values) for name, text in command.env.items()}
         relays = Relays(command.relays, study.stack, wire, beside)
         try:
-            env |= relays.open()
+            env |= relays.begin()
             attend = relays.attend if command.relays else None
             told = run_command(words, env, study.folder.resolve(), command.limit_s, beside, attend)
         finally:
