@@ -1,9 +1,10 @@
 """Own simulator by command: it must have the verdicts of the built-in flyer on the same flights.
 
-    python benchmarks/own_simulator.py [--jobs N]
+    python benchmarks/own_simulator.py [--record study|study_bag] [--jobs N]
 
 Flies 20 flights twice: with the built-in flyer, and with `examples/own_simulator`, a program that gets situation, seed
-and fault as words and writes a table, from which the flight is judged.  Exit code 1: a flight is judged differently.
+and fault as words and writes a table, or with `study_bag` a rosbag2, from which the flight is judged.  Exit code 1: a
+flight is judged differently.
 """
 
 from __future__ import annotations
@@ -76,11 +77,13 @@ def main() -> int:
     """Fly both ways, and compare."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--jobs", type=int, default=cores())
-    jobs = parser.parse_args().jobs
+    parser.add_argument("--record", choices=("study", "study_bag"), default="study")
+    options = parser.parse_args()
+    jobs = options.jobs
     ours = Study.open(ROOT)
     names = [f"{mutant}/{situation}/0" for mutant in MUTANTS for situation in SITUATIONS]
     with tempfile.TemporaryDirectory() as made:
-        subprocess.run([sys.executable, str(COPY), f"{made}/own"], cwd=ROOT, check=True)
+        subprocess.run([sys.executable, str(COPY), f"{made}/own", options.record], cwd=ROOT, check=True)
         theirs = flown(Study.open(Path(made) / "own"), Commanded(), names, jobs)
     built_in = flown(ours, Physics(), names, jobs)
     same = [name for name in names if verdict_of(built_in[name]) == verdict_of(theirs[name])]

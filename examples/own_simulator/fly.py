@@ -1,10 +1,10 @@
 """A simulator of somebody else's: it flies one flight, injects the fault that it is told, and writes a table.
 
-python fly.py --world FOLDER --situation KEY --seed N --fault JSON --record FILE.csv
+python fly.py --world FOLDER --situation KEY --seed N --fault JSON --record FILE
 
 Behind it is the simulator of this project, so that its verdicts can be held against those of the built-in flyer; but
 nothing goes between the two except these words, the table, and the last line of output.  Its table has columns, units
-and a clock of its own, which `sim/record.yaml` maps.
+and a clock of its own, which `sim/record.yaml` maps; a record whose name does not end in .csv is a folder of rosbag2.
 """
 
 import argparse
@@ -60,7 +60,12 @@ def main() -> None:
     study, fault = Study.open(words.world), json.loads(words.fault)
     mutant = Mutant.from_json(fault) if fault else None
     log = fly_log(study, Flight(mutant, study.grid.situation(words.situation), words.seed))
-    write(Path(words.record), log)
+    if words.record.endswith(".csv"):
+        write(Path(words.record), log)
+    else:
+        from bag import write_bag
+
+        write_bag(Path(words.record), log, COLUMNS)
     counts = log.counts.values()
     first = [count.first_altered_s for count in counts if count.first_altered_s is not None]
     told = {

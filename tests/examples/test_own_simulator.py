@@ -1,4 +1,4 @@
-"""The example of a simulator of one's own: flown by the command and judged from its table, as the built-in flyer."""
+"""The example of a simulator of one's own: flown by the command and judged from its record, as the built-in flyer."""
 
 from __future__ import annotations
 
@@ -30,15 +30,16 @@ FLIGHTS = (
 )
 
 
-@pytest.fixture(scope="module")
-def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
+@pytest.fixture(scope="module", params=["study", "study_bag"])
+def study(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Study:
+    """The study that records a table, and the one that records a rosbag2."""
     sys.path.insert(0, str(EXAMPLE))
     try:
         from copy_study import copy_study
     finally:
         sys.path.remove(str(EXAMPLE))
     folder = tmp_path_factory.mktemp("own") / "study"
-    copy_study(folder, ROOT)
+    copy_study(folder, ROOT, request.param)
     return Study.open(folder)
 
 

@@ -55,7 +55,7 @@ def command_log(study: Study, command: FlightCommand, flight: Flight, wire: Wire
     if flight.mutant is not None and flight.mutant.event and not command.injects(flight.mutant.seam):
         raise CommandError(f"{flight.mutant.id} strikes at an event, and a relay is told of none")
     mapping, known = mapping_of(study), known_in(study, command, flight.situation)
-    with tempfile.TemporaryDirectory(prefix="scaloft-fi-") as made:
+    with tempfile.TemporaryDirectory(prefix="scaloft-fi-", ignore_cleanup_errors=True) as made:
         folder, beside = Path(made) / "flight", Path(made) / "beside"
         folder.mkdir()
         beside.mkdir()
