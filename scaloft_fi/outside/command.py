@@ -69,6 +69,15 @@ class Relay:
 
 
 @dataclass(frozen=True)
+class ClockTopic:
+    """The topic on which the simulator tells its time.  type: of its messages; see `border.Topic`."""
+
+    name: str
+    border: str
+    type: str = ""
+
+
+@dataclass(frozen=True)
 class Offer:
     """A seam that the matrix may use.
 
@@ -94,6 +103,7 @@ class FlightCommand:
         deterministic: whether two flights of the same subject, situation and seed are the same.
         inputs: files of the study that decide what is flown, beside `sim/`.
         seams: the seams that the matrix may use, by name.
+        clock: the topic by whose time relays work; None = by the stamps of their messages.
         place: where these stand, for errors.
     """
 
@@ -105,6 +115,7 @@ class FlightCommand:
     deterministic: bool = False
     inputs: tuple[str, ...] = ()
     seams: Mapping[str, Offer] = field(default_factory=dict)
+    clock: ClockTopic | None = None
     place: str = ""
 
     def declared(self, stack: Declaration) -> Declaration:
@@ -156,7 +167,7 @@ def load_command(path: Path) -> FlightCommand:
     if not run:
         raise document.need("run").error("a list that begins with a program")
     env, mission, inputs = document.get("env"), document.get("mission_s"), document.get("inputs")
-    deterministic, seams = document.get("deterministic"), document.get("seams")
+    deterministic, seams, clock = document.get("deterministic"), document.get("seams"), document.get("clock")
     command = FlightCommand(
         run=run,
         record=_record(document.need("record")),
@@ -166,6 +177,7 @@ def load_command(path: Path) -> FlightCommand:
         deterministic=deterministic.flag() if deterministic else False,
         inputs=tuple(_inside(item) for item in inputs.items(most=MOST)) if inputs else (),
         seams={name: _seam(name, item) for name, item in seams.mapping(most=MOST).items()} if seams else {},
+        clock=_clock(clock) if clock else None,
         place=(seams or document).place,
     )
     document.close()
@@ -203,6 +215,15 @@ def _seam(name: str, item: Item) -> Offer:
         raise item.error("{parameter: true}: it stands for the seams of the stack")
     item.close()
     return Offer(port, _relay(relay) if relay else None)
+
+
+def _clock(item: Item) -> ClockTopic:
+    kind = item.get("type")
+    topic = ClockTopic(
+        item.need("topic").text(), item.need("border").choice(list(BORDERS)), kind.text() if kind else ""
+    )
+    item.close()
+    return topic
 
 
 def _relay(item: Item) -> Relay:

@@ -10,15 +10,23 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import NamedTuple
 
 from scaloft_fi.outside.border import BORDERS, Border, BorderError, Topic
-from scaloft_fi.outside.command import Relay
+from scaloft_fi.outside.command import ClockTopic, Relay
 from scaloft_fi.stack.declaration import Declaration
+from scaloft_fi.stack.fields import Stamp
 from scaloft_fi.stack.seam import Seam, Wire
 
 CLOCK_S = 0.05
 """How often a border is told the time [s, wall]."""
-_RAW = "_raw"
+_RAW, _CLOCK = "_raw", "_clock"
+
+
+class Tick(NamedTuple):
+    """The simulated time."""
+
+    stamp_s: Stamp
 
 
 @dataclass
@@ -35,22 +43,26 @@ class Relays:
     """All relays of one flight.
 
     A seam is polled whenever a message comes, and at its rate while none comes, so that a late sample can be delivered.
-    Time is that of the stamps of the messages since the first one, and passes as the wall clock between them.
+    Time is that of the simulator's clock since it was first told; without a clock that of the stamps of the messages
+    since the first one, and it passes as the wall clock between them.
 
     Attributes:
         relays: by name of the seam.
         stack: declares the seams.
         wire: carries the samples.
         folder: empty, for the borders.
+        clock: the topic of the simulator's clock; None without one.
     """
 
     relays: Mapping[str, Relay]
     stack: Declaration
     wire: Wire
     folder: Path
+    clock: ClockTopic | None = None
     _borders: dict[str, Border] = field(default_factory=dict)
     _lines: dict[str, _Line] = field(default_factory=dict)
     _first_stamp_s: float | None = None
+    _clock_s: float = 0.0
     _began_s: float = 0.0
     _told_s: float = 0.0
 
@@ -62,12 +74,15 @@ class Relays:
         """
         self._began_s = time.monotonic()
         environment: dict[str, str] = {}
-        for name in dict.fromkeys(relay.border for relay in self.relays.values()):
+        clocks = [self.clock.border] if self.clock and self.relays else []
+        for name in dict.fromkeys([*(relay.border for relay in self.relays.values()), *clocks]):
             folder = self.folder / name
             folder.mkdir()
             topics = [
                 topic for seam, relay in self.relays.items() if relay.border == name for topic in self._pair(seam)
             ]
+            if self.clock and self.clock.border == name:
+                topics.append(Topic(_CLOCK, self.clock.name, Tick, outward=False, type=self.clock.type))
             border = BORDERS[name](topics, folder)
             self._borders[name] = border
             border.open()
@@ -96,6 +111,8 @@ class Relays:
             BorderError: a message does not fit its seam, or messages came faster than they can be carried.
         """
         now_s = time.monotonic()
+        if self.clock:
+            self._hear(self._borders[self.clock.border], self.clock.name)
         for name, relay in self.relays.items():
             border, line = self._borders[relay.border], self._lines[name]
             arrival = border.take(name + _RAW)
@@ -105,7 +122,8 @@ class Relays:
                 raise BorderError(
                     f"the relay of seam {name!r} lost {arrival.count - 1} messages, which came all at once"
                 )
-            if arrival.sample is None and now_s - line.polled_s < 1.0 / line.seam.rate_hz:
+            since_s = self._clock_s - line.t_s if self.clock else now_s - line.polled_s
+            if arrival.sample is None and since_s < 1.0 / line.seam.rate_hz:
                 continue
             line.t_s = max(line.t_s, self._time(line, arrival.sample, now_s))
             line.polled_s = now_s
@@ -117,8 +135,20 @@ class Relays:
             for border in self._borders.values():
                 border.clock(max(line.t_s for line in self._lines.values()))
 
+    def _hear(self, border: Border, name: str) -> None:
+        """Take the simulator's time, if it was told."""
+        arrival = border.take(_CLOCK)
+        if arrival.refused:
+            raise BorderError(f"the relays cannot read the clock {name}: {arrival.refused}")
+        if arrival.sample is not None:
+            if self._first_stamp_s is None:
+                self._first_stamp_s = float(arrival.sample.stamp_s)
+            self._clock_s = float(arrival.sample.stamp_s) - self._first_stamp_s
+
     def _time(self, line: _Line, sample: object, now_s: float) -> float:
         """The time of a poll since the first message, or since the borders were opened [s]."""
+        if self.clock:
+            return self._clock_s
         stamp_s = getattr(sample, "stamp_s", None)
         if isinstance(stamp_s, int | float):
             if self._first_stamp_s is None:

@@ -12,7 +12,7 @@ from scaloft_fi.mutants.facts import Facts
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.wire import TappedWire, contexts, wire_for
 from scaloft_fi.outside.border import BorderError
-from scaloft_fi.outside.command import Relay, load_command
+from scaloft_fi.outside.command import ClockTopic, Relay, load_command
 from scaloft_fi.outside.command_run import Told, run_command
 from scaloft_fi.outside.relay import Relays
 from scaloft_fi.stack.declaration import Declaration
@@ -109,3 +109,34 @@ def test_two_seams_may_have_relays_of_one_border(tmp_path: Path, stack: Declarat
     relays = Relays({**RELAY, "second": Relay("/b_raw", "/b", "lines")}, two, PlainWire(), tmp_path)
     assert len(relays.begin()) == 1
     relays.close()
+
+
+def test_time_is_that_of_the_simulators_clock(tmp_path: Path, stack: Declaration) -> None:
+    """A delay of 60 s lasts as long as the simulator takes for them, which is no time here."""
+    program = """
+import json
+from scaloft_fi.outside.client import connect
+border = connect(publishes=["/cmd_raw", "/time"])
+messages = (message for message in border if message.get("topic") == "/cmd")
+def tick(t_s):
+    border.send("/time", {"stamp_s": t_s})
+tick(100.0)
+border.send("/cmd_raw", {"velocity": [7.0, 0.0, 0.0], "turn_radps": 0.0})
+import time
+time.sleep(0.1)
+tick(159.0)
+time.sleep(0.3)
+tick(160.1)
+print(json.dumps({"altered": int(next(messages)["data"]["velocity"][0])}))
+"""
+    folder, beside = tmp_path / "borders", tmp_path / "beside"
+    folder.mkdir()
+    beside.mkdir()
+    wire = _wire(stack, "delay", delay_s=60.0)
+    relays = Relays(RELAY, stack, wire, folder, ClockTopic("/time", "lines"))
+    try:
+        env = relays.begin()
+        told = run_command([sys.executable, "-c", program], env, tmp_path, 10.0, beside, relays.attend)
+    finally:
+        relays.close()
+    assert told.altered == 7

@@ -62,7 +62,7 @@ def command_log(study: Study, command: FlightCommand, flight: Flight, wire: Wire
         values = values_of(study, flight, folder, command)
         words = [word.filled(values) for word in command.run]
         env = {name: text.filled(values) for name, text in command.env.items()}
-        relays = Relays(command.relays, study.stack, wire, beside)
+        relays = Relays(command.relays, study.stack, wire, beside, command.clock)
         try:
             env |= relays.begin()
             attend = relays.attend if command.relays else None
