@@ -6,12 +6,12 @@ It shows what the way over the border costs, and that the border changes no verd
 import json
 from dataclasses import replace
 
+from planner import Planner
+
 from scaloft_fi.api import declare_stack
 from scaloft_fi.outside.declaration import OUTSIDE, seams_of, shaped
-from scaloft_fi.outside.ports import PORTS, Land, Motion
+from scaloft_fi.outside.ports import Land, Motion
 from scaloft_fi.outside.stack import DeclaredWire, VelocityStack, words_of
-
-from planner import Planner
 
 
 class Round:
@@ -26,7 +26,9 @@ class Round:
 
     def tick(self, now_s, offered):
         """Hand what is offered to the planner, and return its orders."""
-        came = {port: self.wire.cross(name, now_s, offered[port]) for port, name in self.seams.items() if port in offered}
+        came = {
+            port: self.wire.cross(name, now_s, offered[port]) for port, name in self.seams.items() if port in offered
+        }
         planner, pose = self.planner, came["odometry"]
         if pose is not None:
             planner.odometry(pose.position, pose.yaw_rad)
@@ -50,6 +52,7 @@ class Round:
 
 
 def make(task, wire):
+    """The stack of one flight."""
     declared = DeclaredWire(wire, [seam.name for seam in seams_of(task.settings)])
     return VelocityStack(task, declared, Round(task.settings, declared, words_of(task)))
 
@@ -60,6 +63,8 @@ declare_stack(
         name="planner_inside",
         make=make,
         rehearse=None,
-        shape=lambda settings: replace(shaped(settings), name="planner_inside", make=make, rehearse=None, forks=True, deterministic=True),
+        shape=lambda settings: replace(
+            shaped(settings), name="planner_inside", make=make, rehearse=None, forks=True, deterministic=True
+        ),
     )
 )

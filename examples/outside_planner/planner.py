@@ -1,4 +1,4 @@
-"""A simple planner: turns towards the next waypoint, flies to it around what it has seen, lands at the end of the route.
+"""A simple planner: turns to the next waypoint, flies to it around what it has seen, lands at the end of the route.
 
 It knows nothing of how its messages travel: `over_lines.py` and `over_ros2.py` run it in a process of its own, and
 `inside.py` runs it in the process of the flight.
