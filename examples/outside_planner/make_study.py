@@ -2,7 +2,7 @@
 
 python make_study.py FOLDER [BORDER]
 
-BORDER is `lines` (the default), `ros2`, or `inside`: the same planner in the process of the flight.
+BORDER is `lines` (the default) or `inside`: the same planner in the process of the flight.
 """
 
 import shutil
@@ -13,7 +13,7 @@ from scaloft_fi.api import Study
 
 HERE = Path(__file__).parent
 SHARED = ("world.yaml", "vehicle.yaml", "sensors.yaml", "situations.yaml")
-PROGRAMS = {"lines": "over_lines.py", "ros2": "over_ros2.py"}
+PROGRAMS = {"lines": "over_lines.py"}
 
 
 def make_study(folder: Path, border: str = "lines", source: Path | None = None) -> None:
