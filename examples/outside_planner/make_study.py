@@ -2,7 +2,7 @@
 
 python make_study.py FOLDER [BORDER]
 
-BORDER is `lines` (the default) or `inside`: the same planner in the process of the flight.
+BORDER is `lines` (the default), `ros2`, or `inside`: the same planner in the process of the flight.
 """
 
 import shutil
@@ -13,7 +13,9 @@ from scaloft_fi.api import Study
 
 HERE = Path(__file__).parent
 SHARED = ("world.yaml", "vehicle.yaml", "sensors.yaml", "situations.yaml")
-PROGRAMS = {"lines": "over_lines.py"}
+PROGRAMS = {"lines": "over_lines.py", "ros2": "over_ros2.py"}
+
+DETERMINISTIC = "deterministic: true        # in lock step, and the planner draws no random numbers"
 
 
 def make_study(folder: Path, border: str = "lines", source: Path | None = None) -> None:
@@ -29,6 +31,8 @@ def make_study(folder: Path, border: str = "lines", source: Path | None = None) 
         text = text.replace("name: outside", "name: planner_inside")
     else:
         text = text.replace("border: lines", f"border: {border}").replace("over_lines.py", PROGRAMS[border])
+    if border == "ros2":
+        text = text.replace(DETERMINISTIC, "deterministic: false")
     settings.write_text(text)
 
 

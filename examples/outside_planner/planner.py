@@ -1,7 +1,7 @@
 """A simple planner: turns to the next waypoint, flies to it around what it has seen, lands at the end of the route.
 
-It knows nothing of how its messages travel: `over_lines.py` runs it in a process of its own, and `inside.py` in that of
-the flight.
+It knows nothing of how its messages travel: `over_lines.py` and `over_ros2.py` run it in a process of its own, and
+`inside.py` in that of the flight.
 """
 
 import math

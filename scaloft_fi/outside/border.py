@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
@@ -107,10 +107,27 @@ class Border(Protocol):
         ...
 
 
-MakeBorder = Callable[[Sequence[Topic], Path], Border]
-"""(topics, an empty private folder of the flight) -> border, not open yet."""
+class BorderKind(Protocol):
+    """A kind of border, usually its class."""
 
-BORDERS = Registry[MakeBorder]("border")
+    def __call__(self, topics: Sequence[Topic], folder: Path, /) -> Border:
+        """A border, not open yet; `folder` is empty and private to the flight."""
+        ...
+
+    def misfit(self, topic: Topic, /) -> str:
+        """What of a topic's settings it cannot carry, in words; "" if all of it.  It needs no other software."""
+        ...
+
+    def load(self) -> None:
+        """Import what it needs.
+
+        Raises:
+            InputError: something is missing; the sentence says how to get it.
+        """
+        ...
+
+
+BORDERS = Registry[BorderKind]("border")
 BORDERS.promise("lines", "scaloft_fi.outside.lines:LinesBorder")
 BORDERS.promise("ros2", "scaloft_fi.outside.ros2:Ros2Border")
 BORDERS.promise("ros1", "scaloft_fi.outside.ros1:Ros1Border")

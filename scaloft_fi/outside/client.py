@@ -1,11 +1,13 @@
 """For a program outside: talk to a flight over the border `lines`, with nothing but the standard library.
 
-from scaloft_fi.outside.client import connect
+    from scaloft_fi.outside.client import connect
 
-border = connect(publishes=["/cmd_vel"])
-for message in border:
-if "clock" in message:
-border.send("/cmd_vel", {"velocity": [0.5, 0.0, 0.0], "turn_radps": 0.0})
+    border = connect(publishes=["/cmd_vel"])
+    for message in border:
+        if "clock" in message:
+            border.send("/cmd_vel", {"velocity": [0.5, 0.0, 0.0], "turn_radps": 0.0})
+
+A message has `topic`, `t_s` and `data`; the last one of a tick has `clock` alone.
 """
 
 from __future__ import annotations

@@ -88,6 +88,9 @@ def _make(task: Task, wire: Wire) -> Stack:
 
 
 def _rehearsed(task: Task, wire: Wire) -> Stack:
+    from scaloft_fi.outside.border import BORDERS
+
+    BORDERS[task.settings.border].load()
     return _stack(task, wire, None)
 
 

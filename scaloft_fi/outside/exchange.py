@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 import time
 from collections.abc import Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 from shutil import rmtree
@@ -70,19 +71,20 @@ class Exchange:
         Raises:
             BorderError: they did not come up.
         """
-        folder = Path(tempfile.mkdtemp(prefix="scaloft-"))
-        border = BORDERS[config.border]([seam.as_topic(name) for name, seam in config.seams.items()], folder)
-        processes = Processes(
-            [process.command(words) for process in config.processes], study, border.environment, folder
-        )
-        exchange = cls(config, wire, border, processes, folder)
-        try:
+        topics = [seam.as_topic(name) for name, seam in config.seams.items()]
+        commands = [process.command(words) for process in config.processes]
+        with ExitStack() as undo:
+            folder = Path(tempfile.mkdtemp(prefix="scaloft-"))
+            undo.callback(rmtree, folder, ignore_errors=True)
+            border = BORDERS[config.border](topics, folder)
+            undo.callback(border.close)
             border.open()
+            processes = Processes(commands, study, border.environment, folder)
+            undo.callback(processes.stop)
             processes.start()
+            exchange = cls(config, wire, border, processes, folder)
             exchange._await_others()
-        except BaseException:
-            exchange.close()
-            raise
+            undo.pop_all()
         return exchange
 
     def _await_others(self) -> None:

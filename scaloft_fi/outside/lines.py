@@ -21,13 +21,14 @@ import socket
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from scaloft_fi.inert import line as inert
 from scaloft_fi.outside.border import Arrival, BorderError, Topic
 from scaloft_fi.outside.client import VARIABLE
+from scaloft_fi.outside.inbox import AHEAD_S, Inbox
 from scaloft_fi.outside.paths import given, taken
 from scaloft_fi.outside.plain import MisfitError, from_plain, to_plain
 
@@ -36,8 +37,6 @@ LONGEST_LINE = 1 << 20
 MOST_READ = 4 << 20
 """Most bytes that are read of one process in a tick."""
 MOST_PROCESSES = 16
-AHEAD_S = 0.1
-"""A message may be stamped this much later than the flight's clock [s]."""
 STALL_S = 10.0
 """How long a process may leave its messages unread before it counts as gone [s, wall]."""
 
@@ -52,17 +51,6 @@ class _Peer:
     read: int = 0
 
 
-@dataclass
-class _Inbox:
-    """What came over an inward topic since it was last taken; `fresh`: something came since the last clock."""
-
-    topic: Topic
-    sample: Any | None = None
-    count: int = 0
-    refused: str = ""
-    fresh: bool = False
-
-
 @dataclass(eq=False)
 class LinesBorder:
     """A border over a Unix socket."""
@@ -75,9 +63,19 @@ class LinesBorder:
 
     def __post_init__(self) -> None:
         self._outward = {topic.seam: topic for topic in self.topics if topic.outward}
-        self._inbox = {topic.seam: _Inbox(topic) for topic in self.topics if not topic.outward}
+        self._inbox = {topic.seam: Inbox(topic) for topic in self.topics if not topic.outward}
         self._by_name = {topic.name: self._inbox[topic.seam] for topic in self.topics if not topic.outward}
         self._strange = ""
+
+    @staticmethod
+    def misfit(topic: Topic) -> str:
+        """What of a topic's settings JSON lines cannot carry; "" if all of it."""
+        unused = [name for name, value in (("type", topic.type), ("qos", topic.qos)) if value]
+        return f"{unused[0]} is nothing that border=lines has" if unused else ""
+
+    @staticmethod
+    def load() -> None:
+        """Nothing: it needs no other software."""
 
     @property
     def _path(self) -> Path:
@@ -125,7 +123,7 @@ class LinesBorder:
         for peer in self._peers:
             peer.read = 0
         for box in self._inbox.values():
-            box.fresh = False
+            box.begin_tick()
         self._write({"clock": t_s})
 
     def wait(self, seam: str, within_s: float) -> bool:
@@ -139,11 +137,9 @@ class LinesBorder:
     def take(self, seam: str) -> Arrival:
         """What came, the newest sample last."""
         self._receive(0.0)
-        box = self._inbox[seam]
-        refused, self._strange = box.refused or self._strange, ""
-        arrival = Arrival(box.sample, box.count, refused)
-        box.sample, box.count, box.refused = None, 0, ""
-        return arrival
+        arrival, strange = self._inbox[seam].take(), self._strange
+        self._strange = ""
+        return replace(arrival, refused=arrival.refused or strange)
 
     def close(self) -> None:
         """Close the socket."""
@@ -224,7 +220,7 @@ class LinesBorder:
                 raise MisfitError(f"stamp_s={stamp_s!r} is later than the clock, {self._clock_s:g}")
             box.sample = from_plain(box.topic.message, taken(message.get("data"), box.topic.fields))
         except (MisfitError, TypeError) as error:
-            box.refused = box.refused or f"{name}: {inert(str(error))[:300]}"
+            box.refuse(str(error))
             return
         box.fresh = True
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 from scaloft_fi.outside.plain import MisfitError
@@ -77,9 +77,38 @@ def taken(message: Any, fields: Mapping[str, str]) -> Any:
         if factor != 1.0:
             if isinstance(value, bool) or not isinstance(value, int | float):
                 raise MisfitError(f"{theirs} must be a number")
-            value = value / factor
+            value = _divided(theirs, value, factor)
         if way[-1] in AXES and len(way) == 2:
             plain.setdefault(way[0], [0.0, 0.0, 0.0])[AXES[way[-1]]] = value
         else:
             plain[way[0]] = value
+    return plain
+
+
+def _divided(path: str, value: float, factor: float) -> float:
+    try:
+        return value / factor
+    except OverflowError:
+        raise MisfitError(f"{path} is too large") from None
+
+
+def picked(message: object, paths: Iterable[str]) -> Any:
+    """The attributes of a message that stand at these paths, as nested mappings; what is missing is left out.
+
+    >>> from types import SimpleNamespace
+    >>> picked(SimpleNamespace(linear=SimpleNamespace(x=1.0, y=2.0)), ["linear.x", "angular.z"])
+    {'linear': {'x': 1.0}}
+    """
+    plain: dict[str, Any] = {}
+    for path in paths:
+        value: Any = message
+        for key in path.split("."):
+            value = getattr(value, key, None)
+        if value is None:
+            continue
+        *parents, last = path.split(".")
+        place = plain
+        for parent in parents:
+            place = place.setdefault(parent, {})
+        place[last] = value
     return plain

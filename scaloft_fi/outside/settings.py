@@ -121,6 +121,9 @@ class OutsideConfig:
             raise ConfigError("stack.seams", "must have a seam")
         for name, seam in self.seams.items():
             self._check_seam(f"seams.{name}", seam)
+            misfit = BORDERS[self.border].misfit(seam.as_topic(name))
+            if misfit:
+                raise ConfigError(f"stack.seams.{name}", misfit)
         ports = [seam.carries for seam in self.seams.values()]
         if BELOW[self.below][0] not in ports:
             allowed = f"needs a seam that carries {BELOW[self.below][0]!r}, because below={self.below!r}"

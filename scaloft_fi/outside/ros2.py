@@ -1,0 +1,315 @@
+"""The border `ros2`: the topics of ROS 2, in a domain that no other flight has, over this machine's loopback.
+
+It needs `rclpy`, from the environment that was sourced or from `pip install 'scaloft-fi[ros2]'`.  Simulated time goes
+out on `/clock`, last in a tick.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.inert import line as inert
+from scaloft_fi.output import write_whole
+from scaloft_fi.outside.border import Arrival, BorderError, Topic
+from scaloft_fi.outside.domains import Domain, take_domain
+from scaloft_fi.outside.inbox import AHEAD_S, Inbox
+from scaloft_fi.outside.paths import picked, taken
+from scaloft_fi.outside.plain import MisfitError, from_plain
+from scaloft_fi.outside.ros_messages import Layout, layout_of
+
+LARGEST_MESSAGE = 1 << 20
+"""Most bytes of a message that comes in."""
+MOST_MESSAGES = 100
+"""Most messages that are read in a tick."""
+DEPTH = 10
+"""Usual number of messages that wait for a reader."""
+SETTLE_S = 0.2
+"""Time from when this side knows its other ends until they know it as well [s, wall]."""
+QOS: Mapping[str, Sequence[str]] = {
+    "reliability": ("reliable", "best_effort"),
+    "durability": ("volatile", "transient_local"),
+    "depth": (),
+}
+"""Qualities of service that a topic may name, and their values."""
+MOST_DEPTH = 1000
+CLOCK = "rosgraph_msgs/Clock"
+MISSING = "source your ROS 2 environment, or pip install 'scaloft-fi[ros2]'"
+PROFILE = """<?xml version="1.0" encoding="UTF-8"?>
+<dds xmlns="http://www.eprosima.com"><profiles>
+  <transport_descriptors><transport_descriptor>
+    <transport_id>loopback</transport_id><type>UDPv4</type>
+    <interfaceWhiteList><address>127.0.0.1</address></interfaceWhiteList>
+  </transport_descriptor></transport_descriptors>
+  <participant profile_name="flight" is_default_profile="true"><rtps>
+    <userTransports><transport_id>loopback</transport_id></userTransports>
+    <useBuiltinTransports>false</useBuiltinTransports>
+  </rtps></participant>
+</profiles></dds>
+"""
+"""Fast DDS listens on loopback only, and leaves nothing in shared memory."""
+OLDER = ("humble", "iron", "jazzy")
+"""Distributions of ROS 2 with a Fast DDS before release 3, which has another variable for its profiles."""
+
+
+@dataclass(eq=False)
+class Ros2Border:
+    """A border over topics of ROS 2."""
+
+    topics: Sequence[Topic]
+    folder: Path
+    _clock_s: float = 0.0
+    _met_s: float | None = None
+    _domain: Domain | None = None
+    _context: Any = None
+    _node: Any = None
+    _executor: Any = None
+    _clock: Any = None
+    _publishers: dict[str, Any] = field(default_factory=dict)
+    _subscriptions: dict[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self._layouts = {topic.seam: layout_of(topic) for topic in self.topics}
+        self._outward = {topic.seam: topic for topic in self.topics if topic.outward}
+        self._inbox = {topic.seam: Inbox(topic) for topic in self.topics if not topic.outward}
+
+    @staticmethod
+    def misfit(topic: Topic) -> str:
+        """What of a topic's settings ROS 2 cannot carry; "" if all of it."""
+        try:
+            layout_of(topic)
+        except ValueError as error:
+            return str(error)
+        for name, value in topic.qos.items():
+            if name not in QOS:
+                return f"qos.{name} is unknown{did_you_mean(name, QOS)}"
+            if QOS[name] and value not in QOS[name]:
+                return f"qos.{name}={value!r} must be {' or '.join(QOS[name])}"
+            if name == "depth" and (type(value) is not int or not 1 <= value <= MOST_DEPTH):
+                return f"qos.depth={value!r} must be a whole number, 1 to {MOST_DEPTH}"
+        return ""
+
+    @staticmethod
+    def load() -> None:
+        """Import `rclpy`.
+
+        Raises:
+            InputError: it is missing.
+        """
+        try:
+            importlib.import_module("rclpy")
+        except ImportError as error:
+            raise InputError(f"border=ros2 needs rclpy ({inert(str(error))[:200]}): {MISSING}") from error
+
+    @property
+    def environment(self) -> Mapping[str, str]:
+        """The domain of the flight, and loopback as its only network."""
+        assert self._domain is not None
+        own = {"ROS_DOMAIN_ID": str(self._domain.number), "ROS_LOG_DIR": str(self.folder / "ros_log")}
+        if os.environ.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp") != "rmw_fastrtps_cpp":
+            return own | {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+        own["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SUBNET"  # the profile limits it; LOCALHOST would add other listeners
+        fast_dds = "FASTRTPS" if os.environ.get("ROS_DISTRO") in OLDER else "FASTDDS"
+        return own | {f"{fast_dds}_DEFAULT_PROFILES_FILE": str(self.folder / "profile.xml")}
+
+    def open(self) -> None:
+        """Join a domain of its own and open the topics.
+
+        Raises:
+            BorderError: no domain is free, or ROS 2 or a type of message is missing.
+        """
+        self._domain = take_domain()
+        if self._domain is None:
+            raise BorderError("all domains of ROS 2 on this machine are in use")
+        write_whole(self.folder / "profile.xml", PROFILE.encode())
+        os.environ.update(self.environment)
+        try:
+            import rclpy
+            from rclpy.signals import SignalHandlerOptions
+
+            self._context = rclpy.Context()
+            rclpy.init(
+                context=self._context,
+                domain_id=self._domain.number,
+                signal_handler_options=SignalHandlerOptions.NO,
+            )
+            self._node = rclpy.create_node("scaloft_fi", context=self._context, start_parameter_services=False)
+            self._executor = rclpy.executors.SingleThreadedExecutor(context=self._context)
+            self._executor.add_node(self._node)
+            self._open_topics()
+        except ImportError as error:
+            raise BorderError(f"ROS 2 lacks {inert(str(error))[:200]}: {MISSING}") from error
+        except RuntimeError as error:  # of the middleware
+            raise BorderError(f"ROS 2: {inert(str(error))[:300]}") from error
+
+    def _open_topics(self) -> None:
+        for topic in self.topics:
+            type_, qos = message_class(self._layouts[topic.seam].type), _profile(topic)
+            if topic.outward:
+                self._publishers[topic.seam] = self._node.create_publisher(type_, topic.name, qos)
+            else:
+                come = partial(self._come, self._inbox[topic.seam], self._layouts[topic.seam], type_)
+                one = self._node.create_subscription(type_, topic.name, come, qos, raw=True)
+                self._subscriptions[topic.seam] = one
+        self._clock = self._node.create_publisher(message_class(CLOCK), "/clock", DEPTH)
+
+    def lacking(self) -> str:
+        """The topics that nobody subscribes to, or publishes; then, for a moment, that the other side looks for us."""
+        self._spin(0.0)
+        unread = [one.topic_name for one in self._publishers.values() if not one.get_subscription_count()]
+        unsent = [one.topic_name for one in self._subscriptions.values() if not one.get_publisher_count()]
+        said = [f"nobody subscribes to {', '.join(unread)}"] * bool(unread)
+        said += [f"nobody publishes {', '.join(unsent)}"] * bool(unsent)
+        if said:
+            self._met_s = None
+            return "; ".join(said)
+        now_s = time.monotonic()
+        self._met_s = now_s if self._met_s is None else self._met_s
+        return "a moment for the other side" if now_s - self._met_s < SETTLE_S else ""
+
+    def send(self, seam: str, t_s: float, sample: Any) -> None:
+        """Publish a sample, stamped with its own time where it has one."""
+        topic, layout, publisher = self._outward[seam], self._layouts[seam], self._publishers[seam]
+        assert layout.written is not None
+        message = publisher.msg_type()
+        if hasattr(message, "header"):
+            _set_time(message.header.stamp, float(getattr(sample, "stamp_s", t_s)))
+            message.header.frame_id = topic.frame or layout.frame
+        fill(message, layout.written(sample))
+        publisher.publish(message)
+
+    def clock(self, t_s: float) -> None:
+        """Publish the time; what came before it answers no more."""
+        self._drain()
+        self._clock_s = t_s
+        for box in self._inbox.values():
+            box.begin_tick()
+        message = self._clock.msg_type()
+        _set_time(message.clock, t_s)
+        self._clock.publish(message)
+
+    def wait(self, seam: str, within_s: float) -> bool:
+        """Wait for a message; a refused one is none."""
+        box, due_s = self._inbox[seam], time.monotonic() + within_s
+        while not box.fresh and (left_s := due_s - time.monotonic()) > 0.0:
+            self._spin(left_s)
+        return box.fresh
+
+    def take(self, seam: str) -> Arrival:
+        """What came, the newest sample last."""
+        self._drain()
+        return self._inbox[seam].take()
+
+    def close(self) -> None:
+        """Leave the domain."""
+        if self._context is not None and self._context.ok():
+            if self._executor is not None:
+                self._executor.shutdown()
+            if self._node is not None:
+                self._node.destroy_node()
+            self._context.shutdown()
+        if self._domain is not None:
+            self._domain.close()
+            self._domain = None
+
+    def _spin(self, within_s: float) -> None:
+        """Let what has come be handled; wait for it at most `within_s` [s, wall]."""
+        self._executor.spin_once(timeout_sec=within_s)
+
+    def _drain(self) -> None:
+        """Handle what has come, at most `MOST_MESSAGES`."""
+        for _ in range(MOST_MESSAGES):
+            before = sum(box.count for box in self._inbox.values())
+            self._spin(0.0)
+            if sum(box.count for box in self._inbox.values()) == before:
+                return
+
+    def _come(self, box: Inbox, layout: Layout, type_: Any, raw: bytes) -> None:
+        """Take a message of an inward topic."""
+        from rclpy.serialization import deserialize_message
+
+        box.count += 1
+        try:
+            if len(raw) > LARGEST_MESSAGE:
+                raise MisfitError(f"a message of {len(raw):,} bytes, of which {LARGEST_MESSAGE:,} are allowed")
+            message = deserialize_message(raw, type_)
+            box.sample = self._sample(box.topic, layout, message)
+            box.fresh = True
+        except (MisfitError, RuntimeError, TypeError, ValueError) as error:
+            box.refuse(str(error))
+
+    def _sample(self, topic: Topic, layout: Layout, message: Any) -> Any:
+        stamp_s = _time(message.header.stamp) if hasattr(message, "header") else 0.0
+        if stamp_s > self._clock_s + AHEAD_S:
+            raise MisfitError(f"its stamp, {stamp_s:g} s, is later than the clock, {self._clock_s:g}")
+        plain = {**layout.also, **taken(picked(message, layout.read), layout.read)}
+        if "stamp_s" in topic.message.__annotations__:
+            plain.setdefault("stamp_s", stamp_s or self._clock_s)
+        return from_plain(topic.message, plain)
+
+
+def message_class(name: str) -> Any:
+    """The class of a type of message, "nav_msgs/Odometry".
+
+    Raises:
+        ImportError: its package is missing, or has no such message.
+    """
+    package, _, kind = name.partition("/")
+    module = importlib.import_module(f"{package}.msg")
+    if not hasattr(module, kind):
+        raise ImportError(f"the message {kind!r} in {package}.msg")
+    return getattr(module, kind)
+
+
+def fill(message: Any, fields: Mapping[str, Any]) -> None:
+    """Set the fields of a message of ROS 2, nested ones and lists of messages included.
+
+    Numbers become of the field's own type.
+
+    Raises:
+        AttributeError: the message has no such field.
+    """
+    for name, value in fields.items():
+        held = getattr(message, name)
+        if isinstance(value, Mapping):
+            fill(held, value)
+        elif isinstance(value, list) and value and isinstance(value[0], Mapping):
+            setattr(message, name, [_element(message, name, entry) for entry in value])
+        elif isinstance(held, bool | int | float | str):
+            setattr(message, name, type(held)(value))
+        else:
+            setattr(message, name, value)
+
+
+def _element(message: Any, name: str, fields: Mapping[str, Any]) -> Any:
+    kind = message.get_fields_and_field_types()[name].removeprefix("sequence<").partition(">")[0].partition(",")[0]
+    one = message_class(kind)()
+    fill(one, fields)
+    return one
+
+
+def _set_time(stamp: Any, t_s: float) -> None:
+    whole = round(t_s * 1e9)
+    stamp.sec, stamp.nanosec = whole // 10**9, whole % 10**9
+
+
+def _time(stamp: Any) -> float:
+    return float(stamp.sec + stamp.nanosec * 1e-9)
+
+
+def _profile(topic: Topic) -> Any:
+    from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+    qos = topic.qos
+    return QoSProfile(
+        depth=qos.get("depth", DEPTH),
+        reliability=ReliabilityPolicy[str(qos.get("reliability", "reliable")).upper()],
+        durability=DurabilityPolicy[str(qos.get("durability", "volatile")).upper()],
+    )
