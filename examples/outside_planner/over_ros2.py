@@ -1,18 +1,19 @@
 """The planner as a node of ROS 2: over_ros2.py ROUTE ALTITUDE_M CRUISE_MPS SLOW_MPS.
 
-The clock comes last in a tick, and its subscription is the last one, so that whatever came before it is handled first.
+The clock comes last in a tick.  ROS 2 keeps no order between topics, so an answer waits until nothing else has come.
 """
 
 import json
 import sys
 from contextlib import suppress
+from functools import partial
 
 import numpy as np
 import rclpy
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from planner import Planner
-from rclpy.executors import ExternalShutdownException
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2
@@ -27,6 +28,8 @@ class PlannerNode(Node):
     def __init__(self, planner):
         super().__init__("planner")
         self.planner = planner
+        self.heard = 0
+        self.due = False
         self.velocity = self.create_publisher(Twist, "/cmd_vel", DEPTH)
         self.land = self.create_publisher(Empty, "/land", DEPTH)
         for type_, topic, take in (
@@ -34,9 +37,14 @@ class PlannerNode(Node):
             (CameraInfo, "/camera/info", self.camera),
             (Image, "/camera/depth", self.depth),
             (PointCloud2, "/persons", self.persons),
-            (Clock, "/clock", self.answer),
+            (Clock, "/clock", self.clock),
         ):
-            self.create_subscription(type_, topic, take, DEPTH)
+            self.create_subscription(type_, topic, partial(self.hear, take), DEPTH)
+
+    def hear(self, take, message):
+        """Take a message."""
+        self.heard += 1
+        take(message)
 
     def odometry(self, message):
         """Take the pose."""
@@ -59,8 +67,13 @@ class PlannerNode(Node):
         rows = np.frombuffer(message.data, "<f4").reshape(message.width, -1)
         self.planner.persons([(score, np.hypot(x, y)) for x, y, _, score in rows])
 
-    def answer(self, _clock):
+    def clock(self, _message):
+        """An answer is due."""
+        self.due = True
+
+    def answer(self):
         """Order a velocity in the world's frame."""
+        self.due = False
         velocity, turn_radps = self.planner.order()
         if self.planner.landing:
             self.land.publish(Empty())
@@ -74,7 +87,14 @@ def main(route, *numbers):
     """Run until the flight ends."""
     rclpy.init()
     with suppress(KeyboardInterrupt, ExternalShutdownException):
-        rclpy.spin(PlannerNode(Planner(json.loads(route), *map(float, numbers))))
+        node = PlannerNode(Planner(json.loads(route), *map(float, numbers)))
+        executor = SingleThreadedExecutor()
+        executor.add_node(node)
+        while True:
+            heard = node.heard
+            executor.spin_once(timeout_sec=0.0 if node.due else None)
+            if node.due and node.heard == heard:
+                node.answer()
 
 
 if __name__ == "__main__":
