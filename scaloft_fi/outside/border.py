@@ -118,8 +118,8 @@ class BorderKind(Protocol):
         """What of a topic's settings it cannot carry, in words; "" if all of it.  It needs no other software."""
         ...
 
-    def load(self) -> None:
-        """Import what it needs.
+    def need(self) -> None:
+        """Look for the software that it needs, without importing it.
 
         Raises:
             InputError: something is missing; the sentence says how to get it.

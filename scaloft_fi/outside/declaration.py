@@ -90,7 +90,7 @@ def _make(task: Task, wire: Wire) -> Stack:
 def _rehearsed(task: Task, wire: Wire) -> Stack:
     from scaloft_fi.outside.border import BORDERS
 
-    BORDERS[task.settings.border].load()
+    BORDERS[task.settings.border].need()
     return _stack(task, wire, None)
 
 

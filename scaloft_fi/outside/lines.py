@@ -74,8 +74,8 @@ class LinesBorder:
         return f"{unused[0]} is nothing that border=lines has" if unused else ""
 
     @staticmethod
-    def load() -> None:
-        """Nothing: it needs no other software."""
+    def need() -> None:
+        """It needs no other software."""
 
     @property
     def _path(self) -> Path:

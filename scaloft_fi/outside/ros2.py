@@ -7,6 +7,7 @@ out on `/clock`, last in a tick.
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import os
 import time
 from collections.abc import Mapping, Sequence
@@ -97,16 +98,14 @@ class Ros2Border:
         return ""
 
     @staticmethod
-    def load() -> None:
-        """Import `rclpy`.
+    def need() -> None:
+        """Look for `rclpy`, without importing it: it begins threads, and a process with threads cannot be forked.
 
         Raises:
             InputError: it is missing.
         """
-        try:
-            importlib.import_module("rclpy")
-        except ImportError as error:
-            raise InputError(f"border=ros2 needs rclpy ({inert(str(error))[:200]}): {MISSING}") from error
+        if importlib.util.find_spec("rclpy") is None:
+            raise InputError(f"border=ros2 needs rclpy: {MISSING}")
 
     @property
     def environment(self) -> Mapping[str, str]:

@@ -99,8 +99,9 @@ class Campaign:
 
     @property
     def _shares(self) -> bool:
-        """Whether mutants fly with their baseline, which a command cannot do."""
-        return self.options.share and self.study.command is None
+        """Whether mutants fly with their baseline, which needs a stack that forks and repeats its bits."""
+        stack = self.study.stack
+        return self.options.share and self.study.command is None and stack.forks and stack.deterministic
 
     def fly(self, flights: Iterable[Flight], arrange: Arrange | None = None) -> None:
         """Fly the `flights` that the store lacks, and the baselines that they share.
