@@ -10,6 +10,9 @@ from hypothesis import settings
 
 import scaloft_fi.mutants.reference  # noqa: F401 - a study that names the reference stack declares its operators so
 
+collect_ignore = ["support/ros2_border.py"]
+"""A program for a Python with ROS 2."""
+
 sys.path.insert(0, str(Path(__file__).parent / "support"))
 
 settings.register_profile("scaloft-fi", derandomize=True, deadline=None)

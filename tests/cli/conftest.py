@@ -84,5 +84,5 @@ def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, paper: Paper) -> Calla
 def copy(tmp_path: Path) -> Path:
     """A study of one's own: a copy of the reference study."""
     for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(STUDY / name, tmp_path / "study" / name)
+        shutil.copytree(STUDY / name, tmp_path / "study" / name, ignore=shutil.ignore_patterns("found.yaml"))
     return tmp_path / "study"

@@ -118,10 +118,12 @@ def test_another_status_beside_the_baseline_of_the_own_platform_is_named(replaye
         replayed.compared("2", replace(replayed.outcome, digest="clean 2"))
 
 
-def test_a_stack_that_is_not_deterministic_is_compared_in_facts(
+def test_replay_of_a_stack_that_is_not_deterministic_says_what_it_cannot_do_and_shows_the_record(
     replayed: _Replayed, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     declared = replace(replayed.study.stack, deterministic=False)
     monkeypatch.setitem(replayed.study.__dict__, "stack", declared)
     said = replayed.compared("1", replace(replayed.outcome, digest="other"))
-    assert "flown on the same platform, and the same status, ending and violations" in said
+    assert said.startswith("the stack is not deterministic, so this is another flight than that in ")
+    ending = Ending(replayed.outcome.ending).sentence
+    assert f"which {ending} after {replayed.outcome.duration_s:.2f} s: " in said

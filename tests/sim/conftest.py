@@ -21,7 +21,7 @@ def config() -> SimConfig:
 @pytest.fixture
 def study(tmp_path: Path) -> Path:
     """A copy of the reference study's `sim` folder."""
-    return Path(shutil.copytree(SIM, tmp_path / "sim"))
+    return Path(shutil.copytree(SIM, tmp_path / "sim", ignore=shutil.ignore_patterns("found.yaml")))
 
 
 @pytest.fixture

@@ -28,7 +28,7 @@ axes:
 
 @pytest.fixture
 def sim(tmp_path: Path) -> Path:
-    return Path(shutil.copytree(SIM, tmp_path / "sim"))
+    return Path(shutil.copytree(SIM, tmp_path / "sim", ignore=shutil.ignore_patterns("found.yaml")))
 
 
 @pytest.fixture(scope="module")
@@ -42,8 +42,8 @@ def further(sim: Path, text: str, name: str = "light") -> Path:
     return path
 
 
-def test_the_reference_study_has_the_grid_of_the_paper_and_two_further_ones() -> None:
-    assert grid_names(SIM) == ("paper", "search", "wide")
+def test_the_reference_study_has_the_grid_of_the_paper_two_further_ones_and_that_of_the_finds() -> None:
+    assert grid_names(SIM) == ("paper", "search", "wide", "paper+found")
     assert (load_grid(SIM).name, load_grid(SIM, "wide").name) == ("paper", "wide")
     assert (load_grid(SIM).choose, load_grid(SIM, "wide").choose) == ("all", "3-way")
 
@@ -132,7 +132,7 @@ def test_files_that_are_no_grids_are_passed_over_and_a_name_is_used_once(sim: Pa
     for name in (".hidden", "my grid", "..", "light"):
         further(sim, LIGHT, name)
     (sim / "grids" / "folder.yaml").mkdir()
-    assert set(grid_names(sim)) - {"light"} == set(grid_names(SIM))
+    assert set(grid_names(sim)) - {"light"} == set(grid_names(SIM)) - {"paper+found"}
     path = further(sim, LIGHT, "paper")
     with pytest.raises(InputError, match=r"the grid of situations\.yaml is called 'paper' already") as refused:
         grid_names(sim)

@@ -175,6 +175,6 @@ free:
 def small_study(folder: Path) -> Study:
     """A copy of the reference study with a grid that is searched fast."""
     for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(Path(__file__).parents[2] / name, folder / name)
+        shutil.copytree(Path(__file__).parents[2] / name, folder / name, ignore=shutil.ignore_patterns("found.yaml"))
     (folder / "sim" / "grids" / "small.yaml").write_text(SMALL, encoding="utf-8")
     return Study.open(folder, "small")

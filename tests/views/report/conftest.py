@@ -14,6 +14,7 @@ from browsing import NAMES, Opened, Visit
 from papers import HOSTILE, STUDY, campaign, evidence_of
 
 from scaloft_fi.document import load
+from scaloft_fi.sim.known_finds import NO_FINDS
 from scaloft_fi.study import Study
 from scaloft_fi.views.report.evidence import Evidence
 from scaloft_fi.views.report.figures import figures
@@ -22,7 +23,10 @@ from scaloft_fi.views.report.page import page
 
 @pytest.fixture(scope="session")
 def study() -> Study:
-    return Study.open(STUDY)
+    """The reference study without its finds."""
+    opened = Study.open(STUDY)
+    vars(opened)["finds"] = NO_FINDS
+    return opened
 
 
 @pytest.fixture(scope="session")
@@ -43,7 +47,7 @@ def hostile(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
 
     folder = tmp_path_factory.mktemp("hostile") / "st\"u'dy <b onclick=alert(1)>&amp;"
     for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(STUDY / name, folder / name)
+        shutil.copytree(STUDY / name, folder / name, ignore=shutil.ignore_patterns("found.yaml"))
 
     def change(path: Path, edit: Callable[[dict[str, Any]], None]) -> None:
         document = load(path).plain()
