@@ -1,6 +1,6 @@
-"""A mission on the topics of the SCALOFT testbed, of our own: own_mission.py [PERSON] with ROUTE in the environment.
+"""A mission of our own on the topics of the SCALOFT testbed: own_mission.py [PERSON].
 
-ROUTE is a list of places [x, y, z] in JSON.  It flies to each, slows down for a person, gives up at a contact, and lands
+ROUTE in the environment is a list of places [x, y, z] in JSON.  It flies to each, slows down for a person, gives up at a contact, and lands
 at the last place.  PERSON is 1 where a person is put beside the corridor.
 """
 
@@ -80,7 +80,8 @@ def main(person="0"):
     state.pose.position.x, state.pose.position.y = PLACES[person]
     assert rospy.ServiceProxy("/gazebo/set_model_state", SetModelState)(state).success
     mission = Mission(json.loads(os.environ["ROUTE"]))
-    print("flown" if mission.fly() else "given up: a contact", flush=True)
+    sys.stdout.write("flown\n" if mission.fly() else "given up: a contact\n")
+    sys.stdout.flush()
     for _ in range(RATE_HZ):
         if not mission.touched:
             mission.land.publish(Float32())

@@ -23,9 +23,9 @@ def main(situation, *scripts):
             run = [sys.executable, "-u", script, person.group(1) if person else "0"]
             with subprocess.Popen(run, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as one:
                 for line in one.stdout:
-                    said.write(line)
-                    said.flush()
-                    print(line, end="", flush=True)
+                    for sink in (said, sys.stdout):
+                        sink.write(line)
+                        sink.flush()
             if one.returncode:
                 sys.exit(one.returncode)
     signal.pause()

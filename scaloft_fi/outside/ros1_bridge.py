@@ -8,6 +8,8 @@ It connects to the flight when master and topics are ready, names the topics tha
 more has, and forwards whatever comes.  It ends with the connection.
 """
 
+from __future__ import annotations
+
 import base64
 import importlib
 import json
@@ -17,6 +19,8 @@ import socket
 import sys
 import threading
 import time
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 MOST_MEMORY = 4 << 30
 """Address space of this program [bytes]: what others send is bounded by it."""
@@ -25,15 +29,15 @@ LOOK_S = 0.02
 ANSWER = "the situation decides where bodies are"
 
 
-def class_of(kind, folder="msg"):
+def class_of(kind: str, folder: str = "msg") -> Any:
     """The class of a type of message or service, "nav_msgs/Odometry"."""
     package, _, name = kind.partition("/")
-    return getattr(importlib.import_module("{}.{}".format(package, folder)), name)
+    return getattr(importlib.import_module(f"{package}.{folder}"), name)
 
 
-def fill(message, fields):
+def fill(message: Any, fields: Mapping[str, Any]) -> None:
     """Set the fields of a message, nested ones and lists of messages included; bytes come in base 64."""
-    kinds = dict(zip(message.__slots__, message._slot_types))
+    kinds = dict(zip(message.__slots__, message._slot_types))  # noqa: B905 - Python 3.8, that of ROS 1, has no `strict`
     for name, value in fields.items():
         held = getattr(message, name)
         if isinstance(value, dict):
@@ -47,16 +51,16 @@ def fill(message, fields):
             setattr(message, name, value)
 
 
-def filled(kind, fields):
+def filled(kind: Any, fields: Mapping[str, Any]) -> Any:
     """A new message with these fields."""
     message = kind()
     fill(message, fields)
     return message
 
 
-def picked(message, paths):
+def picked(message: Any, paths: Iterable[str]) -> dict[str, Any]:
     """The fields that stand at these paths, as nested mappings; what is missing is left out."""
-    plain = {}
+    plain: dict[str, Any] = {}
     for path in paths:
         value = message
         for key in path.split("."):
@@ -74,10 +78,11 @@ def picked(message, paths):
 class Bridge:
     """Carries messages between the flight and the topics."""
 
-    def __init__(self, order, rospy):
+    def __init__(self, order: Mapping[str, Any], rospy: Any) -> None:
         self.rospy = rospy
         self.lock = threading.Lock()
-        self.publishers, self.subscribers = {}, {}
+        self.publishers: dict[str, Any] = {}
+        self.subscribers: dict[str, Any] = {}
         self.flight = socket.socket(socket.AF_UNIX)
         self.clock = rospy.Publisher("/clock", class_of("rosgraph_msgs/Clock"), queue_size=10, tcp_nodelay=True)
         for topic in order["topics"]:
@@ -92,7 +97,7 @@ class Bridge:
             service = class_of(kind, "srv")
             rospy.Service(name, service, lambda _request, one=service: one._response_class(True, ANSWER))
 
-    def come(self, message, topic):
+    def come(self, message: Any, topic: tuple[str, list[str]]) -> None:
         """Forward a message."""
         name, paths = topic
         stamp = getattr(getattr(message, "header", None), "stamp", None)
@@ -101,7 +106,7 @@ class Bridge:
             line["stamp_s"] = stamp.to_sec()
         self.tell(line)
 
-    def tell(self, line):
+    def tell(self, line: Mapping[str, Any]) -> None:
         """Tell the flight; without it there is nothing left to do."""
         try:
             text = json.dumps(line, default=repr).encode() + b"\n"
@@ -110,9 +115,9 @@ class Bridge:
         except OSError:
             os._exit(0)
 
-    def look(self):
+    def look(self) -> None:
         """Name the topics that have their other end."""
-        told = None
+        told: list[str] | None = None
         while True:
             ends = {**self.publishers, **self.subscribers}
             named = sorted(name for name, end in ends.items() if end.get_num_connections())
@@ -121,7 +126,7 @@ class Bridge:
                 told = named
             time.sleep(LOOK_S)
 
-    def run(self, path):
+    def run(self, path: str) -> None:
         """Follow the flight until it ends."""
         self.flight.connect(path)
         threading.Thread(target=self.look, daemon=True).start()
@@ -129,7 +134,7 @@ class Bridge:
             for text in lines:
                 self.send(json.loads(text.decode()))
 
-    def send(self, line):
+    def send(self, line: Mapping[str, Any]) -> None:
         """Publish what the flight sends."""
         if "clock" in line:
             self.clock.publish(self.rospy.Time.from_sec(line["clock"]))
@@ -142,16 +147,12 @@ class Bridge:
         publisher.publish(message)
 
 
-def main():
+def main() -> None:
     """Start a master, a node and the topics, then carry messages until the flight ends."""
     order = json.loads(sys.argv[1])
     resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
-    from rosmaster.master import Master
-
-    Master(order["port"]).start()
-    import rosgraph
-    import rospy
-
+    importlib.import_module("rosmaster.master").Master(order["port"]).start()
+    rospy, rosgraph = map(importlib.import_module, ("rospy", "rosgraph"))
     rospy.init_node("scaloft_fi", disable_signals=True, disable_rosout=True)  # by the wall clock
     rosgraph.Master("/scaloft_fi").setParam("/use_sim_time", True)
     bridge = Bridge(order, rospy)

@@ -46,9 +46,7 @@ def gear_as_hull(_context: TapContext) -> Tap:
         (_FREE, _FREE, _FREE._replace(hull=True), _FREE),
     ),
 )
-def false_contact(
-    context: TapContext, *, hold_s: Hold = 0.5, period_s: Period = 20.0, phase_s: Seconds = 0.0
-) -> Tap:
+def false_contact(context: TapContext, *, hold_s: Hold = 0.5, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
     """Report contact of the hull without cause for `hold_s` [s] each `period_s` [s]: noise on the touch sensor."""
     windows = context.windows(period_s, phase_s, max(hold_s, context.period_s))
     return within(windows, lambda bumper: bumper._replace(hull=True))
