@@ -1,7 +1,7 @@
 """A mission of our own on the topics of the SCALOFT testbed: own_mission.py [PERSON].
 
-ROUTE in the environment is a list of places [x, y, z] in JSON.  It flies to each, slows down for a person, gives up at a contact, and lands
-at the last place.  PERSON is 1 where a person is put beside the corridor.
+ROUTE in the environment is a list of places [x, y, z] in JSON.  It flies to each, slows down for a person, gives up at
+a contact, and lands at the last place.  PERSON is 1 where a person is put beside the corridor.
 """
 
 import json
