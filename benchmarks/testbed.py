@@ -20,6 +20,7 @@ import tempfile
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -141,7 +142,8 @@ def main() -> int:
         for name in FLIGHTS:
             flights.append(flown(study, name, keep / name.replace("/", "_")))
             print(f"{name}: {flights[-1].outcome.ending}, {flights[-1].wall_s:.0f} s", file=sys.stderr)
-    write_whole(options.output, page(flights).encode())
+    digests = {path.name: sha256(path.read_bytes()).hexdigest() for path in (options.setup, options.trial)}
+    write_whole(options.output, page(flights, digests).encode())
     return 0
 
 

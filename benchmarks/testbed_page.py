@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,8 @@ SLOW_MPS = 0.25
 """A speed limit up to this is a slow order [m/s]."""
 GAP_S = 0.5
 """Goals that pause for longer have another script after the pause [s]."""
+BRAKED_S = 1.0
+"""Time that the drone gets to slow down [s]."""
 PLACES = {"(0, 7)": (0.0, 7.0), "(-3, 8)": (-3.0, 8.0)}
 
 HEAD = """# The mission scripts of the SCALOFT testbed above our planner
@@ -26,13 +28,19 @@ is when the second script asks for it.  Made by `python benchmarks/testbed.py SE
 (`docs/outside_ros1.md`): each flight was flown once with seed 0, and none is left out.
 
 The scripts answer no tick, so simulated time is paced, at most twice as fast as the clock on the wall, and two flights
-of one subject differ: a time below is one draw.  Each row of seams was recorded where a tap sits, before and after it.
+of one subject differ: a time below is one draw.  What crosses a seam was recorded where a tap sits, before and after it.
+
+The scripts:
+
 """
 
 
-def page(flights: Sequence[Flown]) -> str:
-    """The page of these flights."""
-    return "\n".join([HEAD, *_table_of_flights(flights), "", *_table_of_orders(flights), "", *_findings(flights), ""])
+def page(flights: Sequence[Flown], scripts: Mapping[str, str]) -> str:
+    """The page of these flights; `scripts` has the SHA-256 of each script by its name."""
+    files = [f"- `{name}`, SHA-256 `{digest}`" for name, digest in scripts.items()]
+    tables = [*_table_of_flights(flights), "", *_table_of_orders(flights), ""]
+    findings = [*_findings(flights), "", *_otherwise(flights), ""]
+    return "\n".join([HEAD, *files, "", *tables, *findings])
 
 
 def _table_of_flights(flights: Sequence[Flown]) -> Iterator[str]:
@@ -156,7 +164,7 @@ def _findings(flights: Sequence[Flown]) -> Iterator[str]:
     yield ""
     for one in flights:
         if one.name.startswith("baseline"):
-            yield f"- `{one.name}`: {_course(one)}"
+            yield f"- `{one.name}`: {_slowed(one)}{_course(one)}"
     yield from _late(by_name.get("baseline/H1/0"), by_name.get("LATE-human@3s/H1/0"))
     for one in flights:
         if one.name.startswith("UNINTENDED"):
@@ -179,6 +187,17 @@ def _course(one: Flown) -> str:
     return f"{what} at ({x:.2f}, {y:.2f}) after {_end_s(one):.2f} s; violated: {', '.join(broken) or 'nothing'}."
 
 
+def _slowed(one: Flown) -> str:
+    """How fast it was before and after the slow order; "" without one."""
+    order = slowed(one)
+    if order is None:
+        return ""
+    times, speeds = one.log.signals["elapsed_s"], one.log.signals["speed_mps"]
+    before = float(speeds[times <= order.t_s].max())
+    after = float(speeds[times >= order.t_s + BRAKED_S].max())
+    return f"it flew at most {before:.2f} m/s before the slow order and {after:.2f} m/s from {BRAKED_S:g} s after it; "
+
+
 def _late(baseline: Flown | None, late: Flown | None) -> Iterator[str]:
     usual_s, late_s = (None if one is None else delay(one) for one in (baseline, late))
     if usual_s is None or late_s is None or late is None:
@@ -186,7 +205,7 @@ def _late(baseline: Flown | None, late: Flown | None) -> Iterator[str]:
         return
     yield (
         f"- `{late.name}`: the slow order comes {late_s:.2f} s of simulated time after the detector's first person, "
-        f"{usual_s:.2f} s in the baseline: {late_s - usual_s:.2f} s later; {_course(late)}"
+        f"{usual_s:.2f} s in the baseline: {late_s - usual_s:.2f} s later; {_slowed(late)}{_course(late)}"
     )
 
 
@@ -203,3 +222,28 @@ def _given_up(one: Flown) -> str:
 
 def _place(sample: Any) -> str:
     return "none" if sample is None else f"({sample.point[0]:g}, {sample.point[1]:g}, {sample.point[2]:g})"
+
+
+def _otherwise(flights: Sequence[Flown]) -> Iterator[str]:
+    """What is not as the paper, or an even stack, would have it."""
+    yield "## What was not"
+    yield ""
+    for name in ("UNINTENDED-collision", "MORE-goal"):
+        own = [one for one in flights if one.name.startswith(name)]
+        struck = [one for one in own if any(v.requirement == "SR1" for v in one.outcome.violations)]
+        yield (
+            f"- {name}: the paper saw SR1 violated; here {len(struck)} of {len(own)} flights violate it. {WHY[name]}"
+        )
+    by_name = {one.name: one for one in flights}
+    baseline, placebo = by_name.get("baseline/H1/0"), by_name.get("PLACEBO/H1/0")
+    if baseline is not None and placebo is not None:
+        apart_s = abs(_end_s(placebo) - _end_s(baseline))
+        yield f"- PLACEBO flies no bit-identical flight: it ended {apart_s:.2f} s from the baseline of its situation."
+
+
+WHY: Mapping[str, str] = {
+    "UNINTENDED-collision": "The topic ends the mission alone: our planner holds the last place that was ordered.",
+    "MORE-goal": "The topic carries places and no goal test, so the fault moves the places, of which every magnitude flown "
+    "moves (-3, 8) beyond the 0.1 m within which the first script counts it as reached.",
+}
+"""What of a fault the topic allows."""

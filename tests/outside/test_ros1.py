@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -112,3 +113,31 @@ def test_a_type_that_is_not_installed_is_the_harness(tmp_path: Path) -> None:
     with pytest.raises(BorderError, match="No module named 'lost_msgs'"):
         border.open()
     border.close()
+
+
+def test_nothing_is_left_of_a_flight_that_is_killed(tmp_path: Path) -> None:
+    program = """
+import os, signal, sys
+from pathlib import Path
+from scaloft_fi.outside.guard import descendants
+from scaloft_fi.outside.ros1 import Ros1Border
+border = Ros1Border((), Path(sys.argv[1]))
+border.open()
+print(*descendants(os.getpid()), flush=True)
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+    killed = subprocess.run([sys.executable, "-c", program, str(tmp_path)], stdout=subprocess.PIPE, check=False)
+    below = [int(pid) for pid in killed.stdout.split()]
+    assert len(below) >= 2
+    due_s = time.monotonic() + 5.0
+    while any(map(runs, below)) and time.monotonic() < due_s:
+        time.sleep(0.02)
+    assert not [pid for pid in below if runs(pid)]
+
+
+def runs(pid: int) -> bool:
+    """Whether a process is alive; what has ended and was not waited for has no command line."""
+    try:
+        return bool(Path(f"/proc/{pid}/cmdline").read_bytes())
+    except OSError:
+        return False
