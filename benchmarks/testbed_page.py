@@ -28,7 +28,7 @@ is when the second script asks for it.  Made by `python benchmarks/testbed.py SE
 (`docs/outside_ros1.md`): each flight was flown once with seed 0, and none is left out.
 
 The scripts answer no tick, so simulated time is paced, at most twice as fast as the clock on the wall, and two flights
-of one subject differ: a time below is one draw.  What crosses a seam was recorded where a tap sits, before and after it.
+of one subject differ: a time below is one draw.  What crosses a seam was recorded before and after its tap.
 
 The scripts:
 
@@ -243,7 +243,7 @@ def _otherwise(flights: Sequence[Flown]) -> Iterator[str]:
 
 WHY: Mapping[str, str] = {
     "UNINTENDED-collision": "The topic ends the mission alone: our planner holds the last place that was ordered.",
-    "MORE-goal": "The topic carries places and no goal test, so the fault moves the places, of which every magnitude flown "
-    "moves (-3, 8) beyond the 0.1 m within which the first script counts it as reached.",
+    "MORE-goal": "The topic carries places and no goal test, so the fault moves the places; every magnitude flown moves "
+    "(-3, 8) beyond the 0.1 m within which the first script counts it as reached.",
 }
 """What of a fault the topic allows."""

@@ -15,6 +15,7 @@ from scaloft_fi.errors import GateError, InputError
 if TYPE_CHECKING:
     from scaloft_fi.campaign.plan.flight import Flight
     from scaloft_fi.judge.outcome import Outcome
+    from scaloft_fi.judge.requirement import Reading
     from scaloft_fi.sim.log import FlightLog
     from scaloft_fi.study import Study
 
@@ -92,7 +93,6 @@ def _flight(study: Study, name: str) -> Flight:
 
 
 def _facts(study: Study, flight: Flight, outcome: Outcome, log: FlightLog) -> str:
-    from scaloft_fi.judge.robustness import measured_rho
     from scaloft_fi.views.tables.table import Format, Table, render
 
     rows: list[tuple[str, str]] = [
@@ -102,15 +102,20 @@ def _facts(study: Study, flight: Flight, outcome: Outcome, log: FlightLog) -> st
     if flight.mutant is not None:
         first = f", first at {outcome.infected_at_s:.2f} s" if outcome.infected_at_s is not None else ""
         rows.append(("samples altered", f"{outcome.altered} of {outcome.carried}{first}"))
-    for reading in outcome.readings:
-        at = f" at {reading.violated_at_s:.2f} s" if reading.violated_at_s is not None else ""
-        rho = measured_rho(reading)
-        told = "" if rho is None else f", robustness {rho:.3f}"
-        rows.append((reading.requirement, f"{reading.compliance.value}{at}{told}"))
+    rows += [(reading.requirement, _reading_text(reading)) for reading in outcome.readings]
     if outcome.stack_error:
         rows.append(("stack", outcome.stack_error))
     rows.append(("digest", outcome.digest))
     return render((Table(outcome.name, ("what", ""), tuple(rows)),), Format.TABLE)
+
+
+def _reading_text(reading: Reading) -> str:
+    from scaloft_fi.judge.robustness import measured_rho
+
+    at = f" at {reading.violated_at_s:.2f} s" if reading.violated_at_s is not None else ""
+    rho = measured_rho(reading)
+    told = "" if rho is None else f", robustness {rho:.3f}"
+    return f"{reading.compliance.value}{at}{told}"
 
 
 def _draw(study: Study, flight: Flight, outcome: Outcome, log: FlightLog, output: Path) -> None:
@@ -146,6 +151,7 @@ def _compared(study: Study, campaign: str, flight: Flight, outcome: Outcome, *, 
     from scaloft_fi.campaign.store.platforms import Platforms
     from scaloft_fi.campaign.store.store import Store
     from scaloft_fi.judge.facts import APART_M, agreement, digests, parting_s
+    from scaloft_fi.sim.log import Ending
 
     clean = Flight(None, flight.situation, flight.seed)
     path = campaign_folder(study, campaign) / STORE_NAME
@@ -158,9 +164,15 @@ def _compared(study: Study, campaign: str, flight: Flight, outcome: Outcome, *, 
         return f"the campaign in {path.parent} holds no such flight to compare with"
     if digests(known) == digests(outcome):
         return f"bit for bit the flight in {path.parent}"
+    if not study.stack.deterministic:
+        listed = ", ".join(f"{reading.requirement} {_reading_text(reading)}" for reading in known.readings)
+        return (
+            f"the stack is not deterministic, so this is another flight than that in {path.parent}, which "
+            f"{Ending(known.ending).sentence} after {known.duration_s:.2f} s: {listed}"
+        )
     changed = ", ".join(differences(fingerprint(), theirs))
     where = f"on another platform ({changed})" if changed else "on the same platform"
-    if same_platform or (not changed and study.stack.deterministic):
+    if same_platform or not changed:
         raise GateError(
             f"{outcome.name} differs from the flight in {path.parent}, flown {where}: digest {known.digest} there"
         )

@@ -159,6 +159,7 @@ def run_command(
     from scaloft_fi.campaign.processes.start import one_thread_each
 
     one_thread_each()
+    from scaloft_fi.analysis.noise import noise_of
     from scaloft_fi.analysis.scoring.pool import LEAST
     from scaloft_fi.analysis.scoring.score import score_of
     from scaloft_fi.campaign.flights.fork import CAN_FORK
@@ -242,6 +243,7 @@ def run_command(
         everything=everything,
         style=style,
         fail_under=fail_under,
+        noise=noise_of(flown.outcomes) if not study.stack.deterministic else (),
         extra=extra,
     )
 

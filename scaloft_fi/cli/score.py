@@ -26,6 +26,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.inert import json_text
 
 if TYPE_CHECKING:
+    from scaloft_fi.analysis.noise import Noise
     from scaloft_fi.analysis.scoring.score import Score
     from scaloft_fi.judge.outcome import Outcome
     from scaloft_fi.judge.rulings import Rulings
@@ -65,6 +66,7 @@ def score_command(
     today: date | None,
 ) -> int:
     """Say which faults the tests would have shown, which not, how sure that is, and what to do next."""
+    from scaloft_fi.analysis.noise import noise_of
     from scaloft_fi.analysis.scoring.score import score_of
     from scaloft_fi.campaign.runs.baseline_pool import borrowed
     from scaloft_fi.study import Study
@@ -72,6 +74,7 @@ def score_command(
 
     study = Study.open(study_folder)
     with snapshot(study, campaign) as now:
+        noise = noise_of(now.outcomes) if not now.study.stack.deterministic else ()
         study, rulings, spending, warning = now.study, now.rulings, now.spending, now.platform_warning
     others: Iterable[Outcome] = ()
     if baseline_from:
@@ -90,6 +93,7 @@ def score_command(
         everything=everything,
         style=style,
         fail_under=fail_under,
+        noise=noise,
     )
     if not ratcheting:
         return code
@@ -108,6 +112,7 @@ def report(
     everything: bool,
     style: str,
     fail_under: float | None,
+    noise: Sequence[Noise] = (),
     extra: Sequence[Table] = (),
 ) -> int:
     """Print what a campaign says; returns the exit code.
@@ -121,6 +126,7 @@ def report(
         everything: `--all`.
         style: `--format`.
         fail_under: `--fail-under`.
+        noise: of a stack that is not deterministic.
         extra: tables that stand behind the others.
 
     Raises:
@@ -132,7 +138,7 @@ def report(
             "flights wherever a mutant infects; `scaloft-fi run` flies them"
         )
     tell(
-        _text(study, rulings, scored, campaign, grouping, everything, style, extra),
+        _text(study, rulings, scored, campaign, grouping, everything, style, noise, extra),
         styled=style == "table" and _coloured(),
     )
     ratio = scored.mutation_score
@@ -150,9 +156,11 @@ def _text(
     grouping: str | None,
     everything: bool,
     style: str,
+    noise: Sequence[Noise],
     extra: Sequence[Table],
 ) -> str:
     from scaloft_fi.analysis.kills.background import backgrounds
+    from scaloft_fi.analysis.plain import by_field
     from scaloft_fi.analysis.scoring.baseline import findings
     from scaloft_fi.analysis.scoring.grouping import By, groups
     from scaloft_fi.analysis.situations.coverage import coverage_of
@@ -167,6 +175,8 @@ def _text(
         violated = [(finding.situation, finding.violated) for finding in findings(rulings.baselines, study.space)]
         parts = groups(scored, by, study.space) if by else ()
         values = score_json(scored, covered, violated, parts)
+        if noise:
+            values["noise"] = [by_field(one) for one in noise]
         for table in extra:
             values[table.title.lower().replace(",", "").replace(" ", "_")] = table.records()
         return json_text(values, indent=2) + "\n"
@@ -178,6 +188,7 @@ def _text(
         lambda id_: backgrounds(study.matrix, [id_])[id_],
         campaign=campaign,
         finds=told(study.finds),
+        noise=noise,
         whole=everything or style != Format.TABLE,
     )
     behind: Sequence[Table] = ()

@@ -20,6 +20,7 @@ from scaloft_fi.campaign.progress.reporter import Reporter
 from scaloft_fi.campaign.runs import gates
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.platform import prove_platform
+from scaloft_fi.campaign.runs.spending import spending_of
 from scaloft_fi.campaign.store.fingerprint import fingerprint
 from scaloft_fi.campaign.store.flown_grid import remember_grid
 from scaloft_fi.campaign.store.folder import LOG_NAME, STORE_NAME, promising, writable
@@ -181,6 +182,8 @@ class Campaign:
             part=part or self.options.part,
             repeats=self.repeats,
             max_invalid=self.options.max_invalid,
+            deterministic=self.study.stack.deterministic,
+            spending=spending_of(self.study, self.store),
         )
 
     def raise_if_stopped(self, saved: str) -> None:

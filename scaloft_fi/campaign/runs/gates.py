@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from scaloft_fi.analysis.roster import Roster
+from scaloft_fi.analysis.scoring.detection import Sample, Spending, detect
 from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.campaign.runs.options import MOST_INVALID
 from scaloft_fi.errors import GateError
@@ -21,6 +22,8 @@ NAMED = 3
 """Greatest number of flights that a message names; the message counts the others."""
 RISE_M = 0.3
 """A drone that never rises by more than this did not leave the ground [m]."""
+ONCE = Spending()
+"""All of the usual alpha at once."""
 _Z = TRACK_COLUMNS.index("z_m")
 
 
@@ -33,6 +36,8 @@ def check(
     part: bool = False,
     repeats: Sequence[Outcome] = (),
     max_invalid: float = MOST_INVALID,
+    deterministic: bool = True,
+    spending: Spending = ONCE,
 ) -> None:
     """Check the gates on the flights of a run.
 
@@ -45,6 +50,9 @@ def check(
         part: whether this is one part of a run; then a missing effect is no failure, because another part may have it.
         repeats: outcomes of repeated flights.
         max_invalid: greatest share 0..1 of invalid flights.
+        deterministic: whether flights repeat their bits; if not, PLACEBO must not be detected by the score's own test,
+            instead of being the baseline bit for bit, and a repeated flight proves nothing.
+        spending: of alpha by that test.
 
     Raises:
         GateError: a gate failed; the message names each failed gate.
@@ -52,8 +60,7 @@ def check(
     listed = list(outcomes)
     failed = [
         *_too_many_invalid(listed, max_invalid),
-        *_differ("PLACEBO differs from the baseline", _placebos(listed)),
-        *_differ("a repeated flight differs from the first", _repeated(listed, repeats)),
+        *(_same_bits(listed, repeats) if deterministic else _placebo_detected(listed, spending)),
         *_raising(listed),
         *_grounded(listed),
     ]
@@ -71,6 +78,25 @@ def _too_many_invalid(outcomes: Sequence[Outcome], most: float) -> Iterator[str]
     if len(broken) > most * len(outcomes):
         names = _listed([f"{outcome.name} ({outcome.invalid})" for outcome in broken])
         yield f"{len(broken)} of {len(outcomes)} flights are invalid, more than {most:.0%}: {names}"
+
+
+def _same_bits(outcomes: Sequence[Outcome], repeats: Sequence[Outcome]) -> Iterator[str]:
+    yield from _differ("PLACEBO differs from the baseline", _placebos(outcomes))
+    yield from _differ("a repeated flight differs from the first", _repeated(outcomes, repeats))
+
+
+def _placebo_detected(outcomes: Sequence[Outcome], spending: Spending) -> Iterator[str]:
+    """Fails if the score's test takes PLACEBO, judged as if it altered samples, for a fault."""
+    flown: dict[str, list[tuple[str, ...]]] = {}
+    for outcome in outcomes:
+        if outcome.mutant == PLACEBO and not outcome.invalid:
+            names = tuple(violation.requirement for violation in outcome.violations)
+            flown.setdefault(outcome.situation, []).append(names)
+    samples = [Sample(situation, tuple(names), infected=True) for situation, names in flown.items()]
+    detection = detect(PLACEBO, samples, Pool.of(outcomes), spending, Kind.SAFETY)
+    if detection.detected:
+        p = ", ".join(f"{name} p = {detection.p[name]:.2g}" for name in detection.by)
+        yield f"PLACEBO, which does nothing, is detected by the score's test ({p}): the flights are no fair comparison"
 
 
 def _differ(what: str, pairs: Iterable[tuple[Outcome, Outcome]]) -> Iterator[str]:

@@ -38,6 +38,7 @@ class Dossier:
         sources: per file of the deviation matrix, by its path in the study, its text.
         grid_file: path of the grid's file in the study.
         finds: of the study.
+        deterministic: whether flights of its stack repeat their bits.
     """
 
     study: str
@@ -53,6 +54,7 @@ class Dossier:
     sources: Mapping[str, str]
     grid_file: str = "sim/situations.yaml"
     finds: KnownFinds = NO_FINDS
+    deterministic: bool = True
 
     @cached_property
     def score(self) -> Score:

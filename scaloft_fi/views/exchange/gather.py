@@ -33,4 +33,5 @@ def dossier(study: Study, campaign: str) -> Dossier:
         sources={path.relative_to(study.folder).as_posix(): read_text(path) for path in cells},
         grid_file=item.path.relative_to(study.folder).as_posix() if item else "",
         finds=study.finds,
+        deterministic=study.stack.deterministic,
     )

@@ -25,6 +25,8 @@ from scaloft_fi.views.score.verdict import NO_POOL
 from scaloft_fi.views.tables.literal import markdown
 from scaloft_fi.views.tables.table import Format, Table, render
 
+REPEATS = "Flights are deterministic: scaloft-fi replay flies each again, bit for bit, on the same platform."
+NO_REPEATS = "The stack is not deterministic: no flight can be flown again bit for bit; verdicts rest on several seeds."
 EDGES = 10
 """How many situations with the least robustness are named as edge cases."""
 OPEN = "To be argued by the safety team; nothing here argues it."
@@ -165,5 +167,5 @@ def _robustness(dossier: Dossier) -> Iterator[tuple[float, str, Outcome]]:
 
 def _environment(dossier: Dossier) -> Table:
     rows = (("scaloft-fi", dossier.version), *sorted(dossier.platform.items()))
-    note = "Flights are deterministic: scaloft-fi replay flies each again, bit for bit, on the same platform."
+    note = REPEATS if dossier.deterministic else NO_REPEATS
     return Table("Test environment", ("part", "version"), tuple(rows), (note,))

@@ -9,7 +9,7 @@ from scaloft_fi import __version__
 from scaloft_fi.analysis.kills.kill_matrix import kill_matrix
 from scaloft_fi.analysis.plain import plain
 from scaloft_fi.analysis.scoring.baseline import Finding, findings, tallies
-from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.scoring.detection import Spending, Verdict
 from scaloft_fi.analysis.scoring.score import Score, score_of
 from scaloft_fi.analysis.situations.coverage import coverage_of
 from scaloft_fi.campaign.runs.gates import check
@@ -111,7 +111,14 @@ def _gates(evidence: Evidence, scored: Score, mutants: Iterable[Mapping[str, Any
     outcomes, roster = evidence.outcomes, evidence.study.roster
     flown = {outcome.situation for outcome in outcomes}
     try:
-        check(outcomes, roster, canary=None, whole_grid=flown == evidence.study.space.point.keys())
+        check(
+            outcomes,
+            roster,
+            canary=None,
+            whole_grid=flown == evidence.study.space.point.keys(),
+            deterministic=evidence.study.stack.deterministic,
+            spending=Spending(scored.alpha),
+        )
         failed = ""
     except GateError as error:
         failed = str(error)

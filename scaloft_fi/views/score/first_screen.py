@@ -11,6 +11,7 @@ from dataclasses import replace
 from textwrap import fill, indent
 
 from scaloft_fi.analysis.kills.background import Background
+from scaloft_fi.analysis.noise import Noise
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.detection import LARGER, Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
@@ -24,6 +25,7 @@ from scaloft_fi.judge.status import Status
 from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
 from scaloft_fi.views.score.answers import Answer, answers
 from scaloft_fi.views.score.finds import next_find
+from scaloft_fi.views.score.noise import noise_line
 from scaloft_fi.views.tables.table import WIDTH, Format, Table, render
 
 MANY, SHOWN = 12, 10
@@ -72,6 +74,7 @@ def first_screen(
     *,
     campaign: str = "default",
     finds: KnownFinds = NO_FINDS,
+    noise: Sequence[Noise] = (),
     whole: bool = False,
 ) -> tuple[Table, ...]:
     """The screen as tables: the answers, a table a group, and the two lines.
@@ -84,10 +87,13 @@ def first_screen(
         background: of the mutant with an id; None where nothing is known of it.
         campaign: its name, for the commands.
         finds: of the study.
+        noise: of a stack that is not deterministic.
         whole: whether groups are shown to their ends.
     """
     replies = answers(scored, roster, campaign, finds, space.grid)
-    lines = (Answer("Situations", coverage_line(covered)), Answer("Unmutated drone", baseline_line(scored.pool)))
+    lines = [Answer("Situations", coverage_line(covered)), Answer("Unmutated drone", baseline_line(scored.pool))]
+    if noise:
+        lines.append(Answer("Noise", noise_line(noise)))
     counted = Counter(mutant.verdict for mutant in scored.counted)
     groups = []
     for verdict in Verdict:
@@ -108,7 +114,11 @@ def first_screen(
     if groups:
         found = any(row[-1] == ITS_FIND for group in groups for row in group.rows)
         groups[-1] = replace(groups[-1], notes=(*groups[-1].notes, "", *(WITH_FIND if found else LEGEND)))
-    return (Table(TITLE, ("question", "answer"), tuple(replies)), *groups, Table("Besides", ("what", "finding"), lines))
+    return (
+        Table(TITLE, ("question", "answer"), tuple(replies)),
+        *groups,
+        Table("Besides", ("what", "finding"), tuple(lines)),
+    )
 
 
 def screen_text(screen: Sequence[Table], *, bold: bool = False) -> str:

@@ -1,0 +1,147 @@
+"""The border over ROS 2, in processes with the wheels of ROS 2; without these the tests say so."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from ros2_wheels import python_with_ros2
+
+from scaloft_fi.errors import InputError
+from scaloft_fi.outside.border import Topic
+from scaloft_fi.outside.domains import DOMAINS, take_domain
+from scaloft_fi.outside.ports import Motion
+from scaloft_fi.outside.ros2 import Ros2Border
+from scaloft_fi.study import Study
+
+ROOT = Path(__file__).parents[2]
+EXAMPLE = ROOT / "examples" / "outside_planner"
+KEY = "T0O0W0D0H1"
+LOOPBACK, MULTICAST = "0100007F", "0100FFEF"
+LIMIT_S = 120.0
+
+
+@pytest.fixture(scope="session")
+def python(tmp_path_factory: pytest.TempPathFactory) -> str:
+    found, reason = python_with_ros2(tmp_path_factory.mktemp("ros2") / "venv")
+    if not found:
+        pytest.skip(reason)
+    return found
+
+
+@pytest.fixture(scope="session")
+def told(python: str) -> dict[str, Any]:
+    script = ROOT / "tests" / "support" / "ros2_border.py"
+    done = subprocess.run([python, script], capture_output=True, text=True, timeout=LIMIT_S, check=False)
+    assert done.returncode == 0, done.stderr
+    read: dict[str, Any] = json.loads(done.stdout)
+    return read
+
+
+def test_two_borders_are_in_two_domains_and_do_not_hear_each_other(told: dict[str, Any]) -> None:
+    first, second = told["domains"]
+    assert first != second
+    assert {first, second} <= set(DOMAINS)
+    assert told["alone"] == told["second"]
+    assert told["alone"].startswith("nobody subscribes to /odom, /depth, /persons, /charge; nobody publishes /cmd")
+    assert told["lacking"] == ""
+
+
+def test_a_border_listens_on_loopback_only(told: dict[str, Any]) -> None:
+    assert LOOPBACK in told["addresses"]
+    assert set(told["addresses"]) <= {LOOPBACK, MULTICAST}
+
+
+def test_samples_go_out_as_the_usual_messages_with_their_own_stamps(told: dict[str, Any]) -> None:
+    assert told["stamp"] == [1, 250_000_000]
+    assert told["position"] == [1.0, 2.0]
+    assert told["ahead_mps"] == 1.0  # it flies along y, and looks along y
+    assert told["frames"] == ["map", "base_link", "camera_depth_optical_frame"]
+    assert told["depth"] == [None, 1.5, 2.5, 3.5]
+    assert dict(zip(told["columns"], told["person"], strict=True)) == {"x": 4.0, "y": 0.0, "z": 0.0, "score": 0.75}
+    assert told["mapped"] == 0.5
+
+
+def test_an_order_answers_its_tick_and_one_that_came_before_the_clock_does_not(told: dict[str, Any]) -> None:
+    assert told["order"] == {"came": True, "speed": 0.5, "count": 1, "refused": ""}
+    assert told["late"]["came"] is False
+    assert told["late"]["speed"] == pytest.approx(0.6)
+
+
+def test_nonsense_is_refused_with_a_sentence_and_a_flood_is_bounded(told: dict[str, Any]) -> None:
+    assert told["nan"]["came"] is False
+    assert told["nan"]["refused"] == "/cmd: data.velocity[0]=nan must be finite"
+    assert "its stamp, 9 s, is later than the clock" in told["future"]["refused"]
+    assert told["flood"]["speed"] == pytest.approx(0.7)
+    assert told["flood"]["count"] <= 110
+
+
+def test_domains_are_held_until_they_are_given_back() -> None:
+    first, second = take_domain(), take_domain()
+    assert first is not None
+    assert second is not None
+    assert first.number != second.number
+    first.close()
+    again = take_domain()
+    assert again is not None
+    assert again.number == first.number
+    again.close()
+    second.close()
+
+
+@pytest.mark.parametrize(
+    ("topic", "sentence"),
+    [
+        ({"type": "std_msgs/Float64"}, "type='std_msgs/Float64' is no usual message of Motion"),
+        ({"qos": {"reliabilty": "reliable"}}, "qos.reliabilty is unknown; did you mean 'reliability'?"),
+        ({"qos": {"reliability": "sure"}}, "qos.reliability='sure' must be reliable or best_effort"),
+        ({"qos": {"depth": 0}}, "qos.depth=0 must be a whole number, 1 to 1000"),
+        ({"type": "a_msgs/msg/Own", "fields": {"vx": "velocity.x"}}, ""),
+        ({}, ""),
+    ],
+)
+def test_settings_that_ros_2_cannot_carry_are_refused_without_ros_2(topic: dict[str, Any], sentence: str) -> None:
+    assert Ros2Border.misfit(Topic("drive", "/cmd", Motion, outward=False, **topic)).startswith(sentence)
+    assert bool(Ros2Border.misfit(Topic("drive", "/cmd", Motion, outward=False, **topic))) == bool(sentence)
+
+
+def test_without_rclpy_a_sentence_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
+    with pytest.raises(InputError, match=r"border=ros2 needs rclpy: source your ROS 2 environment, or pip install"):
+        Ros2Border.need()
+
+
+@pytest.mark.flight
+def test_the_example_over_ros_2_agrees_with_the_same_planner_over_lines(python: str, tmp_path: Path) -> None:
+    rows = {}
+    for border, interpreter in (("ros2", python), ("lines", sys.executable)):
+        study = tmp_path / border
+        subprocess.run(
+            [sys.executable, ROOT / "examples" / "outside_planner" / "make_study.py", study, border], check=True
+        )
+        words = [
+            "run",
+            "--study",
+            study,
+            "--mutant",
+            "LATE-human",
+            "--situation",
+            "T0O0W0D0H1",
+            "--baseline-seeds",
+            "1",
+        ]
+        flown = subprocess.run(
+            [interpreter, "-m", "scaloft_fi", *words, "--jobs", "2", "--quiet"],
+            cwd=ROOT, capture_output=True, text=True, timeout=LIMIT_S, check=False,
+        )  # fmt: skip
+        assert flown.returncode == 0, flown.stdout + flown.stderr
+        exported = [sys.executable, "-m", "scaloft_fi", "export", "--study", study, "--format", "json"]
+        listed = json.loads(subprocess.run(exported, cwd=ROOT, capture_output=True, text=True, check=True).stdout)
+        rows[border] = [[row[column] for column in ("mutant", "status", "ending")] for row in listed]
+    assert rows["ros2"] == rows["lines"]
+    assert ["LATE-human@3s", "revealed", "landed"] in rows["ros2"]
+    assert Study.open(tmp_path / "ros2").stack.deterministic is False
