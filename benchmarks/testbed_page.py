@@ -243,7 +243,7 @@ def _otherwise(flights: Sequence[Flown]) -> Iterator[str]:
 
 WHY: Mapping[str, str] = {
     "UNINTENDED-collision": "The topic ends the mission alone: our planner holds the last place that was ordered.",
-    "MORE-goal": "The topic carries places and no goal test, so the fault moves the places; every magnitude flown moves "
-    "(-3, 8) beyond the 0.1 m within which the first script counts it as reached.",
+    "MORE-goal": "The topic carries places and no goal test, so the fault moves the places; every magnitude flown "
+    "moves (-3, 8) beyond the 0.1 m within which the first script counts it as reached.",
 }
 """What of a fault the topic allows."""

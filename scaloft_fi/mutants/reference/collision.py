@@ -10,11 +10,10 @@ import numpy as np
 from scaloft_fi.mutants.argument import Degrees, Hold, Period, Seconds, Share
 from scaloft_fi.mutants.need import the
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
-from scaloft_fi.mutants.sample import on_each, within
+from scaloft_fi.mutants.sample import on_each
 from scaloft_fi.stack.messages import Bumper
 from scaloft_fi.stack.reference.messages import CollisionFlag, Proximity
 
-_FREE = Bumper(0.0, hull=False, gear=False)
 _FLAG = CollisionFlag(0.0, 0.2)
 _SECTORS = Proximity(
     0.0, np.array([1.0, 0.2, 0.3, 2.0]), np.full(4, True), np.array([0.6, 0.2, -0.2, -0.6]), 0.4, touched=False
@@ -34,22 +33,6 @@ _SECTORS = Proximity(
 def gear_as_hull(_context: TapContext) -> Tap:
     """Report contact of the landing gear as contact of the hull: one switch for both (seen in the published log)."""
     return on_each(lambda bumper: bumper._replace(hull=bumper.hull or bumper.gear))
-
-
-@operator(
-    "false_contact",
-    need=the(Bumper),
-    example=Example(
-        Bumper,
-        {"hold_s": 0.05, "period_s": 0.1},
-        (_FREE,) * 4,
-        (_FREE, _FREE, _FREE._replace(hull=True), _FREE),
-    ),
-)
-def false_contact(context: TapContext, *, hold_s: Hold = 0.5, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
-    """Report contact of the hull without cause for `hold_s` [s] each `period_s` [s]: noise on the touch sensor."""
-    windows = context.windows(period_s, phase_s, max(hold_s, context.period_s))
-    return within(windows, lambda bumper: bumper._replace(hull=True))
 
 
 @operator(
