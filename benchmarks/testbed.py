@@ -43,6 +43,7 @@ FLIGHTS = (
     "LATE-human@3s/H1/0",
     "UNINTENDED-collision@20s/H0/0",
     "UNINTENDED-collision@20s/H1/0",
+    "MORE-goal@1.01x/H0/0",
     "MORE-goal@1.02x/H0/0",
     "MORE-goal@1.1x/H0/0",
     "MORE-goal@1.3x/H0/0",

@@ -14,8 +14,8 @@ SLOW_MPS = 0.25
 """A speed limit up to this is a slow order [m/s]."""
 GAP_S = 0.5
 """Goals that pause for longer have another script after the pause [s]."""
-BRAKED_S = 1.0
-"""Time that the drone gets to slow down [s]."""
+BEFORE_S, BRAKED_S = 5.0, 1.0
+"""Time before a slow order in which speed is looked at, and after it in which the drone may slow down [s]."""
 PLACES = {"(0, 7)": (0.0, 7.0), "(-3, 8)": (-3.0, 8.0)}
 
 HEAD = """# The mission scripts of the SCALOFT testbed above our planner
@@ -31,7 +31,6 @@ The scripts answer no tick, so simulated time is paced, at most twice as fast as
 of one subject differ: a time below is one draw.  What crosses a seam was recorded before and after its tap.
 
 The scripts:
-
 """
 
 
@@ -193,9 +192,12 @@ def _slowed(one: Flown) -> str:
     if order is None:
         return ""
     times, speeds = one.log.signals["elapsed_s"], one.log.signals["speed_mps"]
-    before = float(speeds[times <= order.t_s].max())
+    before = float(speeds[(times <= order.t_s) & (times > order.t_s - BEFORE_S)].max())
     after = float(speeds[times >= order.t_s + BRAKED_S].max())
-    return f"it flew at most {before:.2f} m/s before the slow order and {after:.2f} m/s from {BRAKED_S:g} s after it; "
+    return (
+        f"it flew at most {before:.2f} m/s in the {BEFORE_S:g} s before the slow order, and {after:.2f} m/s from "
+        f"{BRAKED_S:g} s after it; "
+    )
 
 
 def _late(baseline: Flown | None, late: Flown | None) -> Iterator[str]:
@@ -243,7 +245,7 @@ def _otherwise(flights: Sequence[Flown]) -> Iterator[str]:
 
 WHY: Mapping[str, str] = {
     "UNINTENDED-collision": "The topic ends the mission alone: our planner holds the last place that was ordered.",
-    "MORE-goal": "The topic carries places and no goal test, so the fault moves the places; every magnitude flown "
-    "moves (-3, 8) beyond the 0.1 m within which the first script counts it as reached.",
+    "MORE-goal": "The topic carries places and no goal test, so the fault moves the places.  From a factor of "
+    "1.02 on (-3, 8) is moved beyond the 0.1 m within which the first script counts it as reached.",
 }
 """What of a fault the topic allows."""
