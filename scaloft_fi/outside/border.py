@@ -32,6 +32,7 @@ class Topic:
         qos: quality of service as the border names it, such as {"reliability": "best_effort", "depth": 1}.
         fields: field of the border's message by path, "linear.x", to that of the sample, "velocity.x"; empty = the
             border's usual mapping.  A number may be multiplied: "velocity.x * 1000".
+        awaited: whether the flight waits before take-off until the topic has its other end.
     """
 
     seam: str
@@ -42,6 +43,7 @@ class Topic:
     frame: str = ""
     qos: Mapping[str, Any] = field(default_factory=dict)
     fields: Mapping[str, str] = field(default_factory=dict)
+    awaited: bool = True
 
 
 @dataclass(frozen=True)
@@ -80,7 +82,7 @@ class Border(Protocol):
         ...
 
     def lacking(self) -> str:
-        """What is not there yet on the other side, in words; "" when every topic has its other end."""
+        """What is not there yet on the other side, in words; "" when every awaited topic has its other end."""
         ...
 
     def send(self, seam: str, t_s: float, sample: Any) -> None:

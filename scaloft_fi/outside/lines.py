@@ -19,7 +19,7 @@ import json
 import select
 import socket
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -41,6 +41,33 @@ STALL_S = 10.0
 """How long a process may leave its messages unread before it counts as gone [s, wall]."""
 
 
+def plain_of(topic: Topic, sample: Any) -> Any:
+    """What stands in a line for a sample."""
+    return given(to_plain(sample), topic.fields)
+
+
+def sample_of(topic: Topic, data: Any, _clock_s: float) -> Any:
+    """The sample that a line has.
+
+    Raises:
+        MisfitError: it does not fit.
+    """
+    return from_plain(topic.message, taken(data, topic.fields))
+
+
+@dataclass(frozen=True)
+class Codec:
+    """How samples stand in lines.
+
+    Attributes:
+        written: (topic, sample) -> what stands in the line.
+        read: (topic, what stands in the line, clock [s]) -> sample; raises MisfitError.
+    """
+
+    written: Callable[[Topic, Any], Any] = plain_of
+    read: Callable[[Topic, Any, float], Any] = sample_of
+
+
 @dataclass(eq=False)
 class _Peer:
     """A process that has connected."""
@@ -57,6 +84,7 @@ class LinesBorder:
 
     topics: Sequence[Topic]
     folder: Path
+    codec: Codec = field(default_factory=Codec)
     _peers: list[_Peer] = field(default_factory=list)
     _clock_s: float = 0.0
     _listener: socket.socket | None = None
@@ -104,18 +132,26 @@ class LinesBorder:
 
     def lacking(self) -> str:
         """The inward topics that no connected process has named; with none, whether any process is connected."""
-        self._receive(0.0)
-        named = frozenset(topic for peer in self._peers for topic in peer.publishes)
-        missing = [box.topic.name for box in self._inbox.values() if box.topic.name not in named]
+        named = self.named()
+        missing = [box.topic.name for box in self._inbox.values() if box.topic.awaited and box.topic.name not in named]
         if missing:
             return f"no process has connected that publishes {', '.join(missing)}"
         return "" if self._peers else "no process has connected"
 
+    def named(self) -> frozenset[str]:
+        """The topics that connected processes have named."""
+        self._receive(0.0)
+        return frozenset(topic for peer in self._peers for topic in peer.publishes)
+
+    @property
+    def connected(self) -> bool:
+        """Whether a process is connected, as far as was heard."""
+        return bool(self._peers)
+
     def send(self, seam: str, t_s: float, sample: Any) -> None:
         """Send a sample to every process."""
         topic = self._outward[seam]
-        data = given(to_plain(sample), topic.fields)
-        self._write({"topic": topic.name, "t_s": t_s, "data": data})
+        self._write({"topic": topic.name, "t_s": t_s, "data": self.codec.written(topic, sample)})
 
     def clock(self, t_s: float) -> None:
         """Tell the time to every process."""
@@ -218,7 +254,7 @@ class LinesBorder:
         try:
             if (stamp_s := message.get("stamp_s", 0.0)) > self._clock_s + AHEAD_S:
                 raise MisfitError(f"stamp_s={stamp_s!r} is later than the clock, {self._clock_s:g}")
-            box.sample = from_plain(box.topic.message, taken(message.get("data"), box.topic.fields))
+            box.sample = self.codec.read(box.topic, message.get("data"), self._clock_s)
         except (MisfitError, TypeError) as error:
             box.refuse(str(error))
             return

@@ -127,8 +127,9 @@ class Processes:
     def _name(self, number: int) -> str:
         """The program: that of an interpreter is its first argument."""
         program, *arguments = self._commands[number].run
-        script = arguments[0] if arguments and program == "{python}" else program
-        return inert(Path(script).name)[:LINE]
+        if program == "{python}" or Path(program).name.startswith("python"):
+            program = next((one for one in arguments if not one.startswith("-")), program)
+        return inert(Path(program).name)[:LINE]
 
     def last_lines(self, count: int = 5) -> str:
         """The last lines that they wrote, made inert and joined by " / "; "" for none."""

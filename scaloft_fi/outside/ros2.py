@@ -161,8 +161,11 @@ class Ros2Border:
 
     def lacking(self) -> str:
         """The topics that nobody subscribes to, or publishes; then, for a moment, that the other side looks for us."""
-        unread = [one.topic_name for one in self._publishers.values() if not one.get_subscription_count()]
-        unsent = [one.topic_name for one in self._subscriptions.values() if not one.get_publisher_count()]
+        awaited = {topic.seam for topic in self.topics if topic.awaited}
+        publishers = [one for seam, one in self._publishers.items() if seam in awaited]
+        subscriptions = [one for seam, one in self._subscriptions.items() if seam in awaited]
+        unread = [one.topic_name for one in publishers if not one.get_subscription_count()]
+        unsent = [one.topic_name for one in subscriptions if not one.get_publisher_count()]
         said = [f"nobody subscribes to {', '.join(unread)}"] * bool(unread)
         said += [f"nobody publishes {', '.join(unsent)}"] * bool(unsent)
         if said:

@@ -212,13 +212,17 @@ def plain_type(name: str) -> str:
     return name.replace("/msg/", "/", 1)
 
 
-def layout_of(topic: Topic) -> Layout:
+def layout_of(topic: Topic, layouts: Mapping[type, tuple[Layout, ...]] = LAYOUTS) -> Layout:
     """The layout of a topic: its own fields where it has some, else the usual one of its type.
+
+    Args:
+        topic: the topic.
+        layouts: the usual ones of each port.
 
     Raises:
         ValueError: there is no usual one; the message says which there are.
     """
-    usual = LAYOUTS.get(topic.message, ())
+    usual = layouts.get(topic.message, ())
     if topic.fields:
         name = plain_type(topic.type) if topic.type else usual[0].type if usual else ""
         if not name:

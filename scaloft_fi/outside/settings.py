@@ -25,7 +25,8 @@ class ProcessConfig:
 
     Attributes:
         run: program and arguments; `{study}`, `{python}`, `{route}`, `{home}`, `{altitude_m}`, `{cruise_mps}`,
-            `{slow_mps}` and `{yaw_deg}` stand for what they say, in JSON where it is no plain number or text.
+            `{slow_mps}`, `{yaw_deg}` and `{situation}` stand for what they say, in JSON where it is no plain number or
+            text.
         env: environment variables beside those of the run.
         folder: where it runs, in the folder of the study.
     """
@@ -62,6 +63,7 @@ class SeamConfig:
         frame: frame id of messages that go out; "world" or "body" for a velocity that comes.
         qos: quality of service, as the border names it.
         fields: fields of the border's message by path to those of the sample; empty = the border's usual mapping.
+        awaited: whether the flight waits before take-off until the topic has its other end.
     """
 
     topic: str
@@ -70,11 +72,14 @@ class SeamConfig:
     frame: str = ""
     qos: Mapping[str, Scalar] = field(default_factory=dict)
     fields: Mapping[str, str] = field(default_factory=dict)
+    awaited: bool = True
 
     def as_topic(self, seam: str) -> Topic:
         """The topic of the border."""
         port = PORTS[self.carries]
-        return Topic(seam, self.topic, port.message, port.outward, self.type, self.frame, self.qos, self.fields)
+        return Topic(
+            seam, self.topic, port.message, port.outward, self.type, self.frame, self.qos, self.fields, self.awaited
+        )
 
 
 @dataclass(frozen=True)

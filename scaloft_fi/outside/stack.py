@@ -84,6 +84,7 @@ def words_of(task: Task) -> Mapping[str, str]:
         "cruise_mps": f"{task.cruise_mps:g}",
         "slow_mps": f"{task.slow_mps:g}",
         "yaw_deg": f"{math.degrees(task.yaw_rad):g}",
+        "situation": task.situation,
     }
 
 

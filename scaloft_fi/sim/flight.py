@@ -103,6 +103,7 @@ def make_stack(config: SimConfig, declared: Declaration, scenario: Scenario, wir
         cruise_mps=mission.cruise_mps,
         slow_mps=mission.slow_mps,
         folder=str(config.stack.document.path.absolute().parents[1]),
+        situation=scenario.key,
     )
     try:
         return declared.make(task, wire)

@@ -24,6 +24,7 @@ class Task:
         altitude_m: height of flight [m].
         cruise_mps, slow_mps: cruise speed, and the speed after a person was seen [m/s].
         folder: folder of the study, for a stack with files of its own.
+        situation: key of the situation, for programs outside that set up a scene of their own.
     """
 
     settings: Any
@@ -35,6 +36,7 @@ class Task:
     cruise_mps: float
     slow_mps: float
     folder: str = "."
+    situation: str = ""
 
 
 class Stack(Protocol):

@@ -10,7 +10,7 @@ import pytest
 from scaloft_fi.outside.border import BorderError, Topic
 from scaloft_fi.outside.client import VARIABLE, Connection, connect
 from scaloft_fi.outside.lines import LONGEST_LINE, MOST_PROCESSES, LinesBorder
-from scaloft_fi.outside.ports import Motion
+from scaloft_fi.outside.ports import Land, Motion
 from scaloft_fi.stack.messages import Bumper
 
 TOPICS = (Topic("touch", "/touch", Bumper, outward=True), Topic("drive", "/cmd_vel", Motion, outward=False))
@@ -52,6 +52,16 @@ def test_the_border_lacks_a_process_until_one_has_named_each_topic(border: Lines
     assert [border.lacking() for _ in range(3)][-1] == ""
     silent.close()
     talking.close()
+
+
+def test_the_border_lacks_no_topic_that_is_not_awaited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    border = LinesBorder((*TOPICS, Topic("land", "/land", Land, outward=False, awaited=False)), tmp_path)
+    border.open()
+    monkeypatch.setenv(VARIABLE, border.environment[VARIABLE])
+    connection = connect(publishes=["/cmd_vel"])
+    assert [border.lacking() for _ in range(2)][-1] == ""
+    connection.close()
+    border.close()
 
 
 def test_samples_go_out_in_order_and_the_clock_is_last(border: LinesBorder, other: Connection) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from random_faults import __main__ as experiment
-from random_faults.draw import DECADES, GUIDEWORD, TIMES, Draw, fields
+from random_faults.draw import DECADES, GUIDEWORD, PACKAGES, TIMES, Draw, fields
 from random_faults.plan import FAULTS, LARGEST
 
 from scaloft_fi.hazop.name import parse
@@ -70,7 +70,7 @@ def test_each_seam_is_drawn_as_often_as_another(draw: Draw) -> None:
 
 def test_each_operator_but_the_identity_fits_a_seam(draw: Draw) -> None:
     fitting = {operator.name for operators in draw.fitting.values() for operator in operators}
-    own = {name for name, operator in OPERATORS.items() if operator.make.__module__.startswith("scaloft_fi.")}
+    own = {name for name, operator in OPERATORS.items() if operator.make.__module__.startswith(PACKAGES)}
     assert fitting == own - {"identity"}
 
 
