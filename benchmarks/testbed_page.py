@@ -242,7 +242,7 @@ def _otherwise(flights: Sequence[Flown]) -> Iterator[str]:
     baseline, placebo = by_name.get("baseline/H1/0"), by_name.get("PLACEBO/H1/0")
     if baseline is not None and placebo is not None:
         alike = "is" if placebo.outcome.digest == baseline.outcome.digest else "is not"
-        yield f"- PLACEBO's flight {alike} that of the baseline to the bit; nothing promises it, as the flights are paced."
+        yield f"- PLACEBO's flight {alike} that of the baseline to the bit; nothing promises it: flights are paced."
 
 
 WHY: Mapping[str, str] = {
