@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 from hypothesis import settings
 
 import scaloft_fi.mutants.reference  # noqa: F401 - a study that names the reference stack declares its operators so
+from scaloft_fi.campaign.processes.start import HANGUP
 
 collect_ignore = ["support/ros2_border.py"]
 """A program for a Python with ROS 2."""
@@ -17,6 +19,8 @@ sys.path.insert(0, str(Path(__file__).parent / "support"))
 
 settings.register_profile("scaloft-fi", derandomize=True, deadline=None)
 settings.load_profile("scaloft-fi")
+for number in HANGUP:
+    signal.signal(number, signal.SIG_DFL)  # `nohup` has it ignored, and tests send it
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -6,7 +6,7 @@ import subprocess
 import sys
 import textwrap
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -19,11 +19,13 @@ pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="lo
 DETACHED = """
 import os, subprocess, sys, time
 subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"], start_new_session=True)
-if os.fork() == 0:
+leaving = os.fork()
+if leaving == 0:
     os.setsid()
     if os.fork() == 0:
         time.sleep(60)
     os._exit(0)
+os.waitpid(leaving, 0)
 print("up", flush=True)
 time.sleep(60)
 """
@@ -64,11 +66,17 @@ def marked(mark: str) -> list[int]:
     return found
 
 
-def soon(true: Callable[[], bool], within_s: float = 5.0) -> bool:
+def below(guard: int, mark: str) -> list[int]:
+    """What the guard started, then what it adopted: no leader of a session."""
+    status = {pid: Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split() for pid in marked(mark)}
+    return sorted((pid for pid in status if int(status[pid][1]) == guard), key=lambda pid: int(status[pid][3]) != pid)
+
+
+def soon(true: Callable[[], bool], within_s: float = 30.0) -> bool:
     due_s = time.monotonic() + within_s
-    while not true() and time.monotonic() < due_s:
+    while not (is_true := true()) and time.monotonic() < due_s:
         time.sleep(0.02)
-    return true()
+    return is_true
 
 
 @pytest.fixture
@@ -129,26 +137,28 @@ def test_processes_that_detached_themselves_end_with_the_flight(tmp_path: Path, 
     leaving = processes(tmp_path, DETACHED, MARK=mark)
     leaving.start()
     assert soon(lambda: leaving.last_lines() == "up")
-    assert len(marked(mark)) == 3
+    assert soon(lambda: len(marked(mark)) == 3)
     leaving.stop()
     assert marked(mark) == []
 
 
+@pytest.fixture
+def flying(tmp_path: Path, mark: str) -> Iterator[subprocess.Popen[str]]:
+    words = [sys.executable, "-c", FLYING, str(tmp_path), DETACHED, mark]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True, env=environment) as process:
+        yield process
+        process.kill()
+
+
 @pytest.mark.parametrize("victim", ["flying process", "guard", "process", "orphan"])
-def test_whatever_is_killed_nothing_is_left(tmp_path: Path, mark: str, victim: str) -> None:
-    flying = subprocess.Popen(
-        [sys.executable, "-c", FLYING, str(tmp_path), DETACHED, mark],
-        stdout=subprocess.PIPE,
-        text=True,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
-    )
+def test_whatever_is_killed_nothing_is_left(flying: subprocess.Popen[str], mark: str, victim: str) -> None:
     assert flying.stdout is not None
     guard = int(flying.stdout.readline())
-    assert soon(lambda: len(marked(mark)) == 3)
-    started = min(marked(mark))
-    orphan = max(marked(mark))
+    assert soon(lambda: len(marked(mark)) == 3 and len(below(guard, mark)) == 2)
+    process, orphan = below(guard, mark)
     os.kill(
-        {"flying process": flying.pid, "guard": guard, "process": started, "orphan": orphan}[victim], signal.SIGKILL
+        {"flying process": flying.pid, "guard": guard, "process": process, "orphan": orphan}[victim], signal.SIGKILL
     )
     if victim == "orphan":  # the flight goes on without it
         assert soon(lambda: len(marked(mark)) == 2)
@@ -157,6 +167,3 @@ def test_whatever_is_killed_nothing_is_left(tmp_path: Path, mark: str, victim: s
     assert soon(lambda: not Path(f"/proc/{guard}").exists() or "Z" in Path(f"/proc/{guard}/stat").read_text())
     if victim in ("guard", "process"):
         assert flying.stdout.readline() == "stopped\n"
-    flying.kill()
-    flying.wait()
-    flying.stdout.close()
