@@ -19,7 +19,7 @@ MOST_OUTPUT = 1 << 20
 LOOK_S = 0.002
 """How often a running command is looked at [s, wall]."""
 DONE = "ended with code 0"
-_HOW = re.compile(r"(ended with code -?\d+|was ended by \w+|cannot be started: .*|the guard of the processes .*)$")
+_HOW = re.compile(r"(ended with code -?\d+|was ended by \w+|cannot be started: .*)$")
 SHOWN_LINES, SHOWN = 5, 400
 """How many of its last lines an error shows, and how many characters of them."""
 MOST_COUNTED = 10**12
@@ -64,7 +64,7 @@ def run_command(
         attend: called again and again while it runs.
 
     Raises:
-        BorderError: it cannot be started.
+        BorderError: it cannot be started, or its guard has died.
         CommandError: it takes longer, or fails.
     """
     processes = Processes([Command(tuple(words), env)], cwd, {}, folder)

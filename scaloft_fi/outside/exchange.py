@@ -108,6 +108,7 @@ class Exchange:
 
         Raises:
             OutsideError: the stages outside ended or hang.
+            BorderError: the border, or the guard of the processes, has died.
         """
         for name, port in self._out:
             self.send(name, now_s, offered.get(port))

@@ -151,7 +151,8 @@ class Guard:
                 self.drain_some()
                 time.sleep(0.005)
         for process in self.started.values():
-            send(process.pid, signal.SIGKILL)
+            if process.poll() is None or not LINUX:  # the number of a process that was reaped may be another's
+                send(process.pid, signal.SIGKILL)
         kill_below(os.getpid())
 
     def drain_some(self) -> None:

@@ -64,7 +64,7 @@ class Processes:
         """Start all of them.
 
         Raises:
-            BorderError: one cannot be started; the sentence names it.
+            BorderError: one cannot be started; the sentence names it.  Or their guard has died.
         """
         guard.prctl(guard.PR_SET_CHILD_SUBREAPER, 1)
         self._spared = frozenset(guard.descendants(os.getpid()))
@@ -97,10 +97,13 @@ class Processes:
         }
 
     def ended(self, within_s: float = 0.0) -> str:
-        """A sentence on the first of them that has ended, or on the death of their guard; "" while all run.
+        """A sentence on the first of them that has ended; "" while all run.
 
         Args:
             within_s: how long to wait for an end [s, wall].
+
+        Raises:
+            BorderError: their guard has died, which is no fault of theirs.
         """
         if not self._ended and self._guard is not None:
             self._listen(within_s)
@@ -112,8 +115,9 @@ class Processes:
         assert self._guard.stdout is not None
         while select.select([self._guard.stdout], [], [], wait_s)[0]:
             text = os.read(self._guard.stdout.fileno(), guard.CHUNK)
+            if not text and not self._ended:
+                raise BorderError(f"the guard of the processes ended; their last lines: {self.last_lines() or 'none'}")
             if not text:
-                self._ended = self._ended or "the guard of the processes was killed"
                 return
             self._news += text
             wait_s = 0.0

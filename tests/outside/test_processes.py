@@ -33,6 +33,7 @@ time.sleep(60)
 FLYING = """
 import sys, time
 from pathlib import Path
+from scaloft_fi.outside.border import BorderError
 from scaloft_fi.outside.processes import Command, Processes
 folder = Path(sys.argv[1])
 with_guard = Processes([Command(("{python}", "-c", sys.argv[2]))], folder, {"MARK": sys.argv[3]}, folder)
@@ -40,8 +41,11 @@ with_guard.start()
 while "up" not in with_guard.last_lines():
     time.sleep(0.01)
 print(with_guard._guard.pid, flush=True)
-while not with_guard.ended():
-    time.sleep(0.01)
+try:
+    while not with_guard.ended():
+        time.sleep(0.01)
+except BorderError as error:
+    print(error, flush=True)
 with_guard.stop()
 print("stopped", flush=True)
 """
@@ -165,5 +169,7 @@ def test_whatever_is_killed_nothing_is_left(flying: subprocess.Popen[str], mark:
         flying.kill()
     assert soon(lambda: marked(mark) == []), marked(mark)
     assert soon(lambda: not Path(f"/proc/{guard}").exists() or "Z" in Path(f"/proc/{guard}/stat").read_text())
+    if victim == "guard":
+        assert flying.stdout.readline() == "the guard of the processes ended; their last lines: up\n"
     if victim in ("guard", "process"):
         assert flying.stdout.readline() == "stopped\n"
