@@ -62,6 +62,15 @@ def grid_option(function: F) -> F:
     )(function)
 
 
+def grid_of_study_option(function: F) -> F:
+    """`--grid NAME`: one of the study's grids, without a campaign."""
+    return click.option(
+        "--grid",
+        metavar="NAME",
+        help="A grid of the study: a file in sim/grids/.  [default: that of sim/situations.yaml]",
+    )(function)
+
+
 def campaign_over(grid: str | None, campaign: str) -> str:
     """The campaign of the command: that of the user, else the one named by the grid, else the default."""
     source = click.get_current_context().get_parameter_source("campaign")

@@ -1,0 +1,26 @@
+"""`scaloft-fi signals`: list the study's signals, without flying."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from scaloft_fi.cli.listing import tell_listing
+from scaloft_fi.cli.options import format_option, grid_of_study_option, study_option
+
+
+@click.command("signals")
+@click.argument("names", nargs=-1, metavar="[NAME]...")
+@study_option
+@grid_of_study_option
+@format_option
+def signals_command(names: tuple[str, ...], study_folder: Path | None, grid: str | None, style: str) -> None:
+    """List the signals that the study's requirements and the predicates of its axes may use.
+
+    Without a NAME an overview; NAME, or a pattern with *, ? or [, shows these whole: range, unit, what the signal
+    reads where there is nothing to measure, where it comes from, and a formula that uses it.
+    """
+    from scaloft_fi.views.lists.signals import signal_list
+
+    tell_listing(signal_list, names, style, study_folder, grid)
