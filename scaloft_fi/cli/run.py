@@ -163,7 +163,7 @@ def run_command(
     from scaloft_fi.campaign.store.folder import campaign_folder
     from scaloft_fi.campaign.workers.named import executor_named
     from scaloft_fi.cli.score import report
-    from scaloft_fi.views.score.scored_campaign import scored_run
+    from scaloft_fi.views.scored_campaign import scored_run
 
     campaign = campaign_over(grid, campaign)
     request = Request(

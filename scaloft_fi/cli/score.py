@@ -25,7 +25,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.inert import json_text
 
 if TYPE_CHECKING:
-    from scaloft_fi.views.score.scored_campaign import ScoredCampaign
+    from scaloft_fi.views.scored_campaign import ScoredCampaign
 
 GROUPINGS = ("guideword", "parameter", "situation", "requirement", "axis")
 BELOW = 3
@@ -61,7 +61,7 @@ def score_command(
 ) -> int:
     """Say which faults the tests would have shown, which not, how sure that is, and what to do next."""
     from scaloft_fi.study import Study
-    from scaloft_fi.views.score.scored_campaign import scored_campaign
+    from scaloft_fi.views.scored_campaign import scored_campaign
 
     scored = scored_campaign(Study.open(study_folder), campaign, baseline_from)
     code = report(scored, grouping=grouping, everything=everything, style=style, fail_under=fail_under)
