@@ -8,9 +8,17 @@ import click
 
 from scaloft_fi.cli.listing import tell_listing
 from scaloft_fi.cli.options import format_option, grid_of_study_option, study_option
+from scaloft_fi.cli.verb import verb
 
 
-@click.command("axes")
+@verb(
+    "axes",
+    examples=(
+        ("List the axes of the study's own grid", "scaloft-fi axes"),
+        ("Show one whole", "scaloft-fi axes H"),
+        ("List those of the grid `search`, as Markdown", "scaloft-fi axes --grid search --format markdown"),
+    ),
+)
 @click.argument("names", nargs=-1, metavar="[NAME]...")
 @study_option
 @grid_of_study_option

@@ -5,9 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
 from scaloft_fi.cli.options import campaign_option, format_option, study_option
+from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import tell
 from scaloft_fi.inert import json_text
 
@@ -15,7 +14,14 @@ if TYPE_CHECKING:
     from scaloft_fi.campaign.runs.choice import Remembered
 
 
-@click.command("coverage")
+@verb(
+    "coverage",
+    examples=(
+        ("Ask how much of the grid was flown, pair by pair", "scaloft-fi coverage"),
+        ("Look at another campaign", "scaloft-fi coverage --campaign night"),
+        ("Let a script read it", "scaloft-fi coverage --format json"),
+    ),
+)
 @study_option
 @campaign_option
 @format_option

@@ -11,6 +11,7 @@ import click
 from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import campaign_option, format_option, study_option, today_option
 from scaloft_fi.cli.own_study import check_own
+from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say, tell
 from scaloft_fi.errors import InputError
 
@@ -25,7 +26,14 @@ UNACCEPTED = 3
 """Exit code of a ratchet that does not pass: as of a score below --fail-under."""
 
 
-@click.command("dispositions")
+@verb(
+    "dispositions",
+    examples=(
+        ("List what survives, and what was accepted", "scaloft-fi dispositions"),
+        ("Draft an entry for each open survivor", "scaloft-fi dispositions --write"),
+        ("See what will have expired by a day", "scaloft-fi dispositions --today 2027-01-31"),
+    ),
+)
 @study_option
 @campaign_option
 @click.option(

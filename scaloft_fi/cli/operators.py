@@ -8,9 +8,17 @@ import click
 
 from scaloft_fi.cli.listing import tell_listing
 from scaloft_fi.cli.options import format_option, study_option
+from scaloft_fi.cli.verb import verb
 
 
-@click.command("operators")
+@verb(
+    "operators",
+    examples=(
+        ("List all operators", "scaloft-fi operators"),
+        ("Show one whole, with its example", "scaloft-fi operators delay"),
+        ("Write those that begin with `drop` as JSON", "scaloft-fi operators 'drop*' --format json"),
+    ),
+)
 @click.argument("names", nargs=-1, metavar="[NAME]...")
 @study_option
 @format_option

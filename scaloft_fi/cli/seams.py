@@ -8,9 +8,17 @@ import click
 
 from scaloft_fi.cli.listing import tell_listing
 from scaloft_fi.cli.options import format_option, study_option
+from scaloft_fi.cli.verb import verb
 
 
-@click.command("seams")
+@verb(
+    "seams",
+    examples=(
+        ("List all seams", "scaloft-fi seams"),
+        ("Show one whole, with the operators that fit", "scaloft-fi seams velcmd"),
+        ("Write them all as JSON", "scaloft-fi seams --format json"),
+    ),
+)
 @click.argument("names", nargs=-1, metavar="[NAME]...")
 @study_option
 @format_option

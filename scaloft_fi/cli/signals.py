@@ -8,9 +8,17 @@ import click
 
 from scaloft_fi.cli.listing import tell_listing
 from scaloft_fi.cli.options import format_option, grid_of_study_option, study_option
+from scaloft_fi.cli.verb import verb
 
 
-@click.command("signals")
+@verb(
+    "signals",
+    examples=(
+        ("List all signals", "scaloft-fi signals"),
+        ("Show two of them whole", "scaloft-fi signals person_sight_m speed_mps"),
+        ("List what the grid `wide` adds, as CSV", "scaloft-fi signals --grid wide --format csv"),
+    ),
+)
 @click.argument("names", nargs=-1, metavar="[NAME]...")
 @study_option
 @grid_of_study_option

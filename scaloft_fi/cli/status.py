@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from pathlib import Path
 
-import click
-
 from scaloft_fi.cli.options import campaign_option, format_option, study_option
+from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import tell
 
 AGAIN = "The same `run` flies them again; no flight log is kept from which they could be judged anew."
@@ -15,7 +14,14 @@ WAITING = "waiting for their baseline"
 """Flights that cannot be judged yet: a run was interrupted before the baseline of their situation and seed was home."""
 
 
-@click.command("status")
+@verb(
+    "status",
+    examples=(
+        ("Count the flights of the campaign, and say why some are stale", "scaloft-fi status"),
+        ("Look at another campaign", "scaloft-fi status --campaign night"),
+        ("Let a script read it", "scaloft-fi status --format json"),
+    ),
+)
 @study_option
 @campaign_option
 @format_option

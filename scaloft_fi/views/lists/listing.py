@@ -42,6 +42,11 @@ class Listing:
         """The names of the entries."""
         return tuple(str(record["name"]) for record in self.records)
 
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The keys of every record, in order."""
+        return tuple(self.records[0]) if self.records else ("name",)
+
     def chosen(self, patterns: Sequence[str]) -> Listing:
         """The entries that have one of these names, or match one of these patterns with `*`, `?` or `[`.
 
@@ -69,8 +74,7 @@ def shown(listing: Listing, patterns: Sequence[str], how: Format) -> str:
     if how is Format.JSON:
         return json_text([dict(record) for record in chosen.records], indent=1) + "\n"
     if how is Format.CSV:
-        keys = tuple(chosen.records[0]) if chosen.records else tuple(listing.overview.values())
-        return csv_text(keys, ([plain(record[key]) for key in keys] for record in chosen.records))
+        return csv_text(chosen.keys, (map(plain, record.values()) for record in chosen.records))
     if not patterns:
         columns = listing.overview
         rows = tuple(tuple(plain(record[key]) for key in columns.values()) for record in chosen.records)
