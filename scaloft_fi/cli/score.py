@@ -23,6 +23,7 @@ from scaloft_fi.cli.options import (
 )
 from scaloft_fi.console import say, tell
 from scaloft_fi.errors import InputError
+from scaloft_fi.exit_codes import ExitCode
 from scaloft_fi.inert import json_text
 
 if TYPE_CHECKING:
@@ -34,8 +35,6 @@ if TYPE_CHECKING:
     from scaloft_fi.views.tables.table import Table
 
 GROUPINGS = ("guideword", "parameter", "situation", "requirement", "axis")
-BELOW = 3
-"""Exit code of a score under --fail-under."""
 
 
 @click.command("score")
@@ -145,7 +144,7 @@ def report(
     if fail_under is None or (ratio.value is not None and ratio.value >= fail_under):
         return 0
     say(f"mutation score {ratio} is below --fail-under {fail_under:g}")
-    return BELOW
+    return ExitCode.BELOW
 
 
 def _text(
