@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import click
-
 from scaloft_fi.cli.answer import answer, tables_option
 from scaloft_fi.cli.options import campaign_option, format_option, study_option
+from scaloft_fi.cli.verb import verb
 
 
-@click.command("coverage")
+@verb(
+    "coverage",
+    examples=(
+        ("Ask how much of the grid was flown, pair by pair", "scaloft-fi coverage"),
+        ("Look at another campaign", "scaloft-fi coverage --campaign night"),
+        ("Let a script read it", "scaloft-fi coverage --format json"),
+    ),
+)
 @study_option
 @campaign_option
 @format_option

@@ -8,10 +8,18 @@ import click
 
 from scaloft_fi.cli.answer import answer
 from scaloft_fi.cli.options import format_option, study_option
+from scaloft_fi.cli.verb import verb
 from scaloft_fi.errors import InputError
 
 
-@click.command("diff")
+@verb(
+    "diff",
+    examples=(
+        ("Compare two campaigns", "scaloft-fi diff default night"),
+        ("Compare with a folder from another machine", "scaloft-fi diff default /data/night/campaign"),
+        ("Keep the comparison as a table in a document", "scaloft-fi diff default night --format markdown"),
+    ),
+)
 @click.argument("first", metavar="CAMPAIGN")
 @click.argument("second", metavar="CAMPAIGN")
 @study_option

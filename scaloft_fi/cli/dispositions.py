@@ -11,6 +11,7 @@ import click
 from scaloft_fi.cli.answer import answer
 from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import campaign_option, format_option, study_option, today_option
+from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say
 from scaloft_fi.errors import InputError
 from scaloft_fi.exit_codes import ExitCode
@@ -23,7 +24,14 @@ if TYPE_CHECKING:
     from scaloft_fi.study import Study
 
 
-@click.command("dispositions")
+@verb(
+    "dispositions",
+    examples=(
+        ("List what survives, and what was accepted", "scaloft-fi dispositions"),
+        ("Draft an entry for each open survivor", "scaloft-fi dispositions --write"),
+        ("See what will have expired by a day", "scaloft-fi dispositions --today 2027-01-31"),
+    ),
+)
 @study_option
 @campaign_option
 @click.option(

@@ -8,9 +8,20 @@ import click
 
 from scaloft_fi.cli.answer import answer, tables_option
 from scaloft_fi.cli.options import format_option, study_option
+from scaloft_fi.cli.verb import verb
 
 
-@click.command("judge")
+@verb(
+    "judge",
+    examples=(
+        ("Judge a record of a flight in a known situation", "scaloft-fi judge flight.csv --situation T0O0W0D0H1"),
+        (
+            "Judge PX4's logs, with where the signals stand in them",
+            "scaloft-fi judge monday.ulg tuesday.ulg --record px4.yaml",
+        ),
+        ("Let a script read the verdicts", "scaloft-fi judge bag/ --format json"),
+    ),
+)
 @click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @study_option
 @click.option(
@@ -39,13 +50,7 @@ def judge_command(
     """Judge records of flights (.csv, .mcap, .ulg, .bag, .db3, or a folder of rosbag2) with the study's requirements.
 
     Nothing is flown and no campaign is read.  A violation is a finding: the exit code is 0.
-
-    \b
-    Examples:
-      scaloft-fi judge flight.csv --situation T0O0W0D0H1
-      scaloft-fi judge logs/*.ulg --record px4.yaml
-      scaloft-fi judge bag/ --format json
-    """  # noqa: D301 - click reads the \b
+    """
     from scaloft_fi.campaign.flights.recorded import judged_record, known_of, mapping_of
     from scaloft_fi.study import Study
     from scaloft_fi.views.flights.judged import JUDGE, judged_table, judged_values

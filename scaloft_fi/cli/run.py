@@ -21,6 +21,7 @@ from scaloft_fi.cli.options import (
     typed,
     warnings_option,
 )
+from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say
 from scaloft_fi.errors import InputError
 
@@ -30,7 +31,24 @@ if TYPE_CHECKING:
     from scaloft_fi.views.tables.table import Table
 
 
-@click.command("run")
+@verb(
+    "run",
+    examples=(
+        ("Fly one fault over the whole grid; the same command resumes", "scaloft-fi run --mutant LATE-human"),
+        ("Fly every fault of a guideword with three seeds", "scaloft-fi run --mutant 'NO-*' --seeds 3"),
+        ("Fly every cell's default within two hours, as in CI", "scaloft-fi run --budget 2h --fail-under 0.3"),
+    ),
+    sections={
+        "Where": "--study --campaign --grid",
+        "Which faults": "--mutant",
+        "In which situations": "--situation --choose --choose-seed",
+        "How often": "--seeds --baseline-seeds --baseline-from --sequential",
+        "How": "--jobs --budget --no-share --same-platform",
+        "On many machines": "--shard --executor --cluster-key --cluster-security",
+        "What fails the run": "--fail-under --max-invalid",
+        "What is printed": "--all --format --warnings --quiet --help",
+    },
+)
 @study_option
 @campaign_option
 @grid_option

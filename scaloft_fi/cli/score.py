@@ -21,6 +21,7 @@ from scaloft_fi.cli.options import (
     study_option,
     today_option,
 )
+from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say, tell
 from scaloft_fi.errors import InputError
 from scaloft_fi.exit_codes import ExitCode
@@ -37,7 +38,14 @@ if TYPE_CHECKING:
 GROUPINGS = ("guideword", "parameter", "situation", "requirement", "axis")
 
 
-@click.command("score")
+@verb(
+    "score",
+    examples=(
+        ("Ask which faults the tests would have shown", "scaloft-fi score"),
+        ("See every mutant, and the score of each guideword", "scaloft-fi score --all --by guideword"),
+        ("Hold a pipeline to what a team has accepted", "scaloft-fi score --fail-under 0.3 --ratchet"),
+    ),
+)
 @study_option
 @campaign_option
 @click.option("--by", "grouping", type=click.Choice(GROUPINGS), help="The score part by part as well.")

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import click
-
 from scaloft_fi.cli.answer import answer, tables_option
 from scaloft_fi.cli.options import campaign_option, format_option, study_option
+from scaloft_fi.cli.verb import verb
 
 
-@click.command("status")
+@verb(
+    "status",
+    examples=(
+        ("Count the flights of the campaign, and say why some are stale", "scaloft-fi status"),
+        ("Look at another campaign", "scaloft-fi status --campaign night"),
+        ("Let a script read it", "scaloft-fi status --format json"),
+    ),
+)
 @study_option
 @campaign_option
 @format_option

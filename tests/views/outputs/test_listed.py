@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from jsonschema import Draft202012Validator
 
-from scaloft_fi.cli.main import VERBS
+from scaloft_fi.cli.verbs import VERBS
 from scaloft_fi.exit_codes import ExitCode
 from scaloft_fi.views.outputs.listed import OUTPUTS, output_of, schema_texts
 from scaloft_fi.views.outputs.shape import Shape, inner
