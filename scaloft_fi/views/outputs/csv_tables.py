@@ -1,4 +1,4 @@
-"""The JSON of a verb as CSV: each list of records is a table; what stands in no list is a table of names and values.
+"""The JSON of a verb as CSV: each list of records is a table; what stands in no list is one of names and values.
 
 A record in a record gives columns `outer_inner`, a list of plain values one cell with `;` between, a list of records in
 a record a table of its own, `table_key`, whose first column says whose it is.  Nothing stands where JSON has null.
@@ -41,7 +41,7 @@ def csv_tables(output: Output, values: Mapping[str, Any]) -> dict[str, str]:
         else:
             made |= _tables(field.name, field.items, "", [("", one) for one in field.of(values) or ()])
     if single:
-        made[SUMMARY] = csv_text(("name", "value"), single)
+        made[SUMMARY] = csv_text(("what", "value"), single)
     return made
 
 
