@@ -47,6 +47,7 @@ NOT_PRINTED = {
     "Kind": "kinds of fields of messages",
     "Shape": "a key of YAML",
     "Side": "an order of signals",
+    "Style": "codes of a terminal",
     "Worse": "an order of magnitudes",
 }
 """Enumerations that no table and no file of results prints."""
