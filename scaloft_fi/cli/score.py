@@ -23,14 +23,13 @@ from scaloft_fi.cli.options import (
 from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say, tell
 from scaloft_fi.errors import InputError
+from scaloft_fi.exit_codes import ExitCode
 from scaloft_fi.inert import json_text
 
 if TYPE_CHECKING:
     from scaloft_fi.views.scored_campaign import ScoredCampaign
 
 GROUPINGS = ("guideword", "parameter", "situation", "requirement", "axis")
-BELOW = 3
-"""Exit code of a score under --fail-under."""
 
 
 @verb(
@@ -107,7 +106,7 @@ def report(
     if fail_under is None or (ratio.value is not None and ratio.value >= fail_under):
         return 0
     say(f"mutation score {ratio} is below --fail-under {fail_under:g}")
-    return BELOW
+    return ExitCode.BELOW
 
 
 def _text(scored: ScoredCampaign, grouping: str | None, style: str, *, everything: bool) -> str:
