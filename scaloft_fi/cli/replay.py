@@ -56,7 +56,7 @@ def replay_command(
 
     one_thread_each()
     from scaloft_fi.campaign.store.flown_grid import study_of
-    from scaloft_fi.views.flights.flown_flight import RECORDINGS, flown_flight, judged_flight, named, ready_to_fly
+    from scaloft_fi.views.flights.logged_flight import RECORDINGS, fly_with_log, named, ready_to_fly, with_log
     from scaloft_fi.views.flights.repeated import compared
     from scaloft_fi.views.pictures.picture import png
     from scaloft_fi.views.tables.table import Format, render
@@ -68,9 +68,9 @@ def replay_command(
     if gui:
         from scaloft_fi.campaign.flights.window import fly_in_window
 
-        flown = judged_flight(study, flight, fly_in_window(study, flight))
+        flown = with_log(study, flight, fly_in_window(study, flight))
     else:
-        flown = flown_flight(study, flight)
+        flown = fly_with_log(study, flight)
     tell(f"{render((flown.facts(),), Format.TABLE)}\n")
     end = output.suffix.lower() if output else ""
     if output is not None and end in RECORDINGS:

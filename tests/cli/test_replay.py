@@ -18,7 +18,7 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.sim.log import NEVER_S, Ending, FlightLog
 from scaloft_fi.study import Study
-from scaloft_fi.views.flights.flown_flight import FlownFlight
+from scaloft_fi.views.flights.logged_flight import LoggedFlight
 from scaloft_fi.views.flights.repeated import compared
 from scaloft_fi.views.tables.table import Format, render
 
@@ -63,7 +63,7 @@ def test_a_requirement_that_the_flight_did_not_put_to_the_test_has_no_robustness
         Reading("SR2", Kind.SAFETY, 24.0, None, 0, open=False),
     )
     flown = Outcome(flight.subject, "T0O0W0D0H0", 0, ending="landed", readings=readings)
-    facts = render((FlownFlight(study, flight, LOG, flown).facts(),), Format.TABLE)
+    facts = render((LoggedFlight(study, flight, LOG, flown).facts(),), Format.TABLE)
     said = [" ".join(line.split()) for line in facts.splitlines()]
     assert "SR1 held, robustness 0.300" in said
     assert "SR2 vacuous" in said
@@ -87,9 +87,9 @@ class _Replayed:
     def compared(self, numpy: str, outcome: Outcome, *, clean: str = "clean 2", same_platform: bool = False) -> str:
         """What `replay` says of `outcome` on the platform `numpy`, whose baseline has the digest `clean`."""
         self._monkeypatch.setattr("scaloft_fi.views.flights.repeated.fingerprint", lambda: {"numpy": numpy})
-        again = FlownFlight(self.study, self.clean, LOG, replace(self.baseline, digest=clean))
-        self._monkeypatch.setattr("scaloft_fi.views.flights.flown_flight.flown_flight", lambda *_: again)
-        flown = FlownFlight(self.study, self.flight, LOG, outcome)
+        again = LoggedFlight(self.study, self.clean, LOG, replace(self.baseline, digest=clean))
+        self._monkeypatch.setattr("scaloft_fi.views.flights.logged_flight.fly_with_log", lambda *_: again)
+        flown = LoggedFlight(self.study, self.flight, LOG, outcome)
         return compared(flown, f"{self._folder}/", same_platform=same_platform)
 
 

@@ -11,10 +11,10 @@ from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.facts import APART_M, agreement, digests, parting_s
 from scaloft_fi.sim.log import Ending
-from scaloft_fi.views.flights.flown_flight import FlownFlight, reading_text
+from scaloft_fi.views.flights.logged_flight import LoggedFlight, reading_text
 
 
-def compared(flown: FlownFlight, campaign: str, *, same_platform: bool) -> str:
+def compared(flown: LoggedFlight, campaign: str, *, same_platform: bool) -> str:
     """How a flight compares with the same flight of a campaign, in a sentence.
 
     Args:

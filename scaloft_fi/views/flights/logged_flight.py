@@ -29,7 +29,7 @@ RECORDINGS = (".mcap", ".csv")
 
 
 @dataclass(frozen=True, eq=False)
-class FlownFlight:
+class LoggedFlight:
     """A flight with its log.
 
     Attributes:
@@ -45,11 +45,11 @@ class FlownFlight:
     outcome: Outcome
 
     @cached_property
-    def clean(self) -> FlownFlight | None:
+    def clean(self) -> LoggedFlight | None:
         """The baseline of the same situation and seed, flown when it is first asked for; None for a baseline."""
         if self.flight.mutant is None:
             return None
-        return flown_flight(self.study, Flight(None, self.flight.situation, self.flight.seed))
+        return fly_with_log(self.study, Flight(None, self.flight.situation, self.flight.seed))
 
     @cached_property
     def judged(self) -> JudgedFlight:
@@ -116,18 +116,18 @@ def ready_to_fly(study: Study, mutant: str, situation: str, seed: int, say: Call
     return flight
 
 
-def flown_flight(study: Study, flight: Flight) -> FlownFlight:
+def fly_with_log(study: Study, flight: Flight) -> LoggedFlight:
     """Fly a flight, in this process."""
     from scaloft_fi.campaign.flights.fly import fly_log
 
-    return judged_flight(study, flight, fly_log(study, flight))
+    return with_log(study, flight, fly_log(study, flight))
 
 
-def judged_flight(study: Study, flight: Flight, log: FlightLog) -> FlownFlight:
+def with_log(study: Study, flight: Flight, log: FlightLog) -> LoggedFlight:
     """The flight with this log."""
     from scaloft_fi.campaign.flights.fly import judged
 
-    return FlownFlight(study, flight, log, judged(study, flight, log))
+    return LoggedFlight(study, flight, log, judged(study, flight, log))
 
 
 def reading_text(reading: Reading) -> str:
