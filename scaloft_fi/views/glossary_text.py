@@ -66,6 +66,7 @@ distinct situations: Different situations that were flown; the same one with ano
 dominator score: Minimal mutants that are killed, of all minimal mutants; redundant mutants do not count in it.
 draw | draws | test cases | test case: A situation flown with one seed.
 due | due date: When an action is to be done; for the team.
+duration_s: How long the flight lasted, in simulated time [s].
 effect | consequence: What the fault does: locally, then to the flight.
 ending: How a flight ended: landed, struck or timed out; it is no verdict.
 event | events: Something that occurs in a flight, such as passing a waypoint, at which a fault may strike.
@@ -278,6 +279,8 @@ version: Of a package, a plugin or a part of the platform.
 violated: The requirement did not hold.  In tables: how often, or which requirements.
 violated_at_s: When the requirement was first violated [s from take-off].
 violates | the unmutated drone violates: The requirement that is violated, and in how many of the flights.
+violation_bodies: What was touched at each of these moments; empty for nothing.
+violation_times_s: When each requirement in `violated` was first violated [s from take-off], in the same order.
 warning: A violation that is printed when it happens; it is no verdict.
 what: The thing that the value beside it is about.
 where: In which situations, as the shortest condition; of a break, where in the mine.
