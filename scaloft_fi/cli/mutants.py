@@ -11,6 +11,7 @@ import click
 from tabulate import tabulate
 
 from scaloft_fi.cli.options import format_option, study_option
+from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say, tell, tell_line
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.matrix import Matrix
@@ -26,7 +27,14 @@ _COLUMNS = ("id", "default", "parameter", "guideword", "seam", "operator", "argu
 _ARGUMENT_COLUMNS = 44  # what 120 columns leave
 
 
-@click.command("mutants")
+@verb(
+    "mutants",
+    examples=(
+        ("List the ladder of one cell", "scaloft-fi mutants 'LATE-human*'"),
+        ("Derive the catalogue again after an edit of the matrix", "scaloft-fi mutants --write"),
+        ("Fail where the catalogue is stale, as in CI", "scaloft-fi mutants --check"),
+    ),
+)
 @click.argument("patterns", nargs=-1, metavar="[PATTERN]...")
 @click.option("--write", is_flag=True, help="Derive the catalogue from the matrix and write it.")
 @click.option("--check", is_flag=True, help="Prove that the written catalogue is what the matrix gives.")

@@ -18,6 +18,7 @@ from scaloft_fi.cli.options import (
     typed,
     warnings_option,
 )
+from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say, tell
 from scaloft_fi.errors import InputError
 from scaloft_fi.inert import json_text
@@ -36,7 +37,22 @@ if TYPE_CHECKING:
 FILE = "sim/found.yaml"
 
 
-@click.command("seek")
+@verb(
+    "seek",
+    examples=(
+        ("Seek situations for all that the last score calls not detected", "scaloft-fi seek --budget 1h"),
+        (
+            "Seek a situation for one fault, with 2,000 flights at most",
+            "scaloft-fi seek LESS-depth --budget 2000flights",
+        ),
+        ("Seek situations that break the unmutated drone", "scaloft-fi seek baseline --budget 30m"),
+    ),
+    sections={
+        "Where": "--study --campaign --grid --into",
+        "How": "--budget --seed --jobs --same-platform",
+        "What is printed": "--format --warnings --quiet --help",
+    },
+)
 @click.argument("mutants", nargs=-1, metavar="[baseline | ID|GLOB...]")
 @study_option
 @campaign_option

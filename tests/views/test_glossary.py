@@ -27,6 +27,8 @@ TOLD_BY_A_RUN = {
     "views/flights/compare.py: second": "a campaign's name",
     "views/flights/export.py: columns": "columns of the export, which the reference has",
     "views/flights/log_table.py: log.signals": "signals, which `scaloft_fi.sim.signals` explains",
+    "views/outputs/csv_tables.py: (field.name for field in columns)": "keys of JSON, which the reference has",
+    "views/outputs/csv_tables.py: owner": "a key of JSON, which the reference has",
     "views/runs/unflown.py: header": ("parameter", "situation"),
     "views/score/first_screen.py: columns": tuple(
         column for columns in (*first_screen.COLUMNS.values(), first_screen.CONTROL_COLUMNS) for column in columns
@@ -45,6 +47,7 @@ NOT_PRINTED = {
     "Kind": "kinds of fields of messages",
     "Shape": "a key of YAML",
     "Side": "an order of signals",
+    "Style": "codes of a terminal",
     "Worse": "an order of magnitudes",
 }
 """Enumerations that no table and no file of results prints."""
