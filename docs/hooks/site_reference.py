@@ -8,15 +8,13 @@ from collections.abc import Iterable, Sequence
 from enum import StrEnum
 from typing import Any
 
-import click
-
 import scaloft_fi.mutants.reference  # noqa: F401 - the operators of the reference stack
 from scaloft_fi import api
 from scaloft_fi.analysis.disposition import Standing
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.pool import State
 from scaloft_fi.analysis.tried import Reaction
-from scaloft_fi.cli.main import VERBS, main
+from scaloft_fi.cli.reference import command_reference
 from scaloft_fi.hazop.cell import CellStatus
 from scaloft_fi.judge.requirement import Compliance, Kind
 from scaloft_fi.judge.status import Status
@@ -33,20 +31,10 @@ from scaloft_fi.views.exchange.format import FORMATS
 from scaloft_fi.views.flights.export import BASIS, HEAD, TAIL
 from scaloft_fi.views.glossary import TERMS, term
 from scaloft_fi.views.kills.survivors import Next, Stage
+from scaloft_fi.views.reference.outputs import outputs_page
 
 _MARKS = re.compile(r"\||\[(?!`)")
 MADE = "*This page is made from the code.*\n"
-EXIT_CODES = {
-    0: "Done.  Red baselines and survivors are findings, not errors.",
-    2: "Usage or bad input: a sentence names place, value, what is allowed and the nearest name; nothing is written.",
-    3: "Below a bar: the score is below `--fail-under`, or a survivor is not accepted (`--ratchet`, `dispositions`).",
-    4: """A gate failed, so the test bench cannot be trusted: PLACEBO or a repeated flight differs, a control shows
-        nothing, too many flights are invalid, the stack raises in a baseline or the drone never leaves the ground,
-        no pair is steady, or `replay` does not repeat its flight.""",
-    70: "An internal error of scaloft-fi, or of a plugin, which the sentence names.",
-    130: "Interrupted by Ctrl-C or a signal: every finished flight is kept, and the same command resumes.",
-}
-"""What each exit code says."""
 VALUES: tuple[tuple[str, str, type[StrEnum]], ...] = (
     (
         "Status of a flight",
@@ -76,13 +64,13 @@ def reference_pages() -> dict[str, str]:
     study = Study.open(None)
     pages = {
         "glossary.md": _glossary(),
-        "reference/verbs.md": _verbs(),
+        "reference/verbs.md": f"# Verbs\n\n{command_reference()}",
         "reference/signals.md": _signals(study),
         "reference/seams.md": _seams(study),
         "reference/operators.md": _operators(),
         "reference/columns.md": _columns(),
         "reference/statuses.md": _statuses(),
-        "reference/exit_codes.md": _exit_codes(),
+        "reference/outputs.md": outputs_page(),
         "reference/python.md": _python(),
     }
     return {path: f"{text}\n{MADE}" for path, text in pages.items()}
@@ -111,24 +99,6 @@ def _table(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
 def _cell(value: Any) -> str:
     """A text on one line; what would end a cell or begin a link is escaped."""
     return _MARKS.sub(r"\\\g<0>", " ".join(str(value).split()))
-
-
-def _verbs() -> str:
-    """Every verb with its arguments and options."""
-    context = click.Context(main, info_name="scaloft-fi")
-    parts = ["# Verbs\n", "In the order of the pipeline.  `scaloft-fi VERB --help` shows the same.\n"]
-    parts.append(
-        _table(("verb", "what it does"), ((f"[`{name}`](#{name})", does) for name, (_, does) in VERBS.items()))
-    )
-    for name in VERBS:
-        command = main.get_command(context, name)
-        assert command is not None
-        inner = click.Context(command, parent=context, info_name=name)
-        rows = [record for option in command.get_params(inner) if (record := option.get_help_record(inner))]
-        parts.append(f"## {name}\n\n```\n{' '.join(command.get_usage(inner).split()).removeprefix('Usage: ')}\n```\n")
-        parts.append(f"{inspect.cleandoc(command.help or '')}\n")
-        parts.append(_table(("option", "meaning"), ((f"`{option}`", says) for option, says in rows)))
-    return "\n".join(parts)
 
 
 def _signals(study: Study) -> str:
@@ -220,11 +190,6 @@ def _statuses() -> str:
         parts += [f"## {title}\n", f"{says}\n"]
         parts.append(_table(("value", "meaning"), ((f"`{value}`", _meaning(value)) for value in values)))
     return "\n".join(parts)
-
-
-def _exit_codes() -> str:
-    rows = ((f"`{code}`", says) for code, says in EXIT_CODES.items())
-    return "# Exit codes\n\n" + _table(("code", "meaning"), rows)
 
 
 def _python() -> str:
