@@ -9,7 +9,7 @@ from mkdocs.structure.files import File
 from site_included import PICTURES, included_pages
 from site_reference import reference_pages
 
-_BLOCK = re.compile(r"^```(\w+) (file|update)=(\S+)$", re.MULTILINE)
+_BLOCK = re.compile(r"^```(\w+) (\w+)(?:=(\S+))?$", re.MULTILINE)
 _SAYS = {"file": "", "update": ": these entries"}
 
 
@@ -23,9 +23,16 @@ def on_files(files: Any, config: Any) -> Any:
 
 
 def on_page_markdown(markdown: str, **_page: Any) -> str:
-    """The title of a block is the file that it belongs to.
+    """A block's title is the file that it belongs to; other words behind its language are for the tests.
 
     >>> on_page_markdown("```yaml update=sim/world.yaml")
     '```yaml title="sim/world.yaml: these entries"'
+    >>> on_page_markdown("```yaml requirement")
+    '```yaml'
     """
-    return _BLOCK.sub(lambda block: f'```{block[1]} title="{block[3]}{_SAYS[block[2]]}"', markdown)
+    return _BLOCK.sub(_head, markdown)
+
+
+def _head(block: re.Match[str]) -> str:
+    language, how, name = block.groups()
+    return f'```{language} title="{name}{_SAYS[how]}"' if name else f"```{language}"
