@@ -1,4 +1,4 @@
-"""What is wrong with the surface of a mine's mesh: faces turned around, holes, faces without area, each with its line."""
+"""What is wrong with the surface of a mesh: faces turned around, holes, faces without area, each with its line."""
 
 from __future__ import annotations
 
@@ -17,6 +17,8 @@ from scaloft_fi.sim.obj import MeshLimits, lines_of_faces, read_obj
 WELD_DIGITS = 6
 """Vertices that agree in this many decimal places [m] are one: many programs write each corner once for each face."""
 LEAST_AREA_M2 = 1e-10
+MOST_PIECES = 200
+"""Closed surfaces that are compared with the outer one."""
 _TURN = "turn them around, as `recalculate normals` of a 3D program does"
 
 
@@ -83,16 +85,14 @@ def _closed_flaws(triangles: Array, lines: Faces, path: Path) -> Iterator[Flaw]:
         yield Flaw(
             where, "the surface of this face has one side only", "separate the faces that cross there", grave=True
         )
-    for piece in range(surface.pieces):
-        turned = surface.turned & (surface.piece == piece)
-        if turned.any():
-            first = int(np.flatnonzero(turned)[0])
-            beside = surface.upright_neighbour(first)
-            sentence = (
-                f"{_faces(turned)} wound the other way than their neighbours, the first at this line, beside the face"
-                f" at line {lines[beside]}"
-            )
-            yield Flaw(f"{path}:{lines[first]}", sentence, _TURN, grave=True)
+    if surface.turned.any():
+        first = int(np.flatnonzero(surface.turned)[0])
+        beside = surface.upright_neighbour(first)
+        sentence = (
+            f"{_faces(surface.turned)} wound the other way than their neighbours, the first at this line, beside the"
+            f" face at line {lines[beside]}"
+        )
+        yield Flaw(f"{path}:{lines[first]}", sentence, _TURN, grave=True)
     yield from _swollen(triangles, lines, path, surface)
     if len(surface.open_edges):
         face, corner = surface.open_edges[0]
@@ -112,10 +112,10 @@ def _swollen(triangles: Array, lines: Faces, path: Path, surface: _Surface) -> I
     volumes = np.einsum("ij,ij->i", upright[:, 0], np.cross(upright[:, 1], upright[:, 2])) / 6.0
     by_piece = np.bincount(surface.piece, weights=volumes, minlength=surface.pieces)
     shell = int(np.abs(by_piece).argmax())
-    for piece in range(surface.pieces):
+    alike = by_piece * by_piece[shell] > 0.0
+    alike[[shell, *surface.open_pieces]] = False
+    for piece in np.flatnonzero(alike)[:MOST_PIECES]:
         own = surface.piece == piece
-        if piece == shell or piece in surface.open_pieces or by_piece[piece] * by_piece[shell] <= 0.0:
-            continue
         if abs(winding(upright[surface.piece == shell], upright[own][0].mean(axis=0))) > 0.5:
             sentence = f"this closed surface of {int(own.sum())} faces lies within another and is wound like it"
             yield Flaw(f"{path}:{lines[own][0]}", f"{sentence}, so the space in it counts as open", _TURN, grave=True)
