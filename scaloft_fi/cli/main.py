@@ -23,6 +23,7 @@ from scaloft_fi.registry import in_one_line, plugin_behind
 VERBS: dict[str, tuple[str, str]] = {
     "matrix": ("scaloft_fi.cli.matrix:matrix_command", "show the deviation matrix, every cell with its reason"),
     "mutants": ("scaloft_fi.cli.mutants:mutants_command", "list the catalogue of mutants, derive it, check it"),
+    "check": ("scaloft_fi.cli.check:check_command", "check the whole study without flying"),
     "run": ("scaloft_fi.cli.run:run_command", "fly baseline and mutants over the grid, then score"),
     "margin": ("scaloft_fi.cli.margin:margin_command", "find the smallest magnitude that is killed, by bisection"),
     "seek": ("scaloft_fi.cli.seek:seek_command", "find a situation that would have shown a fault"),

@@ -80,10 +80,10 @@ def _bounds(node: Any, ranges: Ranges) -> Spans:
 
 def _temporal(kind: str, node: Any, inner: list[Spans]) -> Spans:
     """Past and future: an extreme of what stands inside; a window that begins later may be empty at first."""
-    low, high = min(spans[0][0] for spans in inner), max(spans[-1][1] for spans in inner[-1:])
+    low, high = min(low for spans in inner for low, _ in spans), max(high for _, high in inner[-1])
     late = getattr(node, "begin", 0) not in (0, None)
     if kind.endswith(("Historically", "Always")):
-        return ((low, math.inf if late else inner[0][-1][1]),)
+        return ((low, math.inf if late else high),)
     if kind.endswith(("Once", "Eventually")):
         return ((-math.inf if late else low, high),)
     return ((-math.inf, high),)  # since, until

@@ -12,7 +12,7 @@ import numpy as np
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.sim import mesh
-from scaloft_fi.sim.happenings import Happening, Surroundings, check_happenings, read_happenings
+from scaloft_fi.sim.happenings import Happening, Read, Surroundings, check_happenings, read_happenings
 from scaloft_fi.sim.measures import SIGNALS
 from scaloft_fi.sim.mesh import Mesh
 from scaloft_fi.sim.mine import Mine, read_mine
@@ -180,6 +180,19 @@ def read_world(item: Item, mine: Mine | None = None) -> World:
     Raises:
         InputError: a value is not allowed, a key is unknown, a waypoint is not in open space.
     """
+    world, happenings = assembled(item, mine)
+    for error in misplaced(world, item):
+        raise error
+    check_happenings(world, happenings)
+    return world
+
+
+def assembled(item: Item, mine: Mine | None = None) -> tuple[World, tuple[Read, ...]]:
+    """Read a world and its active happenings, without a check that they fit together.
+
+    Raises:
+        InputError: a value is not allowed, or a key is unknown.
+    """
     mine_item = item.need("mine")
     mine = read_mine(mine_item) if mine is None else mine
     bodies = {name: read_body(name, body) for name, body in item.need("bodies").mapping(most=MOST_BODIES).items()}
@@ -200,10 +213,7 @@ def read_world(item: Item, mine: Mine | None = None) -> World:
         happenings=tuple(read.happening for read in happenings),
     )
     item.close()
-    for error in misplaced(world, item):
-        raise error
-    check_happenings(world, happenings)
-    return world
+    return world, happenings
 
 
 def read_signals(item: Item | None, surfaces: Iterable[str]) -> tuple[str, ...]:

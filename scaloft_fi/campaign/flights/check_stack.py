@@ -81,6 +81,42 @@ def check_stack(study: Path | str | None = None, *, situation: str = "", seed: i
     return _Inspection(opened, chosen, seed).result()
 
 
+@dataclass(frozen=True)
+class SeenPolls:
+    """What one baseline flight shows of the seams.
+
+    Attributes:
+        failures: a sentence for each thing that is not as declared.
+        silent: the seams that are polled and carried no sample.
+        polled: number of declared seams that are polled.
+        duration_s: length of the flight [s].
+    """
+
+    failures: tuple[str, ...]
+    silent: tuple[str, ...] = ()
+    polled: int = 0
+    duration_s: float = 0.0
+
+
+def polls_of(setup: Setup, situation: Situation) -> SeenPolls:
+    """Fly the baseline once, with the identity on every seam, and watch every poll."""
+    inspection, watching = _Inspection(setup, situation, 0), _InspectingWire(setup.stack)
+    log = inspection.flown(watching, guarded(setup.stack), "a baseline flight")
+    if log is None or not inspection.takes_off(log):
+        return SeenPolls(tuple(inspection.failures))
+    failures = watching.complaints(log.duration_s)
+    return SeenPolls(tuple(failures), watching.silent, watching.polled, log.duration_s)
+
+
+def guarded(declared: Declaration) -> Declaration:
+    """The declaration of a stack whose orders to the rotors are looked at, once the server of the physics is there."""
+    from scaloft_fi.campaign.flights.physics import stderr_silenced
+
+    with stderr_silenced():
+        import pybullet  # noqa: F401 - its first import writes to standard error
+    return replace(declared, make=lambda task, wire: _Guarded(declared.make(task, wire)))
+
+
 @dataclass
 class _Inspection:
     setup: Setup
@@ -91,15 +127,11 @@ class _Inspection:
 
     def result(self) -> StackCheck:
         """Fly, and say what came of it."""
-        from scaloft_fi.campaign.flights.physics import stderr_silenced
         from scaloft_fi.stack.seam import PlainWire
 
-        with stderr_silenced():
-            import pybullet  # noqa: F401 - its first import writes to standard error
-        made = self.setup.stack
-        declared = replace(made, make=lambda task, wire: _Guarded(made.make(task, wire)))
-        first = self._flown(PlainWire(), declared, "the first baseline flight")
-        if first is not None and self._takes_off(first):
+        declared = guarded(self.setup.stack)
+        first = self.flown(PlainWire(), declared, "the first baseline flight")
+        if first is not None and self.takes_off(first):
             self._check_beliefs(declared, first)
             self._check_claims(declared, first)
             self._check_second(declared, first)
@@ -108,7 +140,8 @@ class _Inspection:
             self._check_raising(declared, method)
         return StackCheck(declared.name, self.situation.key, self.seed, tuple(self.failures), tuple(self.observations))
 
-    def _flown(self, wire: Wire, declared: Declaration, flight: str) -> FlightLog | None:
+    def flown(self, wire: Wire, declared: Declaration, flight: str) -> FlightLog | None:
+        """The log of one flight; None, with a failure, where it cannot be flown."""
         from scaloft_fi.sim.flight import fly
 
         try:
@@ -119,7 +152,7 @@ class _Inspection:
             self.failures.append(f"{flight} cannot be flown: {in_one_line(error)}")
         return None
 
-    def _takes_off(self, first: FlightLog) -> bool:
+    def takes_off(self, first: FlightLog) -> bool:
         """Whether the drone leaves the ground and its stack raises nothing; else no other flight is worth its time."""
         before = len(self.failures)
         if first.stack_error:
@@ -163,7 +196,7 @@ class _Inspection:
         if not declared.deterministic:
             return
         before = threading.active_count()
-        second = self._flown(PlainWire(), declared, "the second baseline flight")
+        second = self.flown(PlainWire(), declared, "the second baseline flight")
         if threading.active_count() > before:
             self.failures.append("the stack leaves threads behind; a fork, which flies mutants, would lose them")
         if second is None:
@@ -178,7 +211,7 @@ class _Inspection:
 
     def _check_polls(self, declared: Declaration, first: FlightLog) -> None:
         watching = _InspectingWire(declared)
-        log = self._flown(watching, declared, "the flight with the identity on every seam")
+        log = self.flown(watching, declared, "the flight with the identity on every seam")
         if log is None:
             return
         self.failures += watching.complaints(log.duration_s)
@@ -192,7 +225,7 @@ class _Inspection:
         from scaloft_fi.stack.seam import PlainWire
 
         broken = replace(declared, make=lambda task, wire: _Raising(declared.make(task, wire), method))
-        log = self._flown(PlainWire(), broken, f"a flight in which {method!r} raises")
+        log = self.flown(PlainWire(), broken, f"a flight in which {method!r} raises")
         if log is not None:
             end = f"{log.ending.sentence} at {log.duration_s:.1f} s"
             self.observations.append(f"when {method!r} raises at {RAISES_AT_S:g} s, the drone {end}")
@@ -256,6 +289,7 @@ class _Polls:
 
     seam: Seam
     count: int = 0
+    carried: int = 0
     last_s: float = -math.inf
     twice_s: float | None = None
     wrong: str = ""
@@ -284,12 +318,23 @@ class _InspectingWire:
         if t_s <= polls.last_s and polls.twice_s is None:
             polls.twice_s = t_s
         polls.count, polls.last_s = polls.count + 1, t_s
+        polls.carried += sample is not None
         if polls.kept is not None and polls.seam.differ(polls.kept, polls.copied):
             polls.written = True
         polls.kept, polls.copied = sample, copy.deepcopy(sample)
         if sample is not None and not isinstance(sample, polls.seam.message):
             polls.wrong = type(sample).__name__
         return sample
+
+    @property
+    def silent(self) -> tuple[str, ...]:
+        """The seams that are polled and carried no sample."""
+        return tuple(name for name, polls in self._polls.items() if polls.count and not polls.carried)
+
+    @property
+    def polled(self) -> int:
+        """Number of declared seams that are polled."""
+        return sum(polls.count > 0 for polls in self._polls.values())
 
     def complaints(self, duration_s: float) -> list[str]:
         """A sentence for each thing that is not as declared."""
