@@ -77,7 +77,7 @@ def misnamed_sheets(folder: Path, parameters: Mapping[str, str]) -> Iterator[Inp
     for name, place in parameters.items():
         path = folder / f"{name}.yaml"
         if not is_there(path):
-            yield InputError(f"{place}: parameter {name!r} has no cells; {path} is missing")
+            yield InputError(f"{place}: parameter {name!r} has no cells: {path} is missing")
 
 
 def load_guidewords(path: Path) -> tuple[Guideword, ...]:

@@ -26,7 +26,7 @@ def misplaced(world: Any, item: Item) -> Iterator[InputError]:
     home = mission.need("home")
     if not abs(world.floor_m) < 0.1:  # where the stack takes off
         actual = "there is none" if math.isnan(world.floor_m) else f"it is at z={world.floor_m:.2f} m"
-        yield InputError(f"{home.place}: home={list(world.mission.home)!r} must have the floor at z=0; {actual}")
+        yield InputError(f"{home.place}: home={list(world.mission.home)!r} must have the floor at z=0, but {actual}")
     flaws = None
     for name, place in {"home": home, **item.need("waypoints").mapping()}.items():
         why = _obstructed(world, name)
