@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from scaloft_fi.checks.documents import check_documents
 from scaloft_fi.checks.finding import Finding, Findings, Severity
+from scaloft_fi.checks.flown import check_seams
 from scaloft_fi.checks.found import check_dispositions, check_found, check_sources
 from scaloft_fi.checks.matrix import check_matrix
 from scaloft_fi.checks.requirements import KnownSignals, check_requirements, kinds_in
@@ -22,7 +23,38 @@ if TYPE_CHECKING:
     from scaloft_fi.sim.world import World
     from scaloft_fi.stack.declaration import Declaration
 
-NOT_CHECKED = "not checked"
+
+@dataclass(frozen=True)
+class Checked:
+    """How much was checked; None where an error before it left a part unchecked.
+
+    Attributes:
+        documents: YAML files.
+        plugins: plugins of this installation.
+        requirements: requirements, each formula against what its signals can read.
+        cells: cells of the matrix.
+        faulty: those of them that have faults.
+        mutants: mutants that the matrix derives, and the catalogue has.
+        seams: seams that the stack declares.
+        polled: those of them that the stack polls; None without a flight.
+        unflown: why there was no such flight; "" where there was.
+        found: situations in `sim/found.yaml`.
+        accepted: survivors in `hazop/dispositions.yaml`.
+        grids: the grids, the study's own first.
+    """
+
+    documents: int
+    plugins: int
+    requirements: int | None
+    cells: int
+    faulty: int
+    mutants: int | None
+    seams: int | None
+    polled: int | None
+    unflown: str
+    found: int
+    accepted: int
+    grids: tuple[GridCheck, ...]
 
 
 @dataclass(frozen=True)
@@ -32,17 +64,22 @@ class Check:
     Attributes:
         folder: the study.
         findings: errors, then notes, each in the order in which they were found.
-        counts: what was checked, by name: how much of it, in words.
+        checked: how much was checked.
     """
 
     folder: Path
     findings: tuple[Finding, ...]
-    counts: tuple[tuple[str, str], ...]
+    checked: Checked
 
     @property
     def errors(self) -> int:
         """Number of errors."""
         return sum(finding.severity is Severity.ERROR for finding in self.findings)
+
+    @property
+    def notes(self) -> int:
+        """Number of notes."""
+        return len(self.findings) - self.errors
 
 
 def check_study(folder: Path, *, fly: bool = False) -> Check:
@@ -52,47 +89,40 @@ def check_study(folder: Path, *, fly: bool = False) -> Check:
         folder: the study.
         fly: whether one baseline flight shows which seams the stack polls.
     """
-    findings = Findings()
+    findings, study, sim = Findings(), Study(folder), folder / "sim"
     plugins = check_plugins(findings)
     documents = check_documents(folder, findings)
-    study = Study(folder)
-    sim = folder / "sim"
     stack = check_stack_choice(study, findings)
     world = check_world(sim / "world.yaml", findings)
     check_vehicle(sim, findings)
     known = _known(study, stack, world, findings)
-    requirements = 0
-    if known is not None:
-        requirements = check_requirements(sim / "requirements.yaml", known, findings)
-    grids = [check_grid(study, known, findings), *_further(study, stack, world, findings)]
+    requirements = check_requirements(sim / "requirements.yaml", known, findings) if known else None
+    grids = (check_grid(study, known, findings), *_further(study, stack, world, findings))
     matrix = check_matrix(study, stack, kinds_in(sim / "requirements.yaml"), findings)
-    finds = check_found(study, findings) if matrix.matrix else 0
-    survivors = 0
+    found = accepted = 0
     if matrix.matrix is not None:
-        survivors = check_dispositions(study, matrix.matrix, SituationKeys(study), findings)
+        found = check_found(study, findings)
+        accepted = check_dispositions(study, matrix.matrix, SituationKeys(study), findings)
     if not findings.errors:
         check_sources(study, findings)
         check_command_of(study, findings)
-    polled = NOT_CHECKED
-    if fly:
-        from scaloft_fi.checks.flown import check_seams
-
-        polled = check_seams(study, findings)
-    seams = f"{len(stack.seams)} of the stack {stack.name!r}" if stack else NOT_CHECKED
-    counts = (
-        ("documents", str(documents)),
-        ("plugins", str(plugins)),
-        ("requirements", str(requirements) if known else NOT_CHECKED),
-        *(pair for grid in grids for pair in _told(grid)),
-        ("cells", f"{len(matrix.cells)}, {sum(bool(cell.faults) for cell in matrix.cells)} of them with faults"),
-        ("mutants", NOT_CHECKED if matrix.mutants is None else str(matrix.mutants)),
-        ("seams", seams),
-        ("seams that the stack polls", polled if fly else f"{NOT_CHECKED} without a flight: `scaloft-fi check --fly`"),
-        ("found situations", str(finds)),
-        ("accepted survivors", str(survivors)),
+    polled, unflown = check_seams(study, findings) if fly else (None, "`scaloft-fi check --fly` flies once")
+    checked = Checked(
+        documents=documents,
+        plugins=plugins,
+        requirements=requirements,
+        cells=len(matrix.cells),
+        faulty=sum(bool(cell.faults) for cell in matrix.cells),
+        mutants=matrix.mutants,
+        seams=len(stack.seams) if stack else None,
+        polled=polled,
+        unflown=unflown,
+        found=found,
+        accepted=accepted,
+        grids=grids,
     )
     ordered = sorted(findings, key=lambda finding: finding.severity is Severity.NOTE)
-    return Check(folder, tuple(ordered), counts)
+    return Check(folder, tuple(ordered), checked)
 
 
 def _known(study: Study, stack: Declaration | None, world: World | None, findings: Findings) -> KnownSignals | None:
@@ -105,7 +135,7 @@ def _further(study: Study, stack: Declaration | None, world: World | None, findi
     """The check of each further grid, with the world that it makes of the study's by what it adds."""
     names: tuple[str, ...] = ()
     with findings.collecting():
-        _, *names = grid_names(study.folder / "sim")
+        names = grid_names(study.folder / "sim")[1:]
     for name in names:
         other = replace(study, grid_name=name)
         own = None
@@ -113,15 +143,3 @@ def _further(study: Study, stack: Declaration | None, world: World | None, findi
             with findings.collecting():
                 own = other.grid.world()
         yield check_grid(other, _known(other, stack, own, findings), findings)
-
-
-def _told(grid: GridCheck) -> Iterator[tuple[str, str]]:
-    """What was checked of a grid, in words."""
-    yield f"grid {grid.name}: predicates", str(grid.predicates)
-    if not grid.built:
-        yield f"grid {grid.name}: situations", NOT_CHECKED
-        return
-    which = "all of them" if grid.built == grid.situations else f"{grid.built} of them, with every pair of values"
-    yield f"grid {grid.name}: situations", f"{grid.situations}, built {which}"
-    yield f"grid {grid.name}: pairs of values", str(grid.pairs)
-    yield f"grid {grid.name}: places and legs with room for the hull", str(grid.legs)

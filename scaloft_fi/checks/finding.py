@@ -82,6 +82,7 @@ class Findings:
     """Collects findings, each once, in the order in which they are found."""
 
     found: dict[tuple[str, str], Finding] = field(default_factory=dict)
+    _told: int = 0
 
     def __iter__(self) -> Iterator[Finding]:
         return iter(self.found.values())
@@ -93,6 +94,7 @@ class Findings:
 
     def add(self, finding: Finding) -> None:
         """Keep a finding; the same sentence about the same place counts once."""
+        self._told += 1
         self.found.setdefault((finding.place, finding.what), finding)
 
     def error(self, error: InputError, *, situation: str = "") -> None:
@@ -133,8 +135,8 @@ class Findings:
 
     def all_of(self, errors: Iterable[InputError]) -> bool:
         """Keep the errors of a generator; whether there was none."""
-        before = len(self.found)
+        before = self._told
         with self.collecting():
             for error in errors:
                 self.error(error)
-        return len(self.found) == before
+        return self._told == before

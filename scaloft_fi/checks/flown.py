@@ -10,26 +10,25 @@ if TYPE_CHECKING:
     from scaloft_fi.study import Study
 
 
-def check_seams(study: Study, findings: Findings) -> str:
+def check_seams(study: Study, findings: Findings) -> tuple[int | None, str]:
     """Fly the baseline once in the first situation, and hold every poll against the declaration.
 
     Returns:
-        What was seen, in words.
+        How many seams the stack polls, and ""; or None, and why nothing was flown.
     """
     from scaloft_fi.campaign.flights.check_stack import polls_of
 
     if findings.errors:
-        return "not flown, because the study has errors"
+        return None, "not flown, because the study has errors"
     if study.command is not None:
-        return "not flown: a command flies this study"
-    situation = study.grid.situations[0]
+        return None, "not flown, because a command flies this study"
+    situation, place = study.grid.situations[0], str(study.folder / "sim" / "stack.yaml")
     seen = polls_of(study, situation)
-    place = study.folder / "sim" / "stack.yaml"
     for failure in seen.failures:
-        what, remedy = failure, "mend the stack, or its declaration"
-        findings.add(Finding(Severity.ERROR, str(place), 1, what, remedy, situation.key))
+        remedy = "mend the stack, or its declaration"
+        findings.add(Finding(Severity.ERROR, place, 1, failure, remedy, situation.key))
     if seen.silent:
-        what = f"carried no sample over {', '.join(seen.silent)} in one baseline flight"
-        remedy = "fly a situation in which they carry something, or faults there are never reached"
-        findings.add(Finding(Severity.NOTE, str(place), 1, f"the stack {what}", remedy, situation.key))
-    return f"{seen.polled} of {len(study.stack.seams)}, in one baseline flight of {seen.duration_s:.0f} s"
+        what = f"in one baseline flight nothing was sent over {', '.join(seen.silent)}"
+        remedy = "a fault there is reached only in situations that bring samples"
+        findings.add(Finding(Severity.NOTE, place, 1, what, remedy, situation.key))
+    return seen.polled, ""

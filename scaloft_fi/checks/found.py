@@ -55,7 +55,7 @@ def check_dispositions(study: Study, matrix: Matrix, situations: Collection[str]
     def read(entry: tuple[str, Item]) -> None:
         read_disposition(*entry, matrix, situations)
 
-    entries = ()
+    entries: tuple[tuple[str, Item], ...] = ()
     with findings.collecting():
         entries = tuple(load(path).mapping().items())
         findings.each(read, entries)

@@ -6,18 +6,18 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from scaloft_fi.checks.finding import Finding, Findings, Severity
+from scaloft_fi.checks.finding import Finding, Findings, Severity, finding_of
 from scaloft_fi.document import load
-from scaloft_fi.errors import did_you_mean
+from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.cell import Cell, CellStatus
+from scaloft_fi.hazop.guideword import Guideword
 from scaloft_fi.hazop.load import SHEETS, load_guidewords, load_parameters, misnamed_cells, misnamed_sheets, read_cell
 from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.parameter import Parameter
 from scaloft_fi.mutants.derive import derive
 from scaloft_fi.reading import is_there
 
 if TYPE_CHECKING:
-    from scaloft_fi.hazop.guideword import Guideword
-    from scaloft_fi.hazop.parameter import Parameter
     from scaloft_fi.stack.declaration import Declaration
     from scaloft_fi.study import Study
 
@@ -51,9 +51,14 @@ def check_matrix(study: Study, stack: Declaration | None, kinds: Mapping[str, st
     parameters: tuple[Parameter, ...] = ()
     places: dict[str, str] = {}
     with findings.collecting():
-        words = load_guidewords(hazop / "guidewords.yaml")
+        path = hazop / "guidewords.yaml"
+        words = tuple(Guideword(name, name, "") for name in load(path).mapping())  # where one of them is wrong
+        words = load_guidewords(path)
     with findings.collecting():
-        parameters, places = load_parameters(hazop / "parameters.yaml")
+        path = hazop / "parameters.yaml"
+        places = {name: item.place for name, item in load(path).mapping().items()}
+        parameters = tuple(Parameter(name, name, "", "", "") for name in places)
+        parameters, places = load_parameters(path)
     if not words or not parameters:
         return MatrixCheck()
     findings.all_of(misnamed_sheets(hazop / SHEETS, places))
@@ -87,7 +92,8 @@ def _cells(
         return
     with findings.collecting():
         sheet, seams = load(path), stack.by_name if stack else None
-        findings.all_of(misnamed_cells(sheet, ids))
+        if not findings.all_of(misnamed_cells(sheet, ids)):
+            ids = [word for word in ids if word in sheet.mapping()]  # a blank cell may be the one that is misnamed
         yield from findings.each(lambda word: read_cell(sheet, word, parameter.id, seams), ids)
 
 
@@ -111,8 +117,12 @@ def _check_faults(cell: Cell, words: Iterable[Guideword], parameters: Iterable[P
     parameter = next(one for one in parameters if one.id == cell.parameter)
     for fault in cell.faults:
         alone = {(cell.guideword, cell.parameter): replace(cell, faults=(fault,))}
-        with findings.collecting():
+        try:
             derive(Matrix((word,), (parameter,), alone))
+        except InputError as error:
+            found = finding_of(str(error))
+            remedy = found.remedy or f"`scaloft-fi operators {fault.operator}` shows what it takes"
+            findings.add(replace(found, remedy=remedy))
 
 
 def _check_controls(study: Study, cells: Iterable[Cell], stack: Declaration | None, findings: Findings) -> None:

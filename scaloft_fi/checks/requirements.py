@@ -90,7 +90,8 @@ def _check_bounds(requirement: Requirement, item: Item, ranges: Mapping[str, Spa
         if always is False:
             what = f"the trigger of {requirement.name} comes true in no flight, so the requirement is vacuous in all"
             findings.wrong(trigger.place, what, _reads(formula, known))
-        elif always:
+            return
+        if always:
             what = f"the trigger of {requirement.name} is true at every sample of every flight"
             findings.note(trigger.place, what, "leave it out, or mend it")
         else:

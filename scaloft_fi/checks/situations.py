@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
-from contextlib import suppress
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -15,11 +14,13 @@ from scaloft_fi.checks.routes import RouteCheck
 from scaloft_fi.document import Item, load
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.space import MOST_LISTED
-from scaloft_fi.judge.stl import WORDS, FormulaError, tokenize
+from scaloft_fi.judge.stl import FormulaError
 from scaloft_fi.sim.constraint import read_constraints
 from scaloft_fi.sim.grid import Grid, assembled, contradictions
 from scaloft_fi.sim.grids import FILE, FOLDER, WITH_FOUND
-from scaloft_fi.sim.patch import PARTS
+from scaloft_fi.sim.happenings import HAPPENINGS
+from scaloft_fi.sim.patch import PARTS, leaves
+from scaloft_fi.sim.signals import clearance_name
 from scaloft_fi.sim.situation import Axis, AxisValue, read_axis
 
 if TYPE_CHECKING:
@@ -64,8 +65,7 @@ def check_grid(study: Study, known: KnownSignals | None, findings: Findings) -> 
     predicates = [(axis, value) for axis in axes for value in (*axis.values, *axis.extremes) if value.realised]
     agreed = grid is not None and findings.all_of(contradictions(grid))
     if known is not None:
-        # where the worlds of values cannot be read, the signals of their happenings are unknown
-        passing = grid.passing_signals if grid and agreed else None
+        passing = grid.passing_signals if grid and agreed else _thinkable(study)
         for axis, value in predicates:
             _check_predicate(axis, value, known, passing, findings)
     if grid is None or not agreed:
@@ -112,16 +112,23 @@ def _alone(constraints: Item) -> Iterable[Item]:
         yield Item(item.path, item.line, item.name, (item,))
 
 
+def _thinkable(study: Study) -> list[str]:
+    """The signals that happenings and optional bodies may bring to a grid whose worlds cannot be read."""
+    documents = [load(study.folder / "sim" / "world.yaml"), *([_file(study)] if study.grid_name else [])]
+    bodies = {path.partition("bodies.")[2].split(".")[0] for document in documents for path, _ in leaves(document)}
+    return [
+        *(name for kind in HAPPENINGS.values() for name in kind.signals),
+        *(f"{body}_{axis}_m" for body in bodies for axis in "xy"),
+        *(clearance_name(body) for body in bodies),
+    ]
+
+
 def _check_predicate(
-    axis: Axis, value: AxisValue, known: KnownSignals, passing: tuple[str, ...] | None, findings: Findings
+    axis: Axis, value: AxisValue, known: KnownSignals, passing: Collection[str], findings: Findings
 ) -> None:
     name = f"{axis.id}{value.id}"
-    if passing is None:
-        with suppress(FormulaError):
-            passing = tuple(name for name in map(str, tokenize(value.realised)) if name.isidentifier())
-            passing = tuple(word for word in passing if word not in WORDS)
     try:
-        check_predicate(value.realised, value.place, name, known, passing or (), findings)
+        check_predicate(value.realised, value.place, name, known, passing, findings)
     except FormulaError as error:
         findings.error(InputError(f"{value.place}: realised of {name} {error}"))
 

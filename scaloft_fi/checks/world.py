@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from scaloft_fi.checks.finding import Finding, Findings, Severity, finding_of
+from scaloft_fi.checks.finding import Findings, Severity, finding_of
 from scaloft_fi.document import Item, load
 from scaloft_fi.sim.happenings import check_happenings, read_happening
 from scaloft_fi.sim.mesh_flaws import flaws_of
@@ -14,7 +14,7 @@ from scaloft_fi.sim.mine import Mine, read_mine
 from scaloft_fi.sim.placement import misplaced
 from scaloft_fi.sim.sensors import read_sensors
 from scaloft_fi.sim.vehicle import read_vehicle
-from scaloft_fi.sim.world import World, assembled, read_body, read_mission, read_waypoint
+from scaloft_fi.sim.world import World, assembled, read_body, read_light, read_mission, read_waypoint
 
 
 def check_world(path: Path, findings: Findings) -> World | None:
@@ -37,6 +37,9 @@ def check_world(path: Path, findings: Findings) -> World | None:
         if "mission" in pieces:
             with findings.collecting():
                 read_mission(pieces["mission"], [name for name, _ in waypoints])
+        if "light" in pieces:
+            with findings.collecting():
+                read_light(pieces["light"])
         findings.each(lambda one: read_happening(*one), _entries(pieces, "happenings"))
         document = load(path)
         world, happenings = assembled(document, mine)
@@ -68,6 +71,3 @@ def check_vehicle(folder: Path, findings: Findings) -> None:
         read_vehicle(load(folder / "vehicle.yaml"))
     with findings.collecting():
         read_sensors(load(folder / "sensors.yaml"))
-
-
-__all__ = ["Finding", "check_mesh", "check_vehicle", "check_world"]

@@ -24,11 +24,13 @@ def misplaced(world: Any, item: Item) -> Iterator[InputError]:
     """
     mission = item.need("mission")
     home = mission.need("home")
+    places = {"home": home, **item.need("waypoints").mapping()}
     if not abs(world.floor_m) < 0.1:  # where the stack takes off
         actual = "there is none" if math.isnan(world.floor_m) else f"it is at z={world.floor_m:.2f} m"
         yield InputError(f"{home.place}: home={list(world.mission.home)!r} must have the floor at z=0, but {actual}")
+        del places["home"]
     flaws = None
-    for name, place in {"home": home, **item.need("waypoints").mapping()}.items():
+    for name, place in places.items():
         why = _obstructed(world, name)
         if why == _ROCK:
             flaws = _mesh_flaws(item) if flaws is None else flaws

@@ -208,12 +208,21 @@ def assembled(item: Item, mine: Mine | None = None) -> tuple[World, tuple[Read, 
         bodies=bodies,
         waypoints={"home": (*mission.home, mission.altitude_m), **waypoints},
         mission=mission,
-        light=item.need("light").number(least=0.0, most=1.0),
+        light=read_light(item.need("light")),
         signals=read_signals(item.get("signals"), (WALL, GROUND, *bodies)),
         happenings=tuple(read.happening for read in happenings),
     )
     item.close()
     return world, happenings
+
+
+def read_light(item: Item) -> float:
+    """Read the brightness of visible light, 0..1.
+
+    Raises:
+        InputError: it is none.
+    """
+    return item.number(least=0.0, most=1.0)
 
 
 def read_signals(item: Item | None, surfaces: Iterable[str]) -> tuple[str, ...]:
