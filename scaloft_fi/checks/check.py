@@ -16,7 +16,8 @@ from scaloft_fi.checks.requirements import KnownSignals, check_requirements, kin
 from scaloft_fi.checks.situations import GridCheck, check_grid
 from scaloft_fi.checks.stack import check_command_of, check_plugins, check_stack_choice, known_signals
 from scaloft_fi.checks.world import check_vehicle, check_world
-from scaloft_fi.sim.grids import grid_names
+from scaloft_fi.errors import InputError
+from scaloft_fi.sim.grids import WITH_FOUND, grid_names
 from scaloft_fi.study import SituationKeys, Study
 
 if TYPE_CHECKING:
@@ -137,9 +138,18 @@ def _further(study: Study, stack: Declaration | None, world: World | None, findi
     with findings.collecting():
         names = grid_names(study.folder / "sim")[1:]
     for name in names:
+        if name.endswith(WITH_FOUND) and _has_misfits(study):
+            continue  # the finds are told one by one
         other = replace(study, grid_name=name)
         own = None
         if world is not None:
             with findings.collecting():
                 own = other.grid.world()
         yield check_grid(other, _known(other, stack, own, findings), findings)
+
+
+def _has_misfits(study: Study) -> bool:
+    try:
+        return bool(study.finds.misfits)
+    except InputError:
+        return True

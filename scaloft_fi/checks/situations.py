@@ -61,6 +61,8 @@ def check_grid(study: Study, known: KnownSignals | None, findings: Findings) -> 
     """
     grid = _read(study, findings)
     name = study.grid_name or (grid.name if grid else FILE)
+    if grid is None and name.endswith(WITH_FOUND):
+        return GridCheck(name)
     axes = grid.axes if grid else _axes(study, findings)
     predicates = [(axis, value) for axis in axes for value in (*axis.values, *axis.extremes) if value.realised]
     agreed = grid is not None and findings.all_of(contradictions(grid))

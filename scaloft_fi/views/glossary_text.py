@@ -193,8 +193,8 @@ parameter: A quantity that flows between two stages of the stack, or a setting, 
 part: A part of the platform or of the test bench.
 part/whole: A ratio as counted; n/a when the whole is 0.
 phase: When a fault strikes: a shift in time (`#5s`) or an event (`#waypoint`).
-PLACEBO: A mutant that changes nothing; its flights must equal the baseline's to the bit.
 place: The file and line of a study where something stands, or is to be mended.
+PLACEBO: A mutant that changes nothing; its flights must equal the baseline's to the bit.
 planned: Flights that the run asked for.
 platform: Processor, system and package versions; on one platform flights repeat to the bit.
 plugin: A package that adds an operator, a stack, a sensor, a format or the like.
