@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -35,15 +36,36 @@ def _call(*words: str | Path) -> str:
     return done.stdout
 
 
+def _needed() -> list[str]:
+    """What the package declares that it needs."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    declared: list[str] = project["dependencies"]
+    return declared
+
+
+def _venv(python: str, folder: Path, *packages: str) -> Path:
+    """The interpreter of a new venv with these packages."""
+    _call(python, "-m", "venv", folder)
+    own = folder / "bin" / "python"
+    _call(own, "-m", "pip", "install", "--quiet", "--no-compile", *packages)
+    return own
+
+
 def test_the_matrix_and_the_operators_load_on_the_other_python_with_the_newest_libraries(tmp_path: Path) -> None:
     python = _interpreter()
     if python is None:
         pytest.skip(f"there is no Python {OTHER} on this machine")
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    needed = [name for name in project["dependencies"] if not name.startswith(BUILT)]
-    _call(python, "-m", "venv", tmp_path / "venv")
-    own = tmp_path / "venv" / "bin" / "python"
-    _call(own, "-m", "pip", "install", "--quiet", "--no-compile", *needed, "hypothesis", "pytest")
+    needed = [name for name in _needed() if not name.startswith(BUILT)]
+    own = _venv(python, tmp_path / "venv", *needed, "hypothesis", "pytest")
     tests = ("tests/hazop/test_reference_matrix.py", "tests/mutants/test_derive.py", "tests/mutants/test_catalogue.py")
     options = ("-q", "-m", "not flight", "-p", "no:cacheprovider", "-W", "ignore::DeprecationWarning")
     assert " passed" in _call(own, "-m", "pytest", *options, *tests)
+
+
+@pytest.mark.flight
+def test_it_flies_as_published_with_the_oldest_libraries_that_it_declares(tmp_path: Path) -> None:
+    if sys.version_info[:2] != (3, 11):
+        pytest.skip("the oldest libraries have no wheels for this Python")
+    oldest = [re.sub(r">=([\d.]+).*", r"==\1", name) for name in _needed()]
+    own = _venv(sys.executable, tmp_path / "venv", *oldest)
+    assert "known flight" in _call(own, "-m", "scaloft_fi", "doctor")
