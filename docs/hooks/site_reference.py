@@ -6,9 +6,11 @@ import inspect
 import re
 from collections.abc import Iterable, Sequence
 from enum import StrEnum
+from types import ModuleType
 from typing import Any
 
-import scaloft_fi.mutants.reference  # noqa: F401 - the operators of the reference stack
+import scaloft_fi
+import scaloft_fi.mutants.reference
 from scaloft_fi import api
 from scaloft_fi.analysis.disposition import Standing
 from scaloft_fi.analysis.scoring.detection import Verdict
@@ -34,6 +36,8 @@ from scaloft_fi.views.kills.survivors import Next, Stage
 from scaloft_fi.views.reference.outputs import outputs_page
 
 _MARKS = re.compile(r"\||\[(?!`)")
+SCRIPTS = "What `import scaloft_fi` offers to scripts and notebooks."
+PLUGINS = "What `scaloft_fi.api` offers to plugins.  What neither page lists may change."
 MADE = "*This page is made from the code.*\n"
 VALUES: tuple[tuple[str, str, type[StrEnum]], ...] = (
     (
@@ -71,7 +75,8 @@ def reference_pages() -> dict[str, str]:
         "reference/columns.md": _columns(),
         "reference/statuses.md": _statuses(),
         "reference/outputs.md": outputs_page(),
-        "reference/python.md": _python(),
+        "reference/scripts.md": _python("Python names for scripts", SCRIPTS, scaloft_fi),
+        "reference/plugins.md": _python("Python names for plugins", PLUGINS, api),
     }
     return {path: f"{text}\n{MADE}" for path, text in pages.items()}
 
@@ -192,15 +197,15 @@ def _statuses() -> str:
     return "\n".join(parts)
 
 
-def _python() -> str:
-    """Every name of `scaloft_fi.api`; mkdocstrings writes what it finds at the place of its definition."""
-    parts = ["# Python names\n", "What `scaloft_fi.api` offers to programs and plugins; everything else may change.\n"]
-    for name in sorted(api.__all__, key=str.casefold):
-        value = getattr(api, name)
+def _python(title: str, says: str, module: ModuleType) -> str:
+    """Every public name of a module; mkdocstrings writes what it finds at the place of its definition."""
+    parts = [f"# {title}\n", f"{says}\n"]
+    for name in sorted(module.__all__, key=str.casefold):
+        value = getattr(module, name)
         if inspect.isclass(value) or inspect.isfunction(value):
             parts.append(f"::: {value.__module__}.{value.__qualname__}\n")
         else:
-            parts.append(f"## {name}\n\n{_says(name, value)}\n")
+            parts.append(f"## `{name}`\n\n{_says(name, value)}\n")
     return "\n".join(parts)
 
 

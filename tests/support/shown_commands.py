@@ -11,7 +11,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 GUIDES = ("stack", "operator", "sensor_or_signal", "export_format", "choice_of_situations", "happening")
 """The pages that make a package of their files."""
-PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
+PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")))
 _BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _INLINE = re.compile(r"(?<!`)`(scaloft-fi [^`\n]+)`(?!`)")
 _STEP = re.compile(r"^\s*- run: (.+)$", re.MULTILINE)
