@@ -107,9 +107,18 @@ def _cell(value: Any) -> str:
 
 def _list(title: str, listing: Listing, *, whole: bool) -> str:
     """An overview of what the reference study has, and where asked for each entry whole."""
-    every = shown(listing, ("*",), Format.MARKDOWN) if whole else ""
-    overview = shown(listing, (), Format.MARKDOWN).replace("### ", "## ", 1)
+    every = _code(shown(listing, ("*",), Format.MARKDOWN)) if whole else ""
+    overview = _code(shown(listing, (), Format.MARKDOWN)).replace("### ", "## ", 1)
     return f"# {title}\n\n`scaloft-fi {title.lower()}` lists what your study has.\n\n{overview}\n{every}"
+
+
+def _code(text: str) -> str:
+    r"""The text of a table with code where it has escaped backticks.
+
+    >>> _code(r"Let \`hold\_s\` pass a\_b.")
+    'Let `hold_s` pass a\\_b.'
+    """
+    return re.sub(r"\\`(.+?)\\`", lambda code: f"`{re.sub(r'\\(.)', r'\1', code[1])}`", text)
 
 
 def _columns() -> str:
