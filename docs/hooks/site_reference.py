@@ -118,7 +118,7 @@ def _code(text: str) -> str:
     >>> _code(r"Let \`hold\_s\` pass a\_b.")
     'Let `hold_s` pass a\\_b.'
     """
-    return re.sub(r"\\`(.+?)\\`", lambda code: f"`{re.sub(r'\\(.)', r'\1', code[1])}`", text)
+    return re.sub(r"\\`.+?\\`", lambda code: code[0].replace("\\", ""), text)
 
 
 def _columns() -> str:

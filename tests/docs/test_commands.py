@@ -22,6 +22,7 @@ PAGES = ("axis.md", "ci.md", "hazop_workshop.md", "judge.md")
 LONG = "it flies for minutes to hours"
 ELSEWHERE = {
     "README.md": ".ci/run runs the second command word for word, and with it what the first one does",
+    "check.md": "tests/checks checks studies with planted defects",
     "CONTRIBUTING.md": "they are the tests themselves",
     "cluster.md": "it needs several machines; tests/campaign/workers flies with a scheduler and workers on one",
     "outside.md": "tests/outside/test_outside_flights.py flies this study",
