@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import sys
 from collections.abc import Iterable, Sequence
 from datetime import date
 from pathlib import Path
@@ -25,6 +23,7 @@ from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say, tell
 from scaloft_fi.errors import InputError
 from scaloft_fi.inert import json_text
+from scaloft_fi.terminal import coloured
 
 if TYPE_CHECKING:
     from scaloft_fi.analysis.noise import Noise
@@ -147,7 +146,7 @@ def report(
         )
     tell(
         _text(study, rulings, scored, campaign, grouping, everything, style, noise, extra),
-        styled=style == "table" and _coloured(),
+        styled=style == "table" and coloured(),
     )
     ratio = scored.mutation_score
     if fail_under is None or (ratio.value is not None and ratio.value >= fail_under):
@@ -206,10 +205,5 @@ def _text(
         behind = (group_table(scored, by, study.space),)
     if style != Format.TABLE:
         return render((*screen, *behind, *extra), Format(style))
-    text = screen_text(screen, bold=_coloured())
+    text = screen_text(screen)
     return "\n".join([text, render((*behind, *extra), Format.TABLE)] if behind or extra else [text])
-
-
-def _coloured() -> bool:
-    """Whether the output is a terminal that may be given more than plain text (https://no-color.org)."""
-    return sys.stdout.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
