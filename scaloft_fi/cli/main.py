@@ -18,10 +18,10 @@ from scaloft_fi.cli.verb import REST, Example, HelpPage, Page
 from scaloft_fi.cli.verbs import GROUPS, VERBS, command_of
 from scaloft_fi.console import lost, say, stand, tell
 from scaloft_fi.errors import ScaloftError, did_you_mean
+from scaloft_fi.exit_codes import ExitCode
 from scaloft_fi.registry import in_one_line, plugin_behind
-from scaloft_fi.terminal import coloured
+from scaloft_fi.terminal import Marked
 
-INTERNAL, INTERRUPTED, USAGE = 70, 130, 2
 COLLECT_AFTER = (100_000, 50, 100)
 """Thresholds of the garbage collector: by default it takes half the time of an export of 100,000 flights."""
 
@@ -94,18 +94,18 @@ class Pipeline(click.Group):
             command = error.ctx.command_path if error.ctx else prog
             sentence = error.format_message().rstrip(".")
             say(f"error: {command}: {sentence[:1].lower()}{sentence[1:]}; see {command} --help")
-            return USAGE
+            return ExitCode.BAD_INPUT
         except click.ClickException as error:
             say(f"error: {error.format_message()}")
-            return USAGE
+            return ExitCode.BAD_INPUT
         except ScaloftError as error:
-            plugin = plugin_behind(error) if error.exit_code == INTERNAL else ""
+            plugin = plugin_behind(error) if error.exit_code == ExitCode.INTERNAL else ""
             say(f"error: {plugin}: {error}" if plugin else f"error: {error}")
             return error.exit_code
         except (KeyboardInterrupt, click.Abort):
             say("")  # below the ^C that a terminal shows
             say("error: interrupted")
-            return INTERRUPTED
+            return ExitCode.INTERRUPTED
         except Exception as error:  # noqa: BLE001 - the last line of defence: no traceback reaches a user unasked
             return _unforeseen(error)
         return outcome if isinstance(outcome, int) else 0
@@ -133,9 +133,9 @@ def _unforeseen(error: Exception) -> int:
     refused = "" if plugin else refusal(error)
     if refused:
         say(f"error: {refused}")
-        return USAGE
+        return ExitCode.BAD_INPUT
     say(f"error: {plugin or 'internal error'}: {in_one_line(error)} (SCALOFT_DEBUG=1 shows where)")
-    return INTERNAL
+    return ExitCode.INTERNAL
 
 
 @click.group(
@@ -154,4 +154,4 @@ def main(context: click.Context) -> None:
     """
     gc.set_threshold(*COLLECT_AFTER)
     if context.invoked_subcommand is None:
-        tell(f"{context.get_help()}\n", styled=coloured())
+        tell(Marked(f"{context.get_help()}\n"))

@@ -82,7 +82,8 @@ def replay_command(
     else:
         log = fly_log(study, flight)
     outcome = judged(study, flight, log)
-    tell(f"{_facts(study, flight, outcome, log)}\n")
+    tell(_facts(study, flight, outcome, log))
+    tell("\n")
     if output is not None and output.suffix.lower() in RECORDINGS:
         from scaloft_fi.views.flights.log_table import log_table
         from scaloft_fi.views.flights.mcap import mcap

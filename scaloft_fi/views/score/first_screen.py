@@ -22,7 +22,7 @@ from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Status
 from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
-from scaloft_fi.terminal import PROSE, Style, coloured, styled
+from scaloft_fi.terminal import PROSE, Marked, Style, coloured, styled
 from scaloft_fi.terminal import width as terminal_width
 from scaloft_fi.views.score.answers import Answer, answers
 from scaloft_fi.views.score.finds import next_find
@@ -143,7 +143,8 @@ def screen_text(screen: Sequence[Table], *, width: int | None = None, marked: bo
     colours = coloured() if marked is None else marked
     first, *groups, last = screen
     parts = [render([table], Format.TABLE, width=columns, marked=colours) for table in groups]
-    return "\n".join([_lines(first, columns, marked=colours), *parts, _lines(last, columns, marked=colours)])
+    text = "\n".join([_lines(first, columns, marked=colours), *parts, _lines(last, columns, marked=colours)])
+    return Marked(text) if colours else text
 
 
 def _lines(table: Table, width: int, *, marked: bool) -> str:

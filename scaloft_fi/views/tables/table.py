@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from scaloft_fi.inert import json_text, line
-from scaloft_fi.terminal import coloured
+from scaloft_fi.terminal import Marked, coloured
 from scaloft_fi.terminal import width as terminal_width
 from scaloft_fi.views.tables.literal import markdown, spreadsheet_text
 from scaloft_fi.views.tables.text import body_text, heading, note
@@ -69,7 +69,8 @@ def render(tables: Sequence[Table], how: Format, *, width: int | None = None, ma
     if how is Format.TABLE:
         columns = terminal_width() if width is None else width
         colours = coloured() if marked is None else marked
-        return "\n".join(_text(table, columns, marked=colours) for table in tables)
+        text = "\n".join(_text(table, columns, marked=colours) for table in tables)
+        return Marked(text) if colours else text
     return "\n".join(_one(table, how) for table in tables)
 
 
