@@ -86,7 +86,7 @@ def tell_line(sentence: str) -> None:
 
 
 def say(sentence: str) -> None:
-    """Write a line to standard error, if it can be written; a terminal gets its first word, such as `error:`, marked."""
+    """Write a line to standard error, if it can be written; a terminal gets `error:` and `warning:` marked."""
     show(sys.stderr, f"{marked_sentence(line(sentence), sys.stderr)}\n")
 
 

@@ -117,7 +117,13 @@ def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: st
     lines = [[p.id, *(by_cell[f"{word.id}-{p.id}"] for word in matrix.guidewords)] for p in matrix.parameters]
     if style == "table":
         return "\n".join(
-            [blocks(["", *header[1:]], lines, width()), "", legend(LEGEND, width(), LEGEND_AT), "", tally(matrix)]
+            [
+                blocks(["", *header[1:]], lines, width()),
+                "",
+                legend(LEGEND, width(), LEGEND_AT),
+                "",
+                wrapped(tally(matrix), width()),
+            ]
         )
     return _tabulated(header, lines, style)
 

@@ -113,7 +113,7 @@ def _table(mutants: Sequence[Mutant], default_ids: Collection[str], style: str) 
         return csv_text(_COLUMNS, (row.values() for row in rows)).rstrip("\n")
     if style == "table":
         short = [[row[name] for name in _IN_TERMINAL] for row in rows]
-        return body_text(_IN_TERMINAL, short, width(), marked=False)
+        return body_text(_IN_TERMINAL, short, width(), ("operator", "seam"), marked=False)
     return tabulated(
         _COLUMNS, [list(row.values()) for row in rows], Format(style), "latex" if style == Format.LATEX else ""
     )

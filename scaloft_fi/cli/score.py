@@ -113,7 +113,6 @@ def _text(scored: ScoredCampaign, grouping: str | None, style: str, *, everythin
 
     by = By(grouping) if grouping else None
     if style == Format.JSON:
-        return json_text(scored.record(by), indent=2) + "
-"
+        return json_text(scored.record(by), indent=2) + "\n"
     told(scored.study.finds)
     return scored.text(Format(style), by=by, everything=everything)

@@ -117,8 +117,8 @@ def first_screen(
             title += f", of which {counted[verdict]} count in the score"
         groups.append(_group(title, COLUMNS[verdict], rows, len(members)))
     controls = [_control(mutant) for mutant in _shown(scored.controls, whole=whole)]
-    shown = sum(_shows(control) for control in scored.controls)
-    title = f"Controls, in no ratio: {shown} of {len(scored.controls)} show that faults reach the drone"
+    showing = sum(map(_shows, scored.controls))
+    title = f"Controls, in no ratio: {showing} of {len(scored.controls)} show that faults reach the drone"
     groups.append(_group(title, CONTROL_COLUMNS, controls, len(scored.controls)))
     groups = [group for group in groups if group.rows]
     if groups:
@@ -214,7 +214,7 @@ def _facts(mutant: MutantScore, space: Space, background: Background | None, fin
 
 
 def _control(mutant: MutantScore) -> tuple[str, ...]:
-    by = ", ".join((*mutant.safety.by, *mutant.operability.by)) or _violated(mutant)
+    by = ", ".join((*mutant.safety.by, *mutant.operability.by)) or (_violated(mutant) if _shows(mutant) else "nothing")
     return mutant.subject.id, by, _broken(mutant) or _STOPPED[mutant.status]
 
 
@@ -226,8 +226,7 @@ def _shows(mutant: MutantScore) -> bool:
 def _violated(mutant: MutantScore) -> str:
     """What a control violates that was flown too seldom for a verdict, as a canary is."""
     flights = Counter(name for result in mutant.results for name, count in result.violated for _ in range(count))
-    violated = ", ".join(f"{name} in {count} flight{'s' * (count > 1)}" for name, count in flights.items())
-    return violated or "nothing"
+    return ", ".join(f"{name} in {count} flight{'s' * (count > 1)}" for name, count in flights.items())
 
 
 def effect(mutant: MutantScore) -> str:
