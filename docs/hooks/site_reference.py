@@ -14,8 +14,10 @@ import scaloft_fi.mutants.reference
 from scaloft_fi import api
 from scaloft_fi.analysis.disposition import Standing
 from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.scoring.grouping import By
 from scaloft_fi.analysis.scoring.pool import State
 from scaloft_fi.analysis.tried import Reaction
+from scaloft_fi.checks.finding import Severity
 from scaloft_fi.cli.reference import command_reference
 from scaloft_fi.hazop.cell import CellStatus
 from scaloft_fi.judge.requirement import Compliance, Kind
@@ -32,6 +34,7 @@ from scaloft_fi.views.lists.operators import operator_list
 from scaloft_fi.views.lists.seams import seam_list
 from scaloft_fi.views.lists.signals import signal_list
 from scaloft_fi.views.reference.outputs import outputs_page
+from scaloft_fi.views.report.signs import Sign
 from scaloft_fi.views.tables.table import Format
 
 _MARKS = re.compile(r"\||\[(?!`)")
@@ -57,6 +60,9 @@ VALUES: tuple[tuple[str, str, type[StrEnum]], ...] = (
     ("Ending of a flight", "It is no verdict.", Ending),
     ("Status of a cell", "In the deviation matrix.", CellStatus),
     ("A magnitude in a situation", "In the search for a margin.", Reaction),
+    ("A cell of the kill matrix", "In the report: a mutant in a situation.", Sign),
+    ("Parts of a score", "What `score --by` divides it by.", By),
+    ("A finding of check", "Only an error fails.", Severity),
     ("Standing of a survivor", "Beside the dispositions of the study.", Standing),
 )
 """The enumerations whose values are printed: title, what they tell."""

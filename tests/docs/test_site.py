@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 from browsing import NAMES
+from printed import printed_enumerations
 
 from scaloft_fi.cli.verbs import VERBS, command_of
 from scaloft_fi.exit_codes import ExitCode
@@ -109,6 +110,13 @@ def test_the_reference_has_every_verb_and_option(site: Path) -> None:
 def test_the_reference_has_every_column_of_the_export(site: Path) -> None:
     text = (site / "reference" / "columns.html").read_text()
     assert [name for name in (*HEAD, *TAIL, *BASIS) if f"<code>{name}</code>" not in text] == []
+
+
+def test_the_reference_has_every_value_that_is_printed(site: Path) -> None:
+    text = (site / "reference" / "statuses.html").read_text()
+    values = {f"{one.__name__}.{value}": f"<code>{value}</code>" for one in printed_enumerations() for value in one}
+    assert len(values) > 60
+    assert [name for name, shown in values.items() if shown not in text] == []
 
 
 def test_the_reference_has_every_exit_code(site: Path) -> None:
