@@ -25,6 +25,7 @@ ELSEWHERE = {
     "check.md": "tests/checks checks studies with planted defects",
     "CONTRIBUTING.md": "they are the tests themselves",
     "cluster.md": "it needs several machines; tests/campaign/workers flies with a scheduler and workers on one",
+    "index.md": "it is README's first command",
     "outside.md": "tests/outside/test_outside_flights.py flies this study",
     "outside_ros1.md": "it needs ROS 1; tests/examples/test_testbed.py flies this study where it is installed",
     "outside_ros2.md": "it needs ROS 2; tests/outside/test_ros2.py flies this study where it is installed",
@@ -54,6 +55,12 @@ def test_every_command_is_run_or_listed() -> None:
         command for page in PAGES for command in _of(page)
     }
     assert steps == set(NOT_RUN)
+
+
+def test_readme_names_every_verb() -> None:
+    rows = re.findall(r"^\| (`scaloft-fi .*?) \|", (ROOT / "README.md").read_text(), re.MULTILINE)
+    named = {word for row in rows for word in re.findall(r"[a-z]+", row)}
+    assert [verb for verb in VERBS if verb not in named] == []
 
 
 def test_no_page_is_listed_in_vain() -> None:
