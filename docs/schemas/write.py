@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from scaloft_fi.views.documents.declared import Declared
 from scaloft_fi.views.documents.listed import schema_texts as of_documents
 from scaloft_fi.views.outputs.listed import schema_texts as of_outputs
 
@@ -15,7 +16,7 @@ HERE = Path(__file__).parent
 
 def main() -> None:
     """Write a file for each verb and each document, and remove those of verbs and documents that are no more."""
-    for folder, texts in (("output", of_outputs()), ("study", of_documents(own=True))):
+    for folder, texts in (("output", of_outputs()), ("study", of_documents(Declared.everything(own=True)))):
         (HERE / folder).mkdir(exist_ok=True)
         for path in (HERE / folder).glob("*.json"):
             if path.name not in texts:

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from scaloft_fi.cli.files import write
+from scaloft_fi.cli.options import study_option
 from scaloft_fi.cli.verb import verb
-from scaloft_fi.console import tell, tell_line
+from scaloft_fi.console import say, tell, tell_line
 from scaloft_fi.errors import InputError
+
+if TYPE_CHECKING:
+    from scaloft_fi.views.documents.declared import Declared
 
 
 @verb(
@@ -21,6 +27,7 @@ from scaloft_fi.errors import InputError
     ),
 )
 @click.argument("name", required=False)
+@study_option
 @click.option(
     "--write",
     "folder",
@@ -28,27 +35,40 @@ from scaloft_fi.errors import InputError
     metavar="DIR",
     help="Write every schema as DIR/NAME.json; the folder is made if it is not there.",
 )
-def schema_command(name: str | None, folder: Path | None) -> None:
+def schema_command(name: str | None, study_folder: Path | None, folder: Path | None) -> None:
     """Print the JSON Schema (draft 2020-12) of a YAML document of a study, or write them all.
 
-    An editor with a language server for YAML completes keys and shows what they mean, when the first line of the
-    document is `# yaml-language-server: $schema=` with the path of the schema.
+    The schemas know the seams of the study, and what installed plugins declare.  An editor with a language server for
+    YAML completes keys and shows what they mean, when the first line of the document is
+    `# yaml-language-server: $schema=` with the path of the schema.
     """
-    from scaloft_fi.registry import load_plugins
-    from scaloft_fi.views.documents.declared import Declared
     from scaloft_fi.views.documents.listed import DOCUMENTS, document, schema_text, schema_texts
     from scaloft_fi.views.tables.table import Format, Table, render
 
     if name and folder:
         raise click.UsageError("--write writes every schema and goes with no NAME")
-    load_plugins()
     if folder:
-        _write(folder, schema_texts())
+        _write(folder, schema_texts(_declared(study_folder)))
     elif name:
-        tell(schema_text(document(name).schema(Declared.everything())))
+        one = document(name)
+        tell(schema_text(one.schema(_declared(study_folder))))
     else:
         rows = tuple((one.name, one.files) for one in DOCUMENTS.values())
-        tell(render((Table("Schemas of YAML documents", ("schema", "of"), rows),), Format.TABLE))
+        tell(render((Table("Schemas of YAML documents", ("document", "files"), rows),), Format.TABLE))
+
+
+def _declared(folder: Path | None) -> Declared:
+    """What is declared; without the seams of a study whose stack cannot be read yet, as while it is written."""
+    from scaloft_fi.study import Study
+    from scaloft_fi.views.documents.declared import Declared
+
+    study = Study.open(folder)
+    try:
+        seams = {seam.name: seam.edge for seam in study.stack.seams}
+    except InputError as error:
+        say(f"warning: without the names of seams: {error}")
+        seams = {}
+    return replace(Declared.everything(), seams=seams)
 
 
 def _write(folder: Path, texts: dict[str, str]) -> None:

@@ -10,6 +10,8 @@ import pytest
 from scaloft_fi.cli.main import main
 from scaloft_fi.views.documents.listed import DOCUMENTS
 
+ROOT = Path(__file__).parents[2]
+
 
 def run(*args: str | Path) -> int:
     with pytest.raises(SystemExit) as left:
@@ -27,6 +29,21 @@ def test_without_a_name_the_documents_are_listed(capsys: pytest.CaptureFixture[s
 def test_a_name_prints_its_schema(capsys: pytest.CaptureFixture[str]) -> None:
     assert run("schema", "world") == 0
     assert json.loads(capsys.readouterr().out)["title"] == "sim/world.yaml"
+
+
+def test_the_schema_of_the_matrix_knows_the_seams_of_the_study(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("schema", "matrix", "--study", ROOT) == 0
+    cell = next(iter(json.loads(capsys.readouterr().out)["patternProperties"].values()))
+    assert "velcmd" in cell["oneOf"][1]["properties"]["faults"]["items"]["properties"]["seam"]["enum"]
+
+
+def test_a_study_whose_stack_cannot_be_read_has_schemas_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("hazop", "mutants", "sim"):
+        (tmp_path / name).mkdir()
+    assert run("schema", "stack", "--study", tmp_path) == 0
+    told = capsys.readouterr()
+    assert told.err.startswith("warning: without the names of seams: ")
+    assert json.loads(told.out)["oneOf"]
 
 
 def test_all_are_written_into_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from scaloft_fi.mutants.operator import Operator
@@ -19,7 +19,11 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Declared:
-    """Declared things by name: operators, sensors, kinds of happenings, roles of bodies, optional signals, stacks."""
+    """Declared things by name: operators, sensors, kinds of happenings, roles of bodies, optional signals, stacks.
+
+    Attributes:
+        seams: of one study, by name with who sends and who receives; empty where no study is meant.
+    """
 
     operators: Mapping[str, Operator]
     sensors: Mapping[str, SensorKind]
@@ -27,6 +31,7 @@ class Declared:
     roles: Mapping[str, Role]
     signals: Mapping[str, DeclaredSignal]
     stacks: Mapping[str, Declaration]
+    seams: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
     def everything(cls, *, own: bool = False) -> Declared:

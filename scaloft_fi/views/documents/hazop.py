@@ -29,6 +29,7 @@ from scaloft_fi.views.lists.operators import argument_facts
 
 GUIDEWORD, PARAMETER = "[A-Z][A-Z0-9]*", "[a-z][a-z0-9_]*"
 UNIT, NAMED_MAGNITUDE = "[A-Za-z%][A-Za-z0-9%]*|", "[A-Za-z][A-Za-z0-9_.]*"
+SEAM = "the seam whose samples the fault changes; `scaloft-fi seams` lists them"
 PHASES = "also flown shifted by 1/4, 1/2, 3/4 of that time, and at events of the flight"
 DAY = r"\d{4}-\d{2}-\d{2}"
 
@@ -105,7 +106,7 @@ def _fault(declared: Declared) -> Schema:
     fault = mapping(
         "An operator at a seam.",
         {
-            "seam": text("the seam whose samples the fault changes; `scaloft-fi seams` lists them", "person", "velcmd"),
+            "seam": choice(SEAM, declared.seams) if declared.seams else text(SEAM, "person", "velcmd"),
             "operator": either("the change; `scaloft-fi operators` lists them", *_operators(operators)),
         },
         {

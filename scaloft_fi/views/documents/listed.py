@@ -74,13 +74,8 @@ def document(name: str) -> Document:
     return DOCUMENTS[name]
 
 
-def schema_texts(*, own: bool = False) -> dict[str, str]:
-    """The text of each schema by its file name.
-
-    Args:
-        own: leave out what other packages declare, as the published schemas do.
-    """
-    declared = Declared.everything(own=own)
+def schema_texts(declared: Declared) -> dict[str, str]:
+    """The text of each schema by its file name."""
     return {f"{one.name}.json": schema_text(one.schema(declared)) for one in DOCUMENTS.values()}
 
 
