@@ -17,6 +17,7 @@ GROUPS: dict[str, dict[str, str]] = {
         "axes": "list the axes of the situations",
         "map": "show mine, bodies and route of one situation",
         "schema": "print the JSON Schema of a YAML document, for editors",
+        "check": "check the whole study without flying",
     },
     "Fly": {
         "run": "fly baseline and mutants over the grid, then score",
