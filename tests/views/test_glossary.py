@@ -22,7 +22,7 @@ TOLD_BY_A_RUN = {
     "cli/matrix.py: cell.name": "a cell of the study",
     "cli/matrix.py: header": "of the callers, which are read too",
     "cli/matrix.py: header[1:]": "guidewords of the study",
-    "views/columns.py: tuple(names)": "columns of the flights, which are those of the export",
+    "views/columns.py: tuple(names)": "columns of a data frame, which the reference of Python has",
     "views/flights/compare.py: first": "a campaign's name",
     "views/flights/compare.py: second": "a campaign's name",
     "views/flights/export.py: columns": "columns of the export, which the reference has",
