@@ -63,6 +63,10 @@ class Log(Columns):
         """(T,) time of each sample [s from the start]."""
         return self[TIME]
 
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        values: NDArray[Any] = super().__getitem__(name)
+        return values
+
 
 class FlownFlight:
     """A flight that was flown in this process.

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
-from scaloft_fi.errors import InputError
+from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.views.tables.html import html
 from scaloft_fi.views.tables.table import Format, Table, TableCell, render
 
@@ -52,6 +52,9 @@ class Columns(dict[str, Any]):
         listed = list(rows)
         super().__init__({name: _column(kind, [row[name] for row in listed]) for name, kind in types.items()})
         self.title, self.types, self.rows = title, dict(types), len(listed)
+
+    def __missing__(self, name: object) -> NoReturn:
+        raise KeyError(f"no column {name!r}{did_you_mean(str(name), self)}")
 
     def arrow(self) -> Any:
         """The same as a `pyarrow.Table`, where numbers without a value are null.

@@ -23,6 +23,8 @@ def test_the_parts_of_a_study_are_columns(study: scaloft_fi.OpenStudy) -> None:
     defaults = study.mutants["mutant"][study.mutants["counted"]]
     assert sorted(defaults) == sorted(study.definition.roster.defaults.values())
     assert study.folder == STUDY
+    units = dict(zip(study.signals["signal"], study.signals["unit"], strict=True))
+    assert (units["x_m"], units["qw"]) == ("m", "")
 
 
 def test_a_notebook_shows_what_a_study_has(study: scaloft_fi.OpenStudy) -> None:

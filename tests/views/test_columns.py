@@ -60,9 +60,13 @@ def test_without_rows_the_columns_keep_their_types() -> None:
     empty = Columns("Flights", TYPES, [])
     assert empty.rows == 0
     full = Columns("Flights", TYPES, ROWS)
-    assert [getattr(empty[name], "dtype", list) for name in TYPES] == [
-        getattr(full[name], "dtype", list) for name in TYPES
-    ]
+    kinds = [[getattr(values, "dtype", list) for values in columns.values()] for columns in (empty, full)]
+    assert kinds[0] == kinds[1]
+
+
+def test_a_column_that_is_not_there_names_the_nearest(columns: Columns) -> None:
+    with pytest.raises(KeyError, match="no column 'mutants'; did you mean 'mutant'"):
+        columns["mutants"]
 
 
 def test_pandas_takes_the_columns_as_they_are(columns: Columns) -> None:
