@@ -46,7 +46,16 @@ class Columns(dict[str, Any]):
         title: what the rows are, for a reader.
         types: type of each column, in their order.
         rows: the rows; None where a number has no value.
+
+    Attributes:
+        title: what the rows are.
+        types: type of each column.
+        rows: number of rows.
     """
+
+    title: str
+    types: dict[str, ColumnType]
+    rows: int
 
     def __init__(self, title: str, types: Mapping[str, ColumnType], rows: Iterable[Mapping[str, Any]]) -> None:
         listed = list(rows)
@@ -85,7 +94,7 @@ class Columns(dict[str, Any]):
         """
         return self.arrow().__arrow_c_stream__(requested_schema)
 
-    def table(self, rows: int, columns: int | None = None) -> Table:
+    def _table(self, rows: int, columns: int | None = None) -> Table:
         """The first `rows` rows and `columns` columns (None: all) as a table of texts."""
         names = list(self)[:columns]
         shown = min(rows, self.rows)
@@ -95,13 +104,13 @@ class Columns(dict[str, Any]):
         return Table(self.title, tuple(names), cells, (f"... {note}",) if note else ())
 
     def __str__(self) -> str:
-        return render((self.table(SHOWN, ACROSS),), Format.TABLE)
+        return render((self._table(SHOWN, ACROSS),), Format.TABLE)
 
     def __repr__(self) -> str:
         return f"<{self.title}: {self.rows} rows of {', '.join(self)}>"
 
     def _repr_html_(self) -> str:
-        return html((self.table(SHOWN),))
+        return html((self._table(SHOWN),))
 
 
 def _column(kind: ColumnType, values: Sequence[Any]) -> NDArray[Any] | list[Any]:
