@@ -38,7 +38,7 @@ from scaloft_fi.views.report.signs import Sign
 from scaloft_fi.views.tables.table import Format
 
 _MARKS = re.compile(r"\||\[(?!`)")
-SCRIPTS = "What `import scaloft_fi` offers to scripts and notebooks."
+SCRIPTS = "What `import scaloft_fi` offers to scripts and notebooks; [Scripts and notebooks](../api.md) shows how."
 PLUGINS = "What `scaloft_fi.api` offers to plugins.  What neither page lists may change."
 MADE = "*This page is made from the code.*\n"
 VALUES: tuple[tuple[str, str, type[StrEnum]], ...] = (
