@@ -31,8 +31,8 @@ def check_writable(path: Path | None) -> None:
         raise InputError(f"--output={str(path)!r} cannot be written: no permission")
 
 
-def write(path: Path, content: bytes) -> None:
-    """Write the whole file, or leave what was there.
+def write(path: Path, content: bytes, option: str = "--output") -> None:
+    """Write the whole file, or leave what was there; `option` names it.
 
     Raises:
         InputError: it cannot be written.
@@ -40,7 +40,35 @@ def write(path: Path, content: bytes) -> None:
     try:
         write_whole(path, content)
     except (OSError, ValueError) as error:
-        raise InputError(f"--output={str(path)!r} cannot be written: {_reason(error)}") from error
+        raise InputError(f"{option}={str(path)!r} cannot be written: {_reason(error)}") from error
+
+
+def check_folder(path: Path, option: str) -> None:
+    """Refuse early a folder that could not be made or written late; `option` names it.
+
+    Raises:
+        InputError: no file can be written in a folder of this path.
+    """
+    try:
+        existing = next(folder for folder in (path, *path.absolute().parents) if folder.exists())
+    except (OSError, ValueError) as error:
+        raise InputError(f"{option}={str(path)!r} cannot be written: {_reason(error)}") from error
+    if not existing.is_dir():
+        raise InputError(f"{option}={str(path)!r} cannot be written: {str(existing)!r} is a file, not a folder")
+    if not os.access(existing, os.W_OK | os.X_OK):
+        raise InputError(f"{option}={str(path)!r} cannot be written: no permission in {str(existing)!r}")
+
+
+def make_folder(path: Path, option: str) -> None:
+    """Make the folder and those above it, where they are missing; `option` names it.
+
+    Raises:
+        InputError: it cannot be made.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        raise InputError(f"{option}={str(path)!r} cannot be made: {_reason(error)}") from error
 
 
 def _reason(error: OSError | ValueError) -> str:

@@ -9,6 +9,7 @@ import click
 
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.options import campaign_option, study_option
+from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say, tell, tell_line
 from scaloft_fi.errors import GateError, InputError
 
@@ -23,7 +24,17 @@ PICTURES = (".svg", ".png")
 RECORDINGS = (".mcap", ".csv")
 
 
-@click.command("replay")
+@verb(
+    "replay",
+    examples=(
+        ("Fly one flight again and compare its digest", "scaloft-fi replay LATE-human@3s/T0O0W0D0H1/0"),
+        (
+            "Draw it on the map, the baseline beside it",
+            "scaloft-fi replay LATE-human@3s/T0O0W0D0H1/0 --output flight.svg",
+        ),
+        ("Record the unmutated drone for Foxglove", "scaloft-fi replay baseline/T0O0W0D0H1/0 --output flight.mcap"),
+    ),
+)
 @click.argument("name", metavar="MUTANT/SITUATION/SEED")
 @study_option
 @campaign_option

@@ -1,0 +1,113 @@
+"""The glossary has every word that the tables, screens and files of results use, looked for in the code itself."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+import re
+from enum import StrEnum
+
+import pytest
+from table_heads import headings
+
+import scaloft_fi
+from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.scoring.grouping import By
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO
+from scaloft_fi.views.glossary import TERMS, term
+from scaloft_fi.views.lists import axes, operators, seams, signals
+from scaloft_fi.views.score import answers, first_screen, tables
+from scaloft_fi.views.worksheet.worksheet import COLUMNS
+
+TOLD_BY_A_RUN = {
+    "cli/matrix.py: (word.id for word in matrix.guidewords)": "guidewords of the study",
+    "cli/matrix.py: cell.name": "a cell of the study",
+    "cli/matrix.py: header": "of the callers, which are read too",
+    "cli/matrix.py: header[1:]": "guidewords of the study",
+    "views/flights/compare.py: first": "a campaign's name",
+    "views/flights/compare.py: second": "a campaign's name",
+    "views/flights/export.py: columns": "columns of the export, which the reference has",
+    "views/flights/log_table.py: log.signals": "signals, which `scaloft_fi.sim.signals` explains",
+    "views/lists/listing.py: chosen.keys": "keys of records, which the functions that make the lists explain",
+    "views/lists/listing.py: tuple(columns)": tuple(
+        head for module in (axes, operators, seams, signals) for head in module.OVERVIEW
+    ),
+    "views/outputs/csv_tables.py: (field.name for field in columns)": "keys of JSON, which the reference has",
+    "views/outputs/csv_tables.py: owner": "a key of JSON, which the reference has",
+    "views/runs/unflown.py: header": ("parameter", "situation"),
+    "views/score/first_screen.py: columns": tuple(
+        column for columns in (*first_screen.COLUMNS.values(), first_screen.CONTROL_COLUMNS) for column in columns
+    ),
+    "views/score/tables.py: by.value": tuple(by.value for by in By),
+    "views/tables/table.py: f'# {title}'": "a table's title in CSV",
+    "views/tables/table.py: table.headers": "of the callers, which are read too",
+    "views/worksheet/worksheet_text.py: tuple((column.title for column in shown))": tuple(
+        column.title for column in COLUMNS
+    ),
+}
+"""Heads that the code around a table does not tell: what they are, or why they need no term."""
+NOT_PRINTED = {
+    "Format": "a choice of an option",
+    "Keep": "a key of YAML",
+    "Kind": "kinds of fields of messages",
+    "Shape": "a key of YAML",
+    "Side": "an order of signals",
+    "Style": "codes of a terminal",
+    "Worse": "an order of magnitudes",
+}
+"""Enumerations that no table and no file of results prints."""
+
+
+def _texts() -> dict[str, str]:
+    """Every heading with the place that makes it."""
+    texts = {heading.text: heading.place for heading in headings() if heading.text}
+    for place, told in TOLD_BY_A_RUN.items():
+        texts |= dict.fromkeys(told if isinstance(told, tuple) else (), place)
+    return texts
+
+
+def test_every_heading_of_every_table_is_a_term() -> None:
+    assert {text: place for text, place in _texts().items() if term(text) is None} == {}
+
+
+def test_a_heading_that_the_code_does_not_tell_is_explained_here() -> None:
+    unknown = {heading.place.removeprefix("scaloft_fi/") for heading in headings() if heading.text is None}
+    assert unknown == set(TOLD_BY_A_RUN)
+
+
+def test_headings_are_found() -> None:
+    assert {"kills", "stopped at", "least robustness", "p = 0.75", "with a kill/tested"} <= set(_texts())
+    assert len(_texts()) > 150
+
+
+def _enumerations() -> list[type[StrEnum]]:
+    for module in pkgutil.walk_packages(scaloft_fi.__path__, "scaloft_fi."):
+        if module.name.split(".")[1] in {"analysis", "campaign", "hazop", "judge", "sim", "views"}:
+            importlib.import_module(module.name)
+    return [one for one in StrEnum.__subclasses__() if one.__module__.startswith("scaloft_fi.")]
+
+
+def test_every_value_that_is_printed_is_a_term() -> None:
+    found = _enumerations()
+    assert Verdict in found
+    printed = [one for one in found if one.__name__ not in NOT_PRINTED or one.__module__.endswith("requirement")]
+    assert {f"{one.__name__}.{value}" for one in printed for value in one if term(value) is None} == set()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [answers.NAMES, [name.replace("_", " ") for name in tables.POPULATIONS], tables.POPULATIONS, (BASELINE, PLACEBO)],
+)
+def test_every_row_of_the_first_screens_is_a_term(words: list[str]) -> None:
+    assert [word for word in words if term(word) is None] == []
+
+
+def test_a_form_belongs_to_one_term() -> None:
+    forms = [form.casefold() for entry in TERMS for form in (entry.name, *entry.also)]
+    assert sorted({form for form in forms if forms.count(form) > 1}) == []
+
+
+def test_terms_are_in_alphabetical_order_and_end_in_a_full_stop() -> None:
+    names = [entry.name.casefold() for entry in TERMS]
+    assert names == sorted(names)
+    assert [entry.name for entry in TERMS if not re.search(r"[.]$", entry.meaning)] == []
