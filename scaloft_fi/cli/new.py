@@ -61,4 +61,4 @@ def _next(folder: Path, *, plugin: bool) -> tuple[str, ...]:
             f"python -m pytest {here}",
             f"scaloft-fi run --study {shlex.quote(str(folder / 'study'))}",
         )
-    return f"cd {here}", "scaloft-fi matrix", "scaloft-fi run"
+    return f"cd {here}", "scaloft-fi check", "scaloft-fi run"
