@@ -18,6 +18,8 @@ GROUPS: dict[str, dict[str, str]] = {
         "seams": "list the seams where faults can be patched in",
         "operators": "list the operators, and the seams that each fits",
         "axes": "list the axes of the situations",
+        "map": "show mine, bodies and route of one situation",
+        "schema": "print the JSON Schema of a YAML document, for editors",
         "check": "check the whole study without flying",
     },
     "Fly": {
