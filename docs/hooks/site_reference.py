@@ -34,6 +34,7 @@ from scaloft_fi.views.lists.operators import operator_list
 from scaloft_fi.views.lists.seams import seam_list
 from scaloft_fi.views.lists.signals import signal_list
 from scaloft_fi.views.reference.outputs import outputs_page
+from scaloft_fi.views.reference.yaml_keys import yaml_keys_page
 from scaloft_fi.views.report.signs import Sign
 from scaloft_fi.views.tables.table import Format
 
@@ -74,6 +75,7 @@ def reference_pages() -> dict[str, str]:
     pages = {
         "glossary.md": _glossary(),
         "reference/verbs.md": f"# Verbs\n\n{command_reference()}",
+        "reference/yaml_keys.md": yaml_keys_page(),
         "reference/signals.md": _list("Signals", signal_list(study), whole=False),
         "reference/seams.md": _list("Seams", seam_list(study), whole=True),
         "reference/operators.md": _list("Operators", operator_list(study), whole=True),
