@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shutil
@@ -11,6 +12,7 @@ from collections.abc import Iterator
 from html.parser import HTMLParser
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import pytest
 from browsing import NAMES
@@ -105,6 +107,28 @@ def test_the_reference_has_every_verb_and_option(site: Path) -> None:
     options = list(_options())
     assert len(options) > 100
     assert [(verb, option) for verb, option in options if option not in sections[verb]] == []
+
+
+def _keys(schema: Any) -> Iterator[str]:
+    """Every key that a schema allows, at any depth."""
+    if isinstance(schema, list):
+        for each in schema:
+            yield from _keys(each)
+    elif isinstance(schema, dict):
+        for name, each in schema.items():
+            if name == "properties":
+                yield from each
+            yield from _keys(each)
+
+
+def test_the_reference_has_every_key_of_every_document(site: Path) -> None:
+    text = (site / "reference" / "yaml_keys.html").read_text()
+    named = set(re.findall(r"\w+", " ".join(re.findall(r"<td><code>(.*?)</code>", text))))
+    named |= set(re.findall(r"\w+", _text(site, "reference/operators.html")))  # the arguments of operators
+    schemas = {path.stem: json.loads(path.read_text()) for path in (ROOT / "docs" / "schemas" / "study").glob("*.json")}
+    keys = {(name, key) for name, schema in schemas.items() for key in _keys(schema)}
+    assert len(keys) > 100
+    assert sorted((name, key) for name, key in keys if key not in named) == []
 
 
 def test_the_reference_has_every_column_of_the_export(site: Path) -> None:
