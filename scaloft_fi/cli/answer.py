@@ -36,6 +36,8 @@ def answer(
     style: str,
     shown: Callable[[Format], str],
     folder: Path | None = None,
+    *,
+    styled: bool = False,
 ) -> None:
     """Print a verb's answer, and write its tables where `--tables` asks for them.
 
@@ -45,6 +47,7 @@ def answer(
         style: `--format`; `csv` prints one table, the rows of the form.
         shown: makes the text for people.
         folder: `--tables`.
+        styled: whether the text of tables has marks for a terminal and was made printable before them.
 
     Raises:
         InputError: a table cannot be written.
@@ -62,7 +65,7 @@ def answer(
         elif how is Format.CSV:
             tell(csv_rows(output, given))
     if how not in (Format.JSON, Format.CSV):
-        tell(shown(how))
+        tell(shown(how), styled=styled and how is Format.TABLE)
 
 
 def _checked(_context: click.Context, _option: click.Parameter, folder: Path | None) -> Path | None:

@@ -15,12 +15,12 @@ from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say, tell, tell_line
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.inert import json_text
 from scaloft_fi.mutants import catalogue
 from scaloft_fi.mutants.derive import default_of, defaults, derive
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.select import select
 from scaloft_fi.study import Study
+from scaloft_fi.views.mutant_record import MUTANTS, mutant_values
 from scaloft_fi.views.tables.table import Format, csv_text, tabulated
 
 _COLUMNS = ("id", "default", "parameter", "guideword", "seam", "operator", "arguments")
@@ -63,25 +63,30 @@ def mutants_command(
     study = Study.open(study_folder)
     matrix, folder = study.matrix, study.folder / "mutants"
     derived = catalogue.check(folder, matrix) if check else derive(matrix)
-    if write:
-        tell_line(f"{catalogue.write(folder, derived)}: {_size(derived, matrix)}")
-    elif check:
-        tell_line(f"{folder / catalogue.FILE}: current, {_size(derived, matrix)}")
+    default_ids = {mutant.id for mutant in defaults(matrix)}
+    path = catalogue.write(folder, derived) if write else folder / catalogue.FILE
+    current = write or check or _is_current(folder, matrix)
+    chosen = derived if write or check else _chosen(derived, matrix, patterns, cells, only_defaults=only_defaults)
+    if style == Format.JSON:
+        tell(MUTANTS.json(mutant_values(path, derived, chosen, default_ids, current=current, written=write)))
+    elif write or (check and style != Format.CSV):
+        tell_line(f"{path}: {'' if write else 'current, '}{_size(derived, matrix)}")
     else:
-        _warn_if_stale(folder, matrix)
-        chosen = _chosen(derived, matrix, patterns, cells, only_defaults=only_defaults)
-        tell(f"{_table(chosen, {mutant.id for mutant in defaults(matrix)}, style)}\n")
+        tell(f"{_table(chosen, default_ids, style)}\n")
 
 
 def _size(derived: Sequence[Mutant], matrix: Matrix) -> str:
     return f"{len(derived)} mutants of {len(defaults(matrix))} cells"
 
 
-def _warn_if_stale(folder: Path, matrix: Matrix) -> None:
+def _is_current(folder: Path, matrix: Matrix) -> bool:
+    """Whether the written catalogue is what the matrix gives; a warning says why it is not."""
     try:
         catalogue.check(folder, matrix)
     except InputError as error:
         say(f"warning: {error}")
+        return False
+    return True
 
 
 def _chosen(
@@ -101,8 +106,6 @@ def _chosen(
 
 
 def _table(mutants: Sequence[Mutant], default_ids: Collection[str], style: str) -> str:
-    if style == "json":
-        return json_text([m.to_json() | {"default": m.id in default_ids} for m in mutants], indent=1)
     rows = [_row(mutant, mutant.id in default_ids) for mutant in mutants]
     if style == "csv":
         return csv_text(_COLUMNS, (row.values() for row in rows)).rstrip("\n")

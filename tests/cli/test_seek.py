@@ -46,7 +46,7 @@ def test_a_find_is_printed_written_and_flown_beside_the_papers_situations(
     told = json.loads(sought.stdout)
     (find,) = told["finds"]
     assert [one["shown_in"] for one in told["sought"]] == [find["situation"]]
-    assert list(find["shows"]) == [LATE]
+    assert [one["mutant"] for one in find["shows"]] == [LATE]
     assert f"found: {find['situation']} (human, cruise speed " in sought.stderr
     assert (copy / "sim" / "found.yaml").exists()
     words = ("--grid", "paper+found", "--mutant", "LATE-human", "--seeds", "3", "--jobs", "1", "--quiet")

@@ -8,7 +8,11 @@ from importlib import import_module
 from scaloft_fi.views.outputs.output import Output
 
 OUTPUTS: dict[str, str] = {
+    "run": "scaloft_fi.views.score.score_form:RUN",
+    "margin": "scaloft_fi.views.worksheet.margin_record:MARGIN",
+    "seek": "scaloft_fi.views.runs.seek_record:SEEK",
     "status": "scaloft_fi.views.flights.status:STATUS",
+    "score": "scaloft_fi.views.score.score_form:SCORE",
     "dispositions": "scaloft_fi.views.dispositions:DISPOSITIONS",
     "coverage": "scaloft_fi.views.coverage.coverage_record:COVERAGE",
     "diff": "scaloft_fi.views.flights.compare:DIFF",
