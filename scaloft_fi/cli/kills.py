@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from scaloft_fi.cli.answer import answer, tables_option
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import campaign_option, format_option, study_option
 from scaloft_fi.cli.verb import verb
-from scaloft_fi.console import tell, tell_line
+from scaloft_fi.console import tell_line
 from scaloft_fi.errors import InputError
-from scaloft_fi.inert import json_text
 
 if TYPE_CHECKING:
     from scaloft_fi.analysis.kills.kill_matrix import KillMatrix
@@ -57,6 +57,7 @@ PICTURES = (".svg", ".png", ".dot")
     "--by-requirement", is_flag=True, help="Subsumption tells kills by different requirements of a situation apart."
 )
 @format_option
+@tables_option
 @click.option(
     "--output",
     type=click.Path(path_type=Path),
@@ -71,6 +72,7 @@ def kills_command(
     situations: tuple[str, ...],
     by_requirement: bool,
     style: str,
+    tables_folder: Path | None,
     output: Path | None,
 ) -> None:
     """Print where each mutant is killed, which situations are needed, and what to do about the survivors.
@@ -82,8 +84,9 @@ def kills_command(
     check_writable(output)
     from scaloft_fi.analysis.kills.kill_matrix import kill_matrix
     from scaloft_fi.study import Study
+    from scaloft_fi.views.kills.kill_record import KILLS, kill_values
     from scaloft_fi.views.snapshot import snapshot
-    from scaloft_fi.views.tables.table import Format
+    from scaloft_fi.views.tables.table import render
 
     study = Study.open(study_folder)
     wanted = parts or PARTS
@@ -96,15 +99,13 @@ def kills_command(
         return
     chosen = [situation.key for situation in study.grid.select(situations)] if situations else []
     results = _results(matrix, _graph(matrix, by_requirement), cases, wanted, chosen)
-    if style == Format.JSON:
-        from scaloft_fi.analysis.plain import plain
-
-        content = plain({"matrix": matrix, "detected_without_kill": matrix.scattered, **results})
-        tell(f"{json_text(content, indent=2)}\n")
-        return
-    from scaloft_fi.views.tables.table import render
-
-    tell(render(_tables(results, matrix, short=not parts), Format(style)))
+    answer(
+        KILLS,
+        lambda: kill_values(matrix, results),
+        style,
+        lambda how: render(_tables(results, matrix, short=not parts), how),
+        tables_folder,
+    )
 
 
 def _chosen(study: Study, matrix: KillMatrix, patterns: Sequence[str]) -> KillMatrix:
