@@ -30,6 +30,18 @@ def tables_option(function: F) -> F:
     )(function)
 
 
+def line_format_option(function: F) -> F:
+    """`--format` of a verb whose answer is a few lines, not a table."""
+    return click.option(
+        "--format",
+        "style",
+        type=click.Choice(("table", "json")),
+        default="table",
+        show_default=True,
+        help="How the answer is printed: a line for people, or JSON.",
+    )(function)
+
+
 def answer(
     output: Output,
     values: Callable[[], Mapping[str, Any]],

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from scaloft_fi.cli.answer import line_format_option
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.options import campaign_option, study_option
 from scaloft_fi.cli.verb import verb
@@ -16,9 +17,9 @@ from scaloft_fi.errors import GateError, InputError
 if TYPE_CHECKING:
     from scaloft_fi.campaign.plan.flight import Flight
     from scaloft_fi.judge.outcome import Outcome
-    from scaloft_fi.judge.requirement import Reading
     from scaloft_fi.sim.log import FlightLog
     from scaloft_fi.study import Study
+    from scaloft_fi.views.flights.replayed import Compared
 
 PICTURES = (".svg", ".png")
 RECORDINGS = (".mcap", ".csv")
@@ -51,8 +52,15 @@ RECORDINGS = (".mcap", ".csv")
     help="Exit with 4 when the digest differs from that of a flight of another platform.  "
     "[default: when status, ending or violations differ]",
 )
+@line_format_option
 def replay_command(
-    name: str, study_folder: Path | None, campaign: str, output: Path | None, gui: bool, same_platform: bool
+    name: str,
+    study_folder: Path | None,
+    campaign: str,
+    output: Path | None,
+    gui: bool,
+    same_platform: bool,
+    style: str,
 ) -> None:
     """Fly one flight again and compare its digest with the campaign's; on another platform, status and ending too.
 
@@ -68,6 +76,8 @@ def replay_command(
     from scaloft_fi.campaign.flights.fly import fly_log, judged
     from scaloft_fi.campaign.flights.physics import Physics
     from scaloft_fi.campaign.store.flown_grid import study_of
+    from scaloft_fi.views.flights.replayed import REPLAY, Likeness, replay_table, replay_values
+    from scaloft_fi.views.tables.table import Format, render
 
     study = study_of(study_folder, campaign)
     flight = _flight(study, name)
@@ -82,16 +92,25 @@ def replay_command(
     else:
         log = fly_log(study, flight)
     outcome = judged(study, flight, log)
-    tell(f"{_facts(study, flight, outcome, log)}\n")
+    words = study.grid.titles(flight.situation)
+    if style != "json":
+        tell(f"{render((replay_table(outcome, words, log),), Format.TABLE)}\n")
     if output is not None and output.suffix.lower() in RECORDINGS:
         from scaloft_fi.views.flights.log_table import log_table
         from scaloft_fi.views.flights.mcap import mcap
 
         write(output, log_table(log) if output.suffix.lower() == ".csv" else mcap(log, outcome.name))
-        tell_line(f"recording: {output}")
     elif output is not None:
-        _draw(study, flight, outcome, log, output)
-    tell_line(_compared(study, campaign, flight, outcome, same_platform=same_platform))
+        write(output, _drawn(study, flight, outcome, log, output.suffix.lower()))
+    compared = _compared(study, campaign, flight, outcome, same_platform=same_platform)
+    if style == "json":
+        tell(REPLAY.json(replay_values(outcome, words, compared, None if output is None else str(output))))
+    elif output is not None:
+        tell_line(f"{'recording' if output.suffix.lower() in RECORDINGS else 'map'}: {output}")
+    if compared.likeness is Likeness.DIFFERS:
+        raise GateError(compared.told)
+    if style != "json":
+        tell_line(compared.told)
 
 
 def _flight(study: Study, name: str) -> Flight:
@@ -103,33 +122,8 @@ def _flight(study: Study, name: str) -> Flight:
     return flight_named(study, parts[0], parts[1], int(parts[2]))
 
 
-def _facts(study: Study, flight: Flight, outcome: Outcome, log: FlightLog) -> str:
-    from scaloft_fi.views.tables.table import Format, Table, render
-
-    rows: list[tuple[str, str]] = [
-        ("situation", ", ".join(study.grid.titles(flight.situation))),
-        ("ending", f"{log.ending.sentence} after {log.duration_s:.2f} s"),
-    ]
-    if flight.mutant is not None:
-        first = f", first at {outcome.infected_at_s:.2f} s" if outcome.infected_at_s is not None else ""
-        rows.append(("samples altered", f"{outcome.altered} of {outcome.carried}{first}"))
-    rows += [(reading.requirement, _reading_text(reading)) for reading in outcome.readings]
-    if outcome.stack_error:
-        rows.append(("stack", outcome.stack_error))
-    rows.append(("digest", outcome.digest))
-    return render((Table(outcome.name, ("what", ""), tuple(rows)),), Format.TABLE)
-
-
-def _reading_text(reading: Reading) -> str:
-    from scaloft_fi.judge.robustness import measured_rho
-
-    at = f" at {reading.violated_at_s:.2f} s" if reading.violated_at_s is not None else ""
-    rho = measured_rho(reading)
-    told = "" if rho is None else f", robustness {rho:.3f}"
-    return f"{reading.compliance.value}{at}{told}"
-
-
-def _draw(study: Study, flight: Flight, outcome: Outcome, log: FlightLog, output: Path) -> None:
+def _drawn(study: Study, flight: Flight, outcome: Outcome, log: FlightLog, suffix: str) -> bytes:
+    """The map of the flight beside its baseline, as the bytes of a file with this suffix."""
     from scaloft_fi.campaign.flights.fly import fly_log, judged
     from scaloft_fi.campaign.plan.flight import Flight
     from scaloft_fi.judge.outcome import BASELINE
@@ -145,16 +139,11 @@ def _draw(study: Study, flight: Flight, outcome: Outcome, log: FlightLog, output
     words = ", ".join(study.grid.titles(flight.situation))
     title = f"{flight.subject.id} in {flight.situation.key}, seed {flight.seed}"
     svg = draw(scene_of(study.scenario(flight.situation).world), tracks, title=title, subtitle=words)
-    write(output, png(svg) if output.suffix.lower() == ".png" else svg.encode())
-    tell_line(f"map: {output}")
+    return png(svg) if suffix == ".png" else svg.encode()
 
 
-def _compared(study: Study, campaign: str, flight: Flight, outcome: Outcome, *, same_platform: bool) -> str:
-    """How the flight compares with the campaign's.
-
-    Raises:
-        GateError: the digests differ on the same platform or with `same_platform`, or the facts differ.
-    """
+def _compared(study: Study, campaign: str, flight: Flight, outcome: Outcome, *, same_platform: bool) -> Compared:
+    """How the flight compares with the campaign's; with `same_platform` other bits always differ."""
     from scaloft_fi.campaign.plan.flight import Flight
     from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
     from scaloft_fi.campaign.store.folder import STORE_NAME, campaign_folder
@@ -163,29 +152,32 @@ def _compared(study: Study, campaign: str, flight: Flight, outcome: Outcome, *, 
     from scaloft_fi.campaign.store.store import Store
     from scaloft_fi.judge.facts import APART_M, agreement, digests, parting_s
     from scaloft_fi.sim.log import Ending
+    from scaloft_fi.views.flights.replayed import Compared, Likeness, reading_text
 
     clean = Flight(None, flight.situation, flight.seed)
     path = campaign_folder(study, campaign) / STORE_NAME
     if not path.is_file():
-        return f"no campaign in {path.parent} to compare with"
+        return Compared(Likeness.NOTHING, f"no campaign in {path.parent} to compare with")
     with Store(path, create=False) as store:
         known, beside = (store.get(flight_key(study, one)) for one in (flight, clean))
         theirs = Platforms(store).of((flight.situation.key, flight.seed))
     if known is None or known.invalid:
-        return f"the campaign in {path.parent} holds no such flight to compare with"
+        return Compared(Likeness.NOTHING, f"the campaign in {path.parent} holds no such flight to compare with")
     if digests(known) == digests(outcome):
-        return f"bit for bit the flight in {path.parent}"
+        return Compared(Likeness.SAME_BITS, f"bit for bit the flight in {path.parent}")
     if not study.stack.deterministic:
-        listed = ", ".join(f"{reading.requirement} {_reading_text(reading)}" for reading in known.readings)
-        return (
+        listed = ", ".join(f"{reading.requirement} {reading_text(reading)}" for reading in known.readings)
+        return Compared(
+            Likeness.ANOTHER,
             f"the stack is not deterministic, so this is another flight than that in {path.parent}, which "
-            f"{Ending(known.ending).sentence} after {known.duration_s:.2f} s: {listed}"
+            f"{Ending(known.ending).sentence} after {known.duration_s:.2f} s: {listed}",
         )
     changed = ", ".join(differences(fingerprint(), theirs))
     where = f"on another platform ({changed})" if changed else "on the same platform"
     if same_platform or not changed:
-        raise GateError(
-            f"{outcome.name} differs from the flight in {path.parent}, flown {where}: digest {known.digest} there"
+        return Compared(
+            Likeness.DIFFERS,
+            f"{outcome.name} differs from the flight in {path.parent}, flown {where}: digest {known.digest} there",
         )
     pair = ([], []) if flight.mutant is None or beside is None else ([beside], [_fly(study, clean)])
     compared = agreement([known, *pair[0]], [outcome, *pair[1]])
@@ -194,10 +186,11 @@ def _compared(study: Study, campaign: str, flight: Flight, outcome: Outcome, *, 
     parted = f"the drones are more than {APART_M * 1000:g} mm apart {when}"
     if compared.facts:
         differs = f"the flight differs in more than bits from that in {path.parent}, flown {where}"
-        raise GateError(f"{differs}: {compared.named()}; {parted}")
-    return (
+        return Compared(Likeness.DIFFERS, f"{differs}: {compared.named()}; {parted}")
+    return Compared(
+        Likeness.SAME_FACTS,
         f"other bits than the flight in {path.parent}, which was flown {where}, and the same status, ending and "
-        f"violations; {parted}"
+        f"violations; {parted}",
     )
 
 
