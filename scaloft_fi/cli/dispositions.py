@@ -11,6 +11,7 @@ import click
 from scaloft_fi.cli.answer import answer
 from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import campaign_option, format_option, study_option, today_option
+from scaloft_fi.cli.own_study import check_own
 from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say
 from scaloft_fi.errors import InputError
@@ -57,6 +58,8 @@ def dispositions_command(
     from scaloft_fi.views.tables.table import render
 
     study = Study.open(study_folder)
+    if writing:
+        check_own(study, study_folder, study.dispositions_path)
     with snapshot(study, campaign) as now:
         study = now.study
         judged = _judged(study, now.score, today)
@@ -114,8 +117,6 @@ def _append(study: Study, judged: Sequence[Judged]) -> None:
         say("nothing to write: no survivor without a disposition")
         return
     path = study.dispositions_path
-    if study.packaged:
-        raise InputError(f"{path}: the packaged study cannot be written; copy it and name the copy by --study")
     before = read_text(path) if is_there(path) else HEADER
     try:
         write_whole(path, (before.rstrip("\n") + "\n" + draft(opened)).encode())

@@ -11,6 +11,7 @@ import click
 from tabulate import tabulate
 
 from scaloft_fi.cli.options import format_option, study_option
+from scaloft_fi.cli.own_study import check_own
 from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say, tell, tell_line
 from scaloft_fi.errors import InputError
@@ -61,7 +62,10 @@ def mutants_command(
     if (write or check) and (patterns or cells or only_defaults):
         raise click.UsageError("--write and --check are about the whole catalogue; give no pattern with them")
     study = Study.open(study_folder)
-    matrix, folder = study.matrix, study.folder / "mutants"
+    folder = study.folder / "mutants"
+    if write:
+        check_own(study, study_folder, folder / catalogue.FILE)
+    matrix = study.matrix
     derived = catalogue.check(folder, matrix) if check else derive(matrix)
     default_ids = {mutant.id for mutant in defaults(matrix)}
     path = catalogue.write(folder, derived) if write else folder / catalogue.FILE

@@ -19,6 +19,7 @@ from scaloft_fi.cli.options import (
     typed,
     warnings_option,
 )
+from scaloft_fi.cli.own_study import check_own
 from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say
 from scaloft_fi.errors import InputError
@@ -129,14 +130,14 @@ def seek_command(
     from scaloft_fi.campaign.store.flown_grid import study_of
     from scaloft_fi.campaign.store.folder import campaign_folder
     from scaloft_fi.mutants.derive import realise
+    from scaloft_fi.sim.found import FILE
     from scaloft_fi.views.runs.seek_record import SEEK
     from scaloft_fi.views.tables.table import render
 
     allowance = Allowance.parse(budget)
     require_optuna()
     study = study_of(study_folder, into or grid, grid)
-    if study.packaged:
-        raise InputError("--study: the packaged study takes no finds; copy it with `cp -r` and name the copy")
+    check_own(study, study_folder, study.folder / "sim" / FILE)
     study.check()
     folder = campaign_folder(study, into or grid)
     search = _Search(

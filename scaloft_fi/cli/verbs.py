@@ -11,6 +11,10 @@ GROUPS: dict[str, dict[str, str]] = {
     "Look at the study": {
         "matrix": "show the deviation matrix, every cell with its reason",
         "mutants": "list the catalogue of mutants, derive it, check it",
+        "signals": "list the signals that requirements and axes may use",
+        "seams": "list the seams where faults can be patched in",
+        "operators": "list the operators, and the seams that each fits",
+        "axes": "list the axes of the situations",
     },
     "Fly": {
         "run": "fly baseline and mutants over the grid, then score",
