@@ -61,7 +61,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("forms") / "campaign"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("scaloft_fi.campaign.runs.campaign.Physics", Papers)
-        words = ("--mutant", "LATE-human", "--mutant", "NO-human", "--mutant", "REVERSE-velcmd", "--situation")
+        words = ("--mutant", "LATE-human", "--mutant", "MORE-goal", "--mutant", "REVERSE-velcmd", "--situation")
         where = ("--study", str(STUDY), "--campaign", str(folder))
         asked = ("run", *words, "T0O0W0D0H?", "--seeds", "3", "--choose", "all", "--quiet", "--jobs", "1", *where)
         done = CliRunner().invoke(main, [*asked, "--format", "json"], catch_exceptions=False)
@@ -93,7 +93,7 @@ def test_json_has_the_form_that_the_verb_declares(told: Call, words: tuple[str, 
 def test_a_run_answers_in_the_form_of_the_score(folder: Path, told: Call) -> None:
     run = of_form("run", (folder / "run.json").read_text(encoding="utf-8"))
     assert run == json.loads(told("score", "--format", "json").stdout)
-    assert [mutant["verdict"] for mutant in run["mutants"]] == ["not_detected", "detected"]
+    assert [mutant["verdict"] for mutant in run["mutants"]] == ["detected", "not_detected"]
     assert [control["id"] for control in run["controls"]] == ["REVERSE-velcmd"]
 
 
