@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from scaloft_fi.cli import names
 from scaloft_fi.cli.answer import answer, tables_option
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.finds import told
@@ -36,7 +37,7 @@ PICTURES = (".svg", ".png", ".dot")
         ("Find the fewest situations that keep every kill", "scaloft-fi kills --show suite"),
     ),
 )
-@click.argument("mutants", nargs=-1, metavar="[MUTANT...]")
+@click.argument("mutants", nargs=-1, shell_complete=names.mutants, metavar="[MUTANT...]")
 @study_option
 @campaign_option
 @click.option(
@@ -50,6 +51,7 @@ PICTURES = (".svg", ".png", ".dot")
     "--situation",
     "situations",
     multiple=True,
+    shell_complete=names.situations,
     metavar="KEY|GLOB",
     help="Say also which mutants are killed in these situations together (repeatable).",
 )

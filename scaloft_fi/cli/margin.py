@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from scaloft_fi.cli import names
 from scaloft_fi.cli.answer import answer, tables_option
 from scaloft_fi.cli.options import (
     campaign_option,
@@ -45,7 +46,7 @@ if TYPE_CHECKING:
         "What is printed": "--format --tables --warnings --quiet --help",
     },
 )
-@click.argument("mutants", nargs=-1, required=True, metavar="CELL|ID...")
+@click.argument("mutants", nargs=-1, required=True, shell_complete=names.mutants, metavar="CELL|ID...")
 @study_option
 @campaign_option
 @grid_option
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
     "--situation",
     "situations",
     multiple=True,
+    shell_complete=names.situations,
     metavar="KEY|GLOB",
     help="A situation's key or alias, or a pattern (repeatable).  [default: the whole grid]",
 )

@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from scaloft_fi.cli import names
 from scaloft_fi.cli.options import campaign_option, format_option, operability_option, study_option
 from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import tell
@@ -28,9 +29,25 @@ from scaloft_fi.views.tables.table import Format, csv_text, tabulated
     ),
 )
 @study_option
-@click.option("--cell", metavar="NAME", help="Tell one cell whole, by its name GUIDEWORD-parameter.")
-@click.option("--guideword", "guidewords", multiple=True, metavar="WORD", help="Only this guideword (repeatable).")
-@click.option("--parameter", "parameters", multiple=True, metavar="NAME", help="Only this parameter (repeatable).")
+@click.option(
+    "--cell", shell_complete=names.cells, metavar="NAME", help="Tell one cell whole, by its name GUIDEWORD-parameter."
+)
+@click.option(
+    "--guideword",
+    "guidewords",
+    multiple=True,
+    shell_complete=names.guidewords,
+    metavar="WORD",
+    help="Only this guideword (repeatable).",
+)
+@click.option(
+    "--parameter",
+    "parameters",
+    multiple=True,
+    shell_complete=names.parameters,
+    metavar="NAME",
+    help="Only this parameter (repeatable).",
+)
 @click.option("--grid", "grid_only", is_flag=True, help="Only the grid, without the list of cells.")
 @click.option(
     "--margins",

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from scaloft_fi.cli import names
 from scaloft_fi.cli.answer import answer, line_format_option
 from scaloft_fi.cli.options import campaign_option, study_option
 from scaloft_fi.cli.verb import verb
@@ -21,7 +22,7 @@ from scaloft_fi.inert import line
         ("Join a folder from another machine, bits and all", "scaloft-fi merge /data/night/campaign --same-platform"),
     ),
 )
-@click.argument("sources", metavar="CAMPAIGN...", nargs=-1, required=True)
+@click.argument("sources", shell_complete=names.campaigns, metavar="CAMPAIGN...", nargs=-1, required=True)
 @study_option
 @campaign_option
 @click.option(

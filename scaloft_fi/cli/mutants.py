@@ -5,24 +5,22 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Collection, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 from tabulate import tabulate
 
+from scaloft_fi.cli import names
 from scaloft_fi.cli.options import format_option, study_option
 from scaloft_fi.cli.own_study import check_own
 from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say, tell, tell_line
 from scaloft_fi.errors import InputError
-from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.mutants import catalogue
-from scaloft_fi.mutants.derive import default_of, defaults, derive
-from scaloft_fi.mutants.mutant import Mutant
-from scaloft_fi.mutants.select import select
-from scaloft_fi.study import Study
-from scaloft_fi.views.mutant_record import MUTANTS, mutant_values
 from scaloft_fi.views.tables.table import Format, csv_text, tabulated
+
+if TYPE_CHECKING:
+    from scaloft_fi.hazop.matrix import Matrix
+    from scaloft_fi.mutants.mutant import Mutant
 
 _COLUMNS = ("id", "default", "parameter", "guideword", "seam", "operator", "arguments")
 _ARGUMENT_COLUMNS = 44  # what 120 columns leave
@@ -36,10 +34,17 @@ _ARGUMENT_COLUMNS = 44  # what 120 columns leave
         ("Fail where the catalogue is stale, as in CI", "scaloft-fi mutants --check"),
     ),
 )
-@click.argument("patterns", nargs=-1, metavar="[PATTERN]...")
+@click.argument("patterns", nargs=-1, shell_complete=names.mutants, metavar="[PATTERN]...")
 @click.option("--write", is_flag=True, help="Derive the catalogue from the matrix and write it.")
 @click.option("--check", is_flag=True, help="Prove that the written catalogue is what the matrix gives.")
-@click.option("--cell", "cells", multiple=True, metavar="CELL", help="All mutants of this cell (repeatable).")
+@click.option(
+    "--cell",
+    "cells",
+    multiple=True,
+    shell_complete=names.cells,
+    metavar="CELL",
+    help="All mutants of this cell (repeatable).",
+)
 @click.option("--defaults", "only_defaults", is_flag=True, help="One mutant a cell: its default.")
 @format_option
 @study_option
@@ -61,6 +66,11 @@ def mutants_command(
         raise click.UsageError("--write and --check exclude each other")
     if (write or check) and (patterns or cells or only_defaults):
         raise click.UsageError("--write and --check are about the whole catalogue; give no pattern with them")
+    from scaloft_fi.mutants import catalogue
+    from scaloft_fi.mutants.derive import defaults, derive
+    from scaloft_fi.study import Study
+    from scaloft_fi.views.mutant_record import MUTANTS, mutant_values
+
     study = Study.open(study_folder)
     folder = study.folder / "mutants"
     if write:
@@ -74,17 +84,15 @@ def mutants_command(
     if style == Format.JSON:
         tell(MUTANTS.json(mutant_values(path, derived, chosen, default_ids, current=current, written=write)))
     elif write or (check and style != Format.CSV):
-        tell_line(f"{path}: {'' if write else 'current, '}{_size(derived, matrix)}")
+        tell_line(f"{path}: {'' if write else 'current, '}{len(derived)} mutants of {len(default_ids)} cells")
     else:
         tell(f"{_table(chosen, default_ids, style)}\n")
 
 
-def _size(derived: Sequence[Mutant], matrix: Matrix) -> str:
-    return f"{len(derived)} mutants of {len(defaults(matrix))} cells"
-
-
 def _is_current(folder: Path, matrix: Matrix) -> bool:
     """Whether the written catalogue is what the matrix gives; a warning says why it is not."""
+    from scaloft_fi.mutants import catalogue
+
     try:
         catalogue.check(folder, matrix)
     except InputError as error:
@@ -97,6 +105,9 @@ def _chosen(
     derived: Sequence[Mutant], matrix: Matrix, patterns: Sequence[str], cells: Sequence[str], *, only_defaults: bool
 ) -> Sequence[Mutant]:
     """What the user asks for; without a word the whole catalogue."""
+    from scaloft_fi.mutants.derive import default_of, defaults
+    from scaloft_fi.mutants.select import select
+
     for name in cells:
         default_of(matrix.cell(name))  # refuses a cell without mutants, with its reason
     chosen = list(select(patterns, matrix, derived))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from scaloft_fi.cli import names
 from scaloft_fi.cli.answer import line_format_option
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.options import campaign_option, study_option
@@ -36,7 +37,7 @@ RECORDINGS = (".mcap", ".csv")
         ("Record the unmutated drone for Foxglove", "scaloft-fi replay baseline/T0O0W0D0H1/0 --output flight.mcap"),
     ),
 )
-@click.argument("name", metavar="MUTANT/SITUATION/SEED")
+@click.argument("name", shell_complete=names.flights, metavar="MUTANT/SITUATION/SEED")
 @study_option
 @campaign_option
 @click.option(

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from scaloft_fi.cli import names
 from scaloft_fi.cli.answer import tables_option
 from scaloft_fi.cli.options import (
     all_option,
@@ -50,6 +51,7 @@ from scaloft_fi.errors import InputError
     "--mutant",
     "mutants",
     multiple=True,
+    shell_complete=names.mutants,
     metavar="ID|GLOB",
     help="A cell's name (its default), an id, or a pattern over the catalogue (repeatable).  "
     "[default: every cell's default and the controls]",
@@ -58,6 +60,7 @@ from scaloft_fi.errors import InputError
     "--situation",
     "situations",
     multiple=True,
+    shell_complete=names.situations,
     metavar="KEY|GLOB",
     help="A situation's key or alias, or a pattern (repeatable).  [default: those of --choose]",
 )

@@ -42,6 +42,11 @@ GROUPINGS = ("guideword", "parameter", "situation", "requirement", "axis")
         ("See every mutant, and the score of each guideword", "scaloft-fi score --all --by guideword"),
         ("Hold a pipeline to what a team has accepted", "scaloft-fi score --fail-under 0.3 --ratchet"),
     ),
+    sections={
+        "Where": "--study --campaign --baseline-from",
+        "What fails": "--fail-under --ratchet --today",
+        "What is printed": "--by --all --format --tables --help",
+    },
 )
 @study_option
 @campaign_option

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
+from scaloft_fi.cli import names
 from scaloft_fi.cli.answer import answer, tables_option
 from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import (
@@ -54,11 +55,12 @@ FILE = "sim/found.yaml"
         "What is printed": "--format --tables --warnings --quiet --help",
     },
 )
-@click.argument("mutants", nargs=-1, metavar="[baseline | ID|GLOB...]")
+@click.argument("mutants", nargs=-1, shell_complete=names.sought, metavar="[baseline | ID|GLOB...]")
 @study_option
 @campaign_option
 @click.option(
     "--grid",
+    shell_complete=names.grids,
     default="search",
     show_default=True,
     metavar="NAME",
@@ -66,6 +68,7 @@ FILE = "sim/found.yaml"
 )
 @click.option(
     "--into",
+    shell_complete=names.campaigns,
     metavar="NAME",
     help="The campaign that holds the flights of the search.  [default: the name of the grid]",
 )
