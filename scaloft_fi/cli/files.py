@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.output import write_whole
+from scaloft_fi.output import unwritable, write_named
 
 
 def check_writable(path: Path | None) -> None:
@@ -22,7 +22,7 @@ def check_writable(path: Path | None) -> None:
     except FileNotFoundError:
         pass
     except (OSError, ValueError) as error:
-        raise InputError(f"--output={str(path)!r} cannot be written: {_reason(error)}") from error
+        raise InputError(f"--output={str(path)!r} cannot be written: {unwritable(error)}") from error
     if path.is_dir():
         raise InputError(f"--output={str(path)!r} cannot be written: it is a folder")
     if not path.parent.is_dir():
@@ -37,10 +37,7 @@ def write(path: Path, content: bytes, option: str = "--output") -> None:
     Raises:
         InputError: it cannot be written.
     """
-    try:
-        write_whole(path, content)
-    except (OSError, ValueError) as error:
-        raise InputError(f"{option}={str(path)!r} cannot be written: {_reason(error)}") from error
+    write_named(path, content, option)
 
 
 def check_folder(path: Path, option: str) -> None:
@@ -52,7 +49,7 @@ def check_folder(path: Path, option: str) -> None:
     try:
         existing = next(folder for folder in (path, *path.absolute().parents) if folder.exists())
     except (OSError, ValueError) as error:
-        raise InputError(f"{option}={str(path)!r} cannot be written: {_reason(error)}") from error
+        raise InputError(f"{option}={str(path)!r} cannot be written: {unwritable(error)}") from error
     if not existing.is_dir():
         raise InputError(f"{option}={str(path)!r} cannot be written: {str(existing)!r} is a file, not a folder")
     if not os.access(existing, os.W_OK | os.X_OK):
@@ -68,8 +65,4 @@ def make_folder(path: Path, option: str) -> None:
     try:
         path.mkdir(parents=True, exist_ok=True)
     except (OSError, ValueError) as error:
-        raise InputError(f"{option}={str(path)!r} cannot be made: {_reason(error)}") from error
-
-
-def _reason(error: OSError | ValueError) -> str:
-    return (error.strerror if isinstance(error, OSError) else None) or str(error)
+        raise InputError(f"{option}={str(path)!r} cannot be made: {unwritable(error)}") from error

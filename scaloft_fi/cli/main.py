@@ -13,7 +13,6 @@ from typing import Any, NoReturn
 import click
 from click.shell_completion import CompletionItem
 
-from scaloft_fi import __version__
 from scaloft_fi.cli.refusal import check_memory, refusal
 from scaloft_fi.cli.shells import COMPLETION, answered
 from scaloft_fi.cli.verb import REST, Example, HelpPage, Page
@@ -23,6 +22,7 @@ from scaloft_fi.errors import ScaloftError, did_you_mean
 from scaloft_fi.exit_codes import ExitCode
 from scaloft_fi.registry import in_one_line, plugin_behind
 from scaloft_fi.terminal import coloured
+from scaloft_fi.version import __version__
 
 COLLECT_AFTER = (100_000, 50, 100)
 """Thresholds of the garbage collector: by default it takes half the time of an export of 100,000 flights."""

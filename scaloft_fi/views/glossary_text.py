@@ -67,6 +67,7 @@ distinct situations: Different situations that were flown; the same one with ano
 dominator score: Minimal mutants that are killed, of all minimal mutants; redundant mutants do not count in it.
 draw | draws | test cases | test case: A situation flown with one seed.
 due | due date: When an action is to be done; for the team.
+duration_s: How long the flight lasted, in simulated time [s].
 edge: Who sends the samples of a seam, and who receives them.
 effect | consequence: What the fault does: locally, then to the flight.
 ending: How a flight ended: landed, struck or timed out; it is no verdict.
@@ -225,7 +226,8 @@ robustness | rho: How far a flight is from violating a requirement, in the requi
 safeguards | existing safeguards: What protects already; for the team.
 safety: A kind of requirement: a violation can kill a mutant.
 same kills: Mutants of the cell that are killed in exactly the same situations.
-seam | seams: The place in the stack where a fault is patched in: the edge between two stages, or a setting of a stage.
+seam | seams: The place in the stack where a fault is patched in: the edge between two stages, or a setting of a
+  stage.
 seed | seeds | --choose-seed: The number that fixes the noise of a flight; another seed is another flight.  As the
   next step: fly more seeds.
 seeds of the mutants: Seeds with which mutants were flown in the situation.
@@ -285,6 +287,8 @@ version: Of a package, a plugin or a part of the platform.
 violated: The requirement did not hold.  In tables: how often, or which requirements.
 violated_at_s: When the requirement was first violated [s from take-off].
 violates | the unmutated drone violates: The requirement that is violated, and in how many of the flights.
+violation_bodies: What was touched at each of these moments; empty for nothing.
+violation_times_s: When each requirement in `violated` was first violated [s from take-off], in the same order.
 warning: A violation that is printed when it happens; it is no verdict.
 what: The thing that the value beside it is about.
 what it does: The change that an operator makes to samples.

@@ -8,11 +8,11 @@ import click
 import pytest
 from click.testing import CliRunner
 
-from scaloft_fi import __version__
 from scaloft_fi.cli import main as cli
 from scaloft_fi.cli.main import main
 from scaloft_fi.cli.verbs import GROUPS, VERBS
 from scaloft_fi.errors import GateError, InputError, ScaloftError
+from scaloft_fi.version import __version__
 
 ROOT = Path(__file__).parents[2]
 

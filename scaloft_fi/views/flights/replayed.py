@@ -3,38 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from enum import StrEnum
-from typing import Any, NamedTuple
+from typing import Any
 
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.requirement import Compliance, Kind, Reading
+from scaloft_fi.judge.requirement import Compliance, Kind
 from scaloft_fi.judge.robustness import measured_rho
-from scaloft_fi.sim.log import Ending, FlightLog
+from scaloft_fi.sim.log import Ending
+from scaloft_fi.views.flights.repeated import Comparison, Likeness
 from scaloft_fi.views.outputs.output import Output
 from scaloft_fi.views.outputs.shape import count, listing, number, optional, record, text, texts
-from scaloft_fi.views.tables.table import Table
-
-
-class Likeness(StrEnum):
-    """How a flight that was flown again is like the campaign's."""
-
-    NOTHING = "nothing_to_compare"
-    """There is no campaign, or it has no such flight."""
-    SAME_BITS = "same_bits"
-    SAME_FACTS = "same_facts"
-    """Other bits on another platform, and the same status, ending and violations."""
-    ANOTHER = "another_flight"
-    """The stack is not deterministic."""
-    DIFFERS = "differs"
-    """Other bits on the same platform, or other facts: a gate fails."""
-
-
-class Compared(NamedTuple):
-    """How the flight compares with the campaign's, as a word and in a sentence."""
-
-    likeness: Likeness
-    told: str
-
 
 REPLAY = Output(
     "replay",
@@ -76,7 +53,7 @@ REPLAY = Output(
 )
 
 
-def replay_values(outcome: Outcome, words: Sequence[str], compared: Compared, written: str | None) -> dict[str, Any]:
+def replay_values(outcome: Outcome, words: Sequence[str], compared: Comparison, written: str | None) -> dict[str, Any]:
     """Plain JSON values of the form `REPLAY`.
 
     Args:
@@ -111,33 +88,3 @@ def replay_values(outcome: Outcome, words: Sequence[str], compared: Compared, wr
         "compared": compared.told,
         "written": written,
     }
-
-
-def replay_table(outcome: Outcome, words: Sequence[str], log: FlightLog) -> Table:
-    """The facts of the flight for people.
-
-    Args:
-        outcome: of the flight.
-        words: its situation in words.
-        log: its log.
-    """
-    rows: list[tuple[str, str]] = [
-        ("situation", ", ".join(words)),
-        ("ending", f"{log.ending.sentence} after {log.duration_s:.2f} s"),
-    ]
-    if outcome.subject.guideword:
-        first = f", first at {outcome.infected_at_s:.2f} s" if outcome.infected_at_s is not None else ""
-        rows.append(("samples altered", f"{outcome.altered} of {outcome.carried}{first}"))
-    rows += [(reading.requirement, reading_text(reading)) for reading in outcome.readings]
-    if outcome.stack_error:
-        rows.append(("stack", outcome.stack_error))
-    rows.append(("digest", outcome.digest))
-    return Table(outcome.name, ("what", ""), tuple(rows))
-
-
-def reading_text(reading: Reading) -> str:
-    """What a requirement says of a flight: `violated at 8.05 s, robustness -0.238`."""
-    at = f" at {reading.violated_at_s:.2f} s" if reading.violated_at_s is not None else ""
-    rho = measured_rho(reading)
-    told = "" if rho is None else f", robustness {rho:.3f}"
-    return f"{reading.compliance.value}{at}{told}"
