@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.analysis.kills.background import Background, backgrounds
 from scaloft_fi.analysis.noise import Noise, noise_of
+from scaloft_fi.analysis.plain import plain
 from scaloft_fi.analysis.scoring.baseline import findings
 from scaloft_fi.analysis.scoring.grouping import By, groups
 from scaloft_fi.analysis.scoring.score import Score, score_of
@@ -18,7 +19,7 @@ from scaloft_fi.campaign.runs.looks import Look
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.rulings import Rulings
 from scaloft_fi.study import Study
-from scaloft_fi.views.runs.looks import look_table
+from scaloft_fi.views.runs.looks import look_record, look_table
 from scaloft_fi.views.runs.unflown import Unflown, unflown, unflown_tables
 from scaloft_fi.views.score.first_screen import first_screen, screen_text
 from scaloft_fi.views.score.score_record import score_json
@@ -108,8 +109,8 @@ class ScoredCampaign:
             violated,
             groups(self.score, by, space) if by else (),
             noise=self.noise,
-            looks=self.looks,
-            unflown=self.unflown,
+            looks=[look_record(look) for look in self.looks],
+            unflown=plain(self.unflown),
         )
 
     def _background(self, mutant: str) -> Background | None:

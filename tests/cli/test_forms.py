@@ -28,6 +28,12 @@ READERS: tuple[tuple[str, ...], ...] = (
     ("matrix", "--margins", "--parameter", "human"),
     ("mutants", "--cell", "LATE-human"),
     ("mutants", "--check"),
+    ("signals",),
+    ("signals", "speed_mps"),
+    ("seams",),
+    ("operators",),
+    ("axes",),
+    ("axes", "--grid", "search"),
     ("status",),
     ("score",),
     ("kills",),
@@ -76,7 +82,11 @@ def told(folder: Path) -> Call:
 
     def telling(verb: str, *words: str) -> Result:
         named = [str(folder) if word == "CAMPAIGN" else word for word in words]
-        campaign = () if verb in ("mutants", "diff", "doctor") else ("--campaign", str(folder))
+        campaign = (
+            ()
+            if verb in ("mutants", "diff", "doctor", "signals", "seams", "operators", "axes")
+            else ("--campaign", str(folder))
+        )
         asked = [verb, *named, "--study", str(STUDY), *campaign]
         return CliRunner().invoke(main, asked, catch_exceptions=False)
 

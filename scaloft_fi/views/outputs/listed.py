@@ -10,6 +10,10 @@ from scaloft_fi.views.outputs.output import Output
 OUTPUTS: dict[str, str] = {
     "matrix": "scaloft_fi.views.worksheet.matrix_record:MATRIX",
     "mutants": "scaloft_fi.views.mutant_record:MUTANTS",
+    "signals": "scaloft_fi.views.lists.forms:SIGNALS",
+    "seams": "scaloft_fi.views.lists.forms:SEAMS",
+    "operators": "scaloft_fi.views.lists.forms:OPERATORS",
+    "axes": "scaloft_fi.views.lists.forms:AXES",
     "run": "scaloft_fi.views.score.score_form:RUN",
     "margin": "scaloft_fi.views.worksheet.margin_record:MARGIN",
     "seek": "scaloft_fi.views.runs.seek_record:SEEK",

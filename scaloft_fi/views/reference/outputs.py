@@ -11,7 +11,7 @@ from scaloft_fi.views.outputs.output import Output, Rows
 from scaloft_fi.views.outputs.shape import Shape, inner
 
 RATIO = "ratio"
-ONE_CSV = {"matrix", "mutants", "worksheet"}
+ONE_CSV = {"matrix", "mutants", "worksheet", "signals", "seams", "operators", "axes"}
 """Verbs whose CSV is a sheet for people, of one table."""
 _RULES = f"""\
 `--format json` prints one object.  Its `version` is that of the form, not of scaloft-fi: `MAJOR.MINOR`, where MAJOR

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from scaloft_fi.analysis.noise import Noise
@@ -12,10 +12,7 @@ from scaloft_fi.analysis.scoring.grouping import Group
 from scaloft_fi.analysis.scoring.mutant_score import Kill, Moment, MutantScore
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.situations.coverage import Coverage
-from scaloft_fi.campaign.runs.looks import Look
 from scaloft_fi.views.coverage.coverage_record import coverage_record
-from scaloft_fi.views.runs.looks import look_record
-from scaloft_fi.views.runs.unflown import Unflown
 
 RATIOS = ("exercised", "infected", "tested", "mutation_score", "operability")
 
@@ -27,8 +24,8 @@ def score_json(
     groups: Sequence[Group] = (),
     *,
     noise: Sequence[Noise] = (),
-    looks: Sequence[Look] = (),
-    unflown: Sequence[Unflown] = (),
+    looks: Sequence[Mapping[str, Any]] = (),
+    unflown: Sequence[Mapping[str, Any]] = (),
 ) -> dict[str, Any]:
     """Plain JSON values of the form `SCORE`.
 
@@ -38,8 +35,8 @@ def score_json(
         baselines: names what each situation's baseline violates in any flight.
         groups: the score part by part, where asked for.
         noise: of a stack that is not deterministic.
-        looks: of a sequential run.
-        unflown: what a run left out.
+        looks: of a sequential run, as plain JSON values.
+        unflown: what a run left out, as plain JSON values.
     """
     return {
         "alpha": scored.alpha,
@@ -56,8 +53,8 @@ def score_json(
         "baseline": [{"situation": key, "violated": list(violated)} for key, violated in baselines],
         "groups": plain(groups),
         "noise": plain(noise),
-        "looks": [look_record(look) for look in looks],
-        "unflown": plain(unflown),
+        "looks": list(looks),
+        "unflown": list(unflown),
     }
 
 
