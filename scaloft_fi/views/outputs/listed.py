@@ -19,6 +19,7 @@ OUTPUTS: dict[str, str] = {
     "seek": "scaloft_fi.views.runs.seek_record:SEEK",
     "merge": "scaloft_fi.views.runs.merged:MERGE",
     "replay": "scaloft_fi.views.flights.replayed:REPLAY",
+    "check": "scaloft_fi.views.checks:CHECK",
     "status": "scaloft_fi.views.flights.status:STATUS",
     "score": "scaloft_fi.views.score.score_form:SCORE",
     "kills": "scaloft_fi.views.kills.kill_record:KILLS",
