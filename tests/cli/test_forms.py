@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 from forms import of_form, one_table
+from jsonschema import Draft202012Validator, ValidationError
 from papers import flight
 from refusal import sentence
 
@@ -105,6 +106,24 @@ def test_a_run_answers_in_the_form_of_the_score(folder: Path, told: Call) -> Non
     assert run == json.loads(told("score", "--format", "json").stdout)
     assert [mutant["verdict"] for mutant in run["mutants"]] == ["detected", "not_detected"]
     assert [control["id"] for control in run["controls"]] == ["REVERSE-velcmd"]
+
+
+def test_an_export_has_the_columns_of_its_form(told: Call) -> None:
+    rows = json.loads(told("export").stdout)
+    Draft202012Validator(output_of("export").schema).validate(rows)
+    names = [*(name for name in rows[0] if not name.startswith("rho_"))]
+    assert names == list(output_of("export").keys)
+    with pytest.raises(ValidationError):
+        Draft202012Validator(output_of("export").schema).validate([{**rows[0], "rows": 1}])
+
+
+def test_what_is_merged_and_written_is_told(told: Call, folder: Path, tmp_path: Path) -> None:
+    words = ["merge", str(folder), "--study", str(STUDY), "--campaign", str(tmp_path / "whole"), "--format", "json"]
+    merged = of_form("merge", CliRunner().invoke(main, words, catch_exceptions=False).stdout)
+    assert merged["added"] == of_form("status", told("status", "--format", "json").stdout)["counted"]
+    page = tmp_path / "page.html"
+    report = of_form("report", told("report", "--output", str(page), "--format", "json").stdout)
+    assert report == {"version": "1.0", "report": str(page), "bytes": page.stat().st_size}
 
 
 def test_groups_of_every_kind_have_one_shape(told: Call) -> None:

@@ -1,11 +1,11 @@
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner, Result
+from forms import of_form
 
 from scaloft_fi.campaign.flights.fly import fly_log, judged
 from scaloft_fi.campaign.flights.recorded import judged_record, known_of, mapping_of
@@ -41,7 +41,7 @@ def a_record(folder: Path, **last: float) -> Path:
 def test_a_violation_is_a_finding_with_time_and_place_and_the_exit_code_is_0(tmp_path: Path) -> None:
     done = judge(a_record(tmp_path, clearance_m=-0.001, x_m=3.5), "--format", "json")
     assert done.exit_code == 0
-    rows = {row["requirement"]: row for row in json.loads(done.stdout)["readings"]}
+    rows = {row["requirement"]: row for row in of_form("judge", done.stdout)["readings"]}
     assert (rows["SR1"]["verdict"], rows["SR1"]["violated_at_s"], rows["SR1"]["x"]) == ("violated", 2.0, 3.5)
     assert (rows["SR1"]["robustness"], rows["SR2"]["verdict"], rows["SR2"]["robustness"]) == (-0.001, "open", None)
 
