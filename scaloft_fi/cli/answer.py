@@ -48,8 +48,6 @@ def answer(
     style: str,
     shown: Callable[[Format], str],
     folder: Path | None = None,
-    *,
-    styled: bool = False,
 ) -> None:
     """Print a verb's answer, and write its tables where `--tables` asks for them.
 
@@ -59,7 +57,6 @@ def answer(
         style: `--format`; `csv` prints one table, the rows of the form.
         shown: makes the text for people.
         folder: `--tables`.
-        styled: whether the text of tables has marks for a terminal and was made printable before them.
 
     Raises:
         InputError: a table cannot be written.
@@ -77,7 +74,7 @@ def answer(
         elif how is Format.CSV:
             tell(csv_rows(output, given))
     if how not in (Format.JSON, Format.CSV):
-        tell(shown(how), styled=styled and how is Format.TABLE)
+        tell(shown(how))
 
 
 def _checked(_context: click.Context, _option: click.Parameter, folder: Path | None) -> Path | None:

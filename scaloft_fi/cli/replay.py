@@ -82,7 +82,8 @@ def replay_command(
     else:
         flown = fly_with_log(study, flight)
     if style != "json":
-        tell(f"{render((flown.facts(),), Format.TABLE)}\n")
+        tell(render((flown.facts(),), Format.TABLE))
+        tell("\n")
     end = output.suffix.lower() if output else ""
     if output is not None and end in RECORDINGS:
         write(output, flown.recording(end))

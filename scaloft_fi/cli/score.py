@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import sys
 from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -138,7 +136,6 @@ def report(
         style,
         lambda how: _text(scored, by, how, everything=everything),
         tables,
-        styled=_coloured(),
     )
     ratio = scored.score.mutation_score
     if fail_under is None or (ratio.value is not None and ratio.value >= fail_under):
@@ -149,9 +146,4 @@ def report(
 
 def _text(scored: ScoredCampaign, by: By | None, how: Format, *, everything: bool) -> str:
     told(scored.study.finds)
-    return scored.text(how, by=by, everything=everything, bold=_coloured())
-
-
-def _coloured() -> bool:
-    """Whether the output is a terminal that may be given more than plain text (https://no-color.org)."""
-    return sys.stdout.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
+    return scored.text(how, by=by, everything=everything)
