@@ -25,7 +25,14 @@ if TYPE_CHECKING:
     from scaloft_fi.views.snapshot import Snapshot
     from scaloft_fi.views.tables.table import Table
 
-PARTS = ("conditions", "situations", "suite", "subsumption", "survivors")
+PARTS = {
+    "conditions": "conditions",
+    "situations": "situations",
+    "suite": "summary",
+    "subsumption": "subsumption_nodes",
+    "survivors": "survivors",
+}
+"""The table of each part in CSV."""
 PICTURES = (".svg", ".png", ".dot")
 
 
@@ -44,7 +51,7 @@ PICTURES = (".svg", ".png", ".dot")
     "--show",
     "parts",
     multiple=True,
-    type=click.Choice(PARTS),
+    type=click.Choice(tuple(PARTS)),
     help="Only this part, at length (repeatable).  [default: every part, shortened]",
 )
 @click.option(
@@ -91,7 +98,7 @@ def kills_command(
     from scaloft_fi.views.tables.table import render
 
     study = Study.open(study_folder)
-    wanted = parts or PARTS
+    wanted = parts or tuple(PARTS)
     with snapshot(study, campaign) as now:
         study = now.study
         matrix = _chosen(study, kill_matrix(now.score, study.roster, study.space), mutants)
@@ -107,6 +114,7 @@ def kills_command(
         style,
         lambda how: render(_tables(results, matrix, short=not parts), how),
         tables_folder,
+        rows=PARTS[parts[0]] if len(parts) == 1 else "",
     )
 
 

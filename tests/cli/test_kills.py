@@ -41,7 +41,10 @@ def test_every_part_is_a_csv_file_of_its_own(flown: Call, tmp_path: Path) -> Non
     done = flown("kills", "--show", "survivors", "--format", "csv", "--tables", str(tmp_path / "tables"))
     rows = one_table((tmp_path / "tables" / "survivors.csv").read_text())
     assert [(row["mutant"], row["stage"], row["next"]) for row in rows] == [("EARLY-human@3s", "infect", "situation")]
-    assert {row["id"] for row in one_table(done.stdout)} >= {LATE, "EARLY-human@3s"}
+    assert one_table(done.stdout) == rows
+    for part in ("conditions", "situations", "suite", "subsumption"):
+        assert one_table(flown("kills", "--show", part, "--format", "csv").stdout)
+    assert {row["id"] for row in one_table(flown("kills", "--format", "csv").stdout)} >= {LATE, "EARLY-human@3s"}
 
 
 def test_json_has_the_matrix_and_every_part(flown: Call) -> None:

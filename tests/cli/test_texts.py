@@ -102,7 +102,8 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> Told:
     campaign = ["--study", str(folder), "--campaign", f"{folder.parent}/=c \x1b[1m\u202e"]
 
     def telling(verb: str, *words: str) -> Result:
-        named = campaign if verb not in ("mutants", "diff") else campaign[:2]
+        plain = ("mutants", "diff", "signals", "seams", "operators", "axes")
+        named = campaign if verb not in plain else campaign[:2]
         twice = [campaign[3]] * 2 if verb == "diff" else []
         return CliRunner().invoke(main, [verb, *twice, *words, *named], catch_exceptions=False)
 
