@@ -2,8 +2,8 @@
 
 Every figure of the score can be recomputed from it, with the study's kinds of requirements and alpha, and from which
 mutants `run` asked for with more than one set of seeds.  A mutant's status is what its flight shows beside the baseline
-of the same situation and seed; the verdict on a mutant follows from all flights and the baselines together.  Beyond
-status and first safety violation a row has
+of the same situation and seed, `waiting` where none counts; the verdict on a mutant follows from all flights and the
+baselines together.  Beyond status and first safety violation a row has
 
 - `held`: requirements neither violated nor left open by a flight cut short;
 - `revealed_by`: safety, then operability requirements that the flight violates and its baseline holds, each earliest
@@ -36,6 +36,9 @@ from scaloft_fi.views.tables.table import csv_text
 
 FlightRow = dict[str, Any]
 
+WAITING = "waiting"
+"""Status of a flight that cannot be judged: the baseline of its situation and seed is not flown, or stale."""
+
 EXPORT = Rows(
     "export",
     "1.0",
@@ -45,8 +48,8 @@ EXPORT = Rows(
         "situation": text("key of the situation"),
         "seed": count("seed of the flight"),
         "status": text(
-            "what the flight shows beside its baseline; of a baseline `held`, `violated` or `invalid`",
-            dict.fromkeys(("held", "violated", *(status.value for status in Status))),
+            "what the flight shows beside its baseline, or `waiting` for it; of a baseline held, violated or invalid",
+            dict.fromkeys(("held", "violated", *(status.value for status in Status), WAITING)),
         ),
         "ending": text("how it ended: landed, struck or timed_out; empty when invalid"),
         "violated": texts("requirements that it violates"),
@@ -124,7 +127,12 @@ def export_rows(
     listed = ordered(outcomes, roster, space)
     names = list(dict.fromkeys([*requirements, *(r.requirement for outcome in listed for r in outcome.readings)]))
     flights = iter(flights_of(listed))
-    return [_row(o, None if o.mutant == BASELINE else next(flights), names) for o in listed]
+    clean = {(outcome.situation, outcome.seed) for outcome in listed if outcome.mutant == BASELINE}
+    rows = [_row(o, None if o.mutant == BASELINE else next(flights), names) for o in listed]
+    for row, outcome in zip(rows, listed, strict=True):
+        if not outcome.invalid and (outcome.situation, outcome.seed) not in clean:
+            row["status"] = WAITING
+    return rows
 
 
 def ordered(outcomes: Iterable[Outcome], roster: Roster, space: Space) -> list[Outcome]:

@@ -14,6 +14,7 @@ OUTPUTS: dict[str, str] = {
     "seams": "scaloft_fi.views.lists.forms:SEAMS",
     "operators": "scaloft_fi.views.lists.forms:OPERATORS",
     "axes": "scaloft_fi.views.lists.forms:AXES",
+    "map": "scaloft_fi.views.pictures.situation_plan:MAP",
     "run": "scaloft_fi.views.score.score_form:RUN",
     "margin": "scaloft_fi.views.worksheet.margin_record:MARGIN",
     "seek": "scaloft_fi.views.runs.seek_record:SEEK",
