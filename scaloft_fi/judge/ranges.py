@@ -46,7 +46,7 @@ TRUTH: Ranges = {
     "takeoff_charge": SHARE,
     "haze_per_m": NEVER_BELOW_0,
 }
-"""The signals of the package that something bounds in every study; a flight may outlast its limit by a part of a tick."""
+"""The signals of the package that something bounds in every study; a flight may outlast its limit by part of a tick."""
 _NOBODY: tuple[Span, ...] = ((FAR_M, FAR_M),)
 
 
