@@ -54,7 +54,7 @@ def _violates(pool: Pool, name: str) -> str:
 
 def _broken(breaks: int) -> Iterable[str]:
     if breaks:
-        yield f"A search around the grid found {_situations(breaks)} more that break it."
+        yield f"A search around the grid found {_situations(breaks)} more that {'breaks' if breaks == 1 else 'break'} it."
 
 
 def _claims(scored: Score, situations: Ratio) -> Iterable[str]:

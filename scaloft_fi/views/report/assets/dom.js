@@ -22,7 +22,7 @@ function table(headers, rows, { caption = null, stack = true } = {}) {
     const attributes = { class: heads[column].number && "number", "data-head": column && heads[column].text };
     return column === 0 ? h("th", { scope: "row", ...attributes }, value) : h("td", attributes, value);
   };
-  return h("div", { class: "scroll", role: "group", "aria-label": `table: ${heads.map((head) => head.text).join(", ")}` },
+  return h("div", { class: "scroll" },
     h("table", { class: stack ? "plain stack" : "plain" },
       caption && h("caption", {}, caption),
       h("thead", {}, h("tr", {}, heads.map((head) => h("th", { scope: "col", class: head.number && "number" }, term(head.text), head.after)))),

@@ -51,8 +51,11 @@ async function follow() {
 /** What scrolls sideways can be scrolled by keys, too. */
 function reachable(root = document) {
   for (const box of root.querySelectorAll(".scroll")) {
-    if (box.scrollWidth > box.clientWidth + 1) box.setAttribute("tabindex", "0");
-    else box.removeAttribute("tabindex");
+    const wider = box.scrollWidth > box.clientWidth + 1;
+    for (const [name, value] of [["tabindex", "0"], ["role", "group"], ["aria-label", "scrolls sideways"]]) {
+      if (wider) box.setAttribute(name, value);
+      else box.removeAttribute(name);
+    }
   }
 }
 
