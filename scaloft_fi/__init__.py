@@ -1,3 +1,76 @@
-"""Fault-injection mutation testing of an autonomous drone: HAZOP mutants flown over a grid of situations."""
+"""Fault-injection mutation testing of an autonomous drone: HAZOP mutants flown over a grid of situations.
 
-__version__ = "0.1.0"
+    import scaloft_fi
+
+    study = scaloft_fi.open("my_study")
+    flight = study.fly("LATE-human", "T0O0W0D0H1", seed=0)
+    score = study.campaign().run(mutants=["LATE-human"], seeds=3)
+
+`scaloft_fi.api` has what plugins need.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from scaloft_fi.version import __version__
+
+if TYPE_CHECKING:
+    from scaloft_fi.campaign.workers.interrupt import Interrupted
+    from scaloft_fi.errors import GateError, InputError, ScaloftError
+    from scaloft_fi.scripting.campaign import OpenCampaign
+    from scaloft_fi.scripting.figure import Figure
+    from scaloft_fi.scripting.flight import FlownFlight, Log
+    from scaloft_fi.scripting.score import CampaignScore
+    from scaloft_fi.scripting.study import OpenStudy
+    from scaloft_fi.scripting.study import open_study as open  # noqa: A004 - who writes `scaloft_fi.open` means this
+    from scaloft_fi.views.columns import Columns
+
+__all__ = [
+    "CampaignScore",
+    "Columns",
+    "Figure",
+    "FlownFlight",
+    "GateError",
+    "InputError",
+    "Interrupted",
+    "Log",
+    "OpenCampaign",
+    "OpenStudy",
+    "ScaloftError",
+    "__version__",
+    "open",
+]
+
+_LATE = {
+    "CampaignScore": "scaloft_fi.scripting.score",
+    "Columns": "scaloft_fi.views.columns",
+    "Figure": "scaloft_fi.scripting.figure",
+    "FlownFlight": "scaloft_fi.scripting.flight",
+    "GateError": "scaloft_fi.errors",
+    "InputError": "scaloft_fi.errors",
+    "Interrupted": "scaloft_fi.campaign.workers.interrupt",
+    "Log": "scaloft_fi.scripting.flight",
+    "OpenCampaign": "scaloft_fi.scripting.campaign",
+    "OpenStudy": "scaloft_fi.scripting.study",
+    "ScaloftError": "scaloft_fi.errors",
+    "open": "scaloft_fi.scripting.study",
+}
+"""Where the names are; imported by whoever asks for one of them, so that a verb starts fast."""
+
+
+def __getattr__(name: str) -> Any:
+    """A name of `_LATE`.
+
+    Raises:
+        AttributeError: there is none.
+    """
+    if name not in _LATE:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(_LATE[name]), "open_study" if name == "open" else name)
+
+
+def __dir__() -> list[str]:
+    """The public names, those too that nobody has asked for yet."""
+    return sorted({*globals(), *__all__})

@@ -27,6 +27,7 @@ KEY = 200
 MOST = 1_000
 """Most entries of a list or mapping of which each entry costs time or memory in every flight."""
 
+_TOO_DEEP = f"the file must be nested at most {DEPTH} deep"
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _TEXT = "tag:yaml.org,2002:str"
 _NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
@@ -179,6 +180,8 @@ def load(path: Path) -> Item:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
         line = mark.line + 1 if mark else 1
+        if error.problem and "nesting depth" in error.problem:  # libyaml has a limit too, and reads ahead of its events
+            raise InputError(f"{path}:{line}: {_TOO_DEEP}") from error
         raise InputError(f"{path}:{line}: not valid YAML: {error.problem}") from error
     except yaml.YAMLError as error:
         raise InputError(f"{path}:1: not valid YAML: {' '.join(str(error).split())}") from error
@@ -288,7 +291,7 @@ class _Document:
         if self._left < 0:
             raise self._error(event, f"the file must have at most {ITEMS:,} values, those that aliases repeat included")
         if depth > DEPTH:
-            raise self._error(event, f"the file must be nested at most {DEPTH} deep")
+            raise self._error(event, _TOO_DEEP)
 
     def _error(self, event: Any, sentence: str) -> InputError:
         return InputError(f"{self._path}:{_line(event)}: {sentence}")

@@ -10,6 +10,30 @@ import sys
 from contextlib import suppress
 from pathlib import Path
 
+from scaloft_fi.errors import InputError
+
+
+def write_named(path: Path, content: bytes, name: str) -> None:
+    """The same as `write_whole`, for a file that the user names.
+
+    Args:
+        path: path of the file.
+        content: the whole content.
+        name: option or argument that names the file, for errors.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    try:
+        write_whole(path, content)
+    except (OSError, ValueError) as error:
+        raise InputError(f"{name}={str(path)!r} cannot be written: {unwritable(error)}") from error
+
+
+def unwritable(error: OSError | ValueError) -> str:
+    """Why a file cannot be written."""
+    return (error.strerror if isinstance(error, OSError) else None) or str(error)
+
 
 def write_whole(path: Path, content: bytes) -> None:
     """Write a file; after a failure an earlier file is as it was, and no other file is left.

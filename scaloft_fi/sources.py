@@ -41,7 +41,8 @@ def closure(entries: Iterable[str]) -> Mapping[str, Source]:
     """The entries and the modules of this package that they import, at the top of a file or inside a function.
 
     An entry in another package includes every module of that package, because code may import any of them by name.
-    Imports for type checkers are excluded.  The `__init__` of this package, which holds the version, is excluded too.
+    Imports for type checkers are excluded.  The `__init__` of this package, which only names what scripts use, is
+    excluded too.
 
     Args:
         entries: names of modules, such as `scaloft_fi.sim.flight`.

@@ -11,14 +11,15 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 LONGEST = 350
-FOLDERS = ("scaloft_fi", "tests", "benchmarks", "examples")
+FOLDERS = ("scaloft_fi", "tests", "benchmarks", "docs", "examples")
 
-MYPY_SCRIPTS = ("--explicit-package-bases", *map(str, sorted((ROOT / "benchmarks").rglob("*.py"))))
+SCRIPTS = [path for folder in ("benchmarks", "docs/hooks") for path in sorted((ROOT / folder).rglob("*.py"))]
+MYPY_SCRIPTS = ("--explicit-package-bases", *map(str, SCRIPTS))
 COMMANDS = {
     "ruff finds nothing": ["-m", "ruff", "check"],
     "every file is formatted": ["-m", "ruff", "format", "--check"],
     "mypy --strict finds nothing": ["-m", "mypy"],
-    "mypy --strict finds nothing in the benchmarks": ["-m", "mypy", *MYPY_SCRIPTS],
+    "mypy --strict finds nothing in the scripts": ["-m", "mypy", *MYPY_SCRIPTS],
     "imports run one way": ["-c", "from importlinter.cli import lint_imports_command; lint_imports_command()"],
 }
 

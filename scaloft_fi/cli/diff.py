@@ -6,12 +6,20 @@ from pathlib import Path
 
 import click
 
+from scaloft_fi.cli.answer import answer
 from scaloft_fi.cli.options import format_option, study_option
-from scaloft_fi.console import tell
+from scaloft_fi.cli.verb import verb
 from scaloft_fi.errors import InputError
 
 
-@click.command("diff")
+@verb(
+    "diff",
+    examples=(
+        ("Compare two campaigns", "scaloft-fi diff default night"),
+        ("Compare with a folder from another machine", "scaloft-fi diff default /data/night/campaign"),
+        ("Keep the comparison as a table in a document", "scaloft-fi diff default night --format markdown"),
+    ),
+)
 @click.argument("first", metavar="CAMPAIGN")
 @click.argument("second", metavar="CAMPAIGN")
 @study_option
@@ -22,9 +30,9 @@ def diff_command(first: str, second: str, study_folder: Path | None, style: str)
     What was flown with other data or code counts too, unless the campaign has the flight as the study describes it now.
     """
     from scaloft_fi.study import Study
-    from scaloft_fi.views.flights.compare import compare, comparison_table
+    from scaloft_fi.views.flights.compare import DIFF, compare, comparison_table, comparison_values
     from scaloft_fi.views.snapshot import snapshot
-    from scaloft_fi.views.tables.table import Format, render
+    from scaloft_fi.views.tables.table import render
 
     study = Study.open(study_folder)
     with snapshot(study, first) as here, snapshot(study, second) as there:
@@ -32,4 +40,9 @@ def diff_command(first: str, second: str, study_folder: Path | None, style: str)
             grids = f"{first!r} was flown over grid {here.study.grid.name!r}, {second!r} over {there.study.grid.name!r}"
             raise InputError(f"campaign {grids}; only campaigns of one grid have the same flights")
         compared = compare(here.latest, there.latest, here.study.roster, here.study.space)
-    tell(render((comparison_table(compared, first, second),), Format(style)))
+    answer(
+        DIFF,
+        lambda: comparison_values(compared, first, second),
+        style,
+        lambda how: render((comparison_table(compared, first, second),), how),
+    )

@@ -8,10 +8,14 @@ from typing import TYPE_CHECKING
 
 import click
 
+from scaloft_fi.cli.answer import answer
 from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import campaign_option, format_option, study_option, today_option
-from scaloft_fi.console import say, tell
+from scaloft_fi.cli.own_study import check_own
+from scaloft_fi.cli.verb import verb
+from scaloft_fi.console import say
 from scaloft_fi.errors import InputError
+from scaloft_fi.exit_codes import ExitCode
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -20,11 +24,15 @@ if TYPE_CHECKING:
     from scaloft_fi.analysis.scoring.score import Score
     from scaloft_fi.study import Study
 
-UNACCEPTED = 3
-"""Exit code of a ratchet that does not pass: as of a score below --fail-under."""
 
-
-@click.command("dispositions")
+@verb(
+    "dispositions",
+    examples=(
+        ("List what survives, and what was accepted", "scaloft-fi dispositions"),
+        ("Draft an entry for each open survivor", "scaloft-fi dispositions --write"),
+        ("See what will have expired by a day", "scaloft-fi dispositions --today 2027-01-31"),
+    ),
+)
 @study_option
 @campaign_option
 @click.option(
@@ -44,18 +52,25 @@ def dispositions_command(
     `scaloft-fi score --ratchet` makes a gate of it.
     """
     from scaloft_fi.study import Study
-    from scaloft_fi.views.dispositions import disposition_table
+    from scaloft_fi.views.dispositions import DISPOSITIONS, disposition_table, disposition_values
     from scaloft_fi.views.score.finds import next_find
     from scaloft_fi.views.snapshot import snapshot
-    from scaloft_fi.views.tables.table import Format, render
+    from scaloft_fi.views.tables.table import render
 
     study = Study.open(study_folder)
+    if writing:
+        check_own(study, study_folder, study.dispositions_path)
     with snapshot(study, campaign) as now:
         study = now.study
         judged = _judged(study, now.score, today)
         finds = told(study.finds)
         found = [mutant.subject.id for mutant in now.score.mutants if next_find(mutant, finds)]
-    tell(render((disposition_table(judged, found, campaign),), Format(style)))
+    answer(
+        DISPOSITIONS,
+        lambda: disposition_values(judged, found),
+        style,
+        lambda how: render((disposition_table(judged, found, campaign),), how),
+    )
     if writing:
         _append(study, judged)
 
@@ -78,7 +93,7 @@ def ratchet(study: Study, scored: Score, today: date | None) -> int:
         say(f"ratchet: {complaint(entry)}")
     if not scored.tested.part:
         say("ratchet: no counted mutant was put to the test; there is nothing to hold")
-    return UNACCEPTED if failing or not scored.tested.part else 0
+    return ExitCode.BELOW if failing or not scored.tested.part else ExitCode.DONE
 
 
 def _judged(study: Study, scored: Score, today: date | None) -> tuple[Judged, ...]:
@@ -102,8 +117,6 @@ def _append(study: Study, judged: Sequence[Judged]) -> None:
         say("nothing to write: no survivor without a disposition")
         return
     path = study.dispositions_path
-    if study.packaged:
-        raise InputError(f"{path}: the packaged study cannot be written; copy it and name the copy by --study")
     before = read_text(path) if is_there(path) else HEADER
     try:
         write_whole(path, (before.rstrip("\n") + "\n" + draft(opened)).encode())

@@ -7,11 +7,19 @@ from pathlib import Path
 import click
 
 from scaloft_fi.cli.options import format_option, study_option
+from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say, tell
 from scaloft_fi.errors import InputError
 
 
-@click.command("doctor")
+@verb(
+    "doctor",
+    examples=(
+        ("See whether this machine has the published bits", "scaloft-fi doctor"),
+        ("List versions only, and fly nothing", "scaloft-fi doctor --no-flight"),
+        ("Check that plugins and a study load", "scaloft-fi doctor --study my_study --no-flight"),
+    ),
+)
 @study_option
 @format_option
 @click.option("--no-flight", is_flag=True, help="Do not fly the known flight.")

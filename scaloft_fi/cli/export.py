@@ -9,24 +9,33 @@ import click
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import campaign_option, study_option
+from scaloft_fi.cli.verb import Verb, verb
 from scaloft_fi.console import tell
 from scaloft_fi.errors import InputError
 from scaloft_fi.registry import load_plugins
 
 
-class ExportCommand(click.Command):
+class ExportCommand(Verb):
     """Its help lists every format, those of plugins too."""
 
-    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the list."""
+    def sections(self, ctx: click.Context) -> list[tuple[str, list[tuple[str, str]]]]:
+        """The options, then the formats."""
         from scaloft_fi.views.exchange import FORMATS
 
         load_plugins()
-        with formatter.section("Formats"):
-            formatter.write_dl([(name, FORMATS[name].summary) for name in sorted(FORMATS)])
+        formats = [(name, FORMATS[name].summary) for name in sorted(FORMATS)]
+        return [*super().sections(ctx), ("Formats", formats)]
 
 
-@click.command("export", cls=ExportCommand)
+@verb(
+    "export",
+    examples=(
+        ("Write one row per flight for pandas", "scaloft-fi export --format parquet --output flights.parquet"),
+        ("Give what is not detected to a code host", "scaloft-fi export --format sarif --output scaloft.sarif"),
+        ("Put a summary on the page of a CI job", "scaloft-fi export --format markdown"),
+    ),
+    cls=ExportCommand,
+)
 @study_option
 @campaign_option
 @click.option(

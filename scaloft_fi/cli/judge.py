@@ -6,11 +6,22 @@ from pathlib import Path
 
 import click
 
+from scaloft_fi.cli.answer import answer, tables_option
 from scaloft_fi.cli.options import format_option, study_option
-from scaloft_fi.console import tell
+from scaloft_fi.cli.verb import verb
 
 
-@click.command("judge")
+@verb(
+    "judge",
+    examples=(
+        ("Judge a record of a flight in a known situation", "scaloft-fi judge flight.csv --situation T0O0W0D0H1"),
+        (
+            "Judge PX4's logs, with where the signals stand in them",
+            "scaloft-fi judge monday.ulg tuesday.ulg --record px4.yaml",
+        ),
+        ("Let a script read the verdicts", "scaloft-fi judge bag/ --format json"),
+    ),
+)
 @click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @study_option
 @click.option(
@@ -27,26 +38,32 @@ from scaloft_fi.console import tell
     help="The situation that was flown, which has a route and a time limit.  [default: not known]",
 )
 @format_option
+@tables_option
 def judge_command(
-    files: tuple[Path, ...], study_folder: Path | None, mapping_file: Path | None, situation: str | None, style: str
+    files: tuple[Path, ...],
+    study_folder: Path | None,
+    mapping_file: Path | None,
+    situation: str | None,
+    style: str,
+    tables_folder: Path | None,
 ) -> None:
     """Judge records of flights (.csv, .mcap, .ulg, .bag, .db3, or a folder of rosbag2) with the study's requirements.
 
     Nothing is flown and no campaign is read.  A violation is a finding: the exit code is 0.
-
-    \b
-    Examples:
-      scaloft-fi judge flight.csv --situation T0O0W0D0H1
-      scaloft-fi judge logs/*.ulg --record px4.yaml
-      scaloft-fi judge bag/ --format json
-    """  # noqa: D301 - click reads the \b
+    """
     from scaloft_fi.campaign.flights.recorded import judged_record, known_of, mapping_of
     from scaloft_fi.study import Study
-    from scaloft_fi.views.flights.judged import judged_table
-    from scaloft_fi.views.tables.table import Format, render
+    from scaloft_fi.views.flights.judged import JUDGE, judged_table, judged_values
+    from scaloft_fi.views.tables.table import render
 
     study = Study.open(study_folder)
     mapping = mapping_of(study, mapping_file)
     known = known_of(study, study.grid.situation(situation) if situation else None)
     records = [judged_record(study, path, mapping, known) for path in files]
-    tell(render((judged_table(records),), Format(style)))
+    answer(
+        JUDGE,
+        lambda: judged_values(records),
+        style,
+        lambda how: render((judged_table(records),), how),
+        tables_folder,
+    )

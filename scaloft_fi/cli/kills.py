@@ -11,6 +11,7 @@ import click
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import campaign_option, format_option, study_option
+from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import tell, tell_line
 from scaloft_fi.errors import InputError
 from scaloft_fi.inert import json_text
@@ -27,7 +28,14 @@ PARTS = ("conditions", "situations", "suite", "subsumption", "survivors")
 PICTURES = (".svg", ".png", ".dot")
 
 
-@click.command("kills")
+@verb(
+    "kills",
+    examples=(
+        ("See where every mutant is killed", "scaloft-fi kills"),
+        ("Ask what to do about one survivor", "scaloft-fi kills MORE-human --show survivors"),
+        ("Find the fewest situations that keep every kill", "scaloft-fi kills --show suite"),
+    ),
+)
 @click.argument("mutants", nargs=-1, metavar="[MUTANT...]")
 @study_option
 @campaign_option

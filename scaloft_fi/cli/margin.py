@@ -20,6 +20,7 @@ from scaloft_fi.cli.options import (
     typed,
     warnings_option,
 )
+from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import tell
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.name import cell_of
@@ -31,7 +32,23 @@ if TYPE_CHECKING:
     from scaloft_fi.study import Study
 
 
-@click.command("margin")
+@verb(
+    "margin",
+    examples=(
+        ("Find how late a detection may come", "scaloft-fi margin LATE-human"),
+        (
+            "Search two faults in light only, to a tenth of their unit",
+            "scaloft-fi margin LESS-depth LATE-human --situation '*D0*' --tolerance 0.1",
+        ),
+        ("Show at which times of the flight a fault is killed", "scaloft-fi margin NO-depth --when"),
+    ),
+    sections={
+        "Where": "--study --campaign --grid",
+        "What is flown": "--situation --seeds --tolerance --when --operability",
+        "How": "--jobs --same-platform",
+        "What is printed": "--format --warnings --quiet --help",
+    },
+)
 @click.argument("mutants", nargs=-1, required=True, metavar="CELL|ID...")
 @study_option
 @campaign_option

@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from scaloft_fi.cli.options import campaign_option, format_option, operability_option, study_option
+from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import tell
 from scaloft_fi.hazop.folder import find_study
 from scaloft_fi.hazop.load import load_matrix
@@ -18,7 +19,14 @@ from scaloft_fi.inert import json_text
 from scaloft_fi.views.tables.table import Format, csv_text, tabulated
 
 
-@click.command("matrix")
+@verb(
+    "matrix",
+    examples=(
+        ("See every cell of the study's matrix", "scaloft-fi matrix"),
+        ("Read one cell whole: causes, effect, fault, mutants", "scaloft-fi matrix --cell LATE-human"),
+        ("Compare the smallest magnitude that is killed in each cell", "scaloft-fi matrix --margins"),
+    ),
+)
 @study_option
 @click.option("--cell", metavar="NAME", help="Tell one cell whole, by its name GUIDEWORD-parameter.")
 @click.option("--guideword", "guidewords", multiple=True, metavar="WORD", help="Only this guideword (repeatable).")

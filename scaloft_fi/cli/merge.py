@@ -7,10 +7,18 @@ from pathlib import Path
 import click
 
 from scaloft_fi.cli.options import campaign_option, study_option
+from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say, tell_line
 
 
-@click.command("merge")
+@verb(
+    "merge",
+    examples=(
+        ("Join two parts, flown with --shard 1/2 and --shard 2/2", "scaloft-fi merge part1 part2"),
+        ("Join them into a campaign of another name", "scaloft-fi merge part1 part2 --campaign whole"),
+        ("Join a folder from another machine, bits and all", "scaloft-fi merge /data/night/campaign --same-platform"),
+    ),
+)
 @click.argument("sources", metavar="CAMPAIGN...", nargs=-1, required=True)
 @study_option
 @campaign_option

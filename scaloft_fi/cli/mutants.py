@@ -11,6 +11,8 @@ import click
 from tabulate import tabulate
 
 from scaloft_fi.cli.options import format_option, study_option
+from scaloft_fi.cli.own_study import check_own
+from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say, tell, tell_line
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.matrix import Matrix
@@ -26,7 +28,14 @@ _COLUMNS = ("id", "default", "parameter", "guideword", "seam", "operator", "argu
 _ARGUMENT_COLUMNS = 44  # what 120 columns leave
 
 
-@click.command("mutants")
+@verb(
+    "mutants",
+    examples=(
+        ("List the ladder of one cell", "scaloft-fi mutants 'LATE-human*'"),
+        ("Derive the catalogue again after an edit of the matrix", "scaloft-fi mutants --write"),
+        ("Fail where the catalogue is stale, as in CI", "scaloft-fi mutants --check"),
+    ),
+)
 @click.argument("patterns", nargs=-1, metavar="[PATTERN]...")
 @click.option("--write", is_flag=True, help="Derive the catalogue from the matrix and write it.")
 @click.option("--check", is_flag=True, help="Prove that the written catalogue is what the matrix gives.")
@@ -53,7 +62,10 @@ def mutants_command(
     if (write or check) and (patterns or cells or only_defaults):
         raise click.UsageError("--write and --check are about the whole catalogue; give no pattern with them")
     study = Study.open(study_folder)
-    matrix, folder = study.matrix, study.folder / "mutants"
+    folder = study.folder / "mutants"
+    if write:
+        check_own(study, study_folder, folder / catalogue.FILE)
+    matrix = study.matrix
     derived = catalogue.check(folder, matrix) if check else derive(matrix)
     if write:
         tell_line(f"{catalogue.write(folder, derived)}: {_size(derived, matrix)}")

@@ -6,11 +6,14 @@ import shlex
 import sys
 from collections.abc import Callable
 from datetime import date
+from functools import wraps
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import click
 from click.core import ParameterSource
+
+from scaloft_fi.cli.own_study import tell_study
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -18,7 +21,17 @@ FORMATS = ("table", "markdown", "csv", "json", "latex")
 
 
 def study_option(function: F) -> F:
-    """`--study DIR`: the study to work on."""
+    """`--study DIR`: the study to work on; the verb says which one it uses where the user has none."""
+
+    @wraps(function)
+    def told(*args: Any, study_folder: Path | None, **options: Any) -> Any:
+        tell_study(study_folder, quiet=options.get("quiet", False))
+        return function(*args, study_folder=study_folder, **options)
+
+    return cast(F, _study_option(told))
+
+
+def _study_option(function: F) -> F:
     return click.option(
         "--study",
         "study_folder",
@@ -46,6 +59,15 @@ def grid_option(function: F) -> F:
         metavar="NAME",
         help="A grid of the study: that of sim/situations.yaml, or a file in sim/grids/, whose campaign is called NAME "
         "when --campaign names no other.  [default: the grid of the campaign, else that of sim/situations.yaml]",
+    )(function)
+
+
+def grid_of_study_option(function: F) -> F:
+    """`--grid NAME`: one of the study's grids, without a campaign."""
+    return click.option(
+        "--grid",
+        metavar="NAME",
+        help="A grid of the study: a file in sim/grids/.  [default: that of sim/situations.yaml]",
     )(function)
 
 

@@ -3,27 +3,29 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.options import campaign_option, study_option
+from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say, tell, tell_line
-from scaloft_fi.errors import GateError, InputError
+from scaloft_fi.errors import InputError
 
-if TYPE_CHECKING:
-    from scaloft_fi.campaign.plan.flight import Flight
-    from scaloft_fi.judge.outcome import Outcome
-    from scaloft_fi.judge.requirement import Reading
-    from scaloft_fi.sim.log import FlightLog
-    from scaloft_fi.study import Study
-
-PICTURES = (".svg", ".png")
-RECORDINGS = (".mcap", ".csv")
+ENDS = (".svg", ".png", ".mcap", ".csv")
 
 
-@click.command("replay")
+@verb(
+    "replay",
+    examples=(
+        ("Fly one flight again and compare its digest", "scaloft-fi replay LATE-human@3s/T0O0W0D0H1/0"),
+        (
+            "Draw it on the map, the baseline beside it",
+            "scaloft-fi replay LATE-human@3s/T0O0W0D0H1/0 --output flight.svg",
+        ),
+        ("Record the unmutated drone for Foxglove", "scaloft-fi replay baseline/T0O0W0D0H1/0 --output flight.mcap"),
+    ),
+)
 @click.argument("name", metavar="MUTANT/SITUATION/SEED")
 @study_option
 @campaign_option
@@ -47,150 +49,34 @@ def replay_command(
 
     MUTANT is `baseline`, `PLACEBO` or a mutant's id.  The map shows the baseline beside the mutant.
     """
-    if output is not None and output.suffix.lower() not in (*PICTURES, *RECORDINGS):
+    if output is not None and output.suffix.lower() not in ENDS:
         raise InputError(f"--output={str(output)!r} must end in .svg, .png, .mcap or .csv")
     check_writable(output)
     from scaloft_fi.campaign.processes.start import one_thread_each
 
     one_thread_each()
-    from scaloft_fi.campaign.flights.commanded import Commanded
-    from scaloft_fi.campaign.flights.fly import fly_log, judged
-    from scaloft_fi.campaign.flights.physics import Physics
     from scaloft_fi.campaign.store.flown_grid import study_of
+    from scaloft_fi.views.flights.logged_flight import RECORDINGS, fly_with_log, named, ready_to_fly, with_log
+    from scaloft_fi.views.flights.repeated import compared
+    from scaloft_fi.views.pictures.picture import png
+    from scaloft_fi.views.tables.table import Format, render
 
     study = study_of(study_folder, campaign)
-    flight = _flight(study, name)
-    study.check((flight.situation,))
-    (Commanded() if study.command else Physics()).prepare(study, say)
     if gui and study.command:
         raise InputError("--gui shows flights of our simulator, and a command flies this study (sim/flyer.yaml)")
+    flight = ready_to_fly(study, *named(name), say)
     if gui:
         from scaloft_fi.campaign.flights.window import fly_in_window
 
-        log = fly_in_window(study, flight)
+        flown = with_log(study, flight, fly_in_window(study, flight))
     else:
-        log = fly_log(study, flight)
-    outcome = judged(study, flight, log)
-    tell(f"{_facts(study, flight, outcome, log)}\n")
-    if output is not None and output.suffix.lower() in RECORDINGS:
-        from scaloft_fi.views.flights.log_table import log_table
-        from scaloft_fi.views.flights.mcap import mcap
-
-        write(output, log_table(log) if output.suffix.lower() == ".csv" else mcap(log, outcome.name))
+        flown = fly_with_log(study, flight)
+    tell(f"{render((flown.facts(),), Format.TABLE)}\n")
+    end = output.suffix.lower() if output else ""
+    if output is not None and end in RECORDINGS:
+        write(output, flown.recording(end))
         tell_line(f"recording: {output}")
     elif output is not None:
-        _draw(study, flight, outcome, log, output)
-    tell_line(_compared(study, campaign, flight, outcome, same_platform=same_platform))
-
-
-def _flight(study: Study, name: str) -> Flight:
-    from scaloft_fi.campaign.store.held import flight_named
-
-    parts = name.split("/")
-    if len(parts) != 3 or not parts[2].isdecimal():
-        raise InputError(f"{name!r} must be MUTANT/SITUATION/SEED, as in baseline/T0O0W0D0H1/0")
-    return flight_named(study, parts[0], parts[1], int(parts[2]))
-
-
-def _facts(study: Study, flight: Flight, outcome: Outcome, log: FlightLog) -> str:
-    from scaloft_fi.views.tables.table import Format, Table, render
-
-    rows: list[tuple[str, str]] = [
-        ("situation", ", ".join(study.grid.titles(flight.situation))),
-        ("ending", f"{log.ending.sentence} after {log.duration_s:.2f} s"),
-    ]
-    if flight.mutant is not None:
-        first = f", first at {outcome.infected_at_s:.2f} s" if outcome.infected_at_s is not None else ""
-        rows.append(("samples altered", f"{outcome.altered} of {outcome.carried}{first}"))
-    rows += [(reading.requirement, _reading_text(reading)) for reading in outcome.readings]
-    if outcome.stack_error:
-        rows.append(("stack", outcome.stack_error))
-    rows.append(("digest", outcome.digest))
-    return render((Table(outcome.name, ("what", ""), tuple(rows)),), Format.TABLE)
-
-
-def _reading_text(reading: Reading) -> str:
-    from scaloft_fi.judge.robustness import measured_rho
-
-    at = f" at {reading.violated_at_s:.2f} s" if reading.violated_at_s is not None else ""
-    rho = measured_rho(reading)
-    told = "" if rho is None else f", robustness {rho:.3f}"
-    return f"{reading.compliance.value}{at}{told}"
-
-
-def _draw(study: Study, flight: Flight, outcome: Outcome, log: FlightLog, output: Path) -> None:
-    from scaloft_fi.campaign.flights.fly import fly_log, judged
-    from scaloft_fi.campaign.plan.flight import Flight
-    from scaloft_fi.judge.outcome import BASELINE
-    from scaloft_fi.views.pictures.map import draw
-    from scaloft_fi.views.pictures.picture import png
-    from scaloft_fi.views.pictures.scene import scene_of, track_of
-
-    tracks = [track_of(log, outcome, flight.subject.id)]
-    if flight.mutant is not None:
-        clean = Flight(None, flight.situation, flight.seed)
-        clean_log = fly_log(study, clean)
-        tracks.insert(0, track_of(clean_log, judged(study, clean, clean_log), BASELINE))
-    words = ", ".join(study.grid.titles(flight.situation))
-    title = f"{flight.subject.id} in {flight.situation.key}, seed {flight.seed}"
-    svg = draw(scene_of(study.scenario(flight.situation).world), tracks, title=title, subtitle=words)
-    write(output, png(svg) if output.suffix.lower() == ".png" else svg.encode())
-    tell_line(f"map: {output}")
-
-
-def _compared(study: Study, campaign: str, flight: Flight, outcome: Outcome, *, same_platform: bool) -> str:
-    """How the flight compares with the campaign's.
-
-    Raises:
-        GateError: the digests differ on the same platform or with `same_platform`, or the facts differ.
-    """
-    from scaloft_fi.campaign.plan.flight import Flight
-    from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
-    from scaloft_fi.campaign.store.folder import STORE_NAME, campaign_folder
-    from scaloft_fi.campaign.store.key import flight_key
-    from scaloft_fi.campaign.store.platforms import Platforms
-    from scaloft_fi.campaign.store.store import Store
-    from scaloft_fi.judge.facts import APART_M, agreement, digests, parting_s
-    from scaloft_fi.sim.log import Ending
-
-    clean = Flight(None, flight.situation, flight.seed)
-    path = campaign_folder(study, campaign) / STORE_NAME
-    if not path.is_file():
-        return f"no campaign in {path.parent} to compare with"
-    with Store(path, create=False) as store:
-        known, beside = (store.get(flight_key(study, one)) for one in (flight, clean))
-        theirs = Platforms(store).of((flight.situation.key, flight.seed))
-    if known is None or known.invalid:
-        return f"the campaign in {path.parent} holds no such flight to compare with"
-    if digests(known) == digests(outcome):
-        return f"bit for bit the flight in {path.parent}"
-    if not study.stack.deterministic:
-        listed = ", ".join(f"{reading.requirement} {_reading_text(reading)}" for reading in known.readings)
-        return (
-            f"the stack is not deterministic, so this is another flight than that in {path.parent}, which "
-            f"{Ending(known.ending).sentence} after {known.duration_s:.2f} s: {listed}"
-        )
-    changed = ", ".join(differences(fingerprint(), theirs))
-    where = f"on another platform ({changed})" if changed else "on the same platform"
-    if same_platform or not changed:
-        raise GateError(
-            f"{outcome.name} differs from the flight in {path.parent}, flown {where}: digest {known.digest} there"
-        )
-    pair = ([], []) if flight.mutant is None or beside is None else ([beside], [_fly(study, clean)])
-    compared = agreement([known, *pair[0]], [outcome, *pair[1]])
-    apart_s = parting_s(known.track, outcome.track)
-    when = "at no time" if apart_s is None else f"from {apart_s:.2f} s on"
-    parted = f"the drones are more than {APART_M * 1000:g} mm apart {when}"
-    if compared.facts:
-        differs = f"the flight differs in more than bits from that in {path.parent}, flown {where}"
-        raise GateError(f"{differs}: {compared.named()}; {parted}")
-    return (
-        f"other bits than the flight in {path.parent}, which was flown {where}, and the same status, ending and "
-        f"violations; {parted}"
-    )
-
-
-def _fly(study: Study, flight: Flight) -> Outcome:
-    from scaloft_fi.campaign.flights.fly import fly_log, judged
-
-    return judged(study, flight, fly_log(study, flight))
+        write(output, png(flown.map()) if end == ".png" else flown.map().encode())
+        tell_line(f"map: {output}")
+    tell_line(compared(flown, campaign, same_platform=same_platform))

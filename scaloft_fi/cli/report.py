@@ -10,12 +10,20 @@ import click
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import as_of_option, campaign_option, study_option
+from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import tell_line
 
 NAME = "report.html"
 
 
-@click.command("report")
+@verb(
+    "report",
+    examples=(
+        ("Write the page into the campaign's folder", "scaloft-fi report"),
+        ("Write it elsewhere", "scaloft-fi report --output report.html"),
+        ("Mark dispositions that have expired by a day", "scaloft-fi report --today 2027-01-31"),
+    ),
+)
 @study_option
 @campaign_option
 @click.option(

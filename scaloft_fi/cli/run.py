@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -21,16 +20,28 @@ from scaloft_fi.cli.options import (
     typed,
     warnings_option,
 )
-from scaloft_fi.console import say
+from scaloft_fi.cli.verb import verb
 from scaloft_fi.errors import InputError
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
-    from scaloft_fi.views.tables.table import Table
-
-
-@click.command("run")
+@verb(
+    "run",
+    examples=(
+        ("Fly one fault over the whole grid; the same command resumes", "scaloft-fi run --mutant LATE-human"),
+        ("Fly every fault of a guideword with three seeds", "scaloft-fi run --mutant 'NO-*' --seeds 3"),
+        ("Fly every cell's default within two hours, as in CI", "scaloft-fi run --budget 2h --fail-under 0.3"),
+    ),
+    sections={
+        "Where": "--study --campaign --grid",
+        "Which faults": "--mutant",
+        "In which situations": "--situation --choose --choose-seed",
+        "How often": "--seeds --baseline-seeds --baseline-from --sequential",
+        "How": "--jobs --budget --no-share --same-platform",
+        "On many machines": "--shard --executor --cluster-key --cluster-security",
+        "What fails the run": "--fail-under --max-invalid",
+        "What is printed": "--all --format --warnings --quiet --help",
+    },
+)
 @study_option
 @campaign_option
 @grid_option
@@ -159,97 +170,47 @@ def run_command(
     from scaloft_fi.campaign.processes.start import one_thread_each
 
     one_thread_each()
-    from scaloft_fi.analysis.noise import noise_of
     from scaloft_fi.analysis.scoring.pool import LEAST
-    from scaloft_fi.analysis.scoring.score import score_of
     from scaloft_fi.campaign.flights.fork import CAN_FORK
     from scaloft_fi.campaign.plan import choose
-    from scaloft_fi.campaign.plan.plan import plan_draws
     from scaloft_fi.campaign.progress.progress import Progress, Silence
-    from scaloft_fi.campaign.runs import choice
-    from scaloft_fi.campaign.runs.baseline_pool import borrowed
     from scaloft_fi.campaign.runs.budget import budget_s
-    from scaloft_fi.campaign.runs.looks import run_looks
     from scaloft_fi.campaign.runs.options import RunOptions
-    from scaloft_fi.campaign.runs.run import run
-    from scaloft_fi.campaign.runs.strategy import OPTION
+    from scaloft_fi.campaign.runs.request import Request, fly, planned_run
     from scaloft_fi.campaign.store.flown_grid import study_of
     from scaloft_fi.campaign.store.folder import campaign_folder
     from scaloft_fi.campaign.workers.named import executor_named
     from scaloft_fi.cli.score import report
-    from scaloft_fi.judge.rulings import rulings_of
-    from scaloft_fi.sim.grid import ALL
-    from scaloft_fi.views.runs.looks import look_table
-    from scaloft_fi.views.runs.unflown import unflown_tables
+    from scaloft_fi.views.scored_campaign import scored_run
 
     campaign = campaign_over(grid, campaign)
-    study = study_of(study_folder, campaign, grid)
-    place = OPTION
-    if how is None:
-        how = ALL if situations else study.grid.choose
-        place = study.grid.chosen_at or place
-    if sequential:
-        draws = how if how.startswith("draws") else None  # a draw has one seed, a look several
-        _alone("--sequential", seeds=seeds, budget=budget, shard=shard, choose=draws)
-    pool_seeds = choose.pool_seeds(baseline_seeds, lent=baseline_from is not None)
-    flown_seeds = choose.seeds(seeds or "1")
-    chosen = choice.choose(how, study.grid.select(situations), flown_seeds, choose_seed, study.space, place)
-    if (
-        fail_under is not None
-        and pool_seeds is not None
-        and len({*pool_seeds, *flown_seeds}) < LEAST
-        and baseline_from is None
-    ):
+    request = Request(
+        mutants=mutants,
+        situations=situations,
+        choose=how,
+        choose_seed=choose_seed,
+        seeds=choose.seeds(seeds) if seeds else None,
+        baseline_seeds=choose.seeds(baseline_seeds, "--baseline-seeds") if baseline_seeds else None,
+        baseline_from=baseline_from,
+        sequential=sequential,
+        shard=choose.shard(shard) if shard is not None else None,
+        budget_s=budget_s(budget) if budget is not None else None,
+    )
+    if fail_under is not None and request.short_of_pool is not None:
         raise InputError(
             f"--fail-under={fail_under:g} needs a baseline pool of at least {LEAST} seeds, and --baseline-seeds="
-            f"{baseline_seeds!r} makes {len({*pool_seeds, *flown_seeds})} of them; leave one out"
+            f"{baseline_seeds!r} makes {request.short_of_pool} of them; leave one out"
         )
-    study.check(chosen.situations)
-    planned = plan_draws(chosen.draws, choose.mutants(study, mutants), choose.canary(study)).with_pool(pool_seeds)
-    if shard is not None:
-        planned = planned.shard(*choose.shard(shard))
-        if not planned.baselines:
-            raise InputError(f"--shard={shard!r} has no flights: there are fewer situations and seeds than shards")
-    progress = Silence() if quiet else Progress()
     options = RunOptions(
         executor=executor_named(executor, jobs, cluster_key, certificates),
         share=CAN_FORK and not no_share,
-        part=shard is not None,
-        budget_s=None if budget is None else budget_s(budget),
         max_invalid=max_invalid,
         warnings=warnings,
         same_platform=same_platform,
         command=typed(),
     )
-    keys = [situation.key for situation in chosen.situations]
-    others = borrowed(study, baseline_from, keys) if baseline_from else ()
-    folder = campaign_folder(study, campaign)
-    choice.remember(study, folder, chosen)
-    if sequential:
-        flown, looks = run_looks(study, planned, folder, options, others=others, progress=progress)
-        extra: Sequence[Table] = (look_table(looks),)
-    else:
-        flown = run(study, planned, folder, options, progress=progress)
-        extra = unflown_tables(planned, flown.left)
-    if flown.mixture:
-        say(f"warning: {flown.mixture}")
-    rulings = rulings_of(flown.outcomes)
-    return report(
-        study,
-        rulings,
-        score_of(rulings, study.roster, study.space, flown.spending, others),
-        campaign=campaign,
-        grouping=None,
-        everything=everything,
-        style=style,
-        fail_under=fail_under,
-        noise=noise_of(flown.outcomes) if not study.stack.deterministic else (),
-        extra=extra,
-    )
-
-
-def _alone(option: str, **others: str | None) -> None:
-    """Refuse options that contradict `option`."""
-    for name, value in others.items():
-        if value is not None:
-            raise InputError(f"{option} and --{name}={value} do not go together; leave one out")
+    study = study_of(study_folder, campaign, grid)
+    planned = planned_run(study, request)
+    flown = fly(planned, campaign_folder(study, campaign), options, progress=Silence() if quiet else Progress())
+    scored = scored_run(flown, campaign)
+    return report(scored, grouping=None, everything=everything, style=style, fail_under=fail_under)

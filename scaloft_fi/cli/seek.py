@@ -18,6 +18,8 @@ from scaloft_fi.cli.options import (
     typed,
     warnings_option,
 )
+from scaloft_fi.cli.own_study import check_own
+from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say, tell
 from scaloft_fi.errors import InputError
 from scaloft_fi.inert import json_text
@@ -36,7 +38,22 @@ if TYPE_CHECKING:
 FILE = "sim/found.yaml"
 
 
-@click.command("seek")
+@verb(
+    "seek",
+    examples=(
+        ("Seek situations for all that the last score calls not detected", "scaloft-fi seek --budget 1h"),
+        (
+            "Seek a situation for one fault, with 2,000 flights at most",
+            "scaloft-fi seek LESS-depth --budget 2000flights",
+        ),
+        ("Seek situations that break the unmutated drone", "scaloft-fi seek baseline --budget 30m"),
+    ),
+    sections={
+        "Where": "--study --campaign --grid --into",
+        "How": "--budget --seed --jobs --same-platform",
+        "What is printed": "--format --warnings --quiet --help",
+    },
+)
 @click.argument("mutants", nargs=-1, metavar="[baseline | ID|GLOB...]")
 @study_option
 @campaign_option
@@ -111,12 +128,12 @@ def seek_command(
     from scaloft_fi.campaign.store.flown_grid import study_of
     from scaloft_fi.campaign.store.folder import campaign_folder
     from scaloft_fi.mutants.derive import realise
+    from scaloft_fi.sim.found import FILE
 
     allowance = Allowance.parse(budget)
     require_optuna()
     study = study_of(study_folder, into or grid, grid)
-    if study.packaged:
-        raise InputError("--study: the packaged study takes no finds; copy it with `cp -r` and name the copy")
+    check_own(study, study_folder, study.folder / "sim" / FILE)
     study.check()
     folder = campaign_folder(study, into or grid)
     search = _Search(

@@ -11,13 +11,21 @@ import click
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import FORMATS, campaign_option, study_option
+from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import tell
 
 if TYPE_CHECKING:
     from scaloft_fi.views.worksheet.worksheet import SheetRow
 
 
-@click.command("worksheet")
+@verb(
+    "worksheet",
+    examples=(
+        ("Print the worksheet with what the flights found", "scaloft-fi worksheet"),
+        ("Bring it to the HAZOP meeting as a workbook", "scaloft-fi worksheet --format xlsx --output worksheet.xlsx"),
+        ("Put it into a paper", "scaloft-fi worksheet --format latex --output worksheet.tex"),
+    ),
+)
 @study_option
 @campaign_option
 @click.option(

@@ -23,13 +23,35 @@ def find_study(path: Path | str | None = None) -> Path:
             allowed = "a folder with hazop/, mutants/ and sim/"
             raise InputError(f"--study={str(path)!r} must be {allowed}; it lacks {', '.join(lacking)}")
         return Path(path)
+    here = _here()
+    near = nearest_study(here)
+    if near is not None:
+        return near
+    for folder in (_PACKAGE / "_study", _PACKAGE.parent):
+        if _is_study(folder):
+            return folder
+    raise InputError(f"no study in {here} or above it: a folder with hazop/, mutants/ and sim/; name one with --study")
+
+
+def nearest_study(folder: Path | None = None) -> Path | None:
+    """The study in a folder (default: the current one), or in the nearest folder above it; None where there is none.
+
+    Raises:
+        InputError: the current folder cannot be read.
+    """
+    here = folder or _here()
+    return next((one for one in (here, *here.parents) if one != _PACKAGE and _is_study(one)), None)
+
+
+def _is_study(folder: Path) -> bool:
+    """The package has folders of these names too; callers leave it out."""
+    return all(is_folder(folder / name) for name in FOLDERS)
+
+
+def _here() -> Path:
     try:
-        here = Path.cwd()
+        return Path.cwd()
     except OSError as error:
         raise InputError(
             f"the current folder cannot be read: {error.strerror}; go to another or name --study"
         ) from error
-    for folder in (here, *here.parents, _PACKAGE / "_study", _PACKAGE.parent):
-        if folder != _PACKAGE and all(is_folder(folder / name) for name in FOLDERS):  # the package has such folders too
-            return folder
-    raise InputError(f"no study in {here} or above it: a folder with hazop/, mutants/ and sim/; name one with --study")

@@ -3,10 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from typing import Any
 
 from scaloft_fi.analysis.disposition import Disposition, Judged, Standing
+from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.views.outputs.output import Output
+from scaloft_fi.views.outputs.shape import flag, listing, optional, record, text, texts
 from scaloft_fi.views.score.commands import DEFAULT, in_campaign
 from scaloft_fi.views.tables.table import Table
+
+_NOBODY = "nobody has accepted it"
+DISPOSITIONS = Output(
+    "dispositions",
+    "1.0",
+    "the survivors of a campaign beside those that somebody accepted",
+    {
+        "survivors": listing(
+            "every survivor and every disposition, survivors first",
+            record(
+                "one mutant",
+                {
+                    "mutant": text("id of the mutant"),
+                    "state": text("how it stands", [state.value for state in Standing]),
+                    "fails": flag("whether `score --ratchet` does not pass because of it"),
+                    "verdict": optional(text("on the mutant", [verdict.value for verdict in Verdict]), "not flown"),
+                    "survives_in": texts("keys of the situations that put it to the test, where it survives"),
+                    "owner": optional(text("who accepted it"), _NOBODY),
+                    "reason": optional(text("why"), _NOBODY),
+                    "expires": optional({**text("last day of the acceptance"), "format": "date"}, _NOBODY),
+                    "accepted_in": texts("keys of the situations for which it is accepted; empty for all"),
+                    "has_find": flag("whether a search found a situation that shows it and is still to be flown"),
+                },
+            ),
+        )
+    },
+    rows="survivors",
+)
 
 
 def acceptance(disposition: Disposition) -> str:
@@ -70,3 +102,24 @@ def disposition_table(judged: Sequence[Judged], found: Collection[str] = (), cam
         command = f"`scaloft-fi kills{in_campaign(campaign)} --show survivors`"
         notes += (f"A search found situations that show {', '.join(to_fly)}; {command} says how to fly them.",)
     return Table("Survivors and dispositions", headers, rows, notes)
+
+
+def disposition_values(judged: Sequence[Judged], found: Collection[str] = ()) -> dict[str, Any]:
+    """Plain JSON values of the form `DISPOSITIONS`; `found` as of `disposition_table`."""
+    return {"survivors": [_values(entry, entry.mutant in found) for entry in judged]}
+
+
+def _values(entry: Judged, found: bool) -> dict[str, Any]:
+    known = entry.disposition
+    return {
+        "mutant": entry.mutant,
+        "state": entry.state.value,
+        "fails": entry.state.fails,
+        "verdict": entry.verdict.value if entry.verdict else None,
+        "survives_in": list(entry.surviving),
+        "owner": known.owner if known else None,
+        "reason": known.reason if known else None,
+        "expires": known.expires.isoformat() if known else None,
+        "accepted_in": list(known.situations) if known else [],
+        "has_find": found,
+    }

@@ -34,8 +34,9 @@ by: The requirements that kill, each with the situations where it kills / where 
 campaign: The planned flights and their outcomes in one folder; score, coverage and report are made from it.
 carried: Number of samples that passed the patched seams in a flight.
 catalogue: The list of all mutants that the matrix gives, in `mutants/catalogue.jsonl`.
+category: The part of the operational design domain that an axis belongs to, such as `environment, light level`.
 causes | possible causes: What could bring a deviation about.
-cell | deviation id: One entry of the deviation matrix: a guideword asked of a parameter.
+cell | cells | deviation id: One entry of the deviation matrix: a guideword asked of a parameter.
 claim: Something that somebody might conclude from the campaign; or, of a stack, what one of its stages believes of
   the world.
 clearance: Distance from the drone's hull to the nearest thing it could touch [m], measured up to 1 m; below 0 it
@@ -49,8 +50,8 @@ coverage | situation coverage: Which part of all situations, and of all combinat
 covered: Combinations that were flown, of all that the grid has.
 credible: A cell that can happen: its mutants are flown and counted.
 decides bits: Whether this part of the platform can change the bits of a flight.
-default | default mutant | default mutants | default_mutant: The one mutant that stands for its cell in the score; `*` marks it in the
-  list.
+default | default mutant | default mutants | default_mutant: The one mutant that stands for its cell in the score; `*`
+  marks it in the list.
 design intent | design_intent: What the parameter should do; every deviation deviates from it.
 detected | shown: Verdict: all flights of a mutant together violate a requirement more often than chance explains;
   your tests would have shown the fault.
@@ -66,6 +67,8 @@ distinct situations: Different situations that were flown; the same one with ano
 dominator score: Minimal mutants that are killed, of all minimal mutants; redundant mutants do not count in it.
 draw | draws | test cases | test case: A situation flown with one seed.
 due | due date: When an action is to be done; for the team.
+duration_s: How long the flight lasted, in simulated time [s].
+edge: Who sends the samples of a seam, and who receives them.
 effect | consequence: What the fault does: locally, then to the flight.
 ending: How a flight ended: landed, struck or timed out; it is no verdict.
 event | events: Something that occurs in a flight, such as passing a waypoint, at which a fault may strike.
@@ -100,9 +103,11 @@ harness: The test bench: simulator, workers, store.  Stopped at harness: no flig
 held: Of a requirement: the flight did not violate it.  Of a baseline flight: it violates no safety requirement.
 Holm: The adjustment of p for several safety requirements.
 how sure: What chance explains of the result, and how many flights it rests on.
+Hz: How often a seam is polled each second.
 id: The canonical name of a mutant: `GUIDEWORD-parameter@magnitude#phase`.
 in the flight: A rail that stands for the flight: X where the fault strikes with a kill, o without one, - where
   nothing puts it to the test.
+in the record: Where the record of a command that flies has a signal.
 in this campaign: What the flights of the report's campaign say of a mutant in the situation.
 in words: The requirement in a sentence.
 infect | infected: The fault changed at least one sample.  As a ratio: default mutants that did / flown.
@@ -138,6 +143,7 @@ margin: The smallest magnitude of a fault that is killed: `1-3 s`: 1 s survives,
   baselines reach in robustness.
 masked: Status: samples were changed, and the drone flew the same to the bit.
 meaning: What the value beside it says.
+message: The type of the samples of a seam, with named fields.
 minimal | minimal mutants | minimal so far: Mutants that no other mutant subsumes: who kills these kills all.
 mixed: No short condition describes the situations with a kill; `scaloft-fi kills ID` lists them.
 monotone: A severer magnitude is killed wherever a milder one is.
@@ -149,6 +155,7 @@ NASA GSFC | TCAS | browser | medical devices | network sec. | server: Software w
 near: A person is within 3 m of the drone in a free straight line; of requirements, their definition.
 needed | would decide: Of a situation: without it a kill is lost.  Of an undecided mutant: how many seeds would
   decide.
+needs: What an operator requires of a message; it fits every seam whose message has that.
 never tests | never triggered: The condition of this requirement never comes true in the situation.
 next | what next: What to do next, most useful first.
 no test | no_test: No safety requirement is steady in the situation, so nothing that a mutant does there counts.
@@ -191,8 +198,8 @@ plugin: A package that adds an operator, a stack, a sensor, a format or the like
 population: What a ratio counts, and of what.
 predicted: What the study expects of the cell, written before it was flown.
 propagate: The fault's changed samples change the flight.  Stopped at propagate: they did not.
-put to the test | tests | tested | tested by | tested in: A situation tests a mutant that changes a sample there, if a safety
-  requirement is steady there.
+put to the test | tests | tested | tested by | tested in: A situation tests a mutant that changes a sample there, if a
+  safety requirement is steady there.
 question: The question that the sentence beside it answers.
 range: An axis whose value is any number between two ends.
 ratchet: The gate that lets only those survivors pass that a disposition accepts.
@@ -221,7 +228,8 @@ robustness | rho: How far a flight is from violating a requirement, in the requi
 safeguards | existing safeguards: What protects already; for the team.
 safety: A kind of requirement: a violation can kill a mutant.
 same kills: Mutants of the cell that are killed in exactly the same situations.
-seam: The place in the stack where a fault is patched in: the edge between two stages, or a setting of a stage.
+seam | seams: The place in the stack where a fault is patched in: the edge between two stages, or a setting of a
+  stage.
 seed | seeds | --choose-seed: The number that fixes the noise of a flight; another seed is another flight.  As the
   next step: fly more seeds.
 seeds of the mutants: Seeds with which mutants were flown in the situation.
@@ -275,6 +283,7 @@ unit: The unit of a number.
 unknown: Of a pair: the situation has fewer than ten baseline flights, so nothing is known of chance there.
 unsteady: Of a pair: the unmutated drone holds the requirement or not by chance, so it tests no fault.
 untested: A disposition whose mutant is not put to the test now.
+used in: Whether a signal may stand in requirements, in the predicates `realised` of axes, or in neither yet.
 vacuous: Of a flight: the requirement's condition never came true, so nothing is said.  Of a pair: that is so in most
   baseline flights.
 value | values: What an axis has in a situation; in a list, what the thing beside it is.
@@ -283,8 +292,11 @@ version: Of a package, a plugin or a part of the platform.
 violated: The requirement did not hold.  In tables: how often, or which requirements.
 violated_at_s | violated at: When the requirement was first violated [s from take-off].
 violates | the unmutated drone violates: The requirement that is violated, and in how many of the flights.
+violation_bodies: What was touched at each of these moments; empty for nothing.
+violation_times_s: When each requirement in `violated` was first violated [s from take-off], in the same order.
 warning: A violation that is printed when it happens; it is no verdict.
 what: The thing that the value beside it is about.
+what it does: The change that an operator makes to samples.
 where: In which situations, as the shortest condition; of a break, where in the mine.
 which: The members, by name.
 why: The reason.

@@ -38,8 +38,8 @@ def accept(study: Path, mutant: str, expires: str = "2099-01-01", more: str = ""
 
 
 def states(call: Call, study: Path, *words: str) -> dict[str, str]:
-    (table,) = json.loads(call("dispositions", "--format", "json", *words, study=study).stdout)
-    return {row["mutant"]: row["state"] for row in table["rows"]}
+    told = json.loads(call("dispositions", "--format", "json", *words, study=study).stdout)
+    return {row["mutant"]: row["state"] for row in told["survivors"]}
 
 
 def test_survivors_stand_beside_what_was_accepted(call: Call, flown: Path) -> None:
@@ -142,8 +142,8 @@ def test_an_undecided_mutant_is_a_survivor_whose_verdict_is_told(call: Call, flo
     done = call("score", "--ratchet", *words, campaign=False)
     assert done.exit_code == 3
     assert "ratchet: LATE-human@3s is undecided (tested in T0O0W0D0H1) and not accepted" in done.stderr
-    (table,) = json.loads(call("dispositions", "--format", "json", *words, campaign=False).stdout)
-    assert [(row["mutant"], row["state"], row["verdict"]) for row in table["rows"]] == [
+    told = json.loads(call("dispositions", "--format", "json", *words, campaign=False).stdout)
+    assert [(row["mutant"], row["state"], row["verdict"]) for row in told["survivors"]] == [
         ("LATE-human@3s", "open", "undecided")
     ]
 

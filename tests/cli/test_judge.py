@@ -41,7 +41,7 @@ def a_record(folder: Path, **last: float) -> Path:
 def test_a_violation_is_a_finding_with_time_and_place_and_the_exit_code_is_0(tmp_path: Path) -> None:
     done = judge(a_record(tmp_path, clearance_m=-0.001, x_m=3.5), "--format", "json")
     assert done.exit_code == 0
-    rows = {row["requirement"]: row for row in json.loads(done.stdout)[0]["rows"]}
+    rows = {row["requirement"]: row for row in json.loads(done.stdout)["readings"]}
     assert (rows["SR1"]["verdict"], rows["SR1"]["violated_at_s"], rows["SR1"]["x"]) == ("violated", 2.0, 3.5)
     assert (rows["SR1"]["robustness"], rows["SR2"]["verdict"], rows["SR2"]["robustness"]) == (-0.001, "open", None)
 

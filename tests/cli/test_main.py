@@ -8,10 +8,11 @@ import click
 import pytest
 from click.testing import CliRunner
 
-from scaloft_fi import __version__
 from scaloft_fi.cli import main as cli
-from scaloft_fi.cli.main import VERBS, main
+from scaloft_fi.cli.main import main
+from scaloft_fi.cli.verbs import GROUPS, VERBS
 from scaloft_fi.errors import GateError, InputError, ScaloftError
+from scaloft_fi.version import __version__
 
 ROOT = Path(__file__).parents[2]
 
@@ -34,9 +35,10 @@ def test_the_version_is_told() -> None:
 
 
 @pytest.mark.parametrize("words", [(), ("--help",), ("-h",)])
-def test_help_lists_the_verbs_in_the_order_of_the_pipeline(words: tuple[str, ...]) -> None:
+def test_help_lists_the_groups_and_their_verbs_in_order(words: tuple[str, ...]) -> None:
     code, out, _ = _call(*words)
-    places = [out.index(f"\n  {verb} ") for verb in VERBS]
+    told = [name for heading, verbs in GROUPS.items() for name in (f"{heading}:", *(f"  {verb} " for verb in verbs))]
+    places = [out.index(f"\n{name}", out.index(next(iter(GROUPS))) - 1) for name in told]
     assert code == 0
     assert places == sorted(places)
 

@@ -13,14 +13,17 @@ from scaloft_fi.campaign.store.folder import STORE_NAME
 from scaloft_fi.campaign.store.held import flight_named
 from scaloft_fi.campaign.store.key import flight_key
 from scaloft_fi.campaign.store.store import Store
-from scaloft_fi.cli.replay import _compared, _facts
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.sim.log import NEVER_S, Ending, FlightLog
 from scaloft_fi.study import Study
+from scaloft_fi.views.flights.logged_flight import LoggedFlight
+from scaloft_fi.views.flights.repeated import compared
+from scaloft_fi.views.tables.table import Format, render
 
 STUDY = Path(__file__).parents[2]
+LOG = FlightLog({"elapsed_s": np.array([0.0, 40.0])}, Ending.LANDED, "", NEVER_S, "", {}, 60.0)
 
 
 @pytest.mark.parametrize(
@@ -60,8 +63,8 @@ def test_a_requirement_that_the_flight_did_not_put_to_the_test_has_no_robustness
         Reading("SR2", Kind.SAFETY, 24.0, None, 0, open=False),
     )
     flown = Outcome(flight.subject, "T0O0W0D0H0", 0, ending="landed", readings=readings)
-    log = FlightLog({"elapsed_s": np.array([0.0, 40.0])}, Ending.LANDED, "", NEVER_S, "", {}, 60.0)
-    said = [" ".join(line.split()) for line in _facts(study, flight, flown, log).splitlines()]
+    facts = render((LoggedFlight(study, flight, LOG, flown).facts(),), Format.TABLE)
+    said = [" ".join(line.split()) for line in facts.splitlines()]
     assert "SR1 held, robustness 0.300" in said
     assert "SR2 vacuous" in said
 
@@ -83,10 +86,11 @@ class _Replayed:
 
     def compared(self, numpy: str, outcome: Outcome, *, clean: str = "clean 2", same_platform: bool = False) -> str:
         """What `replay` says of `outcome` on the platform `numpy`, whose baseline has the digest `clean`."""
-        self._monkeypatch.setattr("scaloft_fi.campaign.store.fingerprint.fingerprint", lambda: {"numpy": numpy})
-        again = replace(self.baseline, digest=clean)
-        self._monkeypatch.setattr("scaloft_fi.cli.replay._fly", lambda *_: again)
-        return _compared(self.study, f"{self._folder}/", self.flight, outcome, same_platform=same_platform)
+        self._monkeypatch.setattr("scaloft_fi.views.flights.repeated.fingerprint", lambda: {"numpy": numpy})
+        again = LoggedFlight(self.study, self.clean, LOG, replace(self.baseline, digest=clean))
+        self._monkeypatch.setattr("scaloft_fi.views.flights.logged_flight.fly_with_log", lambda *_: again)
+        flown = LoggedFlight(self.study, self.flight, LOG, outcome)
+        return compared(flown, f"{self._folder}/", same_platform=same_platform)
 
 
 @pytest.fixture

@@ -142,8 +142,8 @@ def test_an_edited_number_flies_again_and_an_edited_comment_does_not(call: Call,
     assert "3 of 3 flights flown" in call(*words, study=copy).stderr
     status = call("status", study=copy).stdout.splitlines()
     assert "sim/ changed  3" in [" ".join(line.split()).replace("changed ", "changed  ") for line in status]
-    (_, stale) = json.loads(call("status", "--format", "json", study=copy).stdout)
-    assert stale["rows"] == [{"why": "sim/ changed", "number": 3}]
+    told = json.loads(call("status", "--format", "json", study=copy).stdout)
+    assert told["reasons"] == [{"why": "sim/ changed", "flights": 3}]
 
 
 def test_an_axis_value_that_a_situation_does_not_have_does_not_fly_it_again(call: Call, copy: Path) -> None:

@@ -32,12 +32,12 @@ def test_flights_whose_baseline_is_not_home_wait_for_it_and_are_not_called_inval
     with closing(sqlite3.connect(tmp_path / "campaign" / STORE_NAME)) as connection:
         connection.execute("DELETE FROM outcomes WHERE mutant = 'baseline' AND situation = 'T0O0W0D0H1'")
         connection.commit()
-    counted = {
-        row["flights"]: row["number"] for row in json.loads(call("status", "--format", "json").stdout)[0]["rows"]
-    }
+    statuses = json.loads(call("status", "--format", "json").stdout)["statuses"]
+    counted = {row["status"]: row["flights"] for row in statuses if row["subject"] == "mutants"}
     rows = json.loads(call("export").stdout)
-    assert counted["waiting for their baseline"] == sum(row["situation"] == "T0O0W0D0H1" for row in rows) >= 2
+    assert counted["waiting"] == sum(row["situation"] == "T0O0W0D0H1" for row in rows) >= 2
     assert "invalid" not in counted
+    assert "waiting for their baseline" in call("status").stdout
 
 
 def test_there_is_no_status_of_a_campaign_that_was_never_flown(call: Call, tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples" / "outside_planner"
 KEY = "T0O0W0D0H1"
 LOOPBACK, MULTICAST = "0100007F", "0100FFEF"
-LIMIT_S = 120.0
+LIMIT_S = 400.0
 
 
 @pytest.fixture(scope="session")

@@ -28,7 +28,7 @@ from scaloft_fi.mutants import catalogue
 from scaloft_fi.study import Study
 
 FOLDERS = ("hazop", "mutants", "sim")
-MOST_S = 2.0
+MOST_S = 5.0
 """CPU time that one input may take [s]."""
 MOST_BYTES = 3 << 30
 """Memory that the process may take."""

@@ -15,6 +15,7 @@ from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.grouping import By
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO
 from scaloft_fi.views.glossary import TERMS, term
+from scaloft_fi.views.lists import axes, operators, seams, signals
 from scaloft_fi.views.score import answers, first_screen, tables
 from scaloft_fi.views.worksheet.worksheet import COLUMNS
 
@@ -27,6 +28,12 @@ TOLD_BY_A_RUN = {
     "views/flights/compare.py: second": "a campaign's name",
     "views/flights/export.py: columns": "columns of the export, which the reference has",
     "views/flights/log_table.py: log.signals": "signals, which `scaloft_fi.sim.signals` explains",
+    "views/lists/listing.py: chosen.keys": "keys of records, which the functions that make the lists explain",
+    "views/lists/listing.py: tuple(columns)": tuple(
+        head for module in (axes, operators, seams, signals) for head in module.OVERVIEW
+    ),
+    "views/outputs/csv_tables.py: (field.name for field in columns)": "keys of JSON, which the reference has",
+    "views/outputs/csv_tables.py: owner": "a key of JSON, which the reference has",
     "views/runs/unflown.py: header": ("parameter", "situation"),
     "views/score/first_screen.py: columns": tuple(
         column for columns in (*first_screen.COLUMNS.values(), first_screen.CONTROL_COLUMNS) for column in columns
@@ -45,6 +52,7 @@ NOT_PRINTED = {
     "Kind": "kinds of fields of messages",
     "Shape": "a key of YAML",
     "Side": "an order of signals",
+    "Style": "codes of a terminal",
     "Worse": "an order of magnitudes",
 }
 """Enumerations that no table and no file of results prints."""

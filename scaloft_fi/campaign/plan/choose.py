@@ -32,21 +32,6 @@ def seeds(text: str, option: str = "--seeds") -> tuple[int, ...]:
     raise InputError(f"{option}={text!r} must be N for seeds 0..N-1 (N >= 1), or A-B with A <= B")
 
 
-def pool_seeds(text: str | None, *, lent: bool) -> tuple[int, ...] | None:
-    """Seeds of the baseline pool in addition to the mutants' seeds; None = as many as a pool needs.
-
-    Args:
-        text: value of `--baseline-seeds`.
-        lent: whether another campaign lends its baselines; then `text` alone decides.
-
-    Raises:
-        InputError: the text names no seeds.
-    """
-    if text:
-        return seeds(text, "--baseline-seeds")
-    return () if lent else None
-
-
 def shard(text: str) -> tuple[int, int]:
     """`k/n`: the k-th of n shards.
 

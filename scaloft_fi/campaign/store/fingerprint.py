@@ -10,7 +10,7 @@ from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
 
-from scaloft_fi import __version__
+from scaloft_fi.version import __version__
 
 NUMERIC = ("numpy", "numba", "llvmlite", "filterpy", "scipy", "pybullet", "rtamt")
 """Packages whose versions can change the last bit of a flight or a reading."""

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.campaign.flights.fly import invalid
-from scaloft_fi.campaign.flights.worker import Flyer, Worker, left_of, lost
+from scaloft_fi.campaign.flights.worker import left_of, lost
 from scaloft_fi.campaign.plan.batch import Batch
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.processes.pool import Pool
@@ -22,6 +22,7 @@ from scaloft_fi.campaign.processes.start import started_clean
 from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
 from scaloft_fi.campaign.workers.bundle import digest_of, unpacked
 from scaloft_fi.campaign.workers.key import VARIABLE, Message, read_key, sealed, topic_of, unsealed
+from scaloft_fi.campaign.workers.late_worker import LateWorker
 from scaloft_fi.campaign.workers.plain import batch_from_plain, flyer_from_plain, outcome_to_plain
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
@@ -134,24 +135,6 @@ def _opened(order: str, kind: str) -> Iterator[tuple[Mapping[str, Any], Path, Se
         yield message.content, Path(worker.local_directory), send, stop
     except Exception as error:  # noqa: BLE001 - an exception would reach the run as a pickle, which it does not read
         send("failed", str(error) if isinstance(error, InputError) else in_one_line(error))
-
-
-@dataclass
-class LateWorker:
-    """The work of a new process: it opens the study when it gets its first batch."""
-
-    folder: Path
-    grid_name: str | None
-    flyer: Flyer
-    _worker: Worker | None = None
-
-    def __call__(self, batch: Batch, report: Callable[[Outcome], None]) -> None:
-        """Fly one batch."""
-        if self._worker is None:
-            study = Study.open(self.folder, self.grid_name)
-            self.flyer.prepare(study, lambda _text: None)
-            self._worker = Worker(study, self.flyer)
-        self._worker(batch, report)
 
 
 @dataclass(eq=False)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from scaloft_fi import __version__
 from scaloft_fi.reading import read_text
 from scaloft_fi.study import Study
+from scaloft_fi.version import __version__
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.snapshot import snapshot
 

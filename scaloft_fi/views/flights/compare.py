@@ -4,12 +4,50 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
+from scaloft_fi.analysis.plain import by_field
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.judge.facts import Facts, facts_of
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.space import Space
+from scaloft_fi.views.outputs.output import Output
+from scaloft_fi.views.outputs.shape import count, listing, optional, record, text, texts
 from scaloft_fi.views.tables.table import Table
+
+_FACTS = record(
+    "what a campaign says of the flight",
+    {
+        "status": text("beside its baseline; of a baseline `held`, `violated` or `invalid`"),
+        "ending": text("how the flight ended; empty when invalid"),
+        "violated": texts("the violated requirements"),
+    },
+)
+DIFF = Output(
+    "diff",
+    "1.0",
+    "the flights of which two campaigns do not say the same",
+    {
+        "first": text("the first campaign, as it was named"),
+        "second": text("the second campaign, as it was named"),
+        "same": count("flights that are the same bit for bit"),
+        "other_bits": count("flights with other bits and the same status, ending and violations"),
+        "differences": listing(
+            "the flights that differ, ordered by mutant, situation and seed",
+            record(
+                "one flight",
+                {
+                    "mutant": text("`baseline`, `PLACEBO` or the id of a mutant"),
+                    "situation": text("key of the situation"),
+                    "seed": count("seed of the flight"),
+                    "first": optional(_FACTS, "the first campaign has no such flight"),
+                    "second": optional(_FACTS, "the second campaign has no such flight"),
+                },
+            ),
+        ),
+    },
+    rows="differences",
+)
 
 
 @dataclass(frozen=True)
@@ -65,6 +103,11 @@ def comparison_table(comparison: Comparison, first: str, second: str) -> Table:
         f"ending and violations; {len(rows)} differ."
     )
     return Table(f"{first} and {second}", ("mutant", "situation", "seed", first, second), rows, (note,))
+
+
+def comparison_values(comparison: Comparison, first: str, second: str) -> dict[str, Any]:
+    """Plain JSON values of the form `DIFF`; `first` and `second` name the campaigns."""
+    return {"first": first, "second": second, **by_field(comparison)}
 
 
 def _said(outcomes: Iterable[Outcome]) -> dict[tuple[str, str, int], tuple[Facts, str]]:

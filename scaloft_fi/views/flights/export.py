@@ -29,6 +29,7 @@ from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.robustness import measured_rho
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import baseline_status
+from scaloft_fi.views.columns import Columns, ColumnType
 from scaloft_fi.views.tables.table import csv_text
 
 FlightRow = dict[str, Any]
@@ -39,6 +40,33 @@ BASIS = (
     *("held", "revealed_by", "violation_times_s", "violation_bodies", "triggered", "realised", "carried", "altered"),
 )
 """What else every figure of the score follows from."""
+WHOLE = frozenset({"seed", "carried", "altered"})
+TEXTS = frozenset({"mutant", "situation", "status", "ending", "struck", "digest"})
+LISTS_OF_TEXTS = frozenset({"violated", "held", "revealed_by", "violation_bodies", "triggered", "realised"})
+LISTS_OF_NUMBERS = frozenset({"violation_times_s"})
+"""Columns by type; every other one is a number."""
+
+
+def column_type(name: str) -> ColumnType:
+    """The type of a column of the rows.
+
+    >>> column_type("seed").value, column_type("rho_SR1").value
+    ('int64', 'float64')
+    """
+    for names, kind in (
+        (WHOLE, ColumnType.WHOLE),
+        (TEXTS, ColumnType.TEXT),
+        (LISTS_OF_TEXTS, ColumnType.TEXTS),
+        (LISTS_OF_NUMBERS, ColumnType.NUMBERS),
+    ):
+        if name in names:
+            return kind
+    return ColumnType.NUMBER
+
+
+def flight_columns(rows: Sequence[FlightRow], names: Sequence[str]) -> Columns:
+    """The rows as typed columns; `names` are those of `columns`."""
+    return Columns("Flights", {name: column_type(name) for name in names}, rows)
 
 
 def export_rows(

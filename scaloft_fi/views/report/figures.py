@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from scaloft_fi import __version__
 from scaloft_fi.analysis.kills.kill_matrix import kill_matrix
 from scaloft_fi.analysis.plain import plain
 from scaloft_fi.analysis.scoring.baseline import Finding, findings, tallies
@@ -18,6 +17,7 @@ from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.rulings import rulings_of
 from scaloft_fi.judge.track import TRACK_COLUMNS
 from scaloft_fi.sim.log import Ending
+from scaloft_fi.version import __version__
 from scaloft_fi.views.glossary import TERMS
 from scaloft_fi.views.report import matrices
 from scaloft_fi.views.report.accepted import accepted

@@ -14,7 +14,9 @@ from scaloft_fi.judge.requirement import Kind
 
 NO_POOL = "Not known: no situation has ten flights of the unmutated drone."
 WHOLE = "A share of these faults and no estimate for others: the list of cells is closed, and no sample of anything."
-MODEL = "The flights are simulated: mine, vehicle, sensors and light are a model, many of whose numbers are assumptions."
+MODEL = (
+    "The flights are simulated: mine, vehicle, sensors and light are a model, many of whose numbers are assumptions."
+)
 
 
 def head(scored: Score, situations: Ratio, breaks: int) -> dict[str, Any]:
@@ -54,7 +56,8 @@ def _violates(pool: Pool, name: str) -> str:
 
 def _broken(breaks: int) -> Iterable[str]:
     if breaks:
-        yield f"A search around the grid found {_situations(breaks)} more that {'breaks' if breaks == 1 else 'break'} it."
+        they = "breaks" if breaks == 1 else "break"
+        yield f"A search around the grid found {_situations(breaks)} more that {they} it."
 
 
 def _claims(scored: Score, situations: Ratio) -> Iterable[str]:

@@ -10,7 +10,8 @@ from scaloft_fi.analysis.scoring.detection import Detection
 from scaloft_fi.analysis.scoring.grouping import Group
 from scaloft_fi.analysis.scoring.mutant_score import Kill, Moment, MutantScore
 from scaloft_fi.analysis.scoring.score import Score
-from scaloft_fi.analysis.situations.coverage import Coverage, coverage_json
+from scaloft_fi.analysis.situations.coverage import Coverage
+from scaloft_fi.views.coverage.coverage_record import coverage_record
 
 VERSION = 2
 """Of this form; it changes when a name or its meaning does."""
@@ -40,18 +41,10 @@ def score_json(
         "pairs": plain(scored.pool.pairs.values()),
         "lacking": list(scored.lacking),
         "selected": list(scored.selected),
-        "coverage": _coverage(covered),
+        "coverage": coverage_record(covered),
         "baseline": [{"situation": key, "violated": list(violated)} for key, violated in baselines],
         **({"groups": plain(groups)} if groups else {}),
     }
-
-
-def _coverage(covered: Coverage) -> dict[str, Any]:
-    """`t_way` with parts and wholes alone, `complete` with its (p, t)-completeness."""
-    values = coverage_json(covered)
-    complete = {strength: ratio["complete"] for strength, ratio in values["t_way"].items()}
-    t_way = {str(strength): plain(ratio) for strength, ratio in covered.t_way}
-    return values | {"t_way": t_way, "complete": complete}
 
 
 def _mutant(mutant: MutantScore) -> dict[str, Any]:

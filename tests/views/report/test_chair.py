@@ -157,7 +157,8 @@ def test_every_head_and_legend_is_a_term_that_leads_to_its_meaning(visit: Opened
     told = embedded(text, "figures")
     known = {form.lower() for entry in told["glossary"] for form in (entry["name"], *entry["also"])}
     known |= {requirement["name"].lower() for requirement in told["requirements"]}
-    heads = "nodes => nodes.map((node) => [...node.childNodes].find((one) => one.textContent.trim())?.textContent ?? '')"
+    first = "[...node.childNodes].find((one) => one.textContent.trim())?.textContent ?? ''"
+    heads = f"nodes => nodes.map((node) => {first})"
     for fragment, root in (("", "main"), *((sheet, "#sheet") for sheet in SHEETS)):
         if fragment:
             open_sheet(page, fragment)

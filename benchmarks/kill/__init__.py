@@ -1,0 +1,1 @@
+"""A campaign that is killed again and again."""

@@ -1,0 +1,146 @@
+"""A planner over ROS 2 should get the score that the same planner gets inside.
+
+    python benchmarks/outside_planner.py --fly ros2|lines|inside [--jobs N]
+    python benchmarks/outside_planner.py --page
+
+`--fly` makes the study of `examples/outside_planner`, flies LATE-human and PLACEBO over the whole grid beside a pool of
+twenty baseline seeds where the fault acts, and keeps the score in `results/published/outside_planner.json`.  `ros2`
+needs a Python with rclpy.  `--page` writes `results/published/outside_planner.md` from these scores and flies nothing.
+"""
+
+from __future__ import annotations
+
+from checkout import ROOT  # first: it sets the path and the threads
+
+# isort: split
+
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+EXAMPLE = ROOT / "examples" / "outside_planner"
+KEPT = ROOT / "results" / "published" / "outside_planner.json"
+PAGE = KEPT.with_suffix(".md")
+BORDERS = ("inside", "lines", "ros2")
+POOL = 20
+"""Baseline seeds; redraws of the unmutated drone need that many."""
+STARTED = "import sys; sys.path.insert(0, sys.argv.pop(1)); import inside; from scaloft_fi.cli.main import main; main()"
+"""A start of the command that declares the stack `planner_inside`, which no installed package does."""
+HEAD = """# A planner over ROS 2, and the same planner inside
+
+The planner of `examples/outside_planner` flies the 32 situations of the reference mine with LATE-human@3s and PLACEBO,
+one seed, beside a pool of twenty baseline seeds where the fault acts: in the process of the flight (`inside`), in a
+process of its own over JSON lines (`lines`), and as a node of ROS 2 (`ros2`).  Made by
+`python benchmarks/outside_planner.py`; the scores are in `outside_planner.json`.  Redraws: how many of 200 redraws of
+the unmutated drone the score's test calls detected.
+
+"""
+NOISE = """
+## Noise of the stack over ROS 2
+
+| requirement | pairs | by the stack alone | between seeds | apart |
+|---|---|---|---|---|
+"""
+
+
+def fly(border: str, jobs: int) -> dict[str, Any]:
+    """Fly the grid; returns the score, and how the flights ended."""
+    with tempfile.TemporaryDirectory() as made:
+        study = Path(made) / "study"
+        subprocess.run([sys.executable, str(EXAMPLE / "make_study.py"), str(study), border], cwd=ROOT, check=True)
+        start = (
+            [sys.executable, "-c", STARTED, str(EXAMPLE)]
+            if border == "inside"
+            else [sys.executable, "-m", "scaloft_fi"]
+        )
+        flown = ["run", "--mutant", "LATE-human", "--baseline-seeds", str(POOL), "--jobs", str(jobs)]
+        begin_s = time.monotonic()
+        run = subprocess.run([*start, *flown, "--study", str(study)], cwd=ROOT, stdout=subprocess.DEVNULL, check=False)
+        wall_s = time.monotonic() - begin_s
+        score, rows = (
+            json.loads(
+                subprocess.run(
+                    [*start, verb, "--study", str(study), "--format", "json"],
+                    cwd=ROOT, check=True, capture_output=True, text=True,
+                ).stdout
+            )
+            for verb in ("score", "export")
+        )  # fmt: skip
+    return {
+        "code": run.returncode,
+        "wall_s": round(wall_s),
+        "flights": len(rows),
+        "simulated_s": round(sum(row["duration_s"] for row in rows)),
+        "statuses": dict(sorted(Counter(f"{row['mutant']}: {row['status']}" for row in rows).items())),
+        "mutants": score["mutants"],
+        "redraw": score["redraw"],
+        "steady": sum(pair["state"] == "steady" for pair in score["pairs"]),
+        "pairs": len(score["pairs"]),
+        "noise": score.get("noise", []),
+    }
+
+
+def page(kept: Mapping[str, Mapping[str, Any]]) -> str:
+    """The page, in Markdown."""
+    heads = [
+        "stack",
+        "code",
+        "flights",
+        "simulated [s]",
+        "wall [s]",
+        "verdict",
+        "p of SR2",
+        "kills",
+        "redraws",
+        "steady",
+    ]
+    text = HEAD + _row(heads) + "|---" * len(heads) + "|\n"
+    for border in BORDERS:
+        one = kept[border]
+        (late,) = one["mutants"]
+        kills, redraws = late["kill_rate"], one["redraw"]["safety"]
+        text += _row([
+            f"`{border}`", *(one[name] for name in ("code", "flights", "simulated_s", "wall_s")), late["verdict"],
+            f"{late['p']['SR2']:.2g}", f"{kills['part']}/{kills['whole']}", f"{redraws['part']} of {redraws['whole']}",
+            f"{one['steady']} of {one['pairs']} pairs",
+        ])  # fmt: skip
+    text += "\n## Statuses\n\n" + _row(["flights", *BORDERS]) + "|---" * (1 + len(BORDERS)) + "|\n"
+    for name in sorted({name for one in kept.values() for name in one["statuses"]}):
+        text += _row([name, *(kept[border]["statuses"].get(name, 0) for border in BORDERS)])
+    text += NOISE
+    for noise in kept["ros2"]["noise"]:
+        figures = (f"{noise[name]:.2g}" if noise[name] is not None else "none" for name in ("stack", "seeds"))
+        text += _row([noise["requirement"], noise["pairs"], *figures, noise["apart"]])
+    return text
+
+
+def _row(cells: Iterable[object]) -> str:
+    return f"| {' | '.join(map(str, cells))} |\n"
+
+
+def main() -> int:
+    """Fly or write the page; the exit code is that of the run."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    what = parser.add_mutually_exclusive_group(required=True)
+    what.add_argument("--fly", choices=BORDERS)
+    what.add_argument("--page", action="store_true")
+    parser.add_argument("--jobs", type=int, default=2)
+    options = parser.parse_args()
+    kept = json.loads(KEPT.read_text()) if KEPT.exists() else {}
+    if options.page:
+        PAGE.write_text(page(kept))
+        return 0
+    kept[options.fly] = fly(options.fly, options.jobs)
+    KEPT.write_text(json.dumps({name: kept[name] for name in BORDERS if name in kept}, indent=1) + "\n")
+    return int(kept[options.fly]["code"])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

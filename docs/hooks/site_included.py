@@ -1,0 +1,81 @@
+"""Pages of the site whose text lives elsewhere in the repository: published experiments, design, the study's files."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from posixpath import dirname, relpath
+
+ROOT = Path(__file__).resolve().parents[2]
+PUBLISHED = ROOT / "results" / "published"
+PICTURES = {
+    "experiments/reference/report.png": PUBLISHED / "reference" / "report.png",
+    "experiments/unintended.png": PUBLISHED / "unintended.png",
+}
+"""Pictures of these pages, by their place in the site."""
+SECTIONS = {
+    "how_it_works.md": (
+        "How it works",
+        ("Concepts, each with one name", "The way of the data", "What a stack declares", "Layout"),
+    ),
+    "decisions.md": ("Decisions and their reasons", ("Decisions and their reasons",)),
+    "limits.md": ("Limits", ("Known weaknesses",)),
+}
+"""Pages of the site made of sections of DESIGN.md: title, sections."""
+WHOLE = {
+    "reference/hazop.md": "hazop/README.md",
+    "reference/sim.md": "sim/README.md",
+    "benchmarks.md": "benchmarks/README.md",
+}
+"""Pages of the site that are another file of the repository."""
+
+
+def included_pages() -> dict[str, str]:
+    """The pages by their place in the site."""
+    pages = {path: _linked((ROOT / source).read_text(), path) for path, source in WHOLE.items()}
+    sections = _sections((ROOT / "DESIGN.md").read_text())
+    for path, (title, names) in SECTIONS.items():
+        only = len(names) == 1
+        parts = [sections[name] if only else f"## {name}\n{sections[name]}" for name in names]
+        pages[path] = _linked(f"# {title}\n\n" + "\n".join(parts), path)
+    for source in sorted(PUBLISHED.glob("*.md")):
+        path = f"experiments/{'index' if source.stem == 'README' else source.stem}.md"
+        pages[path] = _linked(source.read_text(), path)
+    return pages
+
+
+def _sections(text: str) -> Mapping[str, str]:
+    """The text below each heading of the second level."""
+    parts = re.split(r"^## (.+)$", text, flags=re.MULTILINE)
+    return dict(zip(parts[1::2], parts[2::2], strict=True))
+
+
+def _linked(text: str, path: str) -> str:
+    """The text with a link where it names a page of the site.
+
+    >>> _linked("see `docs/stack.md`", "reference/sim.md")
+    'see [`docs/stack.md`](../stack.md)'
+    >>> _linked("see `found.md`", "experiments/index.md")
+    'see [`found.md`](found.md)'
+    """
+
+    def link(named: re.Match[str]) -> str:
+        place = _place(named[1], path)
+        return f"[{named[0]}]({relpath(place, dirname(path))})" if place and place != path else named[0]
+
+    return re.sub(r"(?<!\[)`([\w./]+\.md)`(?!\])", link, text)
+
+
+def _place(named: str, path: str) -> str:
+    """The place in the site of a file that a text names; empty when the site does not have it."""
+    wholes = {source: place for place, source in WHOLE.items()}
+    if named in wholes:
+        return wholes[named]
+    if named.startswith("docs/") and (ROOT / named).is_file():
+        return named.removeprefix("docs/")
+    published = named.removeprefix("results/published/")
+    beside = path.startswith("experiments/") or published != named
+    if beside and (PUBLISHED / published).is_file() and "/" not in published:
+        return f"experiments/{'index.md' if published == 'README.md' else published}"
+    return ""

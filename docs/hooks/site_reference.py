@@ -1,0 +1,213 @@
+"""The reference pages, made from the code that they describe."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Iterable, Sequence
+from enum import StrEnum
+from typing import Any
+
+import scaloft_fi.mutants.reference  # noqa: F401 - the operators of the reference stack
+from scaloft_fi import api
+from scaloft_fi.analysis.disposition import Standing
+from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.scoring.pool import State
+from scaloft_fi.analysis.tried import Reaction
+from scaloft_fi.cli.reference import command_reference
+from scaloft_fi.hazop.cell import CellStatus
+from scaloft_fi.judge.requirement import Compliance, Kind
+from scaloft_fi.judge.status import Status
+from scaloft_fi.mutants.argument import Argument
+from scaloft_fi.mutants.need import Need
+from scaloft_fi.mutants.operators import OPERATORS
+from scaloft_fi.sim.log import Ending
+from scaloft_fi.sim.measures import SIGNALS
+from scaloft_fi.sim.signals import Signal, belief_signals, truth_signals
+from scaloft_fi.stack.fields import field_names
+from scaloft_fi.stack.seam import Seam
+from scaloft_fi.study import Study
+from scaloft_fi.views.exchange.format import FORMATS
+from scaloft_fi.views.flights.export import BASIS, HEAD, TAIL
+from scaloft_fi.views.glossary import TERMS, term
+from scaloft_fi.views.kills.survivors import Next, Stage
+from scaloft_fi.views.reference.outputs import outputs_page
+
+_MARKS = re.compile(r"\||\[(?!`)")
+MADE = "*This page is made from the code.*\n"
+VALUES: tuple[tuple[str, str, type[StrEnum]], ...] = (
+    (
+        "Status of a flight",
+        "One flight of a mutant beside the baseline of its situation and seed: how far the fault got.",
+        Status,
+    ),
+    ("Verdict on a mutant", "All flights of a mutant together, beside the baseline pools.", Verdict),
+    ("Where a survivor stopped", "The stage that its fault did not pass.", Stage),
+    ("What to do next about a survivor", "The change that could show it.", Next),
+    (
+        "State of a pair",
+        "A situation with a requirement, by the flights of the unmutated drone there; the first that fits.",
+        State,
+    ),
+    ("What a flight says of a requirement", "One reading.", Compliance),
+    ("Kind of a requirement", "What a violation counts for.", Kind),
+    ("Ending of a flight", "It is no verdict.", Ending),
+    ("Status of a cell", "In the deviation matrix.", CellStatus),
+    ("A magnitude in a situation", "In the search for a margin.", Reaction),
+    ("Standing of a survivor", "Beside the dispositions of the study.", Standing),
+)
+"""The enumerations whose values are printed: title, what they tell."""
+
+
+def reference_pages() -> dict[str, str]:
+    """The pages by their place in the site."""
+    study = Study.open(None)
+    pages = {
+        "glossary.md": _glossary(),
+        "reference/verbs.md": f"# Verbs\n\n{command_reference()}",
+        "reference/signals.md": _signals(study),
+        "reference/seams.md": _seams(study),
+        "reference/operators.md": _operators(),
+        "reference/columns.md": _columns(),
+        "reference/statuses.md": _statuses(),
+        "reference/outputs.md": outputs_page(),
+        "reference/python.md": _python(),
+    }
+    return {path: f"{text}\n{MADE}" for path, text in pages.items()}
+
+
+def _glossary() -> str:
+    entries = [
+        f'<span id="{_anchor(one.name)}"></span>\n**{one.name}**{_also(one.also)}\n:   {one.meaning}\n' for one in TERMS
+    ]
+    return "# Glossary\n\nEvery word of the screens, tables, files and the report.\n\n" + "\n".join(entries)
+
+
+def _also(forms: Sequence[str]) -> str:
+    return f" ({', '.join(f'`{form}`' for form in forms)})" if forms else ""
+
+
+def _anchor(name: str) -> str:
+    return re.sub(r"\W+", "-", name.casefold()).strip("-")
+
+
+def _table(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+    lines = [heads, ["---"] * len(heads), *rows]
+    return "".join(f"| {' | '.join(_cell(cell) for cell in line)} |\n" for line in lines)
+
+
+def _cell(value: Any) -> str:
+    """A text on one line; what would end a cell or begin a link is escaped."""
+    return _MARKS.sub(r"\\\g<0>", " ".join(str(value).split()))
+
+
+def _signals(study: Study) -> str:
+    world = study.grid.world()
+    truth = truth_signals(world.surfaces, world.signals)
+    parts = ["# Signals\n", "The log has 20 samples a second.  Requirements and `realised` name these signals.\n"]
+    parts += ["## Ground truth of the reference study\n", _signal_table(truth)]
+    parts += ["## Signals that a study may ask for\n", "By name under `signals:` in `sim/world.yaml`.\n"]
+    parts.append(
+        _table(("signal", "unit", "meaning"), ((f"`{n}`", SIGNALS[n].unit, SIGNALS[n].meaning) for n in SIGNALS))
+    )
+    parts += ["## What the reference stack believes\n", _signal_table(belief_signals(study.stack.beliefs))]
+    return "\n".join(parts)
+
+
+def _signal_table(signals: Iterable[Signal]) -> str:
+    return _table(("signal", "unit", "meaning"), ((f"`{one.name}`", one.unit, one.meaning) for one in signals))
+
+
+def _seams(study: Study) -> str:
+    parts = ["# Seams\n", "Where a fault can be patched into the reference stack.\n"]
+    rows = (
+        (f"`{one.name}`", one.edge, f"`{one.message.__name__}`", f"{one.rate_hz:g}", _fields(one))
+        for one in study.stack.seams
+    )
+    parts.append(_table(("seam", "from which stage to which", "message", "rate [Hz]", "fields [unit]"), rows))
+    return "\n".join(parts)
+
+
+def _fields(seam: Seam) -> str:
+    return ", ".join(
+        f"`{name}` [{seam.unit(name)}]" if seam.unit(name) else f"`{name}`" for name in field_names(seam.message)
+    )
+
+
+def _operators() -> str:
+    parts = ["# Operators\n", "What makes a fault.  An operator fits every seam whose message has what it needs.\n"]
+    rows = (
+        (
+            f"`{name}`",
+            OPERATORS[name].need.words,
+            "<br>".join(map(_argument, OPERATORS[name].arguments.values())),
+            OPERATORS[name].summary,
+        )
+        for name in sorted(OPERATORS)
+    )
+    parts.append(_table(("operator", "needs", "arguments", "what it does"), rows))
+    return "\n".join(parts)
+
+
+def _argument(one: Argument) -> str:
+    allowed = ", ".join(f"`{choice}`" for choice in one.choices if choice) or (
+        str(one.allowed) if one.kind in (float, int) else one.kind.__name__
+    )
+    default = "" if one.required else f"; {one.default!r}" if one.default != "" else "; optional"
+    return f"`{one.name}`: {allowed}{default}"
+
+
+def _columns() -> str:
+    parts = [
+        "# Exported columns\n",
+        "`scaloft-fi export` writes a row for each flight: JSON a list of objects with these ",
+    ]
+    parts[1] += (
+        "keys, CSV the same columns, with `;` between the members of a list and nothing where there is no value.\n"
+    )
+    rho = (
+        "`rho_` and a requirement",
+        "The robustness of the requirement in its unit; empty where the flight did not put it to the test.",
+    )
+    rows = [(f"`{name}`", _meaning(name)) for name in (*HEAD, *TAIL, *BASIS)]
+    rows.insert(len(HEAD), rho)
+    parts.append(_table(("column", "meaning"), rows))
+    parts += ["## Formats\n", "`scaloft-fi export --format NAME`:\n"]
+    parts.append(_table(("format", "what it is"), ((f"`{name}`", FORMATS[name].summary) for name in FORMATS)))
+    return "\n".join(parts)
+
+
+def _meaning(name: str) -> str:
+    known = term(name)
+    if known is None:
+        raise LookupError(f"the glossary has no {name!r}")
+    return known.meaning
+
+
+def _statuses() -> str:
+    parts = ["# Statuses and verdicts\n", "Every value that a table or a file can show.\n"]
+    for title, says, values in VALUES:
+        parts += [f"## {title}\n", f"{says}\n"]
+        parts.append(_table(("value", "meaning"), ((f"`{value}`", _meaning(value)) for value in values)))
+    return "\n".join(parts)
+
+
+def _python() -> str:
+    """Every name of `scaloft_fi.api`; mkdocstrings writes what it finds at the place of its definition."""
+    parts = ["# Python names\n", "What `scaloft_fi.api` offers to programs and plugins; everything else may change.\n"]
+    for name in sorted(api.__all__, key=str.casefold):
+        value = getattr(api, name)
+        if inspect.isclass(value) or inspect.isfunction(value):
+            parts.append(f"::: {value.__module__}.{value.__qualname__}\n")
+        else:
+            parts.append(f"## {name}\n\n{_says(name, value)}\n")
+    return "\n".join(parts)
+
+
+def _says(name: str, value: Any) -> str:
+    """What is no class and no function: a module, a need, a constant, a type."""
+    if isinstance(value, Need):
+        return f"The need for {value.words}."
+    if inspect.ismodule(value):
+        return f"The module `{value.__name__}`: {inspect.cleandoc(value.__doc__ or '')}"
+    return f"`{name} = {str(value).replace('typing.', '')}`"

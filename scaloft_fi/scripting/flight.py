@@ -1,0 +1,180 @@
+"""A flight that was flown in this process: status, requirements, log and map."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from scaloft_fi.judge.robustness import measured_rho
+from scaloft_fi.judge.status import baseline_status
+from scaloft_fi.scripting.arguments import in_python
+from scaloft_fi.scripting.figure import Figure
+from scaloft_fi.views.columns import Columns, ColumnType
+from scaloft_fi.views.lists.signals import signal_list
+from scaloft_fi.views.tables.html import html
+from scaloft_fi.views.tables.table import Format, Table, render
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from scaloft_fi.views.flights.logged_flight import LoggedFlight
+
+TIME = "elapsed_s"
+
+
+class Log(Columns):
+    """The log of a flight: arrays (T,) of numbers by name of the signal, sampled at 20 Hz.
+
+    The last sample is the end of the flight.
+
+    Attributes:
+        units: unit of each signal; "" for a plain number.
+        meanings: meaning of each signal in words.
+        beliefs: names of the signals that the stack believed; the others are ground truth.
+    """
+
+    def __init__(
+        self,
+        title: str,
+        signals: Mapping[str, NDArray[Any]],
+        units: Mapping[str, str],
+        meanings: Mapping[str, str],
+        beliefs: tuple[str, ...],
+    ) -> None:
+        super().__init__(title, {}, ())
+        self.update(signals)
+        self.types = dict.fromkeys(signals, ColumnType.NUMBER)
+        self.rows = len(signals[TIME])
+        self.units, self.meanings, self.beliefs = dict(units), dict(meanings), beliefs
+
+    def table(self, rows: int = 0, columns: int | None = None) -> Table:
+        """One row for each signal, because a log has more signals than a page has columns."""
+        cells = tuple(
+            (name, self.units[name], f"{values.min():.6g}", f"{values.max():.6g}", self.meanings[name])
+            for name, values in self.items()
+        )
+        note = f"{self.rows} samples at 20 Hz, {self.time_s[-1]:.2f} s"
+        return Table(self.title, ("signal", "unit", "least", "greatest", "meaning"), cells, (note,))
+
+    @property
+    def time_s(self) -> NDArray[Any]:
+        """(T,) time of each sample [s from the start]."""
+        return self[TIME]
+
+
+class FlownFlight:
+    """A flight that was flown in this process.
+
+    Args:
+        flown: the flight with its log.
+        comparison: how it compares with the same flight of a campaign, in a sentence; "" when nobody asked.
+    """
+
+    def __init__(self, flown: LoggedFlight, comparison: str = "") -> None:
+        self._flown, self.comparison = flown, comparison
+
+    @property
+    def name(self) -> str:
+        """`MUTANT/SITUATION/SEED`, as the verb `replay` takes it."""
+        return self._flown.outcome.name
+
+    @property
+    def mutant(self) -> str:
+        """Id of the mutant, `PLACEBO` or `baseline`."""
+        return self._flown.outcome.mutant
+
+    @property
+    def situation(self) -> str:
+        """Key of the situation."""
+        return self._flown.outcome.situation
+
+    @property
+    def seed(self) -> int:
+        """Seed of the noise."""
+        return self._flown.outcome.seed
+
+    @cached_property
+    def status(self) -> str:
+        """What the flight shows beside its baseline, such as `revealed`; of a baseline `held` or `violated`.
+
+        The first call flies the baseline of the same situation and seed.
+        """
+        with in_python():
+            if self._flown.flight.mutant is None:
+                return baseline_status(self._flown.outcome)
+            return self._flown.judged.status.value
+
+    @property
+    def ending(self) -> str:
+        """How the flight ended: `landed`, `struck` or `timed_out`."""
+        return self._flown.outcome.ending
+
+    @property
+    def struck(self) -> str:
+        """Name of the body that ended the flight; "" without one."""
+        return self._flown.outcome.struck
+
+    @property
+    def duration_s(self) -> float:
+        """Duration of the flight [s, simulated]."""
+        return self._flown.outcome.duration_s
+
+    @property
+    def violated(self) -> Mapping[str, float]:
+        """Time of the first violation [s from the start] of each requirement that the flight violates."""
+        readings = self._flown.outcome.readings
+        return {one.requirement: one.violated_at_s for one in readings if one.violated_at_s is not None}
+
+    @property
+    def robustness(self) -> Mapping[str, float]:
+        """Robustness of each requirement, in its unit; below 0 it is violated, NaN where it was not put to the test."""
+        measured = {reading.requirement: measured_rho(reading) for reading in self._flown.outcome.readings}
+        return {name: math.nan if rho is None else rho for name, rho in measured.items()}
+
+    @property
+    def altered(self) -> int:
+        """Number of samples that the fault changed."""
+        return self._flown.outcome.altered
+
+    @property
+    def carried(self) -> int:
+        """Number of samples that crossed the patched seams."""
+        return self._flown.outcome.carried
+
+    @property
+    def infected_at_s(self) -> float | None:
+        """Time of the first changed sample [s from the start]; None without one."""
+        return self._flown.outcome.infected_at_s
+
+    @property
+    def digest(self) -> str:
+        """Digest of the log's ground truth; two flights with one digest are the same to the bit."""
+        return self._flown.outcome.digest
+
+    @cached_property
+    def log(self) -> Log:
+        """The log."""
+        with in_python():
+            log = self._flown.log
+            known = {str(entry["name"]): entry for entry in signal_list(self._flown.study).records}
+            units, meanings = (
+                {name: str(known[name][key]) if name in known else "" for name in log.signals}
+                for key in ("unit", "meaning")
+            )
+            return Log(f"Log of {self.name}", log.signals, units, meanings, log.beliefs)
+
+    def map(self) -> Figure:
+        """The map of the flight, beside its baseline, which the first call flies."""
+        with in_python():
+            return Figure(f"map of {self.name}", self._flown.map())
+
+    def __str__(self) -> str:
+        return render((self._flown.facts(),), Format.TABLE)
+
+    def __repr__(self) -> str:
+        return f"<flight {self.name}: {self.ending} after {self.duration_s:.2f} s>"
+
+    def _repr_html_(self) -> str:
+        return html((self._flown.facts(),))

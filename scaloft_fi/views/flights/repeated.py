@@ -1,0 +1,63 @@
+"""A flight that was flown once more, compared with the same flight in a campaign."""
+
+from __future__ import annotations
+
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
+from scaloft_fi.campaign.store.folder import STORE_NAME, campaign_folder
+from scaloft_fi.campaign.store.key import flight_key
+from scaloft_fi.campaign.store.platforms import Platforms
+from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.errors import GateError
+from scaloft_fi.judge.facts import APART_M, agreement, digests, parting_s
+from scaloft_fi.sim.log import Ending
+from scaloft_fi.views.flights.logged_flight import LoggedFlight, reading_text
+
+
+def compared(flown: LoggedFlight, campaign: str, *, same_platform: bool) -> str:
+    """How a flight compares with the same flight of a campaign, in a sentence.
+
+    Args:
+        flown: the flight.
+        campaign: name of the campaign, which need not exist.
+        same_platform: whether only equal digests will do, also beside a flight of another platform.
+
+    Raises:
+        GateError: the digests differ on the same platform or with `same_platform`, or the facts differ.
+    """
+    study, flight, outcome = flown.study, flown.flight, flown.outcome
+    clean = Flight(None, flight.situation, flight.seed)
+    path = campaign_folder(study, campaign) / STORE_NAME
+    if not path.is_file():
+        return f"no campaign in {path.parent} to compare with"
+    with Store(path, create=False) as store:
+        known, beside = (store.get(flight_key(study, one)) for one in (flight, clean))
+        theirs = Platforms(store).of((flight.situation.key, flight.seed))
+    if known is None or known.invalid:
+        return f"the campaign in {path.parent} holds no such flight to compare with"
+    if digests(known) == digests(outcome):
+        return f"bit for bit the flight in {path.parent}"
+    if not study.stack.deterministic:
+        listed = ", ".join(f"{reading.requirement} {reading_text(reading)}" for reading in known.readings)
+        return (
+            f"the stack is not deterministic, so this is another flight than that in {path.parent}, which "
+            f"{Ending(known.ending).sentence} after {known.duration_s:.2f} s: {listed}"
+        )
+    changed = ", ".join(differences(fingerprint(), theirs))
+    where = f"on another platform ({changed})" if changed else "on the same platform"
+    if same_platform or not changed:
+        raise GateError(
+            f"{outcome.name} differs from the flight in {path.parent}, flown {where}: digest {known.digest} there"
+        )
+    pair = ([], []) if flown.clean is None or beside is None else ([beside], [flown.clean.outcome])
+    compared = agreement([known, *pair[0]], [outcome, *pair[1]])
+    apart_s = parting_s(known.track, outcome.track)
+    when = "at no time" if apart_s is None else f"from {apart_s:.2f} s on"
+    parted = f"the drones are more than {APART_M * 1000:g} mm apart {when}"
+    if compared.facts:
+        differs = f"the flight differs in more than bits from that in {path.parent}, flown {where}"
+        raise GateError(f"{differs}: {compared.named()}; {parted}")
+    return (
+        f"other bits than the flight in {path.parent}, which was flown {where}, and the same status, ending and "
+        f"violations; {parted}"
+    )

@@ -1,0 +1,117 @@
+"""What a campaign holds: flights by status, those still to be flown, and those that do not count any more."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Any
+
+from scaloft_fi.judge.flights import flights_of
+from scaloft_fi.judge.outcome import BASELINE
+from scaloft_fi.judge.status import Status, baseline_status
+from scaloft_fi.views.flights.export import ordered
+from scaloft_fi.views.outputs.output import Output
+from scaloft_fi.views.outputs.shape import count, listing, optional, record, text
+from scaloft_fi.views.snapshot import Snapshot
+from scaloft_fi.views.tables.table import Table
+
+AGAIN = "The same `run` flies them again; no flight log is kept from which they could be judged anew."
+WAITING = "waiting"
+"""Flights that cannot be judged yet: a run was interrupted before the baseline of their situation and seed was home."""
+_WORDS = {WAITING: "waiting for their baseline"}
+BASELINE_STATUSES = ("held", "violated", Status.INVALID.value)
+
+STATUS = Output(
+    "status",
+    "1.0",
+    "how many flights a campaign holds, by status",
+    {
+        "campaign": text("folder of the campaign"),
+        "grid": text("name of the grid that was flown"),
+        "counted": count("flights that count"),
+        "owed": count("flights that are planned and not flown"),
+        "stale": count("flights that do not count any more"),
+        "subjects": count("subjects flown: the baseline, PLACEBO, mutants"),
+        "situations": count("situations flown"),
+        "platforms": optional(text("how the flights divide over platforms"), "all of one platform"),
+        "statuses": listing(
+            "the flights that count, by status",
+            record(
+                "flights of one status",
+                {
+                    "subject": text(
+                        "whose flights: of the unmutated drone, or of mutants and PLACEBO", ("baseline", "mutants")
+                    ),
+                    "status": text(
+                        "of each flight: what it shows, or `waiting` for its baseline",
+                        dict.fromkeys((*BASELINE_STATUSES, *(status.value for status in Status), WAITING)),
+                    ),
+                    "flights": count("how many"),
+                },
+            ),
+        ),
+        "reasons": listing(
+            "why flights are stale",
+            record("one reason", {"why": text("the reason, in a sentence"), "flights": count("how many")}),
+        ),
+    },
+    rows="statuses",
+)
+
+
+def status_values(now: Snapshot) -> dict[str, Any]:
+    """Plain JSON values of the form `STATUS`."""
+    held = now.held
+    flown = ordered(held.current, now.study.roster, now.study.space)
+    clean = [outcome for outcome in flown if outcome.mutant == BASELINE]
+    home = {(outcome.situation, outcome.seed) for outcome in clean}
+    baselines = Counter(map(baseline_status, clean))
+    mutants = Counter(
+        flight.status.value if (flight.outcome.situation, flight.outcome.seed) in home else WAITING
+        for flight in flights_of(flown)
+    )
+    return {
+        "campaign": str(held.folder),
+        "grid": now.study.grid.name,
+        "counted": len(flown),
+        "owed": held.owed,
+        "stale": held.stale,
+        "subjects": len({outcome.mutant for outcome in flown}),
+        "situations": len({outcome.situation for outcome in flown}),
+        "platforms": now.mixture or None,
+        "statuses": [
+            {"subject": subject, "status": status, "flights": flights}
+            for subject, counted in (("baseline", baselines), ("mutants", mutants))
+            for status, flights in counted.items()
+        ],
+        "reasons": [{"why": why, "flights": flights} for why, flights in held.why.items()],
+    }
+
+
+def status_tables(values: dict[str, Any]) -> tuple[Table, ...]:
+    """The same for people."""
+    flights = [
+        (f"{BASELINE} {one['status']}" if one["subject"] == "baseline" else _word(one["status"]), one["flights"])
+        for one in values["statuses"]
+    ]
+    mixture = values["platforms"] or ""
+    table = Table(
+        f"Campaign {values['campaign']}",
+        ("flights", "number"),
+        (
+            *flights,
+            ("all", values["counted"]),
+            ("planned, not flown", values["owed"]),
+            ("stale, not counted", values["stale"]),
+        ),
+        (
+            f"{values['subjects']} subjects in {values['situations']} situations.",
+            *([f"{mixture[:1].upper()}{mixture[1:]}."] if mixture else []),
+        ),
+    )
+    reasons = tuple((one["why"], one["flights"]) for one in values["reasons"])
+    stale = Table("Stale flights", ("why", "number"), reasons, (AGAIN,))
+    return (table, stale) if values["stale"] else (table,)
+
+
+def _word(status: str) -> str:
+    return _WORDS.get(status, status)

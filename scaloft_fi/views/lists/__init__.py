@@ -1,0 +1,1 @@
+"""What a study has, told without flying: its signals, seams, operators and axes."""

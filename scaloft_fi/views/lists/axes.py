@@ -1,0 +1,141 @@
+"""The axes of a grid: what each value sets, and by which formula a flight is known to have met it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from scaloft_fi.sim.distribution import Distribution, Shape
+from scaloft_fi.sim.range import number_text
+from scaloft_fi.views.lists.listing import Listing, Record
+
+if TYPE_CHECKING:
+    from scaloft_fi.sim.free_axis import FreeAxis
+    from scaloft_fi.sim.grid import Grid
+    from scaloft_fi.sim.situation import Axis, AxisValue
+
+VALUES, RANGE, FREE = "values", "range", "free"
+OVERVIEW = {"axis": "name", "title": "title", "category": "category", "kind": "kind", "values": "summary"}
+
+
+def axis_list(grid: Grid) -> Listing:
+    """Every axis of a grid, the free ones last.
+
+    The records have: name, title, category (of the operational design domain), kind (`values`, `range`, `free`), keys
+    (how situations name its values), benign, summary, values ([{name, title, set, realised}]), unit, from, to,
+    distribution, set, also, only_with, realised.
+    """
+    records = (*map(_record, grid.axes), *map(_free, grid.free))
+    situations = f"{len(grid):,} situations with keys like {''.join(f'{axis.id}0' for axis in grid.axes)}"
+    notes = [f"{situations}; 0 is the benign value of an axis."]
+    if grid.free:
+        notes.append(
+            "A free axis spans no grid: at its benign value it is left out of the key, else it stands at the end."
+        )
+    notes += [f"excluded: {_combination(one.excluded)}: {one.reason}" for one in grid.constraints]
+    if grid.aliases:
+        notes.append("other names: " + ", ".join(f"{alias} = {key}" for alias, key in list(grid.aliases.items())[:12]))
+    notes.append("`scaloft-fi axes NAME` shows one whole; category: of the operational design domain.")
+    return Listing("axis", f"Axes of the grid {grid.name}: {len(records)}", OVERVIEW, records, _sheet, tuple(notes))
+
+
+def _combination(excluded: Any) -> str:
+    return " with ".join(f"{axis}{'/'.join(map(str, sorted(values)))}" for axis, values in excluded.items())
+
+
+def _record(axis: Axis) -> Record:
+    values = [_value(axis, value) for value in axis.values]
+    benign, *others = (value.title for value in axis.values)
+    record = {
+        "name": axis.id,
+        "title": axis.title,
+        "category": axis.category,
+        "kind": RANGE if axis.range else VALUES,
+        "keys": [value["name"] for value in values],
+        "benign": benign,
+        "summary": f"{benign} (benign), {', '.join(others)}",
+        "values": values,
+        **_nothing(),
+    }
+    if (own := axis.range) is None:
+        return record
+    low, high = number_text(own.edges[0]), number_text(own.edges[-1])
+    middle = next(bin_ for bin_ in own.ids if bin_ != 0)
+    return record | {
+        "keys": [*record["keys"], f"{axis.id}{middle}={number_text(own.middle(middle))}"],
+        "benign": own.told(own.benign),
+        "summary": f"{low} to {high} {own.unit}, {_shape(own.distribution)}, {len(own.ids)} bins",
+        "unit": own.unit,
+        "from": own.edges[0],
+        "to": own.edges[-1],
+        "distribution": _shape(own.distribution),
+        "set": own.path,
+        "realised": axis.realised.text() if axis.realised else "",
+    }
+
+
+def _nothing() -> dict[str, Any]:
+    """What an axis with single values lacks."""
+    words = dict.fromkeys(("distribution", "set", "realised", "unit"), "")
+    return {**words, "from": None, "to": None, "also": {}, "only_with": {}}
+
+
+def _value(axis: Axis, value: AxisValue) -> Record:
+    sets = {path: item.plain() for path, item in value.changes.items()}
+    others = [f"{axis.id}{other.id}" for other in axis.values if other.realised]
+    return {
+        "name": f"{axis.id}{value.id}",
+        "title": value.title,
+        "set": sets,
+        "realised": value.realised or f"none of {', '.join(others)} is met",
+    }
+
+
+def _free(axis: FreeAxis) -> Record:
+    own = axis.distribution
+    return {
+        "name": axis.id,
+        "title": axis.title,
+        "category": axis.category,
+        "kind": FREE,
+        "keys": [f"{axis.id}={number_text(axis.at(0.5))}"],
+        "benign": f"{number_text(axis.benign)} {axis.unit}",
+        "summary": f"{number_text(own.low)} to {number_text(own.high)} {axis.unit}, {_shape(own)}",
+        "values": [],
+        **_nothing(),
+        "unit": axis.unit,
+        "from": own.low,
+        "to": own.high,
+        "distribution": _shape(own),
+        "set": axis.path,
+        "also": {path: item.plain() for path, item in axis.also},
+        "only_with": {name: sorted(values) for name, values in axis.only_with},
+    }
+
+
+def _shape(own: Distribution) -> str:
+    if own.shape is Shape.NORMAL:
+        return f"{own.shape} (mean {own.centre:g}, sd {own.sd:g})"
+    return f"{own.shape} (mode {own.centre:g})" if own.shape is Shape.TRIANGULAR else str(own.shape)
+
+
+def _sheet(record: Record) -> list[tuple[str, str]]:
+    rows = [
+        ("title", record["title"]),
+        ("category", record["category"]),
+        ("benign", record["benign"]),
+        ("in keys", ", ".join(record["keys"])),
+    ]
+    if record["kind"] != VALUES:
+        rows.append(("numbers", record["summary"]))
+        rows.append(("sets", record["set"]))
+        rows += [("sets off benign", f"{path}: {value}") for path, value in record["also"].items()]
+        rows += [("only with", f"{axis}{'/'.join(map(str, ids))}") for axis, ids in record["only_with"].items()]
+        rows.append(("realised", record["realised"]))
+    for value in record["values"]:
+        heading = f"{value['name']} {value['title']}"
+        if record["kind"] == VALUES:
+            rows += [(heading, f"sets {path}: {set_}") for path, set_ in value["set"].items()]
+            rows.append((heading, f"met if {value['realised']}"))
+        else:
+            rows.append(("bins", heading))
+    return rows

@@ -1,0 +1,121 @@
+"""The seams of a study's stack: where faults can be patched in, with what, and which cells do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from types import CodeType
+from typing import TYPE_CHECKING, Any
+
+from scaloft_fi.mutants.operators import OPERATORS
+from scaloft_fi.stack.fields import field_names
+from scaloft_fi.stack.seam import Seam
+from scaloft_fi.views.lists.fields import fields_of
+from scaloft_fi.views.lists.listing import Listing, Record
+
+if TYPE_CHECKING:
+    from scaloft_fi.hazop.matrix import Matrix
+    from scaloft_fi.study import Study
+
+OVERVIEW = {
+    "seam": "name",
+    "message": "message",
+    "Hz": "rate_hz",
+    "edge": "edge",
+    "cells": "used_by",
+    "operators": "fitting",
+}
+EVERYTHING = "all of the sample"
+
+
+def seam_list(study: Study) -> Listing:
+    """Every seam of the study's stack.
+
+    The records have: name, message, about (what the message says of itself), edge, rate_hz, fields ([{name, kind,
+    unit}]), acts_on (the fields that the consumer acts on), canary, operators (those that fit), cells (those that use
+    it), carried (who alters the samples), used_by and fitting (their numbers).
+
+    Raises:
+        InputError: a part of the study cannot be read.
+    """
+    stack, matrix = study.stack, study.matrix
+    records = tuple(_record(seam, study, matrix) for seam in stack.seams)
+    notes = (
+        "edge: who sends, and who receives.  cells: how many cells of the matrix have a fault here.",
+        "operators: how many fit its message.  `scaloft-fi seams NAME` shows one whole.",
+    )
+    return Listing("seam", f"Seams of the stack {stack.name}: {len(records)}", OVERVIEW, records, _sheet, notes)
+
+
+def cells_at(matrix: Matrix, seam: str) -> list[str]:
+    """The cells with a fault at a seam."""
+    return [cell.name for cell in matrix if any(fault.seam == seam for fault in cell.faults)]
+
+
+def _record(seam: Seam, study: Study, matrix: Matrix) -> Record:
+    operators = [name for name in sorted(OPERATORS) if OPERATORS[name].need.met_by(seam.message)]
+    cells = cells_at(matrix, seam.name)
+    return {
+        "name": seam.name,
+        "message": seam.message.__name__,
+        "about": " ".join((seam.message.__doc__ or "").split()),
+        "edge": seam.edge,
+        "rate_hz": seam.rate_hz,
+        "fields": fields_of(seam),
+        "acts_on": acted_on(seam),
+        "canary": seam.name in study.stack.canaries,
+        "carried": _carried(study, seam.name),
+        "operators": operators,
+        "cells": cells,
+        "used_by": len(cells),
+        "fitting": len(operators),
+    }
+
+
+def acted_on(seam: Seam) -> list[str]:
+    """What of a sample its consumer acts on, fields or properties; a sample is altered only where these differ.
+
+    A declared effect is a function of the sample; it acts on what its code names.
+    """
+    fields = field_names(seam.message)
+    if seam.effect is Seam.__dataclass_fields__["effect"].default:
+        return list(fields)
+    named = set(_names(seam.effect))
+    properties = [name for name, one in vars(seam.message).items() if isinstance(one, property)]
+    return [name for name in (*fields, *properties) if name in named]
+
+
+def _names(function: Callable[..., Any]) -> Iterator[str]:
+    waiting = [function.__code__] if hasattr(function, "__code__") else []
+    while waiting:
+        code = waiting.pop()
+        yield from code.co_names
+        waiting += [inner for inner in code.co_consts if isinstance(inner, CodeType)]
+
+
+def _carried(study: Study, seam: str) -> str:
+    """Who alters the samples of a faulty seam where a command flies; "" where our wire does."""
+    if study.command is None:
+        return ""
+    relay = study.command.relays.get(seam)
+    if relay is None:
+        return "the command: it gets the fault in {fault} and injects it itself"
+    return f"our relay from {relay.source} to {relay.to} over {relay.border}"
+
+
+def _sheet(record: Record) -> list[tuple[str, str]]:
+    every = [field["name"] for field in record["fields"]]
+    return [
+        ("edge", record["edge"]),
+        ("rate", f"{record['rate_hz']:g} Hz"),
+        ("message", f"{record['message']}: {record['about']}"),
+        *(("fields", _field(field)) for field in record["fields"]),
+        ("its consumer acts on", EVERYTHING if record["acts_on"] == every else ", ".join(record["acts_on"])),
+        ("altered by", record["carried"]),
+        ("canary", "yes: `run --mutant` flies a control here" if record["canary"] else ""),
+        ("operators that fit", ", ".join(record["operators"])),
+        ("cells", ", ".join(record["cells"]) or "none"),
+    ]
+
+
+def _field(field: dict[str, str]) -> str:
+    return f"{field['name']}: {field['kind']}" + (f" [{field['unit']}]" if field["unit"] else "")

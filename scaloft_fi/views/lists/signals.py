@@ -1,0 +1,238 @@
+"""The signals of a study: what its requirements and the predicates of its axes may speak of."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from scaloft_fi.judge.caps import Cap, cap_of
+from scaloft_fi.reading import is_there
+from scaloft_fi.sim.happenings import HAPPENINGS
+from scaloft_fi.sim.measures import SIGNALS
+from scaloft_fi.sim.signals import CLEARANCE_CAP_M, Signal, belief_signals, clearance_name, truth_signals
+from scaloft_fi.stack.belief import Belief
+from scaloft_fi.stack.seam import UNITS
+from scaloft_fi.views.lists.listing import Listing, Record, number_range
+from scaloft_fi.views.lists.origin import OWN, package_of
+from scaloft_fi.views.lists.signal_facts import MEANINGS, SignalFact, fact_of
+
+if TYPE_CHECKING:
+    from scaloft_fi.study import Study
+
+BOTH, REALISED, TO_ASK = "requirements, axes", "axes", "neither yet"
+OVERVIEW = {"signal": "name", "unit": "unit", "range": "range", "meaning": "meaning", "used in": "used_in"}
+PER_METRE, PIXELS = "_per_m", "obstacle_pixels"
+
+
+@dataclass(frozen=True)
+class Found:
+    """A signal and where it comes from.
+
+    Attributes:
+        signal: name, unit and meaning.
+        origin: where it comes from, in words.
+        used_in: `BOTH`, `REALISED` or `TO_ASK`.
+        belief: the belief that it is; None for another.
+        fact: what it can read.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    origin: str
+    used_in: str
+    fact: SignalFact
+    belief: Belief | None = None
+
+
+def signal_list(study: Study) -> Listing:
+    """Every signal that the study has, and the optional ones that it could ask for.
+
+    The records have: name, unit, meaning, origin, used_in, range (text), least, most (numbers or None), beyond (what
+    it reads beyond `most`), compare (the thresholds that formulas may have), unknown, recorded (where a command's
+    record has it), example.
+
+    Raises:
+        InputError: a part of the study cannot be read.
+    """
+    caps, recorded = study.caps, _recorded(study)
+    records = tuple(_record(found, cap_of(found.name, caps), recorded) for found in _found(study))
+    formulas = (
+        "used in: the formulas of requirements.yaml; the predicates `realised` of axes, false in a flight without it"
+    )
+    notes = (
+        f"{formulas}; neither, before sim/world.yaml lists it under `signals`.",
+        "`scaloft-fi signals NAME` shows one whole, with a formula.  All are sampled at 20 Hz.",
+    )
+    overview = OVERVIEW | ({"in the record": "recorded"} if recorded is not None else {})
+    return Listing("signal", f"Signals: {len(records)}", overview, records, _sheet, notes)
+
+
+def _found(study: Study) -> Iterator[Found]:
+    world = study.grid.world()
+    seen: set[str] = set()
+    for signal in truth_signals(world.surfaces, ()):
+        seen.add(signal.name)
+        found = _truth(signal, world.bodies)
+        yield replace(found, fact=replace(found.fact, most=_pixels(study))) if signal.name == PIXELS else found
+    for name in world.signals:
+        yield _declared(name, BOTH)
+    for belief, signal in zip(study.stack.beliefs, belief_signals(study.stack.beliefs), strict=True):
+        origin = f"belief of the stack {study.stack.name}"
+        yield Found(signal.name, signal.unit, signal.meaning, origin, BOTH, _belief_fact(belief), belief)
+    seen |= {*world.signals, *study.stack.belief_names}
+    for name in study.signals:
+        if name not in seen:
+            fact = SignalFact(f"always({name} >= 0)")
+            yield Found(name, unit_of(name), "as the command records it", "sim/record.yaml", BOTH, fact)
+    yield from _passing(study, {*seen, *study.signals})
+    for name in SIGNALS:
+        if name not in world.signals:
+            yield _declared(name, TO_ASK)
+
+
+def _pixels(study: Study) -> float:
+    depth = study.grid.documents["sensors"].need("depth")
+    return depth.need("width").number() * depth.need("height").number()
+
+
+def _truth(signal: Signal, bodies: Mapping[str, Any]) -> Found:
+    fact, origin = fact_of(signal.name), "ground truth"
+    if fact is None:
+        surface = signal.name.removeprefix("clearance_").removesuffix("_m")
+        fact = _clearance_fact(signal.name)
+        origin = f"ground truth, body {surface} of sim/world.yaml" if surface in bodies else f"ground truth, {surface}"
+    return Found(signal.name, signal.unit, MEANINGS.get(signal.name, signal.meaning), origin, BOTH, fact)
+
+
+def _clearance_fact(name: str) -> SignalFact:
+    absent = f"{CLEARANCE_CAP_M:g} where it is not there, and for ground whose contact is excused"
+    return SignalFact(f"always({name} > 0)", None, CLEARANCE_CAP_M, absent)
+
+
+def _declared(name: str, used_in: str) -> Found:
+    declared = SIGNALS[name]
+    package = package_of(declared.make)
+    origin = "optional signal" if package == OWN else f"optional signal of the package {package}"
+    most = declared.most if math.isfinite(declared.most) else None
+    fact = fact_of(name) or SignalFact(f"eventually({name} >= {_threshold(most):g})", None, most)
+    return Found(name, declared.unit, declared.meaning, origin, used_in, fact)
+
+
+def _belief_fact(belief: Belief) -> SignalFact:
+    """A belief that is 0 or 1 has a mark or is unknown as 0; else its example compares it with half of its range."""
+    most = belief.most if math.isfinite(belief.most) else None
+    unknown = "" if math.isnan(belief.unknown) else f"{belief.unknown:g} while the stack does not know it"
+    if belief.mark is not None and belief.mark.values:
+        last = len(belief.mark.values) - 1
+        return SignalFact(f"always({belief.name} <= {last - 0.5:g})", 0.0, float(last), unknown)
+    if not belief.unit and belief.unknown == 0.0:
+        return SignalFact(f"once({belief.name} >= 0.5)", 0.0, most, unknown)
+    return SignalFact(f"always({belief.name} <= {_threshold(most):g})", None, most, unknown)
+
+
+def _threshold(most: float | None) -> float:
+    return 1.0 if most is None else most / 2.0
+
+
+def _passing(study: Study, known: set[str]) -> Iterator[Found]:
+    """The signals that only flights with a happening, or with an optional body, record."""
+    passing, told = study.grid.passing_signals, set(known)
+    entries = study.grid.documents["world"].mapping().get("happenings")
+    brought: dict[str, list[str]] = {}
+    moved: dict[str, list[str]] = {}
+    for happening, entry in (entries.mapping() if entries else {}).items():
+        kind = HAPPENINGS[entry.need("kind").text()]
+        for name in kind.signals:
+            brought.setdefault(name, []).append(happening)
+        if body := kind.read(entry).moved:
+            for axis in "xy":
+                moved.setdefault(f"{body}_{axis}_m", []).append(happening)
+    for name in passing:
+        if name in told:
+            continue
+        told.add(name)
+        if by := moved.get(name) or brought.get(name):
+            unknown = "not recorded in a flight without the happening, where `realised` is false"
+            fact = fact_of(name) or SignalFact(f"eventually({name} > 1)")
+            fact = replace(fact, unknown=unknown)
+            meaning = (
+                "position of the body, world" if name in moved else MEANINGS.get(name, "as the happening notes it")
+            )
+            yield Found(name, unit_of(name), meaning, f"happening {', '.join(by)} of sim/world.yaml", REALISED, fact)
+        else:
+            body = name.removeprefix("clearance_").removesuffix("_m")
+            unknown = "not recorded in a flight without the body, where `realised` is false"
+            fact = SignalFact(f"eventually({clearance_name(body)} < 0.8)", None, CLEARANCE_CAP_M, unknown)
+            yield Found(name, "m", f"hull to {body}, at most 1", f"ground truth, optional body {body}", REALISED, fact)
+
+
+def unit_of(name: str) -> str:
+    """The unit that a signal's name ends in; "" for none.
+
+    >>> unit_of("person_x_m"), unit_of("haze_per_m"), unit_of("landed")
+    ('m', '1/m', '')
+    """
+    if name.endswith(PER_METRE):
+        return "1/m"
+    return UNITS.get(name.rpartition("_")[2], "") if "_" in name else ""
+
+
+def _recorded(study: Study) -> Mapping[str, str] | None:
+    """Where the record of a command has each signal; None where our simulator flies."""
+    path = study.folder / "sim" / "record.yaml"
+    if study.command is None or not is_there(path):
+        return None
+    from scaloft_fi.outside.records.derived import DERIVED
+    from scaloft_fi.outside.records.record_map import Entry, load_record_map
+
+    def place(entry: Entry) -> str:
+        if entry.source is None:
+            return f"always {entry.constant:g}"
+        source = entry.source
+        return f"column {source.column}" if source.column else f"{source.topic}: {source.field}"
+
+    derived = dict.fromkeys([*DERIVED, "elapsed_s"], "follows from others")
+    return derived | {name: place(entry) for name, entry in load_record_map(path).signals.items()}
+
+
+def _record(found: Found, cap: Cap | None, recorded: Mapping[str, str] | None) -> Record:
+    fact, limit = found.fact, cap and f"{'at most' if cap.itself else 'less than'} {cap.most_m:g}"
+    text = number_range(fact.least, cap.most_m if cap else fact.most)
+    beyond = cap.beyond.replace(" m ", " ", 1) if cap else ""
+    lacking = "not in the record" if recorded is not None else ""
+    names = found.belief.mark.values if found.belief and found.belief.mark else ()
+    return {
+        "name": found.name,
+        "unit": found.unit,
+        "meaning": found.meaning + "".join(f", {place} {word}" for place, word in enumerate(names)),
+        "origin": found.origin,
+        "used_in": found.used_in,
+        "range": text if fact.elsewhere is None else f"{text}, or {fact.elsewhere:g}",
+        "least": fact.least,
+        "most": cap.most_m if cap else fact.most,
+        "beyond": beyond,
+        "compare": f"with {limit} {found.unit}".rstrip() if limit else "",
+        "unknown": fact.unknown,
+        "recorded": (recorded or {}).get(found.name, lacking),
+        "example": fact.example,
+    }
+
+
+def _sheet(record: Record) -> list[tuple[str, str]]:
+    asks = f"signals: [{record['name']}] in sim/world.yaml" if record["used_in"] == TO_ASK else ""
+    return [
+        ("meaning", record["meaning"]),
+        ("unit", record["unit"] or "none: a plain number"),
+        ("range", record["range"] or "any number"),
+        ("beyond", record["beyond"]),
+        ("compare it", record["compare"]),
+        ("nothing there", record["unknown"]),
+        ("comes from", record["origin"]),
+        ("used in", record["used_in"]),
+        ("to have it", asks),
+        ("in the record", record["recorded"]),
+        ("example", record["example"]),
+    ]

@@ -1,0 +1,143 @@
+"""A campaign with its score, and how `run`, `score` and a script show it: tables, text, plain JSON values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from scaloft_fi.analysis.kills.background import Background, backgrounds
+from scaloft_fi.analysis.noise import Noise, noise_of
+from scaloft_fi.analysis.plain import by_field
+from scaloft_fi.analysis.scoring.baseline import findings
+from scaloft_fi.analysis.scoring.grouping import By, groups
+from scaloft_fi.analysis.scoring.score import Score, score_of
+from scaloft_fi.analysis.situations.coverage import Coverage, coverage_of
+from scaloft_fi.campaign.runs.baseline_pool import borrowed
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.rulings import Rulings
+from scaloft_fi.study import Study
+from scaloft_fi.views.runs.looks import look_table
+from scaloft_fi.views.runs.unflown import unflown_tables
+from scaloft_fi.views.score.first_screen import first_screen, screen_text
+from scaloft_fi.views.score.score_record import score_json
+from scaloft_fi.views.score.tables import group_table, tables_behind
+from scaloft_fi.views.snapshot import snapshot
+from scaloft_fi.views.tables.table import Format, Table, render
+
+if TYPE_CHECKING:
+    from scaloft_fi.campaign.runs.request import Flown
+
+
+@dataclass(frozen=True)
+class ScoredCampaign:
+    """A campaign with its score.
+
+    Attributes:
+        study: the study, with the grid of the campaign.
+        campaign: name of the campaign.
+        rulings: what each flight shows beside its baseline.
+        score: the score.
+        noise: noise of a stack that is not deterministic; else empty.
+        warning: what a reader must know of the platforms of the flights; "" where there is nothing.
+        run: tables about the run that flew: its looks, or what it left out.
+    """
+
+    study: Study
+    campaign: str
+    rulings: Rulings
+    score: Score
+    noise: tuple[Noise, ...] = ()
+    warning: str = ""
+    run: tuple[Table, ...] = ()
+
+    @cached_property
+    def coverage(self) -> Coverage:
+        """The situation coverage."""
+        return coverage_of(self.rulings.baselines, self.rulings.draws, self.study.space)
+
+    def screen(self, *, whole: bool) -> tuple[Table, ...]:
+        """The first screen as tables; `whole`: long groups are shown to their ends."""
+        return first_screen(
+            self.score,
+            self.study.roster,
+            self.study.space,
+            self.coverage,
+            self._background,
+            campaign=self.campaign,
+            finds=self.study.finds,
+            noise=self.noise,
+            whole=whole,
+        )
+
+    def text(self, how: Format, *, by: By | None = None, everything: bool = False, bold: bool = False) -> str:
+        """The score as text.
+
+        Args:
+            how: form of the tables; JSON is `record`.
+            by: adds the score part by part.
+            everything: whether every mutant and every table is shown, not only the first screen.
+            bold: whether titles are emphasised for a terminal.
+        """
+        screen = self.screen(whole=everything or how is not Format.TABLE)
+        behind: Sequence[Table] = ()
+        if everything:
+            behind = tables_behind(self.score, self.rulings, self.coverage, self.study.space, by)
+        elif by:
+            behind = (group_table(self.score, by, self.study.space),)
+        if how is not Format.TABLE:
+            return render((*screen, *behind, *self.run), how)
+        text, more = screen_text(screen, bold=bold), (*behind, *self.run)
+        return "\n".join([text, render(more, Format.TABLE)] if more else [text])
+
+    def record(self, by: By | None = None) -> dict[str, Any]:
+        """The score as plain JSON values; `by` adds the score part by part."""
+        space = self.study.space
+        violated = [(finding.situation, finding.violated) for finding in findings(self.rulings.baselines, space)]
+        values = score_json(self.score, self.coverage, violated, groups(self.score, by, space) if by else ())
+        if self.noise:
+            values["noise"] = [by_field(one) for one in self.noise]
+        for table in self.run:
+            values[table.title.lower().replace(",", "").replace(" ", "_")] = table.records()
+        return values
+
+    def _background(self, mutant: str) -> Background | None:
+        return backgrounds(self.study.matrix, [mutant])[mutant]
+
+
+def scored_campaign(study: Study, campaign: str, baseline_from: str | None = None) -> ScoredCampaign:
+    """Score the flights that a campaign holds.
+
+    Args:
+        study: the study, with any of its grids.
+        campaign: name of the campaign.
+        baseline_from: name of a campaign whose baselines join the pool.
+
+    Raises:
+        InputError: a campaign does not exist, holds no flight that counts, or cannot lend its baselines.
+    """
+    with snapshot(study, campaign) as now:
+        study, rulings, spending, warning = now.study, now.rulings, now.spending, now.platform_warning
+        noise = _noise(study, now.outcomes)
+    others: Iterable[Outcome] = ()
+    if baseline_from:
+        flown = rulings.situations
+        listed = study.space.holding(flown).situations
+        others = borrowed(study, baseline_from, [key for key, _ in listed if key in flown])
+    score = score_of(rulings, study.roster, study.space, spending, others)
+    return ScoredCampaign(study, campaign, rulings, score, noise, warning)
+
+
+def scored_run(flown: Flown, campaign: str) -> ScoredCampaign:
+    """Score the flights of a run; `campaign` is the name of its campaign."""
+    planned, report = flown.planned, flown.report
+    study = planned.study
+    score = score_of(flown.rulings, study.roster, study.space, report.spending, planned.others)
+    about = (look_table(flown.looks),) if planned.request.sequential else unflown_tables(planned.plan, report.left)
+    noise = _noise(study, report.outcomes)
+    return ScoredCampaign(study, campaign, flown.rulings, score, noise, report.mixture, tuple(about))
+
+
+def _noise(study: Study, outcomes: Iterable[Outcome]) -> tuple[Noise, ...]:
+    return noise_of(outcomes) if not study.stack.deterministic else ()

@@ -1,0 +1,118 @@
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import click
+import pytest
+
+from scaloft_fi.cli.main import main
+from scaloft_fi.cli.verb import REST, HelpPage, Page, Verb, verb
+from scaloft_fi.cli.verbs import VERBS, command_of
+from scaloft_fi.mutants.select import select
+from scaloft_fi.study import Study
+
+ROOT = Path(__file__).parents[2]
+MANY = 10
+"""A verb with more options than this groups them."""
+
+
+@pytest.fixture(scope="module")
+def study() -> Study:
+    return Study.open(ROOT)
+
+
+def _command(name: str) -> Verb:
+    command = command_of(name)
+    assert isinstance(command, Verb), f"{name} is not declared by @verb (scaloft_fi/cli/verb.py)"
+    return command
+
+
+def _page(name: str) -> Page:
+    return Page(_command(name), info_name=name, help_option_names=["-h", "--help"])
+
+
+def _parsed(command: Verb, words: list[str]) -> click.Context:
+    context = main.make_context("scaloft-fi", [])
+    return command.make_context(str(command.name), words, parent=context)
+
+
+@pytest.mark.parametrize("name", VERBS)
+def test_each_verb_has_three_examples_and_each_is_a_command_that_it_takes(name: str) -> None:
+    command = _command(name)
+    assert len(command.examples) == 3
+    for example in command.examples:
+        program, called, *words = shlex.split(example.command)
+        assert (program, called) == ("scaloft-fi", name)
+        _parsed(command, words)
+        assert not example.does.endswith((".", ":"))
+
+
+def test_an_example_with_an_unknown_option_is_refused() -> None:
+    with pytest.raises(click.UsageError, match="--mutants"):
+        _parsed(_command("run"), ["--mutants", "LATE-human"])
+
+
+@pytest.mark.parametrize("name", VERBS)
+def test_mutants_and_situations_of_examples_are_in_the_reference_study(name: str, study: Study) -> None:
+    for example in _command(name).examples:
+        values = _parsed(_command(name), shlex.split(example.command)[2:]).params
+        situations = values.get("situations") or values.get("situation") or ()
+        study.grid.select([situations] if isinstance(situations, str) else situations)
+        for text in values.get("mutants", ()):
+            assert text == "baseline" or select([text], study.matrix, study.catalogue)
+
+
+@pytest.mark.parametrize("name", VERBS)
+def test_a_verb_of_many_options_has_each_in_a_section(name: str) -> None:
+    sections = dict(_command(name).sections(_page(name)))
+    if sum(names.startswith("-") for rows in sections.values() for names, _ in rows) > MANY:
+        assert len(sections) > 1
+        assert REST not in sections
+
+
+@pytest.mark.parametrize("columns", [40, 60, 80, 100, 160])
+@pytest.mark.parametrize("name", VERBS)
+def test_help_fits_the_terminal_and_breaks_no_option(name: str, columns: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", str(columns))
+    command = _command(name)
+    text = command.get_help(_page(name))
+    for line in text.splitlines():
+        lone = len(line.split()) == 1 or line.strip() in {example.command for example in command.examples}
+        assert len(line) <= min(columns, 100) or lone or re.match(r" *-", line), line
+    for heading, rows in command.sections(_page(name)):
+        assert f"{heading}:" in text
+        for names, _ in rows:
+            assert names in text
+
+
+def test_headings_and_commands_of_help_are_marked_only_where_colours_are_wanted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    @verb("fly", examples=(("Fly", "scaloft-fi fly"),) * 3)
+    def fly() -> None:
+        """Fly."""
+
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    plain = fly.get_help(Page(fly, info_name="fly"))
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    marked = fly.get_help(Page(fly, info_name="fly"))
+    assert "\x1b" not in plain
+    assert click.unstyle(marked) == plain
+    assert "\x1b[1mExamples:\x1b[0m" in marked
+
+
+def test_an_option_that_no_section_names_comes_last() -> None:
+    @verb("fly", examples=(), sections={"Where": "--study"})
+    @click.option("--fast", is_flag=True, help="Fast.")
+    @click.option("--study", help="Here.")
+    def fly(fast: bool, study: str) -> None:
+        """Fly."""
+
+    sections = fly.sections(Page(fly, info_name="fly"))
+    assert [(heading, [names for names, _ in rows]) for heading, rows in sections] == [
+        ("Where", ["--study TEXT"]),
+        (REST, ["--fast", "--help"]),
+    ]
+    assert isinstance(Page(fly, info_name="fly").make_formatter(), HelpPage)

@@ -1,0 +1,136 @@
+"""The site builds without a warning and without a network, and its reference has all that the code has."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from html.parser import HTMLParser
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+from browsing import NAMES
+
+from scaloft_fi.cli.verbs import VERBS, command_of
+from scaloft_fi.exit_codes import ExitCode
+from scaloft_fi.views.flights.export import BASIS, HEAD, TAIL
+from scaloft_fi.views.glossary import TERMS
+
+ROOT = Path(__file__).resolve().parents[2]
+NEEDED = ("material", "mkdocstrings")
+LOADED = {("script", "src"), ("link", "href"), ("img", "src"), ("iframe", "src")}
+"""What a browser loads when it opens a page."""
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The site, built into a folder of its own, with a way to the network that leads nowhere."""
+    if lacking := [name for name in NEEDED if find_spec(name) is None]:
+        pytest.skip(f"the site needs {', '.join(lacking)}: pip install -e '.[docs]'")
+    folder = tmp_path_factory.mktemp("site")
+    nowhere = dict.fromkeys(("http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY"), "http://127.0.0.1:9")
+    done = subprocess.run(
+        [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", folder],
+        cwd=ROOT,
+        env=os.environ | nowhere | {"NO_MKDOCS_2_WARNING": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "WARNING" not in done.stderr, done.stderr
+    return folder
+
+
+class _Loads(HTMLParser):
+    """Collects what a page loads, and its text."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.loaded: list[str] = []
+        self.text: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.loaded += [value or "" for name, value in attrs if (tag, name) in LOADED]
+
+    def handle_data(self, data: str) -> None:
+        self.text.append(data)
+
+
+def _read(path: Path) -> _Loads:
+    parser = _Loads()
+    parser.feed(path.read_text())
+    return parser
+
+
+def _text(site: Path, page: str) -> str:
+    return " ".join("".join(_read(site / page).text).split())
+
+
+def test_no_page_loads_anything_from_a_network(site: Path) -> None:
+    pages = sorted(site.rglob("*.html"))
+    assert len(pages) > 40
+    outside = {page.name: [url for url in _read(page).loaded if "//" in url] for page in pages}
+    assert {page: urls for page, urls in outside.items() if urls} == {}
+    styles = "".join(path.read_text() for path in site.rglob("*.css"))
+    assert re.findall(r"url\([\"']?(?:https?:)?//[^)]*", styles) == []
+
+
+def test_no_page_names_a_place_of_one_machine(site: Path) -> None:
+    named = re.compile(r"(?<![\w.])/(?:home|root|work|tmp|Users)/\w|\bfile://")
+    found = {page.name: named.findall(" ".join(_read(page).text)) for page in site.rglob("*.html")}
+    assert {page: places for page, places in found.items() if places} == {}
+
+
+def test_the_glossary_has_every_term(site: Path) -> None:
+    text = _text(site, "glossary.html")
+    assert [term.name for term in TERMS if term.name not in text] == []
+
+
+def _options() -> Iterator[tuple[str, str]]:
+    for verb in VERBS:
+        for parameter in command_of(verb).params:
+            yield from ((verb, option) for option in parameter.opts if option.startswith("--"))
+
+
+def test_the_reference_has_every_verb_and_option(site: Path) -> None:
+    page = (site / "reference" / "verbs.html").read_text()
+    sections = dict(re.findall(r'<h3 id="scaloft-fi-(\w+)">(.*?)(?=<h3 |\Z)', page, re.DOTALL))
+    assert set(VERBS) <= set(sections)
+    options = list(_options())
+    assert len(options) > 100
+    assert [(verb, option) for verb, option in options if option not in sections[verb]] == []
+
+
+def test_the_reference_has_every_column_of_the_export(site: Path) -> None:
+    text = (site / "reference" / "columns.html").read_text()
+    assert [name for name in (*HEAD, *TAIL, *BASIS) if f"<code>{name}</code>" not in text] == []
+
+
+def test_the_reference_has_every_exit_code(site: Path) -> None:
+    text = (site / "reference" / "outputs.html").read_text()
+    assert [int(code) for code in re.findall(r"<td>(\d+)</td>", text)] == list(ExitCode)
+
+
+def test_search_answers_where_the_site_is_opened_from_disk(site: Path) -> None:
+    sync_api = pytest.importorskip("playwright.sync_api")
+    with sync_api.sync_playwright() as started:
+        path = next((found for name in NAMES if (found := shutil.which(name))), None)
+        if path is None:
+            if os.environ.get("SCALOFT_FI_BROWSER") == "required":
+                pytest.fail("no Chromium is installed")
+            pytest.skip("no Chromium is installed")
+        browser = started.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        page = browser.new_page()
+        asked: list[str] = []
+        page.on("request", lambda request: asked.append(request.url))
+        page.goto((site / "index.html").as_uri())
+        page.locator("[data-md-component=search-query]").click()
+        page.keyboard.type("subsumed by")
+        page.locator(".md-search-result__link[href*='glossary.html']").first.wait_for()
+        browser.close()
+    assert [url for url in asked if not url.startswith(("file:", "data:", "blob:", "about:"))] == []

@@ -1,0 +1,29 @@
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+from scaloft_fi.campaign.workers import interrupt
+from scaloft_fi.errors import GateError, InputError, ScaloftError
+from scaloft_fi.exit_codes import ExitCode
+
+PACKAGE = Path(__file__).parents[1] / "scaloft_fi"
+
+
+def test_each_error_ends_with_a_code_that_has_a_meaning() -> None:
+    assert [error.exit_code for error in (ScaloftError, InputError, GateError, interrupt.Interrupted)] == [
+        *(ExitCode.INTERNAL, ExitCode.BAD_INPUT, ExitCode.GATE, ExitCode.INTERRUPTED)
+    ]
+    assert all(code.meaning.endswith(".") for code in ExitCode)
+
+
+def test_no_error_of_the_package_ends_with_another_code() -> None:
+    codes = {
+        node.value.value
+        for path in PACKAGE.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Assign)
+        and isinstance(node.value, ast.Constant)
+        and any(isinstance(target, ast.Name) and target.id == "exit_code" for target in node.targets)
+    }
+    assert codes == {70, 2, 4, 130}
