@@ -37,7 +37,7 @@ def load_dispositions(path: Path, matrix: Matrix, situations: Collection[str]) -
         return ()
     dispositions: dict[str, Disposition] = {}
     for name, item in load(path).mapping().items():
-        disposition = _disposition(name, item, matrix, situations)
+        disposition = read_disposition(name, item, matrix, situations)
         if disposition.mutant in dispositions:
             first = dispositions[disposition.mutant].place
             raise InputError(f"{item.place}: mutant {name!r} is {disposition.mutant!r}, which is already at {first}")
@@ -45,7 +45,18 @@ def load_dispositions(path: Path, matrix: Matrix, situations: Collection[str]) -
     return tuple(dispositions.values())
 
 
-def _disposition(name: str, item: Item, matrix: Matrix, situations: Collection[str]) -> Disposition:
+def read_disposition(name: str, item: Item, matrix: Matrix, situations: Collection[str]) -> Disposition:
+    """Read one disposition.
+
+    Args:
+        name: the mutant, in any form.
+        item: its entry.
+        matrix: matrix of the study.
+        situations: keys of its grids.
+
+    Raises:
+        InputError: a mutant, a situation or a date does not exist, or a key is missing, empty or unknown.
+    """
     try:
         mutant = realise(matrix, name)
     except InputError as error:

@@ -79,12 +79,19 @@ def load_plugins() -> None:
         InputError: a plugin cannot be imported, or declares a name that is taken; it names plugin and package.
     """
     for plugin in entry_points(group=PLUGIN_GROUP):
-        try:
-            plugin.load()
-        except (Exception, SystemExit) as error:
-            raise InputError(
-                f"{_named(plugin)} cannot be loaded: {in_one_line(error)}; mend or uninstall it"
-            ) from error
+        load_plugin(plugin)
+
+
+def load_plugin(plugin: EntryPoint) -> None:
+    """Import the module of one plugin.
+
+    Raises:
+        InputError: as `load_plugins`.
+    """
+    try:
+        plugin.load()
+    except (Exception, SystemExit) as error:
+        raise InputError(f"{_named(plugin)} cannot be loaded: {in_one_line(error)}; mend or uninstall it") from error
 
 
 def in_one_line(error: BaseException) -> str:

@@ -136,7 +136,7 @@ class Study(Setup):
         """The accepted survivors."""
         from scaloft_fi.dispositions import load_dispositions
 
-        return load_dispositions(self.dispositions_path, self.matrix, _Keys(self))
+        return load_dispositions(self.dispositions_path, self.matrix, SituationKeys(self))
 
     @cached_property
     def finds(self) -> KnownFinds:
@@ -234,7 +234,7 @@ class Study(Setup):
 
 
 @dataclass(frozen=True)
-class _Keys(Collection[str]):
+class SituationKeys(Collection[str]):
     """The keys of every grid of a study; another grid than that of the study is read when a key is not in that one."""
 
     study: Study

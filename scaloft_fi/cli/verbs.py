@@ -15,6 +15,7 @@ GROUPS: dict[str, dict[str, str]] = {
         "seams": "list the seams where faults can be patched in",
         "operators": "list the operators, and the seams that each fits",
         "axes": "list the axes of the situations",
+        "check": "check the whole study without flying",
     },
     "Fly": {
         "run": "fly baseline and mutants over the grid, then score",

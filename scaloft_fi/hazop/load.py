@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Protocol
 
@@ -33,6 +33,8 @@ class Carrier(Protocol):
 
 Seams = Mapping[str, Carrier]
 
+SHEETS = "matrix"
+"""Folder of the files of cells, one for each parameter."""
 MOST_ENTRIES = 100
 """Most causes, requirements or faults of a cell, and most magnitudes of a ladder."""
 LARGEST_ARGUMENT = 1e12
@@ -53,18 +55,29 @@ def load_matrix(hazop: Path, seams: Seams | None = None) -> Matrix:
     """
     guidewords = load_guidewords(hazop / "guidewords.yaml")
     parameters, places = load_parameters(hazop / "parameters.yaml")
-    folder = hazop / "matrix"
-    for path in sorted(folder.glob("*.yaml")):
-        if path.stem not in places:
-            raise InputError(f"{path}:1: {path.stem!r} is not a parameter{did_you_mean(path.stem, places)}")
+    for error in misnamed_sheets(hazop / SHEETS, places):
+        raise error
     cells: dict[tuple[str, str], Cell] = {}
     for parameter in parameters:
-        path = folder / f"{parameter.id}.yaml"
-        if not is_there(path):
-            raise InputError(f"{places[parameter.id]}: parameter {parameter.id!r} has no cells; {path} is missing")
-        for cell in load_cells(path, guidewords, seams):
+        for cell in load_cells(hazop / SHEETS / f"{parameter.id}.yaml", guidewords, seams):
             cells[cell.guideword, cell.parameter] = cell
     return Matrix(guidewords, parameters, cells)
+
+
+def misnamed_sheets(folder: Path, parameters: Mapping[str, str]) -> Iterator[InputError]:
+    """An error for each file of cells without a parameter, and for each parameter without a file.
+
+    Args:
+        folder: the folder of the files.
+        parameters: place of each parameter by id.
+    """
+    for path in sorted(folder.glob("*.yaml")):
+        if path.stem not in parameters:
+            yield InputError(f"{path}:1: {path.stem!r} is not a parameter{did_you_mean(path.stem, parameters)}")
+    for name, place in parameters.items():
+        path = folder / f"{name}.yaml"
+        if not is_there(path):
+            yield InputError(f"{place}: parameter {name!r} has no cells: {path} is missing")
 
 
 def load_guidewords(path: Path) -> tuple[Guideword, ...]:
@@ -113,22 +126,30 @@ def load_cells(path: Path, guidewords: tuple[Guideword, ...], seams: Seams | Non
         InputError: a guideword is unknown, a guideword has no cell, a key of a cell is missing or not allowed.
     """
     sheet, ids = load(path), [word.id for word in guidewords]
+    for error in misnamed_cells(sheet, ids):
+        raise error
+    return tuple(read_cell(sheet, word, path.stem, seams) for word in ids)
+
+
+def misnamed_cells(sheet: Item, guidewords: Collection[str]) -> Iterator[InputError]:
+    """An error for each cell of a file that has no guideword."""
     for name, item in sheet.mapping().items():
-        if name not in ids:
-            raise InputError(f"{item.place}: {name!r} is not a guideword{did_you_mean(name, ids)}")
-    cells = []
-    for word in ids:
-        cell = sheet.get(word)
-        if cell is None or cell.value is None:
-            place, name = (cell or sheet).place, f"{word}-{path.stem}"
-            raise InputError(
-                f"{place}: the cell {name} is blank; it must be credible, a control, or not_meaningful with a reason"
-            )
-        cells.append(_cell(cell, word, path.stem, seams))
-    return tuple(cells)
+        if name not in guidewords:
+            yield InputError(f"{item.place}: {name!r} is not a guideword{did_you_mean(name, guidewords)}")
 
 
-def _cell(item: Item, guideword: str, parameter: str, seams: Seams | None) -> Cell:
+def read_cell(sheet: Item, guideword: str, parameter: str, seams: Seams | None = None) -> Cell:
+    """Read one cell of the file of a parameter.
+
+    Raises:
+        InputError: the cell is blank, or a key of it is missing or not allowed.
+    """
+    item = sheet.get(guideword)
+    if item is None or item.value is None:
+        place, name = (item or sheet).place, f"{guideword}-{parameter}"
+        raise InputError(
+            f"{place}: the cell {name} is blank; it must be credible, a control, or not_meaningful with a reason"
+        )
     status = CellStatus(item.need("status").choice(tuple(CellStatus)))
     if status is CellStatus.NOT_MEANINGFUL:
         cell = Cell(guideword, parameter, status, reason=item.need("reason").text(), place=item.place)

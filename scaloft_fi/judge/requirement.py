@@ -173,25 +173,51 @@ def load_requirements(path: Path, signals: Collection[str], check: Check = Formu
     """
     document = load(path)
     definitions = document.get("definitions")
-    shared = definitions.mapping(most=MOST) if definitions else {}
-    names = set(signals)
-    for key, item in shared.items():
-        if key in names or key in WORDS or key == TRIGGER:
-            raise InputError(f"{item.place}: definition {key!r} must not be named like a signal or a word of formulas")
-        _check(item, item.text(), names, check)
+    names, texts = set(signals), dict[str, str]()
+    for key, item in (definitions.mapping(most=MOST) if definitions else {}).items():
+        texts[key] = read_definition(key, item, names, check)
         names.add(key)
-    texts = {key: item.text() for key, item in shared.items()}
     entries = document.need("requirements").mapping(most=MOST)
-    requirements = [_requirement(name, item, texts, names, check) for name, item in entries.items()]
+    requirements = [read_requirement(name, item, texts, names, check) for name, item in entries.items()]
     document.close()
     if not any(requirement.kind is Kind.SAFETY for requirement in requirements):
         raise InputError(f"{document.need('requirements').place}: requirements must have at least one of kind safety")
     return tuple(requirements)
 
 
-def _requirement(
+def read_definition(name: str, item: Item, names: Collection[str], check: Check) -> str:
+    """The formula of a definition.
+
+    Args:
+        name: its name.
+        item: its entry.
+        names: the signals, and the definitions before it.
+        check: check of the formula.
+
+    Raises:
+        InputError: the name is taken, or the formula is wrong.
+    """
+    if name in names or name in WORDS or name == TRIGGER:
+        raise InputError(f"{item.place}: definition {name!r} must not be named like a signal or a word of formulas")
+    _check(item, item.text(), names, check)
+    return item.text()
+
+
+def read_requirement(
     name: str, item: Item, definitions: Mapping[str, str], names: Collection[str], check: Check
 ) -> Requirement:
+    """Read one requirement.
+
+    Args:
+        name: its name.
+        item: its entry.
+        definitions: formula of each definition.
+        names: names of the signals and of the definitions.
+        check: check of each formula.
+
+    Raises:
+        InputError: a key is missing or unknown, the kind is unknown, a formula is wrong.
+    """
     formula, trigger = item.need("formula"), item.get("trigger")
     if trigger:
         _check(trigger, trigger.text(), names, check)

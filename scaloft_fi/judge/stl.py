@@ -103,6 +103,11 @@ class Formula:
             raise FormulaError(f"is not a formula (put sums and comparisons in brackets): {reason[:120]}") from error
         return formula
 
+    @property
+    def tree(self) -> Any:
+        """The root of RTAMT's syntax tree of a formula that `parse` has read."""
+        return _specification(self.text, self.names).ast.specs[0]
+
     def robustness(self, signals: Signals) -> list[float]:
         """Robustness at each sample, (T,); a sample below 0 violates the formula.
 

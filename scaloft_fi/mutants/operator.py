@@ -145,7 +145,7 @@ class Operator:
                 type or out of range.
         """
         if not self.need.met_by(message):
-            sentence = f"operator {self.name!r} needs {self.need.words}; seam {seam!r} carries {message.__name__}"
+            sentence = f"operator {self.name!r} needs {self.need.words}, but seam {seam!r} carries {message.__name__}"
             raise OperatorError("seam", sentence)
         checked: dict[str, Value] = {}
         for name, value in arguments.items():

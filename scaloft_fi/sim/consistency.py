@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.constraint import Constraint
@@ -11,12 +11,10 @@ from scaloft_fi.sim.patch import overlap
 from scaloft_fi.sim.situation import Axis, Situation
 
 
-def check_values(axes: Sequence[Axis], situations: Sequence[Situation], constraints: Sequence[Constraint]) -> None:
-    """Refuse constraints that exclude every situation of a value.
-
-    Raises:
-        InputError: they do.
-    """
+def lonely_values(
+    axes: Sequence[Axis], situations: Sequence[Situation], constraints: Sequence[Constraint]
+) -> Iterator[InputError]:
+    """An error for each value of which the constraints exclude every situation."""
     if not constraints:
         return
     left = {level for situation in situations for level in situation.levels}
@@ -24,15 +22,11 @@ def check_values(axes: Sequence[Axis], situations: Sequence[Situation], constrai
         for value in axis.values:
             if (axis.id, value.id) not in left:
                 wanted = f"constraints must leave every value a situation, {axis.id}{value.id} has none"
-                raise InputError(f"{constraints[0].place}: {wanted}")
+                yield InputError(f"{constraints[0].place}: {wanted}")
 
 
-def check_paths(axes: Sequence[Axis], situations: Sequence[Situation]) -> None:
-    """Refuse a situation in which two axes set one path, or a path and a part of it.
-
-    Raises:
-        InputError: there is one.
-    """
+def common_paths(axes: Sequence[Axis], situations: Sequence[Situation]) -> Iterator[InputError]:
+    """An error for each two values of two axes that set one path, or a path and a part of it, in a situation."""
     for first, second in itertools.combinations(axes, 2):
         for one, other in itertools.product(first.values, second.values):
             twice = next((path for path in other.changes for set_ in one.changes if overlap(path, set_)), None)
@@ -41,7 +35,7 @@ def check_paths(axes: Sequence[Axis], situations: Sequence[Situation]) -> None:
                 continue
             names = f"{first.id}{one.id} and {second.id}{other.id}"
             sentence = f"{other.changes[twice].place}: {names} both set {twice}, in situation {both[0]}"
-            raise InputError(f"{sentence}; {remedy((first.id, one.id), (second.id, other.id))}")
+            yield InputError(f"{sentence}; {remedy((first.id, one.id), (second.id, other.id))}")
 
 
 def remedy(*levels: tuple[str, int]) -> str:

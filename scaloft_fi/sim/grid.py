@@ -6,14 +6,14 @@ import fnmatch
 import itertools
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.addition import added
-from scaloft_fi.sim.consistency import check_paths, check_values
+from scaloft_fi.sim.consistency import common_paths, lonely_values
 from scaloft_fi.sim.constraint import Constraint, read_constraints
 from scaloft_fi.sim.free_axis import FreeAxis, numbers_off, read_free_axes
 from scaloft_fi.sim.happenings import signals_of
@@ -259,8 +259,19 @@ def read_grid(item: Item, documents: Mapping[str, Item], name: str | None = None
         name: name of a further grid; None for the study's own.
 
     Raises:
-        InputError: a value is not allowed, a key or path is unknown, a value makes an impossible world, or the
-            constraints exclude every situation of a value, or leave one in which two axes set one path.
+        InputError: a value is not allowed, a key is unknown, or there is one of the `contradictions`.
+    """
+    grid = assembled(item, documents, name)
+    for error in contradictions(grid):
+        raise error
+    return grid
+
+
+def assembled(item: Item, documents: Mapping[str, Item], name: str | None = None) -> Grid:
+    """Read the axes, without the `contradictions` between them; arguments as `read_grid`.
+
+    Raises:
+        InputError: a value is not allowed, or a key is unknown.
     """
     documents = {part: documents[part] for part in PARTS}
     choose_item, adds = item.get("choose"), item.get("adds") if name else None
@@ -281,10 +292,9 @@ def read_grid(item: Item, documents: Mapping[str, Item], name: str | None = None
     alias_item = item.get("aliases")
     alias_items = alias_item.mapping() if alias_item else {}
     item.close()
-    aliases = {alias: _completed(entry.text(), axes) for alias, entry in alias_items.items()}
-    grid = Grid(
+    return Grid(
         axes,
-        aliases,
+        {alias: _completed(entry.text(), axes) for alias, entry in alias_items.items()},
         documents,
         constraints,
         name=name or (name_item.text() if name_item else item.path.stem),
@@ -294,16 +304,27 @@ def read_grid(item: Item, documents: Mapping[str, Item], name: str | None = None
         item=item,
         free=free,
     )
-    check_values(axes, grid.situations, constraints)
-    check_paths(axes, grid.situations)
-    for alias, entry in alias_items.items():
+
+
+def contradictions(grid: Grid) -> Iterator[InputError]:
+    """What the axes of a grid cannot agree on, error by error.
+
+    The constraints exclude every situation of a value, or leave one in which two axes set one path; an alias names no
+    situation; a value changes an unknown path, or makes an impossible world.
+    """
+    yield from lonely_values(grid.axes, grid.situations, grid.constraints)
+    yield from common_paths(grid.axes, grid.situations)
+    alias_item = grid.item.get("aliases") if grid.item else None
+    for alias, entry in (alias_item.mapping() if alias_item else {}).items():
         try:
-            grid.situation(aliases[alias])
+            grid.situation(grid.aliases[alias])
         except InputError as error:
-            raise InputError(f"{entry.place}: alias {alias!r}: {error}") from None
+            yield InputError(f"{entry.place}: alias {alias!r}: {error}")
     for value in grid.proved_values:
-        grid.world_of(grid.documents_with([value]))
-    return grid
+        try:
+            grid.world_of(grid.documents_with([value]))
+        except InputError as error:
+            yield error
 
 
 def _completed(key: str, axes: Iterable[Axis]) -> str:

@@ -23,6 +23,11 @@ WITH_FOUND = "+found"
 """What the name of the study's own grid with the found situations ends with."""
 
 
+def is_grid_name(name: str) -> bool:
+    """Whether a file of this name, without its ending, is a further grid."""
+    return _NAME.fullmatch(name) is not None
+
+
 def own_name(folder: Path) -> str:
     """The name of the grid of `situations.yaml`; `situations` when it has none.
 
@@ -30,7 +35,7 @@ def own_name(folder: Path) -> str:
         folder: the study's `sim` folder.
     """
     name = load(folder / FILE).get("name")
-    if name is not None and not _NAME.fullmatch(name.text()):
+    if name is not None and not is_grid_name(name.text()):
         raise name.error("a name of letters, digits, - and _")
     return name.text() if name else Path(FILE).stem
 
@@ -42,7 +47,7 @@ def grid_names(folder: Path) -> tuple[str, ...]:
         InputError: a further grid has the name of the own grid.
     """
     own = own_name(folder)
-    paths = sorted(path for path in (folder / FOLDER).glob("*.yaml") if _NAME.fullmatch(path.stem) and is_file(path))
+    paths = sorted(path for path in (folder / FOLDER).glob("*.yaml") if is_grid_name(path.stem) and is_file(path))
     further = [path.stem for path in paths]
     if own in further:
         raise InputError(f"{folder / FOLDER / own}.yaml: the grid of {FILE} is called {own!r} already; rename one")

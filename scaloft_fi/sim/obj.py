@@ -8,6 +8,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError, shown
@@ -104,6 +105,18 @@ def read_obj(path: Path, place: str, scale: float, limits: MeshLimits | None = N
     if not faces:
         raise InputError(f"{place}: mesh={shown(str(path))} must have faces (lines `f ...`)")
     return Mesh(np.array(vertices), np.array(faces, np.int64)), tuple(names)
+
+
+def lines_of_faces(path: Path, limits: MeshLimits) -> NDArray[np.int64]:
+    """(F,) the line of each triangle of a file that `read_obj` can read."""
+    text = read_text(path, limits.size_bytes).replace("\r\n", "\n").replace("\r", "\n")
+    lines: list[int] = []
+    number, counted = 1, 0
+    for line in _LINE.finditer(text):
+        number, counted = number + text.count("\n", counted, line.start(1)), line.start(1)
+        if line[1] == "f":
+            lines += [number] * (len(line[2].split("#", 1)[0].split()) - 2)
+    return np.array(lines, np.int64)
 
 
 def _corner(text: str, count: int) -> int:

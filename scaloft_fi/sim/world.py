@@ -12,12 +12,13 @@ import numpy as np
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.sim import mesh
-from scaloft_fi.sim.happenings import Happening, Surroundings, check_happenings, read_happenings
+from scaloft_fi.sim.happenings import Happening, Read, Surroundings, check_happenings, read_happenings
 from scaloft_fi.sim.measures import SIGNALS
 from scaloft_fi.sim.mesh import Mesh
 from scaloft_fi.sim.mine import Mine, read_mine
 from scaloft_fi.sim.obj import FARTHEST_M
 from scaloft_fi.sim.optics import Scene
+from scaloft_fi.sim.placement import misplaced
 from scaloft_fi.sim.roles import ROLES, Role
 from scaloft_fi.sim.signals import truth_signals
 
@@ -33,9 +34,6 @@ MOST_BODIES, MOST_WAYPOINTS = 100, 1_000
 """Each body costs time in every frame, and a signal in every log; each waypoint is checked in every situation."""
 
 SHAPES = ("box", "cylinder", "capsule")
-
-ON_FLOOR_M = 0.05
-"""Approximate height of a standing vehicle's centre [m]."""
 
 Point = tuple[float, float, float]
 
@@ -182,35 +180,52 @@ def read_world(item: Item, mine: Mine | None = None) -> World:
     Raises:
         InputError: a value is not allowed, a key is unknown, a waypoint is not in open space.
     """
+    world, happenings = assembled(item, mine)
+    for error in misplaced(world, item):
+        raise error
+    check_happenings(world, happenings)
+    return world
+
+
+def assembled(item: Item, mine: Mine | None = None) -> tuple[World, tuple[Read, ...]]:
+    """Read a world and its active happenings, without a check that they fit together.
+
+    Raises:
+        InputError: a value is not allowed, or a key is unknown.
+    """
     mine_item = item.need("mine")
     mine = read_mine(mine_item) if mine is None else mine
-    bodies = {name: _body(name, body) for name, body in item.need("bodies").mapping(most=MOST_BODIES).items()}
+    bodies = {name: read_body(name, body) for name, body in item.need("bodies").mapping(most=MOST_BODIES).items()}
     waypoint_items = item.need("waypoints").mapping(most=MOST_WAYPOINTS)
     mission_item = item.need("mission")
-    home_item = mission_item.need("home")
     if "home" in waypoint_items:
         raise InputError(f"{waypoint_items['home'].place}: home is no waypoint of its own; it is set under mission")
-    mission = _mission(mission_item, waypoint_items)
-    waypoints = {name: _waypoint(entry, mission.altitude_m) for name, entry in waypoint_items.items()}
+    mission = read_mission(mission_item, waypoint_items)
+    waypoints = {name: read_waypoint(entry, mission.altitude_m) for name, entry in waypoint_items.items()}
     happenings = read_happenings(item.get("happenings"))
     world = World(
         mine=mine,
         bodies=bodies,
         waypoints={"home": (*mission.home, mission.altitude_m), **waypoints},
         mission=mission,
-        light=item.need("light").number(least=0.0, most=1.0),
-        signals=_signals(item.get("signals"), (WALL, GROUND, *bodies)),
+        light=read_light(item.need("light")),
+        signals=read_signals(item.get("signals"), (WALL, GROUND, *bodies)),
         happenings=tuple(read.happening for read in happenings),
     )
     item.close()
-    _check_height(world, mission_item)
-    for name, place in {"home": home_item, **waypoint_items}.items():
-        _check_free(world, name, place)
-    check_happenings(world, happenings)
-    return world
+    return world, happenings
 
 
-def _signals(item: Item | None, surfaces: Iterable[str]) -> tuple[str, ...]:
+def read_light(item: Item) -> float:
+    """Read the brightness of visible light, 0..1.
+
+    Raises:
+        InputError: it is none.
+    """
+    return item.number(least=0.0, most=1.0)
+
+
+def read_signals(item: Item | None, surfaces: Iterable[str]) -> tuple[str, ...]:
     """Read the names of the optional signals.
 
     Raises:
@@ -226,8 +241,12 @@ def _signals(item: Item | None, surfaces: Iterable[str]) -> tuple[str, ...]:
     return tuple(names)
 
 
-def _waypoint(item: Item, altitude_m: float) -> Point:
-    """A waypoint [x, y] at the altitude of the mission, or [x, y, z]."""
+def read_waypoint(item: Item, altitude_m: float) -> Point:
+    """A waypoint [x, y] at the altitude of the mission, or [x, y, z].
+
+    Raises:
+        InputError: it is none.
+    """
     numbers = item.numbers()
     if len(numbers) not in (2, 3):
         raise item.error("[x, y] or [x, y, z]")
@@ -239,7 +258,12 @@ def _pair(item: Item) -> tuple[float, float]:
     return x, y
 
 
-def _body(name: str, item: Item) -> Body:
+def read_body(name: str, item: Item) -> Body:
+    """Read one body.
+
+    Raises:
+        InputError: a value is not allowed, or a key is unknown.
+    """
     if name in (WALL, GROUND) or not name.isidentifier():
         raise InputError(
             f"{item.place}: body {name!r} must have a name of letters, digits and _ other than 'wall' and 'ground'"
@@ -280,7 +304,16 @@ def _body(name: str, item: Item) -> Body:
     return body
 
 
-def _mission(item: Item, waypoints: Collection[str]) -> MissionPlan:
+def read_mission(item: Item, waypoints: Collection[str]) -> MissionPlan:
+    """Read the mission.
+
+    Args:
+        item: its entry.
+        waypoints: names of the waypoints.
+
+    Raises:
+        InputError: a value is not allowed, or a key or waypoint is unknown.
+    """
     route_item = item.need("route")
     route = []
     for entry in route_item.items(most=MOST_WAYPOINTS):
@@ -309,26 +342,3 @@ def _mission(item: Item, waypoints: Collection[str]) -> MissionPlan:
     )
     item.close()
     return mission
-
-
-def _check_height(world: World, item: Item) -> None:
-    """Refuse a home whose floor is not at height 0, where the stack takes off."""
-    if not abs(world.floor_m) < 0.1:
-        actual = "there is none" if math.isnan(world.floor_m) else f"it is at z={world.floor_m:.2f} m"
-        raise InputError(
-            f"{item.need('home').place}: home={list(world.mission.home)!r} must have the floor at z=0; {actual}"
-        )
-
-
-def _check_free(world: World, name: str, item: Item) -> None:
-    """Refuse a waypoint that is not in open space at its altitude; home and the last one, also just above the floor."""
-    x, y, z_m = world.waypoints[name]
-    shown = f"{item.place}: {name}={[x, y]!r}"
-    floor_m = world.mine.floor_m(x, y)
-    lands = name in ("home", world.mission.route[-1]) and math.isfinite(floor_m)
-    for point in ((x, y, z) for z in [z_m] + [floor_m + ON_FLOOR_M] * lands):
-        if not world.mine.holds(point):
-            raise InputError(f"{shown} must be in the open space of the mine, not in the wall or outside")
-        for body in world.present:
-            if abs(mesh.winding(body.mesh.triangles, point)) > 0.5:
-                raise InputError(f"{shown} must be in open space, not inside {body.name!r}")

@@ -71,6 +71,7 @@ duration_s: How long the flight lasted, in simulated time [s].
 edge: Who sends the samples of a seam, and who receives them.
 effect | consequence: What the fault does: locally, then to the flight.
 ending: How a flight ended: landed, struck or timed out; it is no verdict.
+error | errors: A finding of `check` that a verb refuses, or that makes flights mean nothing.
 event | events: Something that occurs in a flight, such as passing a waypoint, at which a fault may strike.
 exercised: Credible cells whose default mutant was flown, of all credible cells.
 expected: The study declares, with a reason, that this mutant alters nothing in this grid.
@@ -83,6 +84,7 @@ fault | faults: A change of the samples at one seam, made by an operator; a muta
 file: Name of a file with a record.
 find | finds: A situation that a search found for a survivor and that fresh seeds confirmed.
 finding | findings: What the campaign says about a thing; above all, what the unmutated drone itself does wrong.
+  Of `check`: what it found in the study, an error or a note.
 first: The earliest violation that counts: its time [s from take-off], and in the long table its place and what was
   struck.
 flies it | flies_find: The command that flies the find.
@@ -102,6 +104,7 @@ harmless: Samples passed at this magnitude and none was changed, where another m
 harness: The test bench: simulator, workers, store.  Stopped at harness: no flight of the mutant counts.
 held: Of a requirement: the flight did not violate it.  Of a baseline flight: it violates no safety requirement.
 Holm: The adjustment of p for several safety requirements.
+how much: How much of the study `check` looked at.
 how sure: What chance explains of the result, and how many flights it rests on.
 Hz: How often a seam is polled each second.
 id: The canonical name of a mutant: `GUIDEWORD-parameter@magnitude#phase`.
@@ -169,6 +172,7 @@ not tested | not_tested: Verdict: the mutant changes no sample where the unmutat
   steadily.
 not_infected | not infected: Status: every sample passed the fault unchanged.
 not_reached | not reached: Status: no sample passed the fault's seam.
+note | notes: A finding of `check` that somebody should know; the study can be flown.
 number: How many.
 of: What the part is a part of.
 open: Of a flight: it ended before the requirement was judged.  Of a pair: that happens in more than a tenth of the
@@ -191,6 +195,7 @@ parameter: A quantity that flows between two stages of the stack, or a setting, 
 part: A part of the platform or of the test bench.
 part/whole: A ratio as counted; n/a when the whole is 0.
 phase: When a fault strikes: a shift in time (`#5s`) or an event (`#waypoint`).
+place: The file and line of a study where something stands, or is to be mended.
 PLACEBO: A mutant that changes nothing; its flights must equal the baseline's to the bit.
 planned: Flights that the run asked for.
 platform: Processor, system and package versions; on one platform flights repeat to the bit.
@@ -216,6 +221,7 @@ red flights: Baseline flights that violate a safety requirement / flown.
 REDRAW | redraws: Other flights of the unmutated drone, judged as if they were a mutant: how often is nothing called
   detected.
 redundant: Killed magnitudes and phases of a cell that are killed exactly where another of them is.
+remedy: What to do about a finding.
 repeat: Next step: fly it again, because the test bench failed.
 reported: A kind of requirement: a violation is shown and decides nothing.
 requirement | requirements: What the drone must do, as a formula over the flight; SR: safety, OP: operability.
@@ -237,7 +243,7 @@ seeds of the unmutated drone: Seeds with which the unmutated drone was flown in 
 seek | search: The verb that looks for situations which show survivors.
 seen: A steady requirement is violated, but not often enough to call the mutant detected.
 selected: The score uses situations that were chosen because they show faults, so it speaks of no other situations.
-severity: How bad the consequence is; for the team, by its own risk matrix.
+severity: How bad the consequence is; for the team, by its own risk matrix.  Of a finding of `check`: error or note.
 shard: One of N parts of a run that is flown on several machines; `merge` joins them.
 share: The part in a hundred of the whole.
 shows: The mutants that a found situation shows.

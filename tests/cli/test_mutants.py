@@ -72,7 +72,7 @@ def test_check_proves_the_catalogue_current_and_write_makes_it_so(
         (
             "seam: person\n      operator: drop",
             "seam: depth\n      operator: ghost",
-            "operator 'ghost' needs the message Detections; seam 'depth' carries DepthFrame",
+            "operator 'ghost' needs the message Detections, but seam 'depth' carries DepthFrame",
         ),
     ],
 )

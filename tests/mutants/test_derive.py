@@ -158,7 +158,7 @@ PLACES = {"operator": "human.yaml:7", "seam": "human.yaml:6", "share": "human.ya
         ({"seam": "depth", "operator": "deaf_"}, "human.yaml:7: no operator 'deaf_'; did you mean 'deaf'?"),
         (
             {"operator": "mirror", "arguments": {}},
-            "human.yaml:6: operator 'mirror' needs an image; seam 'person' carries Detections",
+            "human.yaml:6: operator 'mirror' needs an image, but seam 'person' carries Detections",
         ),
         ({"arguments": {"share": -1.0}}, "human.yaml:9: operator 'drop': share=-1 must be >= 0 and <= 1"),
         ({"arguments": {"shar": 1.0}}, "human.yaml:5: operator 'drop' has no argument 'shar'; did you mean 'share'?"),

@@ -38,7 +38,7 @@ BAD = [
     ("set", "pose", {"field": "position", "value": 1.0}, "field='position' of PoseEstimate holds no single value"),
     ("bias", "pose", {"field": "yaw_rad", "amount": 1.0, "component": "x"}, "field='yaw_rad' has no components"),
     ("bias", "pose", {"field": "position", "amount": 1.0, "component": "w"}, "component='w' is not known"),
-    ("mirror", "person", {}, "operator 'mirror' needs an image; seam 'person' carries Detections"),
+    ("mirror", "person", {}, "operator 'mirror' needs an image, but seam 'person' carries Detections"),
     ("ignore_axis", "goal", {"axis": "q"}, "axis='q' is not known; allowed: 'x', 'y', 'z'"),
 ]
 

@@ -68,6 +68,14 @@ def covering_array(space: Space, keys: Sequence[str], strength: int, seed: int) 
     return tuple(keys[row] for row in min((_whole(rows, codes, wanted) for rows in begun), key=len))
 
 
+def greedy_array(space: Space, keys: Sequence[str], strength: int) -> tuple[tuple[str, ...], int]:
+    """As `covering_array`, at once and without `covertable`, a little larger; and how many combinations there are."""
+    codes, size = table(levels_of(keys, space), space, strength)
+    wanted = np.zeros(size, bool)
+    wanted[codes] = True
+    return tuple(keys[row] for row in _whole([], codes, wanted)), int(wanted.sum())
+
+
 def _arrays(
     levels: Levels, terms: Sequence[Forbidden], strength: int, seed: int, tries: int
 ) -> Iterator[list[tuple[int, ...]]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 import threading
 from dataclasses import dataclass, field, replace
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from scaloft_fi.campaign.flights.inspecting_wire import InspectingWire
 from scaloft_fi.errors import InputError, ScaloftError
 from scaloft_fi.registry import in_one_line
 from scaloft_fi.stack.messages import Thrust
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from scaloft_fi.stack.contract import Stack
     from scaloft_fi.stack.declaration import Declaration
     from scaloft_fi.stack.messages import Imu
-    from scaloft_fi.stack.seam import Seam, Wire
+    from scaloft_fi.stack.seam import Wire
 
 S = TypeVar("S")
 
@@ -30,8 +30,6 @@ METHODS = ("stamps", "autopilot", "companion", "step")
 """What a stack may raise in without ending the flight."""
 RAISES_AT_S = 5.0
 """When a method is made to raise [s]."""
-LEAST_POLLS = 0.9
-"""A seam is polled at its rate if it is polled at this share of its ticks or steps; a stack may begin late."""
 
 
 @dataclass(frozen=True)
@@ -81,6 +79,42 @@ def check_stack(study: Path | str | None = None, *, situation: str = "", seed: i
     return _Inspection(opened, chosen, seed).result()
 
 
+@dataclass(frozen=True)
+class SeenPolls:
+    """What one baseline flight shows of the seams.
+
+    Attributes:
+        failures: a sentence for each thing that is not as declared.
+        silent: the seams that are polled and carried no sample.
+        polled: number of declared seams that are polled.
+        duration_s: length of the flight [s].
+    """
+
+    failures: tuple[str, ...]
+    silent: tuple[str, ...] = ()
+    polled: int = 0
+    duration_s: float = 0.0
+
+
+def polls_of(setup: Setup, situation: Situation) -> SeenPolls:
+    """Fly the baseline once, with the identity on every seam, and watch every poll."""
+    inspection, watching = _Inspection(setup, situation, 0), InspectingWire(setup.stack)
+    log = inspection.flown(watching, guarded(setup.stack), "a baseline flight")
+    if log is None or not inspection.takes_off(log):
+        return SeenPolls(tuple(inspection.failures))
+    failures = watching.complaints(log.duration_s)
+    return SeenPolls(tuple(failures), watching.silent, watching.polled, log.duration_s)
+
+
+def guarded(declared: Declaration) -> Declaration:
+    """The declaration of a stack whose orders to the rotors are looked at, once the server of the physics is there."""
+    from scaloft_fi.campaign.flights.physics import stderr_silenced
+
+    with stderr_silenced():
+        import pybullet  # noqa: F401 - its first import writes to standard error
+    return replace(declared, make=lambda task, wire: _Guarded(declared.make(task, wire)))
+
+
 @dataclass
 class _Inspection:
     setup: Setup
@@ -91,15 +125,11 @@ class _Inspection:
 
     def result(self) -> StackCheck:
         """Fly, and say what came of it."""
-        from scaloft_fi.campaign.flights.physics import stderr_silenced
         from scaloft_fi.stack.seam import PlainWire
 
-        with stderr_silenced():
-            import pybullet  # noqa: F401 - its first import writes to standard error
-        made = self.setup.stack
-        declared = replace(made, make=lambda task, wire: _Guarded(made.make(task, wire)))
-        first = self._flown(PlainWire(), declared, "the first baseline flight")
-        if first is not None and self._takes_off(first):
+        declared = guarded(self.setup.stack)
+        first = self.flown(PlainWire(), declared, "the first baseline flight")
+        if first is not None and self.takes_off(first):
             self._check_beliefs(declared, first)
             self._check_claims(declared, first)
             self._check_second(declared, first)
@@ -108,7 +138,8 @@ class _Inspection:
             self._check_raising(declared, method)
         return StackCheck(declared.name, self.situation.key, self.seed, tuple(self.failures), tuple(self.observations))
 
-    def _flown(self, wire: Wire, declared: Declaration, flight: str) -> FlightLog | None:
+    def flown(self, wire: Wire, declared: Declaration, flight: str) -> FlightLog | None:
+        """The log of one flight; None, with a failure, where it cannot be flown."""
         from scaloft_fi.sim.flight import fly
 
         try:
@@ -119,7 +150,7 @@ class _Inspection:
             self.failures.append(f"{flight} cannot be flown: {in_one_line(error)}")
         return None
 
-    def _takes_off(self, first: FlightLog) -> bool:
+    def takes_off(self, first: FlightLog) -> bool:
         """Whether the drone leaves the ground and its stack raises nothing; else no other flight is worth its time."""
         before = len(self.failures)
         if first.stack_error:
@@ -163,7 +194,7 @@ class _Inspection:
         if not declared.deterministic:
             return
         before = threading.active_count()
-        second = self._flown(PlainWire(), declared, "the second baseline flight")
+        second = self.flown(PlainWire(), declared, "the second baseline flight")
         if threading.active_count() > before:
             self.failures.append("the stack leaves threads behind; a fork, which flies mutants, would lose them")
         if second is None:
@@ -177,8 +208,8 @@ class _Inspection:
             self.failures.append("two flights of the baseline are alike, but the stack's beliefs differ")
 
     def _check_polls(self, declared: Declaration, first: FlightLog) -> None:
-        watching = _InspectingWire(declared)
-        log = self._flown(watching, declared, "the flight with the identity on every seam")
+        watching = InspectingWire(declared)
+        log = self.flown(watching, declared, "the flight with the identity on every seam")
         if log is None:
             return
         self.failures += watching.complaints(log.duration_s)
@@ -192,7 +223,7 @@ class _Inspection:
         from scaloft_fi.stack.seam import PlainWire
 
         broken = replace(declared, make=lambda task, wire: _Raising(declared.make(task, wire), method))
-        log = self._flown(PlainWire(), broken, f"a flight in which {method!r} raises")
+        log = self.flown(PlainWire(), broken, f"a flight in which {method!r} raises")
         if log is not None:
             end = f"{log.ending.sentence} at {log.duration_s:.1f} s"
             self.observations.append(f"when {method!r} raises at {RAISES_AT_S:g} s, the drone {end}")
@@ -248,69 +279,3 @@ class _Raising:
             return attribute(now_s, *arguments)
 
         return raising
-
-
-@dataclass
-class _Polls:
-    """What was seen on one seam."""
-
-    seam: Seam
-    count: int = 0
-    last_s: float = -math.inf
-    twice_s: float | None = None
-    wrong: str = ""
-    written: bool = False
-    kept: Any = None
-    copied: Any = None
-
-
-class _InspectingWire:
-    """Carries every sample as it is, listens on every seam, and watches each poll."""
-
-    def __init__(self, declared: Declaration) -> None:
-        self._polls = {seam.name: _Polls(seam) for seam in declared.seams}
-        self._strange: dict[str, None] = {}
-
-    def listens(self, seam: str) -> bool:
-        """Everywhere."""
-        return True
-
-    def cross(self, seam: str, t_s: float, sample: S | None) -> S | None:
-        """Return `sample`."""
-        polls = self._polls.get(seam)
-        if polls is None:
-            self._strange[seam] = None
-            return sample
-        if t_s <= polls.last_s and polls.twice_s is None:
-            polls.twice_s = t_s
-        polls.count, polls.last_s = polls.count + 1, t_s
-        if polls.kept is not None and polls.seam.differ(polls.kept, polls.copied):
-            polls.written = True
-        polls.kept, polls.copied = sample, copy.deepcopy(sample)
-        if sample is not None and not isinstance(sample, polls.seam.message):
-            polls.wrong = type(sample).__name__
-        return sample
-
-    def complaints(self, duration_s: float) -> list[str]:
-        """A sentence for each thing that is not as declared."""
-        from scaloft_fi.stack.rates import TICK_HZ
-
-        sentences = [f"seam {name!r} is used, but not declared" for name in self._strange]
-        for name, polls in self._polls.items():
-            due = duration_s * polls.seam.rate_hz
-            if not polls.count:
-                sentences.append(f"seam {name!r} is declared, but never polled")
-            elif polls.twice_s is not None:
-                sentences.append(f"seam {name!r} is polled twice for the time {polls.twice_s:g} s")
-            elif polls.count < LEAST_POLLS * due - 1.0 or polls.count > due + polls.seam.rate_hz / TICK_HZ + 1.0:
-                rate_hz = polls.count / duration_s
-                sentences.append(
-                    f"seam {name!r} declares rate_hz={polls.seam.rate_hz:g}, but is polled {rate_hz:.3g} times a second"
-                )
-            if polls.wrong:
-                sentences.append(
-                    f"seam {name!r} declares the message {polls.seam.message.__name__}, but carries {polls.wrong}"
-                )
-            if polls.written:
-                sentences.append(f"a sample of seam {name!r} is written to after it was sent; send a new one")
-        return sentences

@@ -2,16 +2,25 @@
 
 from scaloft_fi.sim.happenings import appear, drift, dust, light, walk, wind  # noqa: F401 - they declare their kinds
 from scaloft_fi.sim.happenings.happening import Effect, Happening, Start, Surroundings, signals_of
-from scaloft_fi.sim.happenings.kinds import HAPPENINGS, HappeningKind, check_happenings, read_happenings
+from scaloft_fi.sim.happenings.kinds import (
+    HAPPENINGS,
+    HappeningKind,
+    Read,
+    check_happenings,
+    read_happening,
+    read_happenings,
+)
 
 __all__ = [
     "HAPPENINGS",
     "Effect",
     "Happening",
     "HappeningKind",
+    "Read",
     "Start",
     "Surroundings",
     "check_happenings",
+    "read_happening",
     "read_happenings",
     "signals_of",
 ]

@@ -65,10 +65,15 @@ def read_happenings(item: Item | None) -> tuple[Read, ...]:
         InputError: a value is not allowed, a key or a kind is unknown.
     """
     entries = item.mapping().items() if item else ()
-    return tuple(found for name, entry in entries if (found := _happening(name, entry)) is not None)
+    return tuple(found for name, entry in entries if (found := read_happening(name, entry)) is not None)
 
 
-def _happening(name: str, item: Item) -> Read | None:
+def read_happening(name: str, item: Item) -> Read | None:
+    """Read one happening; None for one that is not active.
+
+    Raises:
+        InputError: a value is not allowed, a key or the kind is unknown.
+    """
     kind_item, lasts = item.need("kind"), item.get("lasts_s")
     kind = HAPPENINGS[kind_item.choice(tuple(HAPPENINGS))]
     active = item.need("active").flag()

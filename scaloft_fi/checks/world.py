@@ -1,0 +1,73 @@
+"""World, vehicle and sensors of a study, piece by piece."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from scaloft_fi.checks.finding import Findings, Severity, finding_of
+from scaloft_fi.document import Item, load
+from scaloft_fi.sim.happenings import check_happenings, read_happening
+from scaloft_fi.sim.mesh_flaws import flaws_of
+from scaloft_fi.sim.mine import Mine, read_mine
+from scaloft_fi.sim.placement import misplaced
+from scaloft_fi.sim.sensors import read_sensors
+from scaloft_fi.sim.vehicle import read_vehicle
+from scaloft_fi.sim.world import World, assembled, read_body, read_light, read_mission, read_waypoint
+
+
+def check_world(path: Path, findings: Findings) -> World | None:
+    """Read a world; None where it cannot be read.
+
+    Args:
+        path: `sim/world.yaml`.
+        findings: takes the findings.
+    """
+    mine: Mine | None = None
+    with findings.collecting():
+        pieces = load(path).mapping()
+        if "mine" in pieces:
+            with findings.collecting():
+                check_mesh(pieces["mine"], findings)
+                mine = read_mine(load(path).need("mine"))
+        findings.each(lambda one: read_body(*one), _entries(pieces, "bodies"))
+        waypoints = list(_entries(pieces, "waypoints"))
+        findings.each(lambda one: read_waypoint(one[1], 0.0), waypoints)
+        if "mission" in pieces:
+            with findings.collecting():
+                read_mission(pieces["mission"], [name for name, _ in waypoints])
+        if "light" in pieces:
+            with findings.collecting():
+                read_light(pieces["light"])
+        findings.each(lambda one: read_happening(*one), _entries(pieces, "happenings"))
+        document = load(path)
+        world, happenings = assembled(document, mine)
+        if findings.all_of(misplaced(world, document)):
+            check_happenings(world, happenings)
+            return world
+    return None
+
+
+def _entries(pieces: dict[str, Item], name: str) -> Iterable[tuple[str, Any]]:
+    """The entries of a mapping of the world; none where there is no such mapping, which the whole world is told of."""
+    value = pieces[name].value if name in pieces else None
+    return value.items() if isinstance(value, dict) else ()
+
+
+def check_mesh(mine: Item, findings: Findings) -> None:
+    """The flaws of the mesh of a mine; the flaws that may be harmless are notes.
+
+    Raises:
+        InputError: the mesh cannot be read.
+    """
+    for flaw in flaws_of(mine):
+        findings.add(finding_of(str(flaw), Severity.ERROR if flaw.grave else Severity.NOTE))
+
+
+def check_vehicle(folder: Path, findings: Findings) -> None:
+    """Vehicle and sensors, each on its own."""
+    with findings.collecting():
+        read_vehicle(load(folder / "vehicle.yaml"))
+    with findings.collecting():
+        read_sensors(load(folder / "sensors.yaml"))

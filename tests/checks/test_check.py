@@ -1,0 +1,189 @@
+from __future__ import annotations
+
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+from plugins import call, install, install_project
+
+from scaloft_fi.checks.check import Check, check_study
+from scaloft_fi.checks.finding import Severity
+from scaloft_fi.sim.mesh import box
+
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "examples"
+PROGRAM = """
+import sys
+from pathlib import Path
+from scaloft_fi.checks.check import check_study
+found = [str(one) for folder in sys.argv[1:] for one in check_study(Path(folder)).findings]
+assert "pybullet" not in sys.modules
+print("\\n".join(found))
+"""
+
+
+def errors(check: Check) -> list[str]:
+    return [str(finding) for finding in check.findings if finding.severity is Severity.ERROR]
+
+
+def notes(check: Check) -> list[str]:
+    return [finding.what for finding in check.findings if finding.severity is Severity.NOTE]
+
+
+@pytest.fixture(scope="module")
+def reference() -> Check:
+    return check_study(ROOT)
+
+
+@pytest.fixture
+def copy(tmp_path: Path) -> Path:
+    for name in ("hazop", "mutants", "sim"):
+        shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("found.yaml", "grids"))
+    return tmp_path
+
+
+def _edit(path: Path, old: str, new: str) -> None:
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+
+
+def test_the_reference_study_has_no_error_and_one_seam_that_no_cell_uses(reference: Check) -> None:
+    assert errors(reference) == []
+    assert notes(reference) == ["no cell of the matrix uses the seam fix of the stack"]
+
+
+def test_a_green_check_says_what_was_looked_at(reference: Check) -> None:
+    checked = reference.checked
+    assert (checked.requirements, checked.cells, checked.mutants, checked.seams) == (4, 156, 712, 21)
+    assert (checked.polled, checked.found, checked.accepted) == (None, 22, 0)
+    grids = {grid.name: (grid.situations, grid.built, grid.pairs) for grid in checked.grids}
+    assert grids["paper"] == (32, 32, 40)
+    assert grids["wide"][0] == 2304
+    assert grids["wide"][1] < 40, "of a large grid as many situations are built as its pairs need"
+    assert grids.keys() == {"paper", "search", "wide", "paper+found"}
+
+
+def _made(example: str, monkeypatch: pytest.MonkeyPatch, script: str, *words: object) -> None:
+    monkeypatch.syspath_prepend(EXAMPLES / example)
+    sys.modules.pop(script, None)
+    module = __import__(script)
+    getattr(module, script)(*words)
+
+
+def test_the_examples_whose_stages_are_outside_have_no_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    script = tmp_path / "mission.py"
+    script.write_text("")
+    _made("outside_planner", monkeypatch, "make_study", tmp_path / "planner", "lines", ROOT)
+    _made("testbed", monkeypatch, "make_study", tmp_path / "testbed", [script], ROOT)
+    for kind in ("study", "study_bag"):
+        _made("own_simulator", monkeypatch, "copy_study", tmp_path / kind, ROOT, kind)
+    for name in ("planner", "testbed", "study", "study_bag"):
+        assert errors(check_study(tmp_path / name)) == [], name
+
+
+def test_the_examples_of_plugins_have_no_error_and_no_physics_is_imported(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for example in ("own_stack", "own_planner"):
+        install_project(tmp_path / "site", EXAMPLES / example)
+    _made("own_planner", monkeypatch, "copy_study", tmp_path / "straight", ROOT)
+    for name in ("grids", "found.yaml"):  # those of the reference study
+        path = tmp_path / "straight" / "sim" / name
+        shutil.rmtree(path) if path.is_dir() else path.unlink()
+    done = call(tmp_path / "site", "-c", PROGRAM, EXAMPLES / "own_stack" / "study", tmp_path / "straight", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert [line for line in done.stdout.splitlines() if ": error: " in line] == []
+
+
+def test_a_plugin_that_does_not_load_is_an_error_and_the_rest_is_checked(tmp_path: Path, copy: Path) -> None:
+    _edit(copy / "sim" / "world.yaml", "light: 0.9", "light: 5")
+    (tmp_path / "site").mkdir()
+    (tmp_path / "site" / "broken.py").write_text("raise OSError('no driver')\n")
+    install(tmp_path / "site", "their-package", {"theirs": "broken"})
+    done = call(tmp_path / "site", "-c", PROGRAM, copy, cwd=tmp_path)
+    assert "plugin 'theirs' of package 'their-package' cannot be loaded: OSError: no driver" in done.stdout
+    assert "world.yaml:3: error: light=5 must be" in done.stdout
+
+
+def test_a_study_without_a_control_is_told_so(copy: Path) -> None:
+    for path in (copy / "hazop" / "matrix").glob("*.yaml"):
+        path.write_text(path.read_text().replace("status: control", "status: credible"))
+    check = check_study(copy)
+    assert errors(check) == []
+    assert any("no cell is a control" in what for what in notes(check))
+
+
+def test_controls_away_from_the_seams_that_always_carry_are_told(copy: Path) -> None:
+    for path in (copy / "hazop" / "matrix").glob("*.yaml"):
+        if path.stem != "collision":
+            path.write_text(path.read_text().replace("status: control", "status: credible"))
+    assert any(
+        "no control strikes a seam that carries samples in every situation" in what for what in notes(check_study(copy))
+    )
+
+
+def test_a_find_that_does_not_fit_any_more_is_a_note_at_its_line(copy: Path) -> None:
+    found = (ROOT / "sim" / "found.yaml").read_text()
+    begin = found.index("grid: search")
+    second = found.index("\n  shows-", found.index("shows-") + 8)
+    (copy / "sim" / "found.yaml").write_text(found[begin:second].replace("grid: search", "grid: paper"))
+    (found,) = [finding for finding in check_study(copy).findings if "does not fit the study" in finding.what]
+    assert (found.severity, found.line) == (Severity.NOTE, 3)
+    assert "seek anew" in found.remedy
+
+
+ROOM = box((10.0, 20.0, 3.0)).moved((0.0, 8.0, 1.5))
+"""A closed room around the route, wound outwards."""
+
+
+def _room(copy: Path, faces: list[tuple[int, int, int]]) -> None:
+    lines = [f"v {x:g} {y:g} {z:g}" for x, y, z in ROOM.vertices]
+    lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
+    (copy / "sim" / "room.obj").write_text("\n".join([*lines, ""]))
+    world = copy / "sim" / "world.yaml"
+    begin, rest = world.read_text().split("  footprint:")
+    world.write_text(f"{begin}  mesh: room.obj\n  wall_reflectivity{rest.split('  wall_reflectivity')[1]}")
+    _edit(copy / "sim" / "situations.yaml", "x_m < -1", "y_m > 1")
+
+
+def _in_mesh(copy: Path) -> list[str]:
+    place = f"{copy / 'sim' / 'room.obj'}:"
+    return [
+        str(finding).removeprefix(place) for finding in check_study(copy).findings if str(finding).startswith(place)
+    ]
+
+
+def test_a_sound_mesh_has_no_flaw(copy: Path) -> None:
+    _room(copy, ROOM.faces.tolist())
+    assert errors(check_study(copy)) == []
+    assert _in_mesh(copy) == []
+
+
+def test_faces_that_are_turned_around_are_named_by_line_and_are_the_cause_of_a_waypoint_in_the_rock(copy: Path) -> None:
+    faces = ROOM.faces.tolist()
+    for turned in (0, 1, 8, 9):
+        faces[turned].reverse()
+    _room(copy, faces)
+    (told,) = _in_mesh(copy)
+    assert told.startswith(
+        "9: error: 4 of 12 faces are wound the other way than their neighbours, the first at this line"
+    )
+    assert "turn them around" in told
+    caused = [error for error in errors(check_study(copy)) if "world.yaml" in error]
+    assert caused
+    assert all("the mesh may be the cause: " in error and "room.obj:9: 4 of 12 faces" in error for error in caused)
+
+
+def test_a_hole_and_a_face_without_area_are_notes(copy: Path) -> None:
+    _room(copy, [*ROOM.faces.tolist()[:-1], [0, 0, 1]])
+    hole, empty = sorted(_in_mesh(copy), key=len, reverse=True)
+    assert "note: the surface has holes: 3 edges have no second face" in hole
+    assert empty.startswith("20: note: 1 of 12 faces is without area")
+
+
+def test_nothing_in_the_study_is_written(copy: Path) -> None:
+    before = {path: path.stat().st_mtime_ns for path in [copy, *copy.rglob("*")]}
+    check_study(copy)
+    assert {path: path.stat().st_mtime_ns for path in [copy, *copy.rglob("*")]} == before
