@@ -19,7 +19,7 @@ from scaloft_fi.console import lost, say, stand, tell
 from scaloft_fi.errors import ScaloftError, did_you_mean
 from scaloft_fi.exit_codes import ExitCode
 from scaloft_fi.registry import in_one_line, plugin_behind
-from scaloft_fi.terminal import coloured
+from scaloft_fi.terminal import Marked
 from scaloft_fi.version import __version__
 
 COLLECT_AFTER = (100_000, 50, 100)
@@ -154,4 +154,4 @@ def main(context: click.Context) -> None:
     """
     gc.set_threshold(*COLLECT_AFTER)
     if context.invoked_subcommand is None:
-        tell(f"{context.get_help()}\n", styled=coloured())
+        tell(Marked(f"{context.get_help()}\n"))

@@ -13,10 +13,12 @@ from scaloft_fi.console import tell
 from scaloft_fi.hazop.folder import find_study
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.hazop.render import blocks, cells, grid_table, overview, sheet, tally
+from scaloft_fi.hazop.render import blocks, cells, grid_table, legend, overview, sheet, tally
 from scaloft_fi.hazop.worksheet import HEADER, SHORT_HEADER, record, rows, short_rows
 from scaloft_fi.inert import json_text
+from scaloft_fi.terminal import width
 from scaloft_fi.views.tables.table import Format, csv_text, tabulated
+from scaloft_fi.wrapping import wrapped
 
 
 @verb(
@@ -79,8 +81,8 @@ def _with_events(matrix: Matrix, study_folder: Path | None) -> Matrix:
 
 def _all(matrix: Matrix, style: str) -> str:
     if style == "table":
-        hint = f"one cell whole: scaloft-fi matrix --cell {next(iter(matrix)).name}; the grid alone: --grid"
-        return "\n\n".join([overview(matrix), cells(matrix), hint])
+        hint = f"one cell whole: `scaloft-fi matrix --cell {next(iter(matrix)).name}`; the grid alone: `--grid`"
+        return "\n\n".join([overview(matrix, width()), cells(matrix, width()), wrapped(hint, width())])
     if style == "json":
         return json_text([record(cell) for cell in matrix], indent=1)
     if style == "csv":
@@ -90,7 +92,7 @@ def _all(matrix: Matrix, style: str) -> str:
 
 def _grid(matrix: Matrix, style: str) -> str:
     if style == "table":
-        return overview(matrix)
+        return overview(matrix, width())
     header, lines = grid_table(matrix)
     header = ["parameter", *header[1:]]
     if style == "json":
@@ -103,7 +105,7 @@ def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: st
     from scaloft_fi.judge.requirement import Kind
     from scaloft_fi.study import Study
     from scaloft_fi.views.snapshot import snapshot
-    from scaloft_fi.views.worksheet.margins import LEGEND, cell_margins
+    from scaloft_fi.views.worksheet.margins import LEGEND, LEGEND_AT, cell_margins
 
     study = Study.open(study_folder)
     kind = Kind.OPERABILITY if operability else Kind.SAFETY
@@ -114,14 +116,22 @@ def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: st
     header = ["parameter", *(word.id for word in matrix.guidewords)]
     lines = [[p.id, *(by_cell[f"{word.id}-{p.id}"] for word in matrix.guidewords)] for p in matrix.parameters]
     if style == "table":
-        return "\n".join([blocks(["", *header[1:]], lines), "", *LEGEND, "", tally(matrix)])
+        return "\n".join(
+            [
+                blocks(["", *header[1:]], lines, width()),
+                "",
+                legend(LEGEND, width(), LEGEND_AT),
+                "",
+                wrapped(tally(matrix), width()),
+            ]
+        )
     return _tabulated(header, lines, style)
 
 
 def _one(matrix: Matrix, name: str, style: str, study_folder: Path | None) -> str:
     cell = matrix.cell(name)
     if style == "table":
-        return sheet(matrix, cell, _edges(study_folder) if cell.faults else {})
+        return sheet(matrix, cell, _edges(study_folder) if cell.faults else {}, width())
     if style == "json":
         return json_text(record(cell), indent=1)
     row = rows(matrix.only([cell.guideword], [cell.parameter]))[0]

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
-from tabulate import tabulate
 
 from scaloft_fi.cli.options import format_option, study_option
 from scaloft_fi.cli.own_study import check_own
@@ -22,10 +20,13 @@ from scaloft_fi.mutants.derive import default_of, defaults, derive
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.select import select
 from scaloft_fi.study import Study
+from scaloft_fi.terminal import width
 from scaloft_fi.views.tables.table import Format, csv_text, tabulated
+from scaloft_fi.views.tables.text import body_text
 
 _COLUMNS = ("id", "default", "parameter", "guideword", "seam", "operator", "arguments")
-_ARGUMENT_COLUMNS = 44  # what 120 columns leave
+_IN_TERMINAL = ("id", "default", "seam", "operator", "arguments")
+"""Guideword and parameter are read from the id."""
 
 
 @verb(
@@ -111,11 +112,8 @@ def _table(mutants: Sequence[Mutant], default_ids: Collection[str], style: str) 
     if style == "csv":
         return csv_text(_COLUMNS, (row.values() for row in rows)).rstrip("\n")
     if style == "table":
-        # guideword and parameter are read from the id
-        short = [{k: v for k, v in row.items() if k not in ("parameter", "guideword")} for row in rows]
-        for row in short:
-            row["arguments"] = "\n".join(textwrap.wrap(row["arguments"], _ARGUMENT_COLUMNS))
-        return tabulate(short, headers="keys", disable_numparse=True)
+        short = [[row[name] for name in _IN_TERMINAL] for row in rows]
+        return body_text(_IN_TERMINAL, short, width(), ("operator", "seam"), marked=False)
     return tabulated(
         _COLUMNS, [list(row.values()) for row in rows], Format(style), "latex" if style == Format.LATEX else ""
     )

@@ -71,7 +71,8 @@ def replay_command(
         flown = with_log(study, flight, fly_in_window(study, flight))
     else:
         flown = fly_with_log(study, flight)
-    tell(f"{render((flown.facts(),), Format.TABLE)}\n")
+    tell(render((flown.facts(),), Format.TABLE))
+    tell("\n")
     end = output.suffix.lower() if output else ""
     if output is not None and end in RECORDINGS:
         write(output, flown.recording(end))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import sys
 from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -101,7 +99,7 @@ def report(
             f"--fail-under={fail_under:g} needs a baseline pool: campaign {scored.campaign!r} has fewer than ten "
             "baseline flights wherever a mutant infects; `scaloft-fi run` flies them"
         )
-    tell(_text(scored, grouping, style, everything=everything), styled=style == "table" and _coloured())
+    tell(_text(scored, grouping, style, everything=everything))
     ratio = scored.score.mutation_score
     if fail_under is None or (ratio.value is not None and ratio.value >= fail_under):
         return 0
@@ -117,9 +115,4 @@ def _text(scored: ScoredCampaign, grouping: str | None, style: str, *, everythin
     if style == Format.JSON:
         return json_text(scored.record(by), indent=2) + "\n"
     told(scored.study.finds)
-    return scored.text(Format(style), by=by, everything=everything, bold=_coloured())
-
-
-def _coloured() -> bool:
-    """Whether the output is a terminal that may be given more than plain text (https://no-color.org)."""
-    return sys.stdout.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
+    return scored.text(Format(style), by=by, everything=everything)

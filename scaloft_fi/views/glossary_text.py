@@ -126,8 +126,10 @@ kill matrix: The table of mutants and situations with what each mutant did in ea
 kill_rate_flown: Situations with a kill / situations flown.
 killed: A mutant is killed by a requirement in a situation; see kill.  In the table of margins: the mildest magnitude
   that is killed.
-killed by | killed_by | shown by: The requirements that kill a mutant, or that show a control.
-killed in: Number of situations where these mutants are killed.
+killed by | killed_by | shows itself by: The requirements that kill a mutant, or by which a control shows that faults
+  reach the drone.
+killed in: Situations where the mutant, or these mutants, are killed; in the table of mutants beside those that put it
+  to the test.
 killed only there: Mutants that are killed in this situation and in no other.
 killed so far: Mutants killed in this situation and those above it, of all that are killed anywhere.
 killed there: Number of mutants that are killed in this situation.

@@ -18,6 +18,7 @@ from scaloft_fi.campaign.runs.baseline_pool import borrowed
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.rulings import Rulings
 from scaloft_fi.study import Study
+from scaloft_fi.terminal import joined
 from scaloft_fi.views.runs.looks import look_table
 from scaloft_fi.views.runs.unflown import unflown_tables
 from scaloft_fi.views.score.first_screen import first_screen, screen_text
@@ -71,14 +72,13 @@ class ScoredCampaign:
             whole=whole,
         )
 
-    def text(self, how: Format, *, by: By | None = None, everything: bool = False, bold: bool = False) -> str:
+    def text(self, how: Format, *, by: By | None = None, everything: bool = False) -> str:
         """The score as text.
 
         Args:
             how: form of the tables; JSON is `record`.
             by: adds the score part by part.
             everything: whether every mutant and every table is shown, not only the first screen.
-            bold: whether titles are emphasised for a terminal.
         """
         screen = self.screen(whole=everything or how is not Format.TABLE)
         behind: Sequence[Table] = ()
@@ -88,8 +88,8 @@ class ScoredCampaign:
             behind = (group_table(self.score, by, self.study.space),)
         if how is not Format.TABLE:
             return render((*screen, *behind, *self.run), how)
-        text, more = screen_text(screen, bold=bold), (*behind, *self.run)
-        return "\n".join([text, render(more, Format.TABLE)] if more else [text])
+        text, more = screen_text(screen), (*behind, *self.run)
+        return joined([text, render(more, Format.TABLE)]) if more else text
 
     def record(self, by: By | None = None) -> dict[str, Any]:
         """The score as plain JSON values; `by` adds the score part by part."""

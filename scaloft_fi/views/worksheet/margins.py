@@ -28,6 +28,8 @@ ENDS = (
     "below 0 it is violated."
 )
 _NOTHING = Tried(math.nan, Reaction.UNTESTED)
+LEGEND_AT = 11
+"""Where the meanings begin in the legend [characters]."""
 LEGEND = (
     "1.4 s      the smallest magnitude that is killed in any situation, known to a tenth; nothing milder flown is",
     "1-3 s      1 s survives, 3 s is killed; nothing between is decided (scaloft-fi margin CELL bisects)",
