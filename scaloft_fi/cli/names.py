@@ -147,9 +147,11 @@ def _flight_names(study: Path, context: click.Context, typed: str) -> Iterator[s
 
 def _format_names(_study: Path, _context: click.Context, _typed: str) -> Names:
     """Those that the package declares, read from its sources: importing them takes too long for a key press."""
+    from scaloft_fi.reading import read_text
+
     folder = Path(__file__).parents[1] / "views" / "exchange"
     declared = re.compile(r'^@export_format\(\s*"([\w-]+)"', re.MULTILINE)
-    return sorted(name for path in folder.glob("*.py") for name in declared.findall(path.read_text(encoding="utf-8")))
+    return sorted(name for path in folder.glob("*.py") for name in declared.findall(read_text(path)))
 
 
 mutants = _completer(lambda study, _context, typed: _mutant_names(study, typed))
