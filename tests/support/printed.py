@@ -13,6 +13,7 @@ NOT_PRINTED = {
     "ColumnType": "types of columns for scripts",
     "Format": "a choice of an option",
     "Keep": "a key of YAML",
+    "Likeness": "values of JSON, which the reference has",
     "Shape": "a key of YAML",
     "Side": "an order of signals",
     "Style": "codes of a terminal",
