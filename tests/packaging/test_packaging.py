@@ -41,7 +41,7 @@ def checkout(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("checkout")
     for name in ("pyproject.toml", "README.md", "LICENSE", ".gitignore"):
         shutil.copy(ROOT / name, folder / name)
-    for name in ("scaloft_fi", "hazop", "mutants", "sim"):
+    for name in ("scaloft_fi", "hazop", "mutants", "sim", "docs/schemas"):
         shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
     return folder
 
@@ -66,6 +66,12 @@ def test_the_wheel_carries_the_reference_study(wheel: Path) -> None:
         inside = {name.removeprefix("scaloft_fi/_study/") for name in archive.namelist() if "/_study/" in name}
     ours = [path for folder in ("hazop", "mutants", "sim") for path in (ROOT / folder).rglob("*") if path.is_file()]
     assert inside == {str(path.relative_to(ROOT)) for path in ours}
+
+
+def test_the_wheel_carries_the_schemas_of_the_documents_of_a_study(wheel: Path) -> None:
+    with zipfile.ZipFile(wheel) as archive:
+        inside = {Path(name).name for name in archive.namelist() if name.startswith("scaloft_fi/_schemas/")}
+    assert inside == {path.name for path in (ROOT / "docs" / "schemas" / "study").iterdir()}
 
 
 def test_the_matrix_comes_out_of_the_installed_wheel(wheel: Path, tmp_path: Path) -> None:

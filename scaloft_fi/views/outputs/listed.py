@@ -8,6 +8,10 @@ from importlib import import_module
 from scaloft_fi.views.outputs.output import Output
 
 OUTPUTS: dict[str, str] = {
+    "signals": "scaloft_fi.views.lists.signals:FORM",
+    "seams": "scaloft_fi.views.lists.seams:FORM",
+    "operators": "scaloft_fi.views.lists.operators:FORM",
+    "axes": "scaloft_fi.views.lists.axes:FORM",
     "map": "scaloft_fi.views.pictures.situation_plan:MAP",
     "check": "scaloft_fi.views.checks:CHECK",
     "status": "scaloft_fi.views.flights.status:STATUS",
