@@ -299,6 +299,7 @@ violated_at_s: When the requirement was first violated [s from take-off].
 violates | the unmutated drone violates: The requirement that is violated, and in how many of the flights.
 violation_bodies: What was touched at each of these moments; empty for nothing.
 violation_times_s: When each requirement in `violated` was first violated [s from take-off], in the same order.
+waiting: Status of a flight whose baseline, of the same situation and seed, is not flown yet or does not count any more.
 warning: A violation that is printed when it happens; it is no verdict.
 what: The thing that the value beside it is about.
 what it does: The change that an operator makes to samples.
