@@ -11,7 +11,9 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from scaloft_fi.errors import InputError
+from scaloft_fi.judge.bounds import bounds_of, verdict
 from scaloft_fi.judge.caps import check_caps
+from scaloft_fi.judge.ranges import ranges_of
 from scaloft_fi.judge.stl import Formula
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.sim.measures import SIGNALS
@@ -63,7 +65,9 @@ def test_every_example_of_a_signal_is_a_formula_within_the_caps(wide: Study) -> 
     names = {*wide.signals, *wide.grid.passing_signals, *SIGNALS}
     for record in signal_list(wide).records:
         check_caps(record["example"], wide.caps)
-        assert record["name"] in Formula.parse(record["example"], names).names, record
+        formula = Formula.parse(record["example"], names)
+        assert record["name"] in formula.names, record
+        assert verdict(bounds_of(formula, ranges_of(wide.grid.world(), wide.stack.beliefs, names))) is None, record
 
 
 def test_every_signal_of_the_ground_truth_has_facts_and_a_unit_or_none() -> None:
