@@ -26,7 +26,7 @@ from scaloft_fi.views.lists.samples import sample_text
 from scaloft_fi.views.lists.seams import acted_on, seam_list
 from scaloft_fi.views.lists.signal_facts import FACTS
 from scaloft_fi.views.lists.signals import BOTH, REALISED, TO_ASK, signal_list
-from scaloft_fi.views.outputs.csv_tables import csv_rows
+from scaloft_fi.views.outputs.csv_tables import csv_tables
 from scaloft_fi.views.tables.table import Format
 
 STUDY = Path(__file__).parents[3]
@@ -171,7 +171,7 @@ def test_every_list_is_of_its_declared_form(lists: dict[str, Listing], name: str
     listing = lists[name]
     whole = json.loads(listing.form.json(listing.values))
     Draft202012Validator(listing.form.schema).validate(whole)
-    rows = list(csv.DictReader(io.StringIO(csv_rows(listing.form, listing.values))))
+    rows = list(csv.DictReader(io.StringIO(csv_tables(listing.form, listing.values)[name])))
     assert [row["name"] for row in rows] == [record["name"] for record in whole[name]] == list(listing.names)
 
 
