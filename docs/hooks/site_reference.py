@@ -115,8 +115,8 @@ def _cell(value: Any) -> str:
 
 def _list(title: str, listing: Listing, *, whole: bool) -> str:
     """An overview of what the reference study has, and where asked for each entry whole."""
-    every = _code(shown(listing, ("*",), Format.MARKDOWN)) if whole else ""
-    overview = _code(shown(listing, (), Format.MARKDOWN)).replace("### ", "## ", 1)
+    every = _code(shown(listing, Format.MARKDOWN, whole=True)) if whole else ""
+    overview = _code(shown(listing, Format.MARKDOWN, whole=False)).replace("### ", "## ", 1)
     return f"# {title}\n\n`scaloft-fi {title.lower()}` lists what your study has.\n\n{overview}\n{every}"
 
 
