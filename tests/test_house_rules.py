@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 LONGEST = 350
-FOLDERS = ("scaloft_fi", "tests", "benchmarks", "docs", "examples")
+FOLDERS = ("scaloft_fi", "tests", "benchmarks", "docs", "examples", "templates")
 
 SCRIPTS = [path for folder in ("benchmarks", "docs/hooks") for path in sorted((ROOT / folder).rglob("*.py"))]
 USER_SCRIPT = ROOT / "tests" / "support" / "user_script.py"

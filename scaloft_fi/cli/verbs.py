@@ -8,6 +8,9 @@ from itertools import chain
 import click
 
 GROUPS: dict[str, dict[str, str]] = {
+    "Begin": {
+        "new": "write a small study to edit, or a plugin package",
+    },
     "Look at the study": {
         "matrix": "show the deviation matrix, every cell with its reason",
         "mutants": "list the catalogue of mutants, derive it, check it",
