@@ -15,6 +15,9 @@ from typing import TextIO
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.inert import line, printable
+from scaloft_fi.terminal import Marked, Style, coloured, styled
+
+_STYLES = {"error": Style.BAD, "ratchet": Style.BAD, "warning": Style.DOUBT}
 
 
 def stand() -> None:
@@ -37,19 +40,19 @@ def stand() -> None:
             stream.reconfigure(errors="backslashreplace")
 
 
-def tell(content: str | bytes, *, styled: bool = False) -> None:
+def tell(content: str | bytes) -> None:
     """Write a result to standard output.
 
     Args:
-        content: a text, or the bytes of a file, which only a terminal gets as printable text.
-        styled: whether the text has marks for a terminal and was made printable before them.
+        content: a text, or the bytes of a file, which only a terminal gets as printable text.  A `Marked` text keeps
+            its marks.
 
     Raises:
         InputError: it cannot be written.
     """
     if isinstance(content, bytes) and sys.stdout.isatty():
         content = content.decode(errors="backslashreplace")
-    text = content if isinstance(content, bytes) or styled else printable(content)
+    text = content if isinstance(content, bytes | Marked) else printable(content)
     try:
         sys.stdout.flush()
         if isinstance(text, bytes):
@@ -83,8 +86,15 @@ def tell_line(sentence: str) -> None:
 
 
 def say(sentence: str) -> None:
-    """Write a line to standard error, if it can be written."""
-    show(sys.stderr, f"{line(sentence)}\n")
+    """Write a line to standard error, if it can be written; a terminal gets `error:` and `warning:` marked."""
+    show(sys.stderr, f"{marked_sentence(line(sentence), sys.stderr)}\n")
+
+
+def marked_sentence(sentence: str, stream: TextIO) -> str:
+    """The sentence, in which `error:` and `warning:` are marked where the stream has colours."""
+    word, colon, rest = sentence.partition(":")
+    style = _STYLES.get(word)
+    return f"{styled(word + colon, style)}{rest}" if style and coloured(stream) else sentence
 
 
 def show(stream: TextIO, text: str) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Sequence
 from enum import StrEnum
 from typing import TextIO
 
@@ -23,6 +24,12 @@ class Style(StrEnum):
     GOOD = "32"
     DOUBT = "33"
     COMMAND = "36"
+
+
+class Marked(str):
+    """A text with the marks of styles; every text that came from elsewhere was made printable before."""
+
+    __slots__ = ()
 
 
 def width() -> int:
@@ -58,3 +65,9 @@ def styled(text: str, style: Style) -> str:
     '\x1b[31mkilled\x1b[0m'
     """
     return f"\x1b[{style}m{text}\x1b[0m" if text else text
+
+
+def joined(texts: Sequence[str]) -> str:
+    """Texts below each other; marked if any of them is, and then the others must be printable."""
+    text = "\n".join(texts)
+    return Marked(text) if any(isinstance(each, Marked) for each in texts) else text

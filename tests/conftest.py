@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 from pathlib import Path
@@ -19,6 +20,8 @@ sys.path.insert(0, str(Path(__file__).parent / "support"))
 
 settings.register_profile("scaloft-fi", derandomize=True, deadline=None)
 settings.load_profile("scaloft-fi")
+for name in ("COLUMNS", "FORCE_COLOR", "CLICOLOR_FORCE"):
+    os.environ.pop(name, None)  # texts are as wide and as plain as where no terminal is
 for number in HANGUP:
     signal.signal(number, signal.SIG_DFL)  # `nohup` has it ignored, and tests send it
 

@@ -7,6 +7,7 @@ import pytest
 
 from scaloft_fi import console
 from scaloft_fi.errors import InputError
+from scaloft_fi.terminal import Marked
 
 
 class Failing(io.StringIO):
@@ -23,7 +24,7 @@ class Failing(io.StringIO):
 def test_a_result_is_told_without_what_a_terminal_obeys(capsys: pytest.CaptureFixture[str]) -> None:
     console.tell("a\x1b[2J\nb\n")
     console.tell_line("one\nline\x07")
-    console.tell("\x1b[1mours\x1b[0m\n", styled=True)
+    console.tell(Marked("\x1b[1mours\x1b[0m\n"))
     assert capsys.readouterr().out == "a\\x1b[2J\nb\none line\\x07\n\x1b[1mours\x1b[0m\n"
 
 

@@ -13,6 +13,7 @@ from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import FORMATS, campaign_option, study_option
 from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import tell
+from scaloft_fi.terminal import PIPED
 
 if TYPE_CHECKING:
     from scaloft_fi.views.worksheet.worksheet import SheetRow
@@ -50,17 +51,19 @@ def worksheet_command(study_folder: Path | None, campaign: str, style: str, outp
     from scaloft_fi.study import Study
     from scaloft_fi.views.snapshot import snapshot
     from scaloft_fi.views.worksheet.worksheet import worksheet
+    from scaloft_fi.views.worksheet.worksheet_text import to_text
 
     study = Study.open(study_folder)
     with snapshot(study, campaign) as now:
         study = now.study
         finds = told(study.finds)
         rows = worksheet(study.matrix, now.outcomes, now.score, study.space, study.dispositions, finds, campaign)
-    content = _content(rows, style)
-    if output is None:
-        tell(content)
+    if output is not None:
+        write(output, _content(rows, style))
+    elif style == "table":
+        tell(to_text(rows))
     else:
-        write(output, content)
+        tell(_content(rows, style))
 
 
 def _content(rows: Sequence[SheetRow], style: str) -> bytes:
@@ -69,10 +72,11 @@ def _content(rows: Sequence[SheetRow], style: str) -> bytes:
 
         return to_xlsx(rows)
     if style == "json":
-        from scaloft_fi.inert import json_text
-        from scaloft_fi.views.worksheet.worksheet import to_records
+        from scaloft_fi.views.worksheet.worksheet_record import WORKSHEET, worksheet_values
 
-        return f"{json_text(to_records(rows), indent=1, letters=True)}\n".encode()
+        return WORKSHEET.json(worksheet_values(rows)).encode()
     from scaloft_fi.views.worksheet.worksheet_text import to_csv, to_latex, to_markdown, to_text
 
-    return {"table": to_text, "markdown": to_markdown, "csv": to_csv, "latex": to_latex}[style](rows).encode()
+    if style == "table":
+        return to_text(rows, width=PIPED, marked=False).encode()
+    return {"markdown": to_markdown, "csv": to_csv, "latex": to_latex}[style](rows).encode()

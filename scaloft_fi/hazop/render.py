@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 
 from scaloft_fi.hazop.cell import Cell, CellStatus, Fault, Rung
 from scaloft_fi.hazop.matrix import Matrix
-
-COLUMNS = 120
-"""The width that every text of this file keeps [characters]."""
+from scaloft_fi.wrapping import wrapped
 
 LEGEND = (
     "3s       credible: can happen, and is flown at this default magnitude",
@@ -18,8 +15,11 @@ LEGEND = (
     "-        not meaningful: the guideword makes no new deviation of this parameter",
 )
 
+BESIDE = 40
+"""The deviation stands beside its guideword where it has this room, else below it [characters]."""
+MARK_COLUMNS = 9
+"""Where the meanings begin in the legend [characters]."""
 MARKS = {CellStatus.CREDIBLE: "yes", CellStatus.CONTROL: "CONTROL", CellStatus.NOT_MEANINGFUL: "-"}
-SHORT_MARKS = {CellStatus.CREDIBLE: "o", CellStatus.CONTROL: "C", CellStatus.NOT_MEANINGFUL: "-"}
 
 
 def mark(cell: Cell) -> str:
@@ -43,22 +43,17 @@ def grid_table(matrix: Matrix) -> tuple[list[str], list[list[str]]]:
     return ["", *(word.id for word in matrix.guidewords)], rows
 
 
-def grid(matrix: Matrix, columns: int = COLUMNS) -> str:
-    """Draw the grid; a grid that is too wide gets short marks and is split into blocks of columns."""
+def grid(matrix: Matrix, columns: int) -> str:
+    """Draw the grid; a grid that is too wide is split into blocks of columns."""
     header, rows = grid_table(matrix)
     for gap in (2, 1):
         lines = aligned([header, *rows], gap)
-        if _width(lines) <= columns:
+        if max(map(len, lines)) <= columns:
             return "\n".join(lines)
-    fit = max(1, (columns - max((len(row[0]) for row in rows), default=0)) // (1 + max(map(len, header))))
-    short = [
-        [p.id, *(SHORT_MARKS[matrix.cells[w.id, p.id].status] for w in matrix.guidewords)] for p in matrix.parameters
-    ]
-    blocks = [[[line[0], *line[at : at + fit]] for line in (header, *short)] for at in range(1, len(header), fit)]
-    return "\n\n".join("\n".join(aligned(block, 1)) for block in blocks)
+    return blocks(header, rows, columns)
 
 
-def blocks(header: Sequence[str], rows: Sequence[Sequence[str]], columns: int = COLUMNS) -> str:
+def blocks(header: Sequence[str], rows: Sequence[Sequence[str]], columns: int) -> str:
     """Align a table; a table that is too wide is split into blocks of columns, each with the first column."""
     table = [list(header), *map(list, rows)]
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
@@ -70,7 +65,7 @@ def blocks(header: Sequence[str], rows: Sequence[Sequence[str]], columns: int = 
     return "\n\n".join("\n".join(aligned([[row[i] for i in (0, *part)] for row in table], 2)) for part in parts)
 
 
-def cells(matrix: Matrix, columns: int = COLUMNS) -> str:
+def cells(matrix: Matrix, columns: int) -> str:
     """List every cell by parameter: guideword, mark, requirements at risk, deviation or reason."""
     tags = [(cell.guideword, mark(cell), " ".join(cell.requirements)) for cell in matrix]
     widths = [max((len(tag[i]) for tag in tags), default=0) for i in range(3)]
@@ -81,17 +76,25 @@ def cells(matrix: Matrix, columns: int = COLUMNS) -> str:
             cell = matrix.cells[word.id, parameter.id]
             tag = (cell.guideword, mark(cell), " ".join(cell.requirements))
             head = "  " + "  ".join(text.ljust(width) for text, width in zip(tag, widths, strict=True)) + "  "
+            if columns - len(head) < BESIDE:
+                lines.append(head.rstrip())
+                head = " " * 6
             lines += _wrapped(head, cell.deviation or f"not meaningful: {cell.reason}", columns)
         blocks.append("\n".join(lines))
     return "\n\n".join(blocks)
 
 
-def overview(matrix: Matrix, columns: int = COLUMNS) -> str:
+def overview(matrix: Matrix, columns: int) -> str:
     """Draw the grid with its legend and counts."""
-    return "\n".join([grid(matrix, columns), "", *LEGEND, "", tally(matrix)])
+    return "\n".join([grid(matrix, columns), "", legend(LEGEND, columns), "", wrapped(tally(matrix), columns)])
 
 
-def sheet(matrix: Matrix, cell: Cell, edges: Mapping[str, str], columns: int = COLUMNS) -> str:
+def legend(entries: Iterable[str], columns: int, at: int = MARK_COLUMNS) -> str:
+    """Wrap a legend: each entry is a mark and, from the place `at` on, what the mark means."""
+    return "\n".join(wrapped(entry, columns, "", " " * at) for entry in entries)
+
+
+def sheet(matrix: Matrix, cell: Cell, edges: Mapping[str, str], columns: int) -> str:
     """Write all entries of one cell.
 
     Args:
@@ -191,10 +194,5 @@ def aligned(rows: Sequence[Sequence[str]], gap: int) -> list[str]:
     return [lines[0], "-" * (sum(widths) + gap * (len(widths) - 1)), *lines[1:]]
 
 
-def _width(lines: Iterable[str]) -> int:
-    return max(map(len, lines), default=0)
-
-
 def _wrapped(head: str, text: str, columns: int, hang: int = 0) -> list[str]:
-    indent = " " * (len(head) + hang if head else 4)
-    return textwrap.wrap(text, columns, initial_indent=head, subsequent_indent=indent, break_on_hyphens=False)
+    return wrapped(text, columns, head, " " * (len(head) + hang if head else 4)).split("\n")

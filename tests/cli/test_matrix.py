@@ -24,8 +24,9 @@ from scaloft_fi.hazop.guideword import Guideword
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.parameter import Parameter
-from scaloft_fi.hazop.render import COLUMNS, overview, sheet
+from scaloft_fi.hazop.render import overview, sheet
 from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.terminal import PIPED
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 MATRIX = load_matrix(CHECKOUT / "hazop", REFERENCE.by_name)
@@ -41,13 +42,16 @@ def printed(*arguments: str) -> str:
     return outcome.output
 
 
-def test_the_matrix_fits_a_terminal_of_120_columns_in_plain_ascii() -> None:
+@pytest.mark.parametrize("columns", [60, 80, 100, 160])
+def test_the_matrix_fits_the_terminal_in_plain_ascii(columns: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", str(columns))
     text = printed()
-    assert max(map(len, text.splitlines())) <= COLUMNS
+    assert max(map(len, text.splitlines())) <= columns
     assert text.isascii()
 
 
-def test_the_matrix_shows_the_grid_the_legend_and_the_counts() -> None:
+def test_the_matrix_shows_the_grid_the_legend_and_the_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "120")
     lines = printed("--grid").splitlines()
     assert lines[0].split() == [word.id for word in MATRIX.guidewords]
     assert lines[2].split()[:2] == ["human", "100%"]
@@ -61,9 +65,8 @@ def test_the_matrix_tells_every_cell_with_its_deviation_or_reason() -> None:
 
 
 def test_filters_keep_only_what_they_name_in_any_case() -> None:
-    cells = json.loads(
-        printed("--guideword", "late", "--guideword", "MORE", "--parameter", "Human", "--format", "json")
-    )
+    words = ("--guideword", "late", "--guideword", "MORE", "--parameter", "Human")
+    cells = json.loads(printed(*words, "--format", "json"))["cells"]
     assert [cell["cell"] for cell in cells] == ["MORE-human", "LATE-human"]
 
 
@@ -92,7 +95,7 @@ def test_a_cell_that_is_not_meaningful_tells_its_reason_and_no_fault() -> None:
 
 @pytest.mark.parametrize("cell", MATRIX, ids=lambda cell: cell.name)
 def test_every_cell_fits_the_terminal(cell: Cell) -> None:
-    assert max(map(len, sheet(MATRIX, cell, {}).splitlines())) <= COLUMNS
+    assert max(map(len, sheet(MATRIX, cell, {}, PIPED).splitlines())) <= PIPED
 
 
 @pytest.mark.parametrize("arguments", [(), ("--grid",), ("--cell", "NO-depth")], ids=["all", "grid", "cell"])
@@ -102,7 +105,7 @@ def test_every_form_prints_in_every_format(arguments: tuple[str, ...], style: st
 
 
 def test_json_holds_every_cell_with_its_mutants() -> None:
-    cells = json.loads(printed("--format", "json"))
+    cells = json.loads(printed("--format", "json"))["cells"]
     assert len(cells) == 156
     late = next(cell for cell in cells if cell["cell"] == "LATE-human")
     assert late["default_mutant"] == "LATE-human@3s"
@@ -185,6 +188,6 @@ def test_a_study_with_many_guidewords_still_fits(words: int, parameters: int, le
     guidewords = tuple(Guideword(f"{'W' * length}{i}", "", "") for i in range(words))
     rows = tuple(Parameter(f"p{i}", "", "", "", "") for i in range(parameters))
     cells = {(w.id, p.id): Cell(w.id, p.id, CellStatus.CONTROL) for w in guidewords for p in rows}
-    text = overview(Matrix(guidewords, rows, cells))
-    assert max(map(len, text.splitlines())) <= COLUMNS
+    text = overview(Matrix(guidewords, rows, cells), PIPED)
+    assert max(map(len, text.splitlines())) <= PIPED
     assert all(word.id in text for word in guidewords)

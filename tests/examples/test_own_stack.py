@@ -99,7 +99,7 @@ def test_it_keeps_its_contract(site: Path, study: Path) -> None:
 @pytest.mark.flight
 def test_a_run_scores_it_and_its_control_shows_itself(campaign: subprocess.CompletedProcess[str]) -> None:
     assert campaign.returncode == 0, campaign.stderr
-    assert "Controls, in no ratio: 1" in campaign.stdout
+    assert "Controls, in no ratio: 1 of 1 show" in campaign.stdout
     assert re.search(r"REVERSE-drive .*SR2", campaign.stdout), campaign.stdout
     assert "1 situations with a pool it holds steadily SR1 in 1, SR2 in 1" in campaign.stdout
 

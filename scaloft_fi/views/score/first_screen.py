@@ -1,6 +1,6 @@
 """The first screen after `run` and `score`: four answers, the mutants by verdict, coverage, what the drone does.
 
-All of it fits 100 columns.  Long groups are cut unless everything is asked for; the other tables stand behind `--all`.
+Long groups are cut unless everything is asked for; the other tables stand behind `--all`.
 """
 
 from __future__ import annotations
@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from textwrap import fill, indent
 
 from scaloft_fi.analysis.kills.background import Background
 from scaloft_fi.analysis.noise import Noise
@@ -23,10 +22,14 @@ from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Status
 from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
+from scaloft_fi.terminal import PROSE, Marked, Style, coloured, styled
+from scaloft_fi.terminal import width as terminal_width
 from scaloft_fi.views.score.answers import Answer, answers
 from scaloft_fi.views.score.finds import next_find
 from scaloft_fi.views.score.noise import noise_line
-from scaloft_fi.views.tables.table import WIDTH, Format, Table, render
+from scaloft_fi.views.tables.meaning import commands
+from scaloft_fi.views.tables.table import Format, Table, render
+from scaloft_fi.wrapping import wrapped
 
 MANY, SHOWN = 12, 10
 """Of a group of more mutants than `MANY` the first `SHOWN` are shown."""
@@ -34,16 +37,20 @@ WIDEST = 24
 """Longest condition that a row shows."""
 TITLE = "Would your tests have shown it?"
 COLUMNS = {
-    Verdict.DETECTED: ("kills", "by", "where", "first", "effect"),
+    Verdict.DETECTED: ("killed in", "by", "where", "first", "effect"),
     Verdict.UNDECIDED: ("seen", "where", "first", "effect", "next"),
     Verdict.NOT_DETECTED: ("tested in", "effect", "next"),
     Verdict.NOT_TESTED: ("effect", "next"),
 }
 """The columns of each group of mutants."""
-CONTROL_COLUMNS = ("kills", "shown by", "effect")
+SPARE = ("where", "by", "seen", "first")
+"""The columns that a narrow terminal does without, in the order in which they are left out."""
+CONTROL_COLUMNS = ("shows itself by", "effect")
 LEGEND = (
-    "kills: situations where most flights of a detected fault violate, of those that put it to the test:",
-    "where it changes samples and nine in ten unmutated flights hold the requirement.",
+    (
+        "killed in: situations where most flights of a detected fault violate a requirement, of those that put it to "
+        "the test: where it changes samples and nine in ten unmutated flights hold the requirement."
+    ),
     "by: the same per requirement.  where: `mixed`: see `scaloft-fi kills ID`.",
     "first: earliest such violation [s from take-off].",
     "next: seeds that decide (`run --mutant ID --seeds N`; anew: its own campaign); detected: `margin`.",
@@ -54,6 +61,8 @@ WITH_FIND = (
     "next: `run --mutant ID --seeds N` (anew: its own campaign); find: `kills ID --show survivors`.",
 )
 """The legend where a row tells of a find."""
+NAMES_BESIDE = 70
+"""A narrower terminal has the name of an answer above it, not beside it [characters]."""
 _STOPPED = {
     Status.INVALID: "the harness failed",
     Status.NOT_REACHED: "its seam carries nothing",
@@ -108,7 +117,8 @@ def first_screen(
             title += f", of which {counted[verdict]} count in the score"
         groups.append(_group(title, COLUMNS[verdict], rows, len(members)))
     controls = [_control(mutant) for mutant in _shown(scored.controls, whole=whole)]
-    title = f"Controls, in no ratio: {len(scored.controls)}"
+    showing = sum(map(_shows, scored.controls))
+    title = f"Controls, in no ratio: {showing} of {len(scored.controls)} show that faults reach the drone"
     groups.append(_group(title, CONTROL_COLUMNS, controls, len(scored.controls)))
     groups = [group for group in groups if group.rows]
     if groups:
@@ -121,31 +131,39 @@ def first_screen(
     )
 
 
-def screen_text(screen: Sequence[Table], *, bold: bool = False) -> str:
-    """The screen as a terminal shows it: answers and findings as lines, the groups as tables between them."""
+def screen_text(screen: Sequence[Table], *, width: int | None = None, marked: bool | None = None) -> str:
+    """The screen as a terminal shows it: answers and findings as lines, the groups as tables between them.
+
+    Args:
+        screen: of a score.
+        width: of the terminal [characters]; that of standard output when None.
+        marked: whether the text has colours; as standard output has them when None.
+    """
+    columns = terminal_width() if width is None else width
+    colours = coloured() if marked is None else marked
     first, *groups, last = screen
-    parts = [_lines(first, bold), *(_emphasised(render([table], Format.TABLE), bold) for table in groups)]
-    return "\n".join([*parts, _lines(last, bold)])
+    parts = [render([table], Format.TABLE, width=columns, marked=colours) for table in groups]
+    text = "\n".join([_lines(first, columns, marked=colours), *parts, _lines(last, columns, marked=colours)])
+    return Marked(text) if colours else text
 
 
-def _lines(table: Table, bold: bool) -> str:
+def _lines(table: Table, width: int, *, marked: bool) -> str:
     """A table of two columns as lines: the first column is what the others are indented by."""
     wide = max(len(str(name)) for name, _ in table.rows) + 2
     lines = []
     for name, text in table.rows:
-        wrapped = indent(fill(line(str(text)), WIDTH - wide, break_on_hyphens=False), " " * wide).lstrip()
-        lines.append(f"{_strong(str(name), bold)}{' ' * (wide - len(str(name)))}{wrapped}\n")
+        head = styled(str(name), Style.STRONG) if marked else str(name)
+        if width < NAMES_BESIDE:
+            lines.append(f"{head}\n{_wrapped(str(text), width, 2, marked=marked)}\n")
+        else:
+            gap = " " * (wide - len(str(name)))
+            lines.append(f"{head}{gap}{_wrapped(str(text), width, wide, marked=marked).lstrip()}\n")
     return "".join(lines)
 
 
-def _emphasised(text: str, bold: bool) -> str:
-    """The first line, which is the title, emphasised."""
-    title, rest = text.split("\n", 1)
-    return f"{_strong(title, bold)}\n{rest}"
-
-
-def _strong(text: str, bold: bool) -> str:
-    return f"\x1b[1m{text}\x1b[0m" if bold else text
+def _wrapped(text: str, width: int, indent: int, *, marked: bool) -> str:
+    blanks = " " * indent
+    return commands(wrapped(line(text), min(width, PROSE), blanks, blanks), marked=marked)
 
 
 def coverage_line(covered: Coverage) -> str:
@@ -175,7 +193,7 @@ def _shown(members: Sequence[MutantScore], *, whole: bool) -> Sequence[MutantSco
 def _group(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...]], members: int) -> Table:
     """A group's table; its note counts the members that are not shown."""
     notes = (f"... and {members - len(rows)} more: `scaloft-fi score --all`",) if len(rows) < members else ()
-    return Table(title, ("mutant", *columns), tuple(rows), notes)
+    return Table(title, ("mutant", *columns), tuple(rows), notes, tuple(each for each in SPARE if each in columns))
 
 
 def _facts(mutant: MutantScore, space: Space, background: Background | None, finds: KnownFinds) -> dict[str, str]:
@@ -183,7 +201,7 @@ def _facts(mutant: MutantScore, space: Space, background: Background | None, fin
     seen = Counter(name for result in mutant.results for name in result.seen)
     return {
         "mutant": mutant.subject.id,
-        "kills": mutant.kill_rate.short,
+        "killed in": mutant.kill_rate.short,
         "by": ", ".join(f"{name} {ratio.short}" for name, ratio in mutant.requirements if name in mutant.safety.p)
         or ", ".join(mutant.safety.by),
         "seen": ", ".join(f"{name} in {count}/{mutant.kill_rate.whole}" for name, count in seen.items()),
@@ -196,19 +214,33 @@ def _facts(mutant: MutantScore, space: Space, background: Background | None, fin
 
 
 def _control(mutant: MutantScore) -> tuple[str, ...]:
-    by = ", ".join((*mutant.safety.by, *mutant.operability.by)) or _violated(mutant)
-    return mutant.subject.id, mutant.kill_rate.short, by, effect(mutant)
+    by = ", ".join((*mutant.safety.by, *mutant.operability.by)) or (_violated(mutant) if _shows(mutant) else "nothing")
+    return mutant.subject.id, by, _broken(mutant) or _STOPPED[mutant.status]
+
+
+def _shows(mutant: MutantScore) -> bool:
+    """Whether a control shows that faults reach the drone: by a verdict, or by one flight beside its own baseline."""
+    return mutant.detected or mutant.operability.detected or mutant.status is Status.REVEALED
 
 
 def _violated(mutant: MutantScore) -> str:
     """What a control violates that was flown too seldom for a verdict, as a canary is."""
     flights = Counter(name for result in mutant.results for name, count in result.violated for _ in range(count))
-    violated = ", ".join(f"{name} in {count} flight{'s' * (count > 1)}" for name, count in flights.items())
-    return violated or "nothing"
+    return ", ".join(f"{name} in {count} flight{'s' * (count > 1)}" for name, count in flights.items())
 
 
 def effect(mutant: MutantScore) -> str:
     """What the fault does to the flight, in words."""
+    if broken := _broken(mutant):
+        return broken
+    if mutant.infected and not mutant.tested:
+        unknown = mutant.verdict is Verdict.UNDECIDED
+        return "no baseline pool where it acts" if unknown else "acts only where no pair is steady"
+    return _STOPPED[mutant.status]
+
+
+def _broken(mutant: MutantScore) -> str:
+    """What the fault breaks, as far as the verdict knows; empty where it breaks nothing."""
     struck = list(dict.fromkeys(kill.first.struck for kill in mutant.kills if kill.first.struck))
     if not struck and mutant.first is not None and mutant.first.struck:
         struck = [mutant.first.struck]
@@ -216,12 +248,7 @@ def effect(mutant: MutantScore) -> str:
         return f"strikes {struck[0]}" + f" +{len(struck) - 1}" * (len(struck) > 1)
     if mutant.detected:
         return "no contact"
-    if mutant.operability.detected:
-        return f"breaks {', '.join(mutant.operability.by)}"
-    if mutant.infected and not mutant.tested:
-        unknown = mutant.verdict is Verdict.UNDECIDED
-        return "no baseline pool where it acts" if unknown else "acts only where no pair is steady"
-    return _STOPPED[mutant.status]
+    return f"breaks {', '.join(mutant.operability.by)}" if mutant.operability.detected else ""
 
 
 def _next(mutant: MutantScore, background: Background | None) -> str:

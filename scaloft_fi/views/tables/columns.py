@@ -1,4 +1,4 @@
-"""How wide the columns of a text table are, where it does not fit the terminal as it is."""
+"""How wide the columns of a text table are on a terminal, and which columns it has room for."""
 
 from __future__ import annotations
 
@@ -6,32 +6,38 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from functools import cache, lru_cache
 from itertools import accumulate
-from textwrap import wrap
+
+GAP = 2
+"""Between two columns [characters]."""
 
 
-def limits(headers: Sequence[str], rows: Sequence[Sequence[str]], width: int) -> list[int | None]:
-    """What each column may take of a terminal `width` wide, None for all that it wants.
+def limits(headers: Sequence[str], rows: Sequence[Sequence[str]], width: int) -> list[int] | None:
+    """The widths of the columns of a table that is at most `width` wide; None where a word would have to be broken.
 
-    First to give way is the column that costs the fewest lines.  The first column names its row and gives way last;
-    words are broken only when nothing else helps.
+    First to give way is the column that costs the fewest lines.  The first column names its row and keeps its width.
     """
-    columns = list(zip(*rows, strict=True))
-    least = [len(header) for header in headers]
-    words = [max(low, max(map(_longest_word, column))) for low, column in zip(least, columns, strict=True)]
-    natural = [max(low, *map(len, column)) for low, column in zip(least, columns, strict=True)]
-    words[0] = natural[0]
-    widths = _narrowed(_narrowed(natural, words, rows, width), least, rows, width)
-    return [limit if limit < wanted else None for limit, wanted in zip(widths, natural, strict=True)]
+    columns: list[tuple[str, ...]] = list(zip(*rows, strict=True)) if rows else [()] * len(headers)
+    least = [max(map(_longest_word, (header, *column))) for header, column in zip(headers, columns, strict=True)]
+    natural = [max(map(len, (header, *column))) for header, column in zip(headers, columns, strict=True)]
+    least[0] = natural[0]
+    if sum(least) + GAP * (len(least) - 1) > width:
+        return None
+    start = [max(low, min(wanted, width)) for low, wanted in zip(least, natural, strict=True)]
+    return _narrowed(start, least, [(header, *column) for header, column in zip(headers, columns, strict=True)], width)
+
+
+def height(rows: Sequence[Sequence[str]], widths: Sequence[int]) -> int:
+    """Lines that rows take in columns of these widths."""
+    return sum(max(map(_lines, row, widths), default=1) for row in rows)
 
 
 def _longest_word(cell: str) -> int:
     return _words(cell)[1]
 
 
-def _narrowed(widths: Sequence[int], least: Sequence[int], rows: Sequence[Sequence[str]], width: int) -> list[int]:
-    """`widths` taken in until the table is `width` wide or every column is at its `least`."""
+def _narrowed(widths: list[int], least: Sequence[int], columns: Sequence[Sequence[str]], width: int) -> list[int]:
+    """`widths` taken in, a character at a time, until the table is `width` wide."""
     narrowed = list(widths)
-    columns = list(zip(*rows, strict=True))
 
     @cache
     def lines(column: int, width: int) -> list[int]:
@@ -42,10 +48,8 @@ def _narrowed(widths: Sequence[int], least: Sequence[int], rows: Sequence[Sequen
         narrower = lines(column, narrowed[column] - 1)
         return sum(now - height for now, height in zip(narrower, heights, strict=True) if now > height)
 
-    while sum(narrowed) + 2 * (len(narrowed) - 1) > width:
+    while sum(narrowed) + GAP * (len(narrowed) - 1) > width:
         able = [column for column, now in enumerate(narrowed) if now > least[column]]
-        if not able:
-            break
         heights = [max(row) for row in zip(*map(lines, range(len(narrowed)), narrowed), strict=True)]
         narrowed[min(able, key=lambda able: (cost(able), -narrowed[able], -able))] -= 1
     return narrowed
@@ -53,14 +57,12 @@ def _narrowed(widths: Sequence[int], least: Sequence[int], rows: Sequence[Sequen
 
 @lru_cache(maxsize=100_000)
 def _lines(cell: str, width: int) -> int:
-    """Lines that a cell takes, wrapped between its words, and within those that are longer."""
-    ends, longest = _words(cell)
-    if longest > width:
-        return len(wrap(cell, width, break_on_hyphens=False))
+    """Lines that a cell takes, wrapped between its words."""
+    ends, _ = _words(cell)
     lines = begin = 0
     while begin < len(ends):
-        # a blank stands behind each word, but for the last one of a line
-        begin = bisect_right(ends, (ends[begin - 1] if begin else 0) + width + 1, begin)
+        # a blank stands behind each word, but for the last one of a line; a word that is too long has its own line
+        begin = max(bisect_right(ends, (ends[begin - 1] if begin else 0) + width + 1, begin), begin + 1)
         lines += 1
     return max(lines, 1)
 

@@ -46,8 +46,14 @@ def value_text(value: SheetValue) -> str:
     return "" if value is None else str(value)
 
 
-def to_text(rows: Sequence[SheetRow]) -> str:
-    """For a terminal: the findings of each deviation, the finds where there are any, then the log."""
+def to_text(rows: Sequence[SheetRow], *, width: int | None = None, marked: bool | None = None) -> str:
+    """For a terminal: the findings of each deviation, the finds where there are any, then the log.
+
+    Args:
+        rows: of the worksheet.
+        width: of the text, as of `render`.
+        marked: whether it has colours, as of `render`.
+    """
     sheet, log = parts(rows)
     found = [row for row in sheet if row.values["find"]]
     tables = (
@@ -55,7 +61,7 @@ def to_text(rows: Sequence[SheetRow]) -> str:
         *([_table(FINDS_TITLE, columns(FINDS_KEYS), found)] if found else []),
         _table(LOG_TITLE, columns(LOG_KEYS), log),
     )
-    return render(tables, Format.TABLE)
+    return render(tables, Format.TABLE, width=width, marked=marked)
 
 
 def _table(title: str, shown: Sequence[Column], rows: Sequence[SheetRow], notes: tuple[str, ...] = ()) -> Table:

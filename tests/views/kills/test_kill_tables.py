@@ -11,8 +11,9 @@ from scaloft_fi.analysis.kills.situation_kills import chosen_kills, situation_ki
 from scaloft_fi.analysis.kills.subsumption import redundancies, subsumption
 from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.terminal import PIPED
 from scaloft_fi.views.kills import kill_tables as tables
-from scaloft_fi.views.tables.table import WIDTH, Format, Table, render
+from scaloft_fi.views.tables.table import Format, Table, render
 
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
 HUMAN, NOBODY, DARK = "T0O0W0D0H1", "T0O0W0D0H0", "T0O0W0D1H0"
@@ -99,7 +100,7 @@ def test_a_greedy_suite_says_at_most() -> None:
 @given(seeded())
 def test_every_table_of_every_campaign_fits_a_terminal_and_every_node_is_listed_once(outcomes: list[Outcome]) -> None:
     text = render(all_tables(outcomes), Format.TABLE)
-    assert max(len(line) for line in text.splitlines()) <= WIDTH
+    assert max(len(line) for line in text.splitlines()) <= PIPED
     graph = subsumption(matrix_of(outcomes).kills)
     listed = [str(row[0]).replace("> ", "") for row in tables.subsumption_table(graph).rows]
     assert sorted(listed) == sorted(", ".join(node.mutants) for node in graph.nodes)

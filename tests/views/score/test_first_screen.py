@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import pytest
 from builders import GRID, ROSTER, campaigns, outcome, pool, seeded
+from click import unstyle
 from finding import flies, found, known
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -11,10 +12,12 @@ from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.analysis.situations.coverage import coverage
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
+from scaloft_fi.terminal import PIPED
 from scaloft_fi.views.score.answers import NAMES, answers
 from scaloft_fi.views.score.commands import MOST_NAMED, command
 from scaloft_fi.views.score.first_screen import LEGEND, MANY, SHOWN, WITH_FIND, first_screen, screen_text
-from scaloft_fi.views.tables.table import WIDTH, Table
+from scaloft_fi.views.tables.table import Table
+from scaloft_fi.wrapping import wrapped
 
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
 HUMAN = ["T0O0W0D0H1", "T0O1W0D0H1", "T1O0W0D0H1"]
@@ -95,7 +98,7 @@ def test_a_campaign_of_another_name_is_named_in_the_command() -> None:
 def test_each_group_tells_what_is_its_to_tell() -> None:
     tables = {table.title: table for table in screen(CAMPAIGN)}
     assert tables["Detected: 1"].records() == [
-        {"mutant": LATE, "kills": "3/3", "by": "SR2 3/3", "where": "human", "first": "12.3", "effect": "no contact"}
+        {"mutant": LATE, "killed in": "3/3", "by": "SR2 3/3", "where": "human", "first": "12.3", "effect": "no contact"}
     ]
     assert tables["Undecided: 1"].records() == [
         {
@@ -110,15 +113,23 @@ def test_each_group_tells_what_is_its_to_tell() -> None:
     assert tables["Not detected: 1"].records() == [
         {"mutant": GOAL, "tested in": "4", "effect": "flies otherwise", "next": "try MORE-goal@1m"}
     ]
-    assert tables["Controls, in no ratio: 1"].records() == [
-        {"mutant": "REVERSE-human", "kills": "0/3", "shown by": "OP1", "effect": "breaks OP1"}
+    assert tables["Controls, in no ratio: 1 of 1 show that faults reach the drone"].records() == [
+        {"mutant": "REVERSE-human", "shows itself by": "OP1", "effect": "breaks OP1"}
     ]
 
 
 def test_a_control_that_was_flown_once_says_what_it_violates() -> None:
     canary = outcome("REVERSE-human", NOBODY, violated={"SR1": 5.0}, struck="wall")
     tables = {table.title: table for table in screen([outcome(), canary])}
-    assert tables["Controls, in no ratio: 1"].rows[0][2] == "SR1 in 1 flight"
+    group = tables["Controls, in no ratio: 1 of 1 show that faults reach the drone"]
+    assert group.rows == (("REVERSE-human", "SR1 in 1 flight", "flies otherwise"),)
+
+
+def test_a_control_that_changes_nothing_does_not_show_that_faults_reach_the_drone() -> None:
+    silent = [outcome("REVERSE-human", key) for key in HUMAN]
+    tables = {table.title: table for table in screen([*pool(*HUMAN), *silent])}
+    group = tables["Controls, in no ratio: 0 of 1 show that faults reach the drone"]
+    assert group.rows == (("REVERSE-human", "nothing", "flies otherwise"),)
 
 
 def test_the_last_lines_tell_coverage_and_the_unmutated_drone() -> None:
@@ -135,7 +146,7 @@ def test_a_fault_with_a_find_is_told_to_fly_it_in_its_row_and_what_next_gives_th
     )
     rows = {row[0]: row[-1] for table in tables for row in table.rows}
     assert (rows[GOAL], rows[NO]) == ("fly its find", "fly its find")
-    assert set(WITH_FIND) <= set(screen_text(tables).splitlines())
+    assert " ".join(" ".join(WITH_FIND).split()) in " ".join(screen_text(tables).split())
     told_ = f"`{flies(NO)}` flies the situation that a search found for it: human walks, cruise speed 0.8 m/s (violates"
     assert tables[0].rows[-1][1] == f"{told_} SR2).  1 more fault has a find: `scaloft-fi kills --show survivors`."
     (alone,) = [
@@ -153,9 +164,9 @@ def test_a_pool_that_is_missing_comes_before_finds() -> None:
 
 
 def test_the_legend_has_at_most_five_lines() -> None:
-    assert len(LEGEND) == len(WITH_FIND) <= 5
-    assert all(len(line) <= WIDTH for line in (*LEGEND, *WITH_FIND))
-    assert all(line in screen_text(screen(CAMPAIGN)).splitlines() for line in LEGEND)
+    for legend in (LEGEND, WITH_FIND):
+        assert len("\n".join(wrapped(note, PIPED) for note in legend).splitlines()) <= 5
+    assert " ".join(" ".join(LEGEND).split()) in " ".join(screen_text(screen(CAMPAIGN)).split())
 
 
 def many(count: int) -> list[Outcome]:
@@ -182,14 +193,22 @@ def test_the_answers_count_defaults_and_the_groups_say_how_many_count() -> None:
 @settings(deadline=None, max_examples=25)
 @given(outcomes=st.one_of(campaigns(), seeded()))
 def test_the_screen_of_every_campaign_fits_its_width_and_is_plain(whole: bool, outcomes: list[Outcome]) -> None:
-    text = screen_text(screen(outcomes, whole=whole))
-    assert max(len(line) for line in text.splitlines()) <= WIDTH
-    assert "\x1b" not in text
+    shown = screen(outcomes, whole=whole)
+    assert "\x1b" not in screen_text(shown)
+    for columns in (60, 80, 100, 160):
+        lines = screen_text(shown, width=columns).splitlines()
+        assert max(len(line) for line in lines if not line.strip().startswith("`")) <= columns
 
 
-def test_a_terminal_may_have_the_names_and_titles_emphasised() -> None:
-    text = screen_text(screen(CAMPAIGN), bold=True)
+def test_a_terminal_has_names_titles_verdicts_and_commands_marked_and_the_same_words() -> None:
+    text = screen_text(screen(CAMPAIGN), width=80, marked=True)
     assert "\x1b[1mShown\x1b[0m  " in text
-    assert "\x1b[1mDetected: 1\x1b[0m\n" in text
-    plain = text.replace("\x1b[1m", "").replace("\x1b[0m", "")
-    assert plain == screen_text(screen(CAMPAIGN))
+    assert "\x1b[32m\x1b[1mDetected: 1\x1b[0m\x1b[0m\n" in text
+    assert "\x1b[31m\x1b[1mNot detected: 1\x1b[0m\x1b[0m\n" in text
+    assert "\x1b[36m`scaloft-fi run " in text
+    assert unstyle(text) == screen_text(screen(CAMPAIGN), width=80, marked=False)
+
+
+def test_a_narrow_terminal_has_the_name_of_an_answer_above_it() -> None:
+    lines = screen_text(screen(CAMPAIGN), width=60).splitlines()
+    assert lines[:2] == ["Shown", "  1 of 3 faults (33 %) would have been shown by your safety"]

@@ -16,8 +16,9 @@ from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.analysis.situations.coverage import coverage
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.judge.rulings import rulings_of
+from scaloft_fi.terminal import PIPED
 from scaloft_fi.views.score.tables import MANY, tables_behind
-from scaloft_fi.views.tables.table import WIDTH, Format, Table, render
+from scaloft_fi.views.tables.table import Format, Table, render
 
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
 HUMAN = ["T0O0W0D0H1", "T0O1W0D0H1", "T1O0W0D0H1"]
@@ -72,7 +73,7 @@ def test_of_many_mutants_the_stages_are_summed_by_parameter() -> None:
 @given(outcomes=st.one_of(campaigns(), seeded()))
 def test_every_table_of_every_campaign_fits_a_terminal(by: By | None, outcomes: list[Outcome]) -> None:
     text = render(list(tables(outcomes, by).values()), Format.TABLE)
-    assert max(len(line) for line in text.splitlines()) <= WIDTH
+    assert max(len(line) for line in text.splitlines()) <= PIPED
 
 
 def test_json_and_csv_hold_the_cells() -> None:
@@ -89,7 +90,7 @@ def test_a_table_too_wide_narrows_the_column_that_costs_the_fewest_lines() -> No
     """Each row has four words of text; only the last has a long list, which is what wraps."""
     rows = tuple((f"row {n}", "w" * 40, "four words of text", "a, " * (20 if n == 9 else 3)) for n in range(10))
     lines = render([Table("T", ("name", "word", "text", "list"), rows)], Format.TABLE).splitlines()
-    assert max(map(len, lines)) <= WIDTH
+    assert max(map(len, lines)) <= PIPED
     assert sum("four words of text" in line for line in lines) == 10
     assert len(lines) < 4 + 10 + 4
 
