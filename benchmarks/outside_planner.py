@@ -4,7 +4,7 @@
     python benchmarks/outside_planner.py --page
 
 `--fly` makes the study of `examples/outside_planner` in DIR, or goes on with the one that is there, flies LATE-human
-and PLACEBO over the whole grid, beside a pool of twenty baseline seeds in the situations without a corner where the fault
+and PLACEBO over the whole grid, beside a pool of twenty baseline seeds where there is no corner and the fault
 acts, and keeps the score in `results/published/outside_planner.json`.  `ros2` needs a Python with rclpy.  `--page`
 writes `results/published/outside_planner.md` from these scores and flies nothing.
 """
