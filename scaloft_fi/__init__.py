@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from scaloft_fi.version import __version__
 
 if TYPE_CHECKING:
+    from scaloft_fi.analysis.ratio import Ratio
     from scaloft_fi.campaign.workers.interrupt import Interrupted
     from scaloft_fi.errors import GateError, InputError, ScaloftError
     from scaloft_fi.scripting.campaign import OpenCampaign
@@ -25,10 +26,11 @@ if TYPE_CHECKING:
     from scaloft_fi.scripting.score import CampaignScore
     from scaloft_fi.scripting.study import OpenStudy
     from scaloft_fi.scripting.study import open_study as open  # noqa: A004 - who writes `scaloft_fi.open` means this
-    from scaloft_fi.views.columns import Columns
+    from scaloft_fi.views.columns import Columns, ColumnType
 
 __all__ = [
     "CampaignScore",
+    "ColumnType",
     "Columns",
     "Figure",
     "FlownFlight",
@@ -38,6 +40,7 @@ __all__ = [
     "Log",
     "OpenCampaign",
     "OpenStudy",
+    "Ratio",
     "ScaloftError",
     "__version__",
     "open",
@@ -45,6 +48,7 @@ __all__ = [
 
 _LATE = {
     "CampaignScore": "scaloft_fi.scripting.score",
+    "ColumnType": "scaloft_fi.views.columns",
     "Columns": "scaloft_fi.views.columns",
     "Figure": "scaloft_fi.scripting.figure",
     "FlownFlight": "scaloft_fi.scripting.flight",
@@ -54,6 +58,7 @@ _LATE = {
     "Log": "scaloft_fi.scripting.flight",
     "OpenCampaign": "scaloft_fi.scripting.campaign",
     "OpenStudy": "scaloft_fi.scripting.study",
+    "Ratio": "scaloft_fi.analysis.ratio",
     "ScaloftError": "scaloft_fi.errors",
     "open": "scaloft_fi.scripting.study",
 }

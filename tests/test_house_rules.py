@@ -11,10 +11,11 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 LONGEST = 350
-FOLDERS = ("scaloft_fi", "tests", "benchmarks", "docs", "examples")
+FOLDERS = ("scaloft_fi", "tests", "benchmarks", "docs", "examples", "templates")
 
 SCRIPTS = [path for folder in ("benchmarks", "docs/hooks") for path in sorted((ROOT / folder).rglob("*.py"))]
-MYPY_SCRIPTS = ("--explicit-package-bases", *map(str, SCRIPTS))
+USER_SCRIPT = ROOT / "tests" / "support" / "user_script.py"
+MYPY_SCRIPTS = ("--explicit-package-bases", *map(str, (*SCRIPTS, USER_SCRIPT)))
 COMMANDS = {
     "ruff finds nothing": ["-m", "ruff", "check"],
     "every file is formatted": ["-m", "ruff", "format", "--check"],

@@ -8,7 +8,8 @@ from collections.abc import Iterable, Sequence
 from enum import StrEnum
 from typing import Any
 
-import scaloft_fi.mutants.reference  # noqa: F401 - the operators of the reference stack
+import scaloft_fi
+import scaloft_fi.mutants.reference
 from scaloft_fi import api
 from scaloft_fi.analysis.disposition import Standing
 from scaloft_fi.analysis.scoring.detection import Verdict
@@ -34,6 +35,11 @@ from scaloft_fi.views.kills.survivors import Next, Stage
 from scaloft_fi.views.reference.outputs import outputs_page
 
 _MARKS = re.compile(r"\||\[(?!`)")
+MODULES = {
+    scaloft_fi: "What `scaloft_fi` offers to [scripts and notebooks](../api.md)",
+    api: "What `scaloft_fi.api` offers to plugins",
+}
+"""The public modules, and for whom each is."""
 MADE = "*This page is made from the code.*\n"
 VALUES: tuple[tuple[str, str, type[StrEnum]], ...] = (
     (
@@ -193,14 +199,16 @@ def _statuses() -> str:
 
 
 def _python() -> str:
-    """Every name of `scaloft_fi.api`; mkdocstrings writes what it finds at the place of its definition."""
-    parts = ["# Python names\n", "What `scaloft_fi.api` offers to programs and plugins; everything else may change.\n"]
-    for name in sorted(api.__all__, key=str.casefold):
-        value = getattr(api, name)
-        if inspect.isclass(value) or inspect.isfunction(value):
-            parts.append(f"::: {value.__module__}.{value.__qualname__}\n")
-        else:
-            parts.append(f"## {name}\n\n{_says(name, value)}\n")
+    """Every public name; mkdocstrings writes what it finds at the place of its definition."""
+    parts = ["# Python names\n"]
+    for module, says in MODULES.items():
+        parts.append(f"{says}; everything else may change.\n")
+        for name in sorted(module.__all__, key=str.casefold):
+            value = getattr(module, name)
+            if inspect.isclass(value) or inspect.isfunction(value):
+                parts.append(f"::: {value.__module__}.{value.__qualname__}\n")
+            else:
+                parts.append(f"## {name}\n\n{_says(name, value)}\n")
     return "\n".join(parts)
 
 

@@ -1,4 +1,4 @@
-"""Write the published JSON Schemas of what verbs print, from what the code declares.
+"""Write the published JSON Schemas, from what the code declares: of what verbs print, and of the documents of a study.
 
 python docs/schemas/write.py
 """
@@ -7,19 +7,22 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from scaloft_fi.views.outputs.listed import schema_texts
+from scaloft_fi.views.documents.declared import Declared
+from scaloft_fi.views.documents.listed import schema_texts as of_documents
+from scaloft_fi.views.outputs.listed import schema_texts as of_outputs
 
-FOLDER = Path(__file__).parent / "output"
+HERE = Path(__file__).parent
 
 
 def main() -> None:
-    """Write a file for each verb, and remove those of verbs that have none."""
-    texts = schema_texts()
-    for path in FOLDER.glob("*.json"):
-        if path.name not in texts:
-            path.unlink()
-    for name, text in texts.items():
-        (FOLDER / name).write_text(text, encoding="utf-8")
+    """Write a file for each verb and each document, and remove those of verbs and documents that are no more."""
+    for folder, texts in (("output", of_outputs()), ("study", of_documents(Declared.everything(own=True)))):
+        (HERE / folder).mkdir(exist_ok=True)
+        for path in (HERE / folder).glob("*.json"):
+            if path.name not in texts:
+                path.unlink()
+        for name, text in texts.items():
+            (HERE / folder / name).write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

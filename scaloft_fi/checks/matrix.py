@@ -15,6 +15,7 @@ from scaloft_fi.hazop.load import SHEETS, load_guidewords, load_parameters, misn
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.parameter import Parameter
 from scaloft_fi.mutants.derive import derive
+from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.reading import is_there
 
 if TYPE_CHECKING:
@@ -121,8 +122,14 @@ def _check_faults(cell: Cell, words: Iterable[Guideword], parameters: Iterable[P
             derive(Matrix((word,), (parameter,), alone))
         except InputError as error:
             found = finding_of(str(error))
-            remedy = found.remedy or f"`scaloft-fi operators {fault.operator}` shows what it takes"
-            findings.add(replace(found, remedy=remedy))
+            findings.add(replace(found, remedy=found.remedy or _remedy(fault.operator)))
+
+
+def _remedy(operator: str) -> str:
+    """What to do about a fault that its operator does not take, or whose operator there is none of."""
+    if operator in OPERATORS:
+        return f"`scaloft-fi operators {operator}` shows what it takes"
+    return "install the package that declares it, or take one that `scaloft-fi operators` lists"
 
 
 def _check_controls(study: Study, cells: Iterable[Cell], stack: Declaration | None, findings: Findings) -> None:

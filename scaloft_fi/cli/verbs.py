@@ -8,6 +8,9 @@ from itertools import chain
 import click
 
 GROUPS: dict[str, dict[str, str]] = {
+    "Begin": {
+        "new": "write a small study to edit, or a plugin package",
+    },
     "Look at the study": {
         "matrix": "show the deviation matrix, every cell with its reason",
         "mutants": "list the catalogue of mutants, derive it, check it",
@@ -15,6 +18,8 @@ GROUPS: dict[str, dict[str, str]] = {
         "seams": "list the seams where faults can be patched in",
         "operators": "list the operators, and the seams that each fits",
         "axes": "list the axes of the situations",
+        "map": "show mine, bodies and route of one situation",
+        "schema": "print the JSON Schema of a YAML document, for editors",
         "check": "check the whole study without flying",
     },
     "Fly": {

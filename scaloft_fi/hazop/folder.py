@@ -27,10 +27,23 @@ def find_study(path: Path | str | None = None) -> Path:
     near = nearest_study(here)
     if near is not None:
         return near
+    try:
+        return reference_study()
+    except InputError as error:
+        allowed = "a folder with hazop/, mutants/ and sim/"
+        raise InputError(f"no study in {here} or above it: {allowed}; name one with --study") from error
+
+
+def reference_study() -> Path:
+    """The study of this installation: the packaged study, else the checkout's.
+
+    Raises:
+        InputError: the installation has lost it.
+    """
     for folder in (_PACKAGE / "_study", _PACKAGE.parent):
         if _is_study(folder):
             return folder
-    raise InputError(f"no study in {here} or above it: a folder with hazop/, mutants/ and sim/; name one with --study")
+    raise InputError(f"{_PACKAGE}: the reference study is missing; install scaloft-fi again")
 
 
 def nearest_study(folder: Path | None = None) -> Path | None:

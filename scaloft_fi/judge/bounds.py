@@ -44,7 +44,12 @@ def constants(formula: Formula, ranges: Ranges) -> Iterator[tuple[str, bool]]:
             if always is not None:
                 yield _text(node), always
         else:
-            waiting += reversed(node.children)
+            waiting += reversed(_children(node))
+
+
+def _children(node: Any) -> list[Any]:
+    """The one or two children of a node; RTAMT lists those of some nodes twice."""
+    return list(node.children[:2])
 
 
 def _text(node: Any, *, inner: bool = False) -> str:
@@ -54,10 +59,10 @@ def _text(node: Any, *, inner: bool = False) -> str:
         return str(node.var)
     if kind == "Constant":
         return f"{float(node.val):g}"
-    if len(node.children) == 1:
-        return f"{kind.lower()}({_text(node.children[0])})"
+    if len(_children(node)) == 1:
+        return f"{kind.lower()}({_text(_children(node)[0])})"
     sign = _SIGNS.get(kind) or str(node.operator)
-    text = f" {sign} ".join(_text(child, inner=True) for child in node.children)
+    text = f" {sign} ".join(_text(child, inner=True) for child in _children(node))
     return f"({text})" if inner else text
 
 
@@ -67,7 +72,7 @@ def _bounds(node: Any, ranges: Ranges) -> Spans:
         return ranges.get(node.var, ANY)
     if kind == "Constant":
         return ((float(node.val), float(node.val)),)
-    inner = [_bounds(child, ranges) for child in node.children]
+    inner = [_bounds(child, ranges) for child in _children(node)]
     if kind == "Predicate":
         left, right = inner[::-1] if str(node.operator) in _UPPER else inner
         return _pairs(_minus, left, right)

@@ -14,7 +14,7 @@ Seeds = int | str | range | list[int] | tuple[int, ...]
 """`3` or `"3"` for seeds 0 to 2, `"4-6"` for seeds 4 to 6, or the seeds themselves."""
 NAMES = {"mutant": "mutants", "situation": "situations", "budget": "budget_s", "output": "path"}
 """Arguments that have another name than the option of the verb."""
-_OPTION = re.compile(r"--([a-z]+(?:-[a-z]+)*)")
+_OPTION = re.compile(r"(?<![\w-])--([a-z]+(?:-[a-z]+)*)")
 
 
 @contextmanager

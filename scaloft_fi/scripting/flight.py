@@ -35,6 +35,10 @@ class Log(Columns):
         beliefs: names of the signals that the stack believed; the others are ground truth.
     """
 
+    units: dict[str, str]
+    meanings: dict[str, str]
+    beliefs: tuple[str, ...]
+
     def __init__(
         self,
         title: str,
@@ -49,7 +53,7 @@ class Log(Columns):
         self.rows = len(signals[TIME])
         self.units, self.meanings, self.beliefs = dict(units), dict(meanings), beliefs
 
-    def table(self, rows: int = 0, columns: int | None = None) -> Table:
+    def _table(self, rows: int = 0, columns: int | None = None) -> Table:
         """One row for each signal, because a log has more signals than a page has columns."""
         cells = tuple(
             (name, self.units[name], f"{values.min():.6g}", f"{values.max():.6g}", self.meanings[name])
@@ -63,6 +67,10 @@ class Log(Columns):
         """(T,) time of each sample [s from the start]."""
         return self[TIME]
 
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        values: NDArray[Any] = super().__getitem__(name)
+        return values
+
 
 class FlownFlight:
     """A flight that was flown in this process.
@@ -71,6 +79,8 @@ class FlownFlight:
         flown: the flight with its log.
         comparison: how it compares with the same flight of a campaign, in a sentence; "" when nobody asked.
     """
+
+    comparison: str
 
     def __init__(self, flown: LoggedFlight, comparison: str = "") -> None:
         self._flown, self.comparison = flown, comparison

@@ -22,6 +22,7 @@ MUTANT_COLUMNS = {
     **dict.fromkeys(("mutant", "guideword", "parameter", "magnitude", "seam", "operator"), TEXT),
     "counted": ColumnType.TRUTH,
 }
+SIGNAL_FACTS = {"unit": TEXT, "least": ColumnType.NUMBER, "most": ColumnType.NUMBER, "meaning": TEXT}
 REQUIREMENT_COLUMNS = dict.fromkeys(("requirement", "kind", "formula", "unit", "title"), TEXT)
 DEFAULT = "default"
 """Name of a campaign over the study's own grid, where the user names none."""
@@ -120,6 +121,16 @@ class OpenStudy:
                 for one in self.definition.requirements
             )
             return Columns("Requirements", REQUIREMENT_COLUMNS, rows)
+
+    @property
+    def signals(self) -> Columns:
+        """The signals that requirements and axes may use, one row each: name, unit, range (NaN: no bound), meaning."""
+        from scaloft_fi.views.lists.signals import signal_list
+
+        with in_python():
+            records = signal_list(self.definition).records
+            rows = ({"signal": one["name"], **{name: one[name] for name in SIGNAL_FACTS}} for one in records)
+            return Columns("Signals", {"signal": TEXT, **SIGNAL_FACTS}, rows)
 
     @property
     def campaigns(self) -> tuple[str, ...]:

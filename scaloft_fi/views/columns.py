@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
-from scaloft_fi.errors import InputError
+from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.views.tables.html import html
 from scaloft_fi.views.tables.table import Format, Table, TableCell, render
 
@@ -29,29 +29,41 @@ class ColumnType(StrEnum):
     TEXT = "text"
     """Texts (an array of objects); "" where there is nothing to say."""
     TEXTS = "texts"
-    """Lists of texts (an array of objects)."""
+    """Lists of texts."""
     NUMBERS = "numbers"
-    """Lists of numbers (an array of objects)."""
+    """Lists of numbers."""
 
 
-class Columns(dict[str, "NDArray[Any]"]):
-    """Columns of equal length by name.
+class Columns(dict[str, Any]):
+    """Columns of equal length by name: an array (rows,) each, or a list of lists.
 
     It is a dict, because pandas makes a data frame of no other mapping.  The arrays cannot be written, since data
-    frames may share their memory.  Text columns are arrays of `str`, list columns arrays of `list`; polars infers the
-    type of a list column from its values, so a column of empty lists has the type `List(Null)` there: `arrow` has the
-    exact types.
+    frames may share their memory.  A text column is an array of `str`.  A column of lists is a list, because polars
+    cannot read arrays of lists; its type there follows from the values, so that of empty lists is `List(Null)`, and
+    `arrow` has the exact types.
 
     Args:
         title: what the rows are, for a reader.
         types: type of each column, in their order.
         rows: the rows; None where a number has no value.
+
+    Attributes:
+        title: what the rows are.
+        types: type of each column.
+        rows: number of rows.
     """
+
+    title: str
+    types: dict[str, ColumnType]
+    rows: int
 
     def __init__(self, title: str, types: Mapping[str, ColumnType], rows: Iterable[Mapping[str, Any]]) -> None:
         listed = list(rows)
-        super().__init__({name: _array(kind, [row[name] for row in listed]) for name, kind in types.items()})
+        super().__init__({name: _column(kind, [row[name] for row in listed]) for name, kind in types.items()})
         self.title, self.types, self.rows = title, dict(types), len(listed)
+
+    def __missing__(self, name: object) -> NoReturn:
+        raise KeyError(f"no column {name!r}{did_you_mean(str(name), self)}")
 
     def arrow(self) -> Any:
         """The same as a `pyarrow.Table`, where numbers without a value are null.
@@ -75,14 +87,14 @@ class Columns(dict[str, "NDArray[Any]"]):
         return pyarrow.Table.from_arrays(columns, names=list(self.types))
 
     def __arrow_c_stream__(self, requested_schema: object = None) -> object:
-        """The Arrow PyCapsule protocol, which DuckDB, polars and pyarrow read.
+        """The Arrow PyCapsule protocol, which `pandas.DataFrame.from_arrow` reads.
 
         Raises:
             InputError: pyarrow is not installed.
         """
         return self.arrow().__arrow_c_stream__(requested_schema)
 
-    def table(self, rows: int, columns: int | None = None) -> Table:
+    def _table(self, rows: int, columns: int | None = None) -> Table:
         """The first `rows` rows and `columns` columns (None: all) as a table of texts."""
         names = list(self)[:columns]
         shown = min(rows, self.rows)
@@ -92,18 +104,20 @@ class Columns(dict[str, "NDArray[Any]"]):
         return Table(self.title, tuple(names), cells, (f"... {note}",) if note else ())
 
     def __str__(self) -> str:
-        return render((self.table(SHOWN, ACROSS),), Format.TABLE)
+        return render((self._table(SHOWN, ACROSS),), Format.TABLE)
 
     def __repr__(self) -> str:
         return f"<{self.title}: {self.rows} rows of {', '.join(self)}>"
 
     def _repr_html_(self) -> str:
-        return html((self.table(SHOWN),))
+        return html((self._table(SHOWN),))
 
 
-def _array(kind: ColumnType, values: Sequence[Any]) -> NDArray[Any]:
+def _column(kind: ColumnType, values: Sequence[Any]) -> NDArray[Any] | list[Any]:
     import numpy as np
 
+    if kind in (ColumnType.TEXTS, ColumnType.NUMBERS):
+        return list(map(_utf8, values))
     array: NDArray[Any]
     if kind is ColumnType.WHOLE:
         array = np.array(values, dtype=np.int64)
@@ -112,9 +126,7 @@ def _array(kind: ColumnType, values: Sequence[Any]) -> NDArray[Any]:
     elif kind is ColumnType.NUMBER:
         array = np.array([np.nan if value is None else value for value in values], dtype=np.float64)
     else:
-        array = np.empty(len(values), dtype=object)
-        for row, value in enumerate(values):
-            array[row] = _utf8(value)
+        array = np.array([_utf8(value) for value in values], dtype=object)
     array.setflags(write=False)
     return array
 

@@ -64,6 +64,7 @@ deviation | deviation, or why it is not meaningful: What differs from the design
 digest: A fingerprint of everything that happened in a flight: equal digests mean equal flights, to the bit.
 disposition: The decision of a person, with owner, reason and last day, to accept a survivor.
 distinct situations: Different situations that were flown; the same one with another seed is no other.
+document: A YAML file of a study, by the name of its JSON Schema.
 dominator score: Minimal mutants that are killed, of all minimal mutants; redundant mutants do not count in it.
 draw | draws | test cases | test case: A situation flown with one seed.
 due | due date: When an action is to be done; for the team.
@@ -82,6 +83,7 @@ false detections | expected_false: How many detected mutants chance alone would 
 fault | faults: A change of the samples at one seam, made by an operator; a mutant is a fault with its magnitude and
   its time.
 file: Name of a file with a record.
+files: The files of a study that a document is, `*` for any name.
 find | finds: A situation that a search found for a survivor and that fresh seeds confirmed.
 finding | findings: What the campaign says about a thing; above all, what the unmutated drone itself does wrong.
   Of `check`: what it found in the study, an error or a note.
@@ -297,6 +299,7 @@ violated_at_s: When the requirement was first violated [s from take-off].
 violates | the unmutated drone violates: The requirement that is violated, and in how many of the flights.
 violation_bodies: What was touched at each of these moments; empty for nothing.
 violation_times_s: When each requirement in `violated` was first violated [s from take-off], in the same order.
+waiting: Status of a flight whose baseline, of the same situation and seed, is not flown yet or does not count any more.
 warning: A violation that is printed when it happens; it is no verdict.
 what: The thing that the value beside it is about.
 what it does: The change that an operator makes to samples.

@@ -12,7 +12,7 @@ from click.testing import Result
 from refusal import sentence
 
 if TYPE_CHECKING:
-    from conftest import Paper
+    from paper_flyer import Paper
 
 Call = Callable[..., Result]
 

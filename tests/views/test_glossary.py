@@ -24,6 +24,7 @@ TOLD_BY_A_RUN = {
     "cli/matrix.py: cell.name": "a cell of the study",
     "cli/matrix.py: header": "of the callers, which are read too",
     "cli/matrix.py: header[1:]": "guidewords of the study",
+    "views/columns.py: tuple(names)": "columns of a data frame, which the reference of Python has",
     "views/flights/compare.py: first": "a campaign's name",
     "views/flights/compare.py: second": "a campaign's name",
     "views/flights/export.py: columns": "columns of the export, which the reference has",
@@ -47,6 +48,7 @@ TOLD_BY_A_RUN = {
 }
 """Heads that the code around a table does not tell: what they are, or why they need no term."""
 NOT_PRINTED = {
+    "ColumnType": "types of columns in Python",
     "Format": "a choice of an option",
     "Keep": "a key of YAML",
     "Kind": "kinds of fields of messages",

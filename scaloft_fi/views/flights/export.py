@@ -2,8 +2,8 @@
 
 Every figure of the score can be recomputed from it, with the study's kinds of requirements and alpha, and from which
 mutants `run` asked for with more than one set of seeds.  A mutant's status is what its flight shows beside the baseline
-of the same situation and seed; the verdict on a mutant follows from all flights and the baselines together.  Beyond
-status and first safety violation a row has
+of the same situation and seed, `waiting` where none counts; the verdict on a mutant follows from all flights and the
+baselines together.  Beyond status and first safety violation a row has
 
 - `held`: requirements neither violated nor left open by a flight cut short;
 - `revealed_by`: safety, then operability requirements that the flight violates and its baseline holds, each earliest
@@ -33,6 +33,9 @@ from scaloft_fi.views.columns import Columns, ColumnType
 from scaloft_fi.views.tables.table import csv_text
 
 FlightRow = dict[str, Any]
+
+WAITING = "waiting"
+"""Status of a flight that cannot be judged: the baseline of its situation and seed is not flown, or stale."""
 
 HEAD = ("mutant", "situation", "seed", "status", "ending", "violated")
 TAIL = ("infected_at_s", "violated_at_s", "x", "y", "z", "struck", "duration_s", "digest")
@@ -83,7 +86,12 @@ def export_rows(
     listed = ordered(outcomes, roster, space)
     names = list(dict.fromkeys([*requirements, *(r.requirement for outcome in listed for r in outcome.readings)]))
     flights = iter(flights_of(listed))
-    return [_row(o, None if o.mutant == BASELINE else next(flights), names) for o in listed]
+    clean = {(outcome.situation, outcome.seed) for outcome in listed if outcome.mutant == BASELINE}
+    rows = [_row(o, None if o.mutant == BASELINE else next(flights), names) for o in listed]
+    for row, outcome in zip(rows, listed, strict=True):
+        if not outcome.invalid and (outcome.situation, outcome.seed) not in clean:
+            row["status"] = WAITING
+    return rows
 
 
 def ordered(outcomes: Iterable[Outcome], roster: Roster, space: Space) -> list[Outcome]:

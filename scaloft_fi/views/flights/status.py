@@ -8,15 +8,13 @@ from typing import Any
 from scaloft_fi.judge.flights import flights_of
 from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.judge.status import Status, baseline_status
-from scaloft_fi.views.flights.export import ordered
+from scaloft_fi.views.flights.export import WAITING, ordered
 from scaloft_fi.views.outputs.output import Output
 from scaloft_fi.views.outputs.shape import count, listing, optional, record, text
 from scaloft_fi.views.snapshot import Snapshot
 from scaloft_fi.views.tables.table import Table
 
 AGAIN = "The same `run` flies them again; no flight log is kept from which they could be judged anew."
-WAITING = "waiting"
-"""Flights that cannot be judged yet: a run was interrupted before the baseline of their situation and seed was home."""
 _WORDS = {WAITING: "waiting for their baseline"}
 BASELINE_STATUSES = ("held", "violated", Status.INVALID.value)
 

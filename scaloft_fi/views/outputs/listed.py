@@ -8,6 +8,7 @@ from importlib import import_module
 from scaloft_fi.views.outputs.output import Output
 
 OUTPUTS: dict[str, str] = {
+    "map": "scaloft_fi.views.pictures.situation_plan:MAP",
     "check": "scaloft_fi.views.checks:CHECK",
     "status": "scaloft_fi.views.flights.status:STATUS",
     "dispositions": "scaloft_fi.views.dispositions:DISPOSITIONS",

@@ -39,11 +39,13 @@ class BodyOutline:
         kind: its role.
         outline: its corners in order at take-off [m, world].
         path: the places of a body that moves, in order [m, world].
+        name: its name in the world.
     """
 
     kind: str
     outline: tuple[Point, ...]
     path: tuple[Point, ...] = ()
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -94,7 +96,7 @@ def draw(scene: MapScene, tracks: Sequence[Track], *, title: str, subtitle: str 
     """
     if not tracks:
         raise ValueError("a map needs at least one track")
-    x0, x1, y0, y1 = _extent(scene, tracks)
+    x0, x1, y0, y1 = extent(scene, (point for track in tracks for point in track.points))
     width = (x1 - x0) * SCALE
     frames = [Frame(x0, x1, y0, y1, MARGIN + i * (width + GAP), TOP, SCALE) for i in range(len(tracks))]
     listed = max(min(len(track.marks), LONGEST_LIST + 1) for track in tracks)
@@ -112,14 +114,12 @@ def draw(scene: MapScene, tracks: Sequence[Track], *, title: str, subtitle: str 
     return svg(wide, high, title, parts, font_size=13)
 
 
-def _extent(scene: MapScene, tracks: Sequence[Track]) -> tuple[float, float, float, float]:
-    """The box around everything [m], rounded outwards to half metres."""
-    points = [scene.home, *scene.waypoints]
+def extent(scene: MapScene, more: Iterable[Point] = ()) -> tuple[float, float, float, float]:
+    """The box x0, x1, y0, y1 around the scene and `more` points [m], rounded outwards to half metres."""
+    points = [scene.home, *scene.waypoints, *more]
     drawn = ((*body.outline, *body.path) for body in scene.bodies)
     for outline in (*scene.floor, *drawn, *scene.walls):
         points += outline
-    for track in tracks:
-        points += track.points
     xs, ys = [p[0] for p in points], [p[1] for p in points]
     return _low(min(xs)), _high(max(xs)), _low(min(ys)), _high(max(ys))
 
@@ -133,41 +133,51 @@ def _high(metres: float) -> float:
 
 
 def _panel(frame: Frame, scene: MapScene, track: Track, number: int) -> list[str]:
-    box = f'x="{frame.left:.1f}" y="{frame.top:.1f}" width="{frame.width:.1f}" height="{frame.height:.1f}"'
     clip = f"panel{number}"
     return [
         text(frame.left, frame.top - 29, track.title, weight="bold", size=15),
         text(frame.left, frame.top - 11, track.note, colour=FAINT),
-        f'<clipPath id="{clip}"><rect {box}/></clipPath>',
+        f'<clipPath id="{clip}"><rect {_box(frame)}/></clipPath>',
         f'<g clip-path="url(#{clip})">',
-        f'<rect {box} fill="{ROCK if scene.floor else FLOOR}"/>',
-        f'<path d="{"".join(f"M{frame.all(outline)}Z" for outline in scene.floor)}" fill="{FLOOR}" {HOLES}/>',
-        *_grid(frame),
-        f'<path d="{_strokes(frame, scene.walls)}" {LINE_STYLE} stroke="{INK}" stroke-width="1.6"/>',
-        *_places(frame, scene),
-        *(_body(frame, body) for body in scene.bodies),
+        *ground(frame, scene),
         *_path(frame, track),
         "</g>",
-        f'<rect {box} fill="none" stroke="{FAINT}"/>',
-        *_axes(frame),
+        *axes(frame),
         *_marks(frame, track),
     ]
 
 
-def _grid(frame: Frame) -> list[str]:
-    lines: list[Segment] = [((x, frame.y0), (x, frame.y1)) for x in _metres(frame.x0, frame.x1)]
-    lines += [((frame.x0, y), (frame.x1, y)) for y in _metres(frame.y0, frame.y1)]
+def ground(frame: Frame, scene: MapScene, every_m: int = 1) -> list[str]:
+    """What stands in the mine, with a grid line every so many metres."""
+    return [
+        f'<rect {_box(frame)} fill="{ROCK if scene.floor else FLOOR}"/>',
+        f'<path d="{"".join(f"M{frame.all(outline)}Z" for outline in scene.floor)}" fill="{FLOOR}" {HOLES}/>',
+        *_grid(frame, every_m),
+        f'<path d="{_strokes(frame, scene.walls)}" {LINE_STYLE} stroke="{INK}" stroke-width="1.6"/>',
+        *_places(frame, scene),
+        *(_body(frame, body) for body in scene.bodies),
+    ]
+
+
+def _box(frame: Frame) -> str:
+    return f'x="{frame.left:.1f}" y="{frame.top:.1f}" width="{frame.width:.1f}" height="{frame.height:.1f}"'
+
+
+def _grid(frame: Frame, every_m: int) -> list[str]:
+    lines: list[Segment] = [((x, frame.y0), (x, frame.y1)) for x in _metres(frame.x0, frame.x1, every_m)]
+    lines += [((frame.x0, y), (frame.x1, y)) for y in _metres(frame.y0, frame.y1, every_m)]
     return [f'<path d="{_strokes(frame, lines)}" stroke="{INK}" stroke-opacity="0.08" fill="none"/>']
 
 
-def _axes(frame: Frame) -> list[str]:
+def axes(frame: Frame, every_m: int = 1) -> list[str]:
+    """The border of a panel with a number every so many metres."""
     foot = frame.top + frame.height
-    parts = []
-    for x in _metres(frame.x0, frame.x1):
+    parts = [f'<rect {_box(frame)} fill="none" stroke="{FAINT}"/>']
+    for x in _metres(frame.x0, frame.x1, every_m):
         px = frame.pixel((x, 0))[0]
         parts += [f'<path d="M{px:.1f},{foot:.1f}v5" stroke="{FAINT}"/>']
         parts += [text(px, foot + 19, _signed(x), anchor="middle", colour=FAINT, size=12)]
-    for y in _metres(frame.y0, frame.y1):
+    for y in _metres(frame.y0, frame.y1, every_m):
         py = frame.pixel((0, y))[1]
         parts += [f'<path d="M{frame.left:.1f},{py:.1f}h-5" stroke="{FAINT}"/>']
         parts += [text(frame.left - 9, py + 4, _signed(y), anchor="end", colour=FAINT, size=12)]
@@ -279,5 +289,5 @@ def _signed(metres: float) -> str:
     return f"{metres:g}".replace("-", "\N{MINUS SIGN}")
 
 
-def _metres(low: float, high: float) -> range:
-    return range(ceil(low), floor(high) + 1)
+def _metres(low: float, high: float, every_m: int) -> range:
+    return range(every_m * ceil(low / every_m), floor(high) + 1, every_m)

@@ -12,6 +12,7 @@ from scaloft_fi.views.pictures.picture import Point
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.log import FlightLog
+    from scaloft_fi.sim.mesh import Mesh
     from scaloft_fi.sim.world import World
 
 VIOLATED = "#c1121f"
@@ -27,11 +28,14 @@ def scene_of(world: World) -> MapScene:
 
     walls = tuple(section(world.mine.wall.triangles, world.mission.altitude_m))
     bodies = tuple(
-        BodyOutline(body.role, hull([(float(x), float(y)) for x, y in body.mesh.vertices[:, :2]]), world.path_of(body))
-        for body in world.present
+        BodyOutline(body.role, hull(_level(body.mesh)), world.path_of(body), body.name) for body in world.present
     )
     waypoints = tuple((x, y) for x, y, _ in world.route)
     return MapScene(rings(walls), walls, bodies, waypoints, world.mission.home)
+
+
+def _level(mesh: Mesh) -> list[Point]:
+    return [(float(x), float(y)) for x, y in mesh.vertices[:, :2]]
 
 
 def track_of(log: FlightLog, outcome: Outcome, title: str) -> Track:

@@ -53,7 +53,12 @@ def legend(left: float, top: float) -> list[str]:
         parts += [f'<rect x="{x:.1f}" y="{top + 9:.1f}" width="{step + 0.5:.1f}" height="10" fill="{colour}"/>']
         label = f"{SHADE_MPS * i:.1f}" + ("+" if i == len(RAMP) - 1 else "")
         parts += [text(x + step / 2, top + 34, label, anchor="middle", colour=FAINT, size=12)]
-    x, y = left + 290, top + 15
+    return parts + signs(left + 290, top + 15)
+
+
+def signs(x: float, y: float) -> list[str]:
+    """What the signs of bodies and places mean, on a line from (x, y) [px]."""
+    parts: list[str] = []
     for name in ("obstacle", "person", "structure"):
         size = 5 if name == "structure" else 12
         parts += [f'<rect x="{x:.1f}" y="{y - size / 2:.1f}" width="{size}" height="{size}" {body_style(name)}/>']

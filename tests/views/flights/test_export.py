@@ -41,6 +41,11 @@ def test_a_flight_that_reveals_its_fault_says_when_where_and_what_was_struck() -
     assert (row["struck"], row["ending"], row["duration_s"]) == ("wall", "struck", 20.0)
 
 
+def test_a_flight_whose_baseline_does_not_count_waits_and_is_not_invalid() -> None:
+    rows = export_rows([outcome(M), outcome(M, seed=1, invalid="the worker died")], ROSTER, GRID)
+    assert [row["status"] for row in rows] == ["waiting", "invalid"]
+
+
 def test_rows_are_ordered_baseline_placebo_catalogue_then_off_the_ladder_situation_seed() -> None:
     mutants = [
         "LATE-human@2.5s",

@@ -1,0 +1,64 @@
+"""`scaloft-fi new`: write a small study, or a plugin package with a study that uses it."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+
+import click
+
+from scaloft_fi.cli.verb import verb
+from scaloft_fi.console import tell
+from scaloft_fi.errors import InputError
+
+
+@verb(
+    "new",
+    examples=(
+        ("Write a study to edit", "scaloft-fi new my_mine"),
+        ("Write a package with an operator, a stack, a sensor and a signal", "scaloft-fi new my_faults --plugin"),
+        ("Give the package another name than the folder", "scaloft-fi new work/faults --plugin --name my_faults"),
+    ),
+)
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.option(
+    "--plugin",
+    is_flag=True,
+    help="Write a Python package instead: one operator, one stack, one sensor, one signal, their tests, and in "
+    "DIR/study a study that uses them.",
+)
+@click.option(
+    "--name",
+    metavar="NAME",
+    help="Name of the package, with --plugin.  [default: the last part of DIR, - read as _]",
+)
+def new_command(folder: Path, plugin: bool, name: str | None) -> None:
+    """Write a small study that flies in about a minute, and whose files say what each of their keys means.
+
+    A corridor, a cart, a person, two axes, two requirements, six cells.  DIR must be empty or new.  With --plugin, DIR
+    is a package of yours that any study can use once it is installed.
+    """
+    from scaloft_fi.templates import check_package_name, plugin_files, study_files, write_new
+
+    if name is not None and not plugin:
+        raise InputError(f"--name={name!r} is the name of a package; give --plugin with it, or leave it out")
+    if plugin:
+        package = folder.absolute().name.replace("-", "_") if name is None else name
+        check_package_name(package, "DIR" if name is None else "--name")
+        files, what = plugin_files(package), f"the package {package}, and a study that uses it"
+    else:
+        files, what = study_files(), "a study of 6 cells and 6 situations"
+    write_new(folder, files)
+    commands = "\n".join(f"  {command}" for command in _next(folder, plugin=plugin))
+    tell(f"{folder}: {what}, {len(files)} files.  Next:\n\n{commands}\n")
+
+
+def _next(folder: Path, *, plugin: bool) -> tuple[str, ...]:
+    here = shlex.quote(str(folder))
+    if plugin:
+        return (
+            f"pip install -e {shlex.quote(f'{folder}[test]')}",
+            f"python -m pytest {here}",
+            f"scaloft-fi run --study {shlex.quote(str(folder / 'study'))}",
+        )
+    return f"cd {here}", "scaloft-fi check", "scaloft-fi run"

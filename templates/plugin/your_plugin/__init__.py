@@ -1,0 +1,1 @@
+"""An operator, a sensor, a signal and a stack for scaloft-fi."""

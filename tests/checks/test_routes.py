@@ -1,0 +1,55 @@
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from scaloft_fi.checks.routes import gaps
+from scaloft_fi.sim.grids import load_grid
+from scaloft_fi.sim.mesh import box
+
+GRID = load_grid(Path(__file__).parents[2] / "sim")
+
+
+def world_with(size: tuple[float, float, float], centre: tuple[float, float, float]) -> Any:
+    """A world of one box in the open, far from the rock."""
+    far = box((1.0, 1.0, 1.0)).moved((500.0, 500.0, 500.0))
+    body = SimpleNamespace(name="box", mesh=box(size).moved(centre))
+    return SimpleNamespace(mine=SimpleNamespace(wall=far, ground=far), present=[body])
+
+
+@pytest.mark.parametrize(
+    ("size", "centre", "gap_m"),
+    [
+        ((1.0, 1.0, 1.0), (0.9, 0.0, 1.0), 0.4),
+        ((1.0, 1.0, 1.0), (0.9, 0.9, 1.0), 0.4 * 2**0.5),
+        ((1.0, 1.0, 0.04), (0.8, 0.0, 1.03), 0.3),  # thinner than the hull is high
+        ((1.0, 1.0, 0.1), (0.0, 0.0, 1.0), 0.0),  # all around the point
+        ((1.0, 1.0, 0.2), (0.6, 0.0, 1.5), None),  # above the hull
+        ((1.0, 1.0, 1.0), (2.0, 0.0, 1.0), None),  # too far away
+    ],
+)
+def test_the_gap_of_a_place_is_level_and_counts_what_stands_at_the_height_of_the_hull(
+    size: tuple[float, float, float], centre: tuple[float, float, float], gap_m: float | None
+) -> None:
+    found = dict(gaps(world_with(size, centre), [(0.0, 0.0, 1.0)], 0.055, 0.7))
+    assert found == ({} if gap_m is None else {"box": pytest.approx(gap_m)})
+
+
+def test_the_gap_of_a_leg_is_that_of_its_nearest_point() -> None:
+    leg = [(-3.0, 0.0, 1.0), (3.0, 0.0, 1.0)]
+    assert dict(gaps(world_with((0.2, 0.2, 1.0), (1.0, 0.4, 1.0)), leg, 0.055, 0.5)) == {"box": pytest.approx(0.3)}
+
+
+def test_a_leg_that_climbs_passes_below_what_hangs_above_its_beginning() -> None:
+    leg = [(-3.0, 0.0, 1.0), (3.0, 0.0, 3.0)]
+    low, high = (world_with((0.2, 0.2, 0.2), (x, 0.0, 2.6)) for x in (-2.5, 1.8))
+    assert dict(gaps(low, leg, 0.055, 0.5)) == {}
+    assert dict(gaps(high, leg, 0.055, 0.5)) == {"box": pytest.approx(0.0)}
+
+
+def test_the_wall_of_the_reference_mine_is_where_the_waypoint_near_it_says() -> None:
+    world = GRID.world(GRID.situation("T0O0W1D0H0"))
+    assert dict(gaps(world, [world.waypoints["corner"]], 0.055, 1.0))["wall"] == pytest.approx(0.635, abs=0.061)

@@ -1,0 +1,209 @@
+"""`scaloft-fi new`: the study and the plugin package that it writes, and what it refuses."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+from plugins import call, install_project
+
+from scaloft_fi.cli.main import main
+from scaloft_fi.hazop.cell import CellStatus
+from scaloft_fi.study import Study
+
+KEY = re.compile(r"^[ -]*([\w-]+):(?=\s|$)")
+NAMES = {
+    "NO",
+    "REVERSE",
+    "LATE",
+    "OTHERTHAN",
+    "human",
+    "velcmd",
+    "pose",
+    "velocity",
+    "cart",
+    "miner",
+    "SR2",
+    "SR3",
+    "H",
+}
+"""Keys that are names which the user gives; where they stand first, a comment says so."""
+
+
+def run(*args: str | Path) -> int:
+    with pytest.raises(SystemExit) as left:
+        main([*map(str, args)])
+    assert isinstance(left.value.code, int)
+    return left.value.code
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Path:
+    assert run("new", tmp_path / "corridor") == 0
+    return tmp_path / "corridor"
+
+
+@pytest.fixture(scope="module")
+def plugin(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("work") / "rock-fall"
+    assert run("new", folder, "--plugin") == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def site(plugin: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("site")
+    install_project(folder, plugin)
+    return folder
+
+
+def _told(path: Path) -> tuple[set[str], set[str]]:
+    """The keys of a YAML file that a comment tells of, on their line or above it; and those that none does."""
+    told, keys, above = set[str](), set[str](), False
+    for line in path.read_text().splitlines():
+        if found := KEY.match(line):
+            keys.add(found[1])
+            told |= {found[1]} if "#" in line or above else set()
+        above = line.lstrip().startswith("#")
+    return told, keys - told - NAMES
+
+
+def test_the_study_is_whole_and_its_catalogue_is_current(study: Path) -> None:
+    assert run("mutants", "--check", "--study", study) == 0
+    opened = Study.open(study)
+    opened.check()
+    cells = [cell.status for cell in opened.matrix]
+    assert (len(cells), cells.count(CellStatus.CONTROL)) == (6, 1)
+    assert (len(opened.grid.axes), len(opened.grid.situations), len(opened.requirements)) == (2, 6, 2)
+    assert opened.stack.name == "reference"
+
+
+@pytest.mark.parametrize("kind", [(), ("--plugin", "--name", "rock_fall")])
+def test_each_key_of_a_study_is_told_of_in_a_comment(kind: tuple[str, ...], tmp_path: Path) -> None:
+    assert run("new", tmp_path, *kind) == 0
+    read: dict[str, set[str]] = {}
+    for path in sorted(tmp_path.rglob("*.yaml")):
+        told, untold = _told(path)
+        read.setdefault(path.parent.name, set()).update(told)
+        shared = read["matrix"] if path.parent.name == "matrix" else set()  # the first file tells of the cells' keys
+        assert untold - shared == set(), path.name
+
+
+def test_it_prints_the_next_commands(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("new", tmp_path / "my mine") == 0
+    told = capsys.readouterr().out.splitlines()
+    commands = [shlex.split(line) for line in told if line.startswith("  ")]
+    assert commands[0] == ["cd", str(tmp_path / "my mine")]
+    assert [words[0] for words in commands[1:]] == ["scaloft-fi", "scaloft-fi"]
+
+
+@pytest.mark.parametrize("options", [(), ("--plugin", "--name", "fine")])
+def test_a_folder_that_is_not_empty_is_refused_and_left(
+    options: tuple[str, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "note.txt").write_text("mine")
+    assert run("new", tmp_path, *options) == 2
+    assert "is not empty" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["note.txt"]
+
+
+def test_a_file_in_its_place_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "note.txt").write_text("mine")
+    assert run("new", tmp_path / "note.txt") == 2
+    assert run("new", tmp_path / "note.txt" / "below") == 2
+    assert capsys.readouterr().err.count("\n") == 2
+    assert (tmp_path / "note.txt").read_text() == "mine"
+
+
+def test_an_empty_folder_is_filled(tmp_path: Path) -> None:
+    assert run("new", tmp_path) == 0
+    assert (tmp_path / "sim" / "world.yaml").is_file()
+
+
+def test_after_a_failure_nothing_is_left(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from scaloft_fi import templates
+
+    whole = templates.write_whole
+
+    def fails_late(path: Path, content: bytes) -> None:
+        if path.name == "world.yaml":
+            raise OSError(28, os.strerror(28))
+        whole(path, content)
+
+    monkeypatch.setattr(templates, "write_whole", fails_late)
+    assert run("new", tmp_path / "a" / "b") == 2
+    assert "No space left on device; nothing of it is left" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("9lives", "letters, digits and _"),
+        ("my faults", "--name my_faults is one"),
+        ("class", "--name my_faults is one"),
+        ("käfer", "letters, digits and _"),
+        ("json", "--name my_json"),
+        ("numpy", "--name my_numpy"),
+        ("scaloft_fi", "--name my_scaloft_fi"),
+        ("", "--name my_faults is one"),
+    ],
+)
+def test_a_name_that_no_package_can_have_is_refused(
+    name: str, says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("new", tmp_path / "made", "--plugin", "--name", name) == 2
+    told = capsys.readouterr().err
+    assert says in told
+    assert "--name=" in told
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_name_is_of_a_package_only(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("new", tmp_path / "made", "--name", "mine") == 2
+    assert "give --plugin" in capsys.readouterr().err
+
+
+def test_the_package_has_the_name_of_its_folder_and_all_its_declarations_begin_with_it(plugin: Path) -> None:
+    assert (plugin / "rock_fall" / "stack.py").is_file()
+    texts = "".join(path.read_text() for path in plugin.rglob("*") if path.is_file())
+    assert "your_plugin" not in texts
+    assert set(re.findall(r'(?:operator|signal|declare)\(\s*"(\w+)"', texts)) == {
+        "rock_fall_creep",
+        "rock_fall_tilt_deg",
+        "rock_fall_tracker",
+    }
+
+
+def test_two_packages_can_be_installed_together(plugin: Path, tmp_path: Path) -> None:
+    assert run("new", tmp_path / "other", "--plugin") == 0
+    install_project(tmp_path / "site", plugin)
+    install_project(tmp_path / "site", tmp_path / "other")
+    done = call(tmp_path / "site", "-m", "scaloft_fi", "mutants", "--check", "--study", "other/study", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_study_of_the_package_is_current(site: Path, plugin: Path) -> None:
+    done = call(site, "-m", "scaloft_fi", "mutants", "--check", "--study", "study", cwd=plugin)
+    assert done.returncode == 0, done.stderr
+    assert "21 mutants of 5 cells" in done.stdout
+
+
+@pytest.mark.flight
+def test_the_tests_of_the_package_pass(site: Path, plugin: Path) -> None:
+    done = call(site, "-m", "pytest", "-q", "-p", "no:cacheprovider", cwd=plugin)
+    assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.flight
+def test_a_run_of_its_study_is_green(site: Path, plugin: Path) -> None:
+    words = ("run", "--study", "study", "--situation", "O0H0", "--quiet", "--jobs", "1")
+    done = call(site, "-m", "scaloft_fi", *words, cwd=plugin)
+    assert done.returncode == 0, done.stderr
+    assert re.search(r"REVERSE-velocity .*SR1", done.stdout), done.stdout
+    assert "it holds steadily SR1 in 1" in done.stdout

@@ -1,0 +1,37 @@
+from __future__ import annotations
+
+import pytest
+
+from scaloft_fi.errors import GateError, InputError
+from scaloft_fi.scripting.arguments import in_python, names, number, python_words, seeds
+
+
+@pytest.mark.parametrize("bad", [0, -1, 100_001, True, 2.5, (), [1, 1], [-1], ["1"], [True], "x", "3-1", {1}, None])
+def test_seeds_that_are_none_are_one_sentence_with_the_name_of_the_argument(bad: object) -> None:
+    if bad is None:
+        assert seeds(None, "seeds") is None
+        return
+    with pytest.raises(InputError, match="baseline_seeds="):
+        seeds(bad, "baseline_seeds")  # type: ignore[arg-type]
+
+
+def test_one_text_is_one_name() -> None:
+    assert names("LATE-human", "mutants") == ("LATE-human",)
+    assert names(["a", "b"], "mutants") == ("a", "b")
+    with pytest.raises(InputError, match="mutants=3 must be a text"):
+        names(["a", 3], "mutants")  # type: ignore[list-item]
+
+
+@pytest.mark.parametrize("bad", [-0.1, 1.1, float("nan"), "1", True])
+def test_a_number_outside_its_range_is_refused(bad: object) -> None:
+    with pytest.raises(InputError, match="max_invalid="):
+        number(bad, "max_invalid", 0.0, 1.0)  # type: ignore[arg-type]
+
+
+def test_an_error_keeps_its_kind_and_names_arguments() -> None:
+    with pytest.raises(GateError, match=r"^name another campaign, or `run --campaign NAME`$"), in_python():
+        raise GateError("name another --campaign, or `run --campaign NAME`")
+
+
+def test_a_dash_that_is_no_option_stays() -> None:
+    assert python_words("a -- b, LATE-human, x--y, --mutant='a'") == "a -- b, LATE-human, x--y, mutants='a'"
