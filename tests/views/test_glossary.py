@@ -51,6 +51,7 @@ NOT_PRINTED = {
     "ColumnType": "types of columns in Python",
     "Format": "a choice of an option",
     "Keep": "a key of YAML",
+    "Likeness": "values of JSON, which the reference has",
     "Kind": "kinds of fields of messages",
     "Shape": "a key of YAML",
     "Side": "an order of signals",

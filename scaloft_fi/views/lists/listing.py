@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.inert import json_text
+from scaloft_fi.views.lists.forms import FORMS
 from scaloft_fi.views.tables.table import Format, Table, csv_text, render
 
 Record = Mapping[str, Any]
@@ -72,7 +72,8 @@ def shown(listing: Listing, patterns: Sequence[str], how: Format) -> str:
     """
     chosen = listing.chosen(patterns) if patterns else listing
     if how is Format.JSON:
-        return json_text([dict(record) for record in chosen.records], indent=1) + "\n"
+        form = FORMS[chosen.noun]
+        return form.json({form.verb: [dict(record) for record in chosen.records]})
     if how is Format.CSV:
         return csv_text(chosen.keys, (map(plain, record.values()) for record in chosen.records))
     if not patterns:

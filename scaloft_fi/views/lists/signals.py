@@ -109,7 +109,7 @@ def _truth(signal: Signal, bodies: Mapping[str, Any]) -> Found:
 
 def _clearance_fact(name: str) -> SignalFact:
     absent = f"{CLEARANCE_CAP_M:g} where it is not there, and for ground whose contact is excused"
-    return SignalFact(f"always({name} > 0)", None, CLEARANCE_CAP_M, absent)
+    return SignalFact(f"always({name} > 0)", absent, most=CLEARANCE_CAP_M)
 
 
 def _declared(name: str, used_in: str) -> Found:
@@ -117,7 +117,7 @@ def _declared(name: str, used_in: str) -> Found:
     package = package_of(declared.make)
     origin = "optional signal" if package == OWN else f"optional signal of the package {package}"
     most = declared.most if math.isfinite(declared.most) else None
-    fact = fact_of(name) or SignalFact(f"eventually({name} >= {_threshold(most):g})", None, most)
+    fact = fact_of(name) or SignalFact(f"eventually({name} >= {_threshold(most):g})", most=most)
     return Found(name, declared.unit, declared.meaning, origin, used_in, fact)
 
 
@@ -127,10 +127,10 @@ def _belief_fact(belief: Belief) -> SignalFact:
     unknown = "" if math.isnan(belief.unknown) else f"{belief.unknown:g} while the stack does not know it"
     if belief.mark is not None and belief.mark.values:
         last = len(belief.mark.values) - 1
-        return SignalFact(f"always({belief.name} <= {last - 0.5:g})", 0.0, float(last), unknown)
+        return SignalFact(f"always({belief.name} <= {last - 0.5:g})", unknown, 0.0, float(last))
     if not belief.unit and belief.unknown == 0.0:
-        return SignalFact(f"once({belief.name} >= 0.5)", 0.0, most, unknown)
-    return SignalFact(f"always({belief.name} <= {_threshold(most):g})", None, most, unknown)
+        return SignalFact(f"once({belief.name} >= 0.5)", unknown, 0.0, most)
+    return SignalFact(f"always({belief.name} <= {_threshold(most):g})", unknown, most=most)
 
 
 def _threshold(most: float | None) -> float:
@@ -165,7 +165,7 @@ def _passing(study: Study, known: set[str]) -> Iterator[Found]:
         else:
             body = name.removeprefix("clearance_").removesuffix("_m")
             unknown = "not recorded in a flight without the body, where `realised` is false"
-            fact = SignalFact(f"eventually({clearance_name(body)} < 0.8)", None, CLEARANCE_CAP_M, unknown)
+            fact = SignalFact(f"eventually({clearance_name(body)} < 0.8)", unknown, most=CLEARANCE_CAP_M)
             yield Found(name, "m", f"hull to {body}, at most 1", f"ground truth, optional body {body}", REALISED, fact)
 
 

@@ -10,7 +10,9 @@ from pathlib import Path
 import pytest
 
 from scaloft_fi.errors import InputError
+from scaloft_fi.judge.bounds import bounds_of, verdict
 from scaloft_fi.judge.caps import check_caps
+from scaloft_fi.judge.ranges import ranges_of
 from scaloft_fi.judge.stl import Formula
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.sim.measures import SIGNALS
@@ -61,7 +63,9 @@ def test_every_example_of_a_signal_is_a_formula_within_the_caps(wide: Study) -> 
     names = {*wide.signals, *wide.grid.passing_signals, *SIGNALS}
     for record in signal_list(wide).records:
         check_caps(record["example"], wide.caps)
-        assert record["name"] in Formula.parse(record["example"], names).names, record
+        formula = Formula.parse(record["example"], names)
+        assert record["name"] in formula.names, record
+        assert verdict(bounds_of(formula, ranges_of(wide.grid.world(), wide.stack.beliefs, names))) is None, record
 
 
 def test_every_signal_of_the_ground_truth_has_facts_and_a_unit_or_none() -> None:
@@ -154,7 +158,9 @@ def test_every_list_comes_in_every_format(lists: dict[str, Listing], name: str, 
     text = shown(listing, (), how)
     assert all(one in text.replace("\\", "") for one in listing.names)
     if how is Format.JSON:
-        assert [record["name"] for record in json.loads(text)] == list(listing.names)
+        assert [
+            record["name"] for record in next(one for one in json.loads(text).values() if isinstance(one, list))
+        ] == list(listing.names)
     if how is Format.CSV:
         assert [row["name"] for row in csv.DictReader(io.StringIO(text))] == list(listing.names)
     if how is Format.TABLE:
