@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import sysconfig
+import tomllib
 import venv
 from pathlib import Path
 
@@ -26,7 +27,9 @@ def checkout_in(folder: Path) -> Path:
     folder.mkdir()
     for name in ("pyproject.toml", "README.md", "LICENSE", ".gitignore"):
         shutil.copy(ROOT / name, folder / name)
-    for name in ("scaloft_fi", "hazop", "mutants", "sim", "templates"):
+    declared = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    included = declared["tool"]["hatch"]["build"]["targets"]["wheel"]["force-include"]
+    for name in ("scaloft_fi", *included):
         shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
     return folder
 
