@@ -33,6 +33,7 @@ from scaloft_fi.views.flights.export import BASIS, HEAD, TAIL
 from scaloft_fi.views.glossary import TERMS, term
 from scaloft_fi.views.kills.survivors import Next, Stage
 from scaloft_fi.views.reference.outputs import outputs_page
+from scaloft_fi.views.reference.yaml_keys import yaml_keys_page
 
 _MARKS = re.compile(r"\||\[(?!`)")
 MODULES = {
@@ -77,6 +78,7 @@ def reference_pages() -> dict[str, str]:
         "reference/columns.md": _columns(),
         "reference/statuses.md": _statuses(),
         "reference/outputs.md": outputs_page(),
+        "reference/yaml_keys.md": yaml_keys_page(),
         "reference/python.md": _python(),
     }
     return {path: f"{text}\n{MADE}" for path, text in pages.items()}

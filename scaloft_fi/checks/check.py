@@ -13,7 +13,7 @@ from scaloft_fi.checks.flown import check_seams
 from scaloft_fi.checks.found import check_dispositions, check_found, check_sources
 from scaloft_fi.checks.matrix import check_matrix
 from scaloft_fi.checks.requirements import KnownSignals, check_requirements, kinds_in
-from scaloft_fi.checks.situations import GridCheck, check_grid
+from scaloft_fi.checks.situations import GridCheck, check_grid, grid_of
 from scaloft_fi.checks.stack import check_command_of, check_plugins, check_stack_choice, known_signals
 from scaloft_fi.checks.world import check_vehicle, check_world
 from scaloft_fi.errors import InputError
@@ -98,7 +98,7 @@ def check_study(folder: Path, *, fly: bool = False) -> Check:
     check_vehicle(sim, findings)
     known = _known(study, stack, world, findings)
     requirements = check_requirements(sim / "requirements.yaml", known, findings) if known else None
-    grids = (check_grid(study, known, findings), *_further(study, stack, world, findings))
+    grids = (check_grid(study, grid_of(study, findings), known, findings), *_further(study, stack, world, findings))
     matrix = check_matrix(study, stack, kinds_in(sim / "requirements.yaml"), findings)
     found = accepted = 0
     if matrix.matrix is not None:
@@ -141,11 +141,11 @@ def _further(study: Study, stack: Declaration | None, world: World | None, findi
         if name.endswith(WITH_FOUND) and _has_misfits(study):
             continue  # the finds are told one by one
         other = replace(study, grid_name=name)
-        own = None
-        if world is not None:
+        grid, own = grid_of(other, findings), None
+        if world is not None and grid is not None:
             with findings.collecting():
-                own = other.grid.world()
-        yield check_grid(other, _known(other, stack, own, findings), findings)
+                own = grid.world()
+        yield check_grid(other, grid, _known(other, stack, own, findings), findings)
 
 
 def _has_misfits(study: Study) -> bool:

@@ -16,7 +16,9 @@ from scaloft_fi.registry import in_one_line, plugin_behind
 T = TypeVar("T")
 U = TypeVar("U")
 
-_PLACE = re.compile(r"(?P<file>[^\n]+?\.[A-Za-z0-9]+):(?P<line>\d+): (?P<rest>.*)", re.DOTALL)
+_PLACE = re.compile(
+    r"(?:(?P<file>[^\n]+?\.[A-Za-z0-9]+):(?P<line>\d+)|(?P<whole>[^\n]+?\.(?:yaml|jsonl))): (?P<rest>.*)", re.DOTALL
+)
 
 
 class Severity(StrEnum):
@@ -69,8 +71,8 @@ def finding_of(sentence: str, severity: Severity = Severity.ERROR, *, situation:
     what, _, remedy = (located["rest"] if located else sentence).partition("; ")
     return Finding(
         severity,
-        located["file"] if located else "",
-        int(located["line"]) if located else None,
+        (located["file"] or located["whole"]) if located else "",
+        int(located["line"]) if located and located["line"] else None,
         what,
         remedy,
         situation,

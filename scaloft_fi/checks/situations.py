@@ -51,21 +51,22 @@ class GridCheck:
     legs: int = 0
 
 
-def check_grid(study: Study, known: KnownSignals | None, findings: Findings) -> GridCheck:
+def check_grid(study: Study, grid: Grid | None, known: KnownSignals | None, findings: Findings) -> GridCheck:
     """Check one grid of a study.
 
     Args:
         study: the study with that grid.
+        grid: as `grid_of` reads it.
         known: its signals; None where they are unknown, which leaves the predicates unchecked.
         findings: takes the findings.
     """
-    grid = _read(study, findings)
     name = study.grid_name or (grid.name if grid else FILE)
     if grid is None and name.endswith(WITH_FOUND):
         return GridCheck(name)
     axes = grid.axes if grid else _axes(study, findings)
     predicates = [(axis, value) for axis in axes for value in (*axis.values, *axis.extremes) if value.realised]
-    agreed = grid is not None and findings.all_of(contradictions(grid))
+    # the situations of a search are in the axes of another grid, which has been checked
+    agreed = grid is not None and (grid.listed is not None or findings.all_of(contradictions(grid)))
     if known is not None:
         passing = grid.passing_signals if grid and agreed else _thinkable(study)
         for axis, value in predicates:
@@ -80,8 +81,8 @@ def check_grid(study: Study, known: KnownSignals | None, findings: Findings) -> 
     return GridCheck(name, situations, built, pairs, len(predicates), legs)
 
 
-def _read(study: Study, findings: Findings) -> Grid | None:
-    """The grid, without a check that its axes agree."""
+def grid_of(study: Study, findings: Findings) -> Grid | None:
+    """The grid of a study, without a check that its axes agree; None where it cannot be read."""
     folder, name = study.folder / "sim", study.grid_name
     with findings.collecting():
         if name is not None and name.endswith(WITH_FOUND):

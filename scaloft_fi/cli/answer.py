@@ -30,26 +30,41 @@ def tables_option(function: F) -> F:
     )(function)
 
 
+def line_format_option(function: F) -> F:
+    """`--format` of a verb whose answer is a few lines, not a table."""
+    return click.option(
+        "--format",
+        "style",
+        type=click.Choice(("table", "json")),
+        default="table",
+        show_default=True,
+        help="How the answer is printed: a line for people, or JSON.",
+    )(function)
+
+
 def answer(
     output: Output,
     values: Callable[[], Mapping[str, Any]],
     style: str,
     shown: Callable[[Format], str],
     folder: Path | None = None,
+    *,
+    rows: str = "",
 ) -> None:
     """Print a verb's answer, and write its tables where `--tables` asks for them.
 
     Args:
         output: the form of its JSON.
         values: makes the plain JSON values of the form.
-        style: `--format`; `csv` prints one table, the rows of the form.
+        style: `--format`; `csv` prints one table.
         shown: makes the text for people.
         folder: `--tables`.
+        rows: name of the table that `csv` prints; by default the one of the form.
 
     Raises:
         InputError: a table cannot be written.
     """
-    from scaloft_fi.views.outputs.csv_tables import csv_rows, csv_tables
+    from scaloft_fi.views.outputs.csv_tables import csv_tables
     from scaloft_fi.views.tables.table import Format
 
     how = Format(style)
@@ -60,7 +75,7 @@ def answer(
         if how is Format.JSON:
             tell(output.json(given))
         elif how is Format.CSV:
-            tell(csv_rows(output, given))
+            tell(csv_tables(output, given)[rows or output.rows])
     if how not in (Format.JSON, Format.CSV):
         tell(shown(how))
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from scaloft_fi.cli.answer import tables_option
 from scaloft_fi.cli.listing import tell_listing
 from scaloft_fi.cli.options import format_option, grid_of_study_option, study_option
 from scaloft_fi.cli.verb import verb
@@ -23,7 +24,10 @@ from scaloft_fi.cli.verb import verb
 @study_option
 @grid_of_study_option
 @format_option
-def axes_command(names: tuple[str, ...], study_folder: Path | None, grid: str | None, style: str) -> None:
+@tables_option
+def axes_command(
+    names: tuple[str, ...], study_folder: Path | None, grid: str | None, style: str, tables_folder: Path | None
+) -> None:
     """List the axes of a grid of situations.
 
     Without a NAME an overview; NAME, or a pattern with *, ? or [, shows these whole: what each value sets, and the
@@ -31,4 +35,4 @@ def axes_command(names: tuple[str, ...], study_folder: Path | None, grid: str | 
     """
     from scaloft_fi.views.lists.axes import axis_list
 
-    tell_listing(lambda study: axis_list(study.grid), names, style, study_folder, grid)
+    tell_listing(lambda study: axis_list(study.grid), names, style, study_folder, grid, tables=tables_folder)

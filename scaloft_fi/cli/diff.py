@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from scaloft_fi.cli import names
 from scaloft_fi.cli.answer import answer
 from scaloft_fi.cli.options import format_option, study_option
 from scaloft_fi.cli.verb import verb
@@ -20,8 +21,8 @@ from scaloft_fi.errors import InputError
         ("Keep the comparison as a table in a document", "scaloft-fi diff default night --format markdown"),
     ),
 )
-@click.argument("first", metavar="CAMPAIGN")
-@click.argument("second", metavar="CAMPAIGN")
+@click.argument("first", shell_complete=names.campaigns, metavar="CAMPAIGN")
+@click.argument("second", shell_complete=names.campaigns, metavar="CAMPAIGN")
 @study_option
 @format_option
 def diff_command(first: str, second: str, study_folder: Path | None, style: str) -> None:

@@ -6,9 +6,10 @@ from pathlib import Path
 
 import click
 
+from scaloft_fi.cli.answer import answer, tables_option
 from scaloft_fi.cli.options import format_option, study_option
 from scaloft_fi.cli.verb import verb
-from scaloft_fi.console import say, tell
+from scaloft_fi.console import say
 from scaloft_fi.errors import InputError
 
 
@@ -22,8 +23,9 @@ from scaloft_fi.errors import InputError
 )
 @study_option
 @format_option
+@tables_option
 @click.option("--no-flight", is_flag=True, help="Do not fly the known flight.")
-def doctor_command(study_folder: Path | None, style: str, no_flight: bool) -> None:
+def doctor_command(study_folder: Path | None, style: str, tables_folder: Path | None, no_flight: bool) -> None:
     """Print what decides the bits of a flight and what is installed, and fly a flight whose digest is published.
 
     Other bits on another platform are no failure; another status, ending or violation is: exit code 4.
@@ -31,23 +33,39 @@ def doctor_command(study_folder: Path | None, style: str, no_flight: bool) -> No
     from scaloft_fi.campaign.processes.start import one_thread_each
 
     one_thread_each()
-    from scaloft_fi.views.runs.installation import packages_table, places_table, platform_table, plugins_table
-    from scaloft_fi.views.tables.table import Format, Table, render
+    from scaloft_fi.views.runs.installation import (
+        DOCTOR,
+        installation_tables,
+        machine_values,
+        package_values,
+        platform_values,
+        plugin_values,
+        study_values,
+    )
+    from scaloft_fi.views.tables.table import render
 
-    plugins, broken = plugins_table()
-    places, faults = places_table(study_folder)
-    tables = [platform_table(), packages_table(), plugins, places]
+    plugins, broken = plugin_values()
+    study, faults = study_values(study_folder)
     failure: Exception | None = None
+    known = None
     if not no_flight:
         from scaloft_fi.campaign.runs.known_flight import fly_again
         from scaloft_fi.errors import GateError
 
         try:
-            told = fly_again(say)
+            known = {"same": True, "told": fly_again(say)}
         except GateError as error:
-            told, failure = str(error), error
-        tables.append(Table("Known flight", ("answer",), ((told,),)))
-    tell(render(tables, Format(style)))
+            known, failure = {"same": False, "told": str(error)}, error
+    values = {
+        "platform": platform_values(),
+        "packages": package_values(),
+        "plugins": plugins,
+        "study": study,
+        "machine": machine_values(),
+        "known_flight": known,
+        "faults": [*broken, *faults],
+    }
+    answer(DOCTOR, lambda: values, style, lambda how: render(installation_tables(values), how), tables_folder)
     if failure is not None:
         raise failure
     if broken or faults:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from scaloft_fi.cli import names
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import campaign_option, study_option
@@ -39,7 +40,13 @@ class ExportCommand(Verb):
 @study_option
 @campaign_option
 @click.option(
-    "--format", "style", default="json", show_default=True, metavar="NAME", help="One of the formats listed below."
+    "--format",
+    "style",
+    shell_complete=names.formats,
+    default="json",
+    show_default=True,
+    metavar="NAME",
+    help="One of the formats listed below.",
 )
 @click.option("--output", type=click.Path(path_type=Path), metavar="FILE", help="Write there instead of printing.")
 def export_command(study_folder: Path | None, campaign: str, style: str, output: Path | None) -> None:

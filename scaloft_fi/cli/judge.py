@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from scaloft_fi.cli import names
 from scaloft_fi.cli.answer import answer, tables_option
 from scaloft_fi.cli.options import format_option, study_option
 from scaloft_fi.cli.verb import verb
@@ -34,6 +35,7 @@ from scaloft_fi.cli.verb import verb
 )
 @click.option(
     "--situation",
+    shell_complete=names.situations,
     metavar="KEY",
     help="The situation that was flown, which has a route and a time limit.  [default: not known]",
 )

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from scaloft_fi.cli import names
+from scaloft_fi.cli.answer import answer, tables_option
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import campaign_option, format_option, study_option
 from scaloft_fi.cli.verb import verb
-from scaloft_fi.console import tell, tell_line
+from scaloft_fi.console import tell_line
 from scaloft_fi.errors import InputError
-from scaloft_fi.inert import json_text
 
 if TYPE_CHECKING:
     from scaloft_fi.analysis.kills.kill_matrix import KillMatrix
@@ -24,7 +25,14 @@ if TYPE_CHECKING:
     from scaloft_fi.views.snapshot import Snapshot
     from scaloft_fi.views.tables.table import Table
 
-PARTS = ("conditions", "situations", "suite", "subsumption", "survivors")
+PARTS = {
+    "conditions": "conditions",
+    "situations": "situations",
+    "suite": "summary",
+    "subsumption": "subsumption_nodes",
+    "survivors": "survivors",
+}
+"""The table of each part in CSV."""
 PICTURES = (".svg", ".png", ".dot")
 
 
@@ -36,20 +44,21 @@ PICTURES = (".svg", ".png", ".dot")
         ("Find the fewest situations that keep every kill", "scaloft-fi kills --show suite"),
     ),
 )
-@click.argument("mutants", nargs=-1, metavar="[MUTANT...]")
+@click.argument("mutants", nargs=-1, shell_complete=names.mutants, metavar="[MUTANT...]")
 @study_option
 @campaign_option
 @click.option(
     "--show",
     "parts",
     multiple=True,
-    type=click.Choice(PARTS),
+    type=click.Choice(tuple(PARTS)),
     help="Only this part, at length (repeatable).  [default: every part, shortened]",
 )
 @click.option(
     "--situation",
     "situations",
     multiple=True,
+    shell_complete=names.situations,
     metavar="KEY|GLOB",
     help="Say also which mutants are killed in these situations together (repeatable).",
 )
@@ -57,6 +66,7 @@ PICTURES = (".svg", ".png", ".dot")
     "--by-requirement", is_flag=True, help="Subsumption tells kills by different requirements of a situation apart."
 )
 @format_option
+@tables_option
 @click.option(
     "--output",
     type=click.Path(path_type=Path),
@@ -71,6 +81,7 @@ def kills_command(
     situations: tuple[str, ...],
     by_requirement: bool,
     style: str,
+    tables_folder: Path | None,
     output: Path | None,
 ) -> None:
     """Print where each mutant is killed, which situations are needed, and what to do about the survivors.
@@ -82,11 +93,12 @@ def kills_command(
     check_writable(output)
     from scaloft_fi.analysis.kills.kill_matrix import kill_matrix
     from scaloft_fi.study import Study
+    from scaloft_fi.views.kills.kill_record import KILLS, kill_values
     from scaloft_fi.views.snapshot import snapshot
-    from scaloft_fi.views.tables.table import Format
+    from scaloft_fi.views.tables.table import render
 
     study = Study.open(study_folder)
-    wanted = parts or PARTS
+    wanted = parts or tuple(PARTS)
     with snapshot(study, campaign) as now:
         study = now.study
         matrix = _chosen(study, kill_matrix(now.score, study.roster, study.space), mutants)
@@ -96,15 +108,14 @@ def kills_command(
         return
     chosen = [situation.key for situation in study.grid.select(situations)] if situations else []
     results = _results(matrix, _graph(matrix, by_requirement), cases, wanted, chosen)
-    if style == Format.JSON:
-        from scaloft_fi.analysis.plain import plain
-
-        content = plain({"matrix": matrix, "detected_without_kill": matrix.scattered, **results})
-        tell(f"{json_text(content, indent=2)}\n")
-        return
-    from scaloft_fi.views.tables.table import render
-
-    tell(render(_tables(results, matrix, short=not parts), Format(style)))
+    answer(
+        KILLS,
+        lambda: kill_values(matrix, results),
+        style,
+        lambda how: render(_tables(results, matrix, short=not parts), how),
+        tables_folder,
+        rows=PARTS[parts[0]] if len(parts) == 1 else "",
+    )
 
 
 def _chosen(study: Study, matrix: KillMatrix, patterns: Sequence[str]) -> KillMatrix:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from scaloft_fi.console import tell
+from scaloft_fi.cli.answer import answer
 
 if TYPE_CHECKING:
     from scaloft_fi.study import Study
@@ -14,22 +14,30 @@ if TYPE_CHECKING:
 
 
 def tell_listing(
-    make: Callable[[Study], Listing], names: Sequence[str], style: str, folder: Path | None, grid: str | None = None
+    make: Callable[[Study], Listing],
+    names: Sequence[str],
+    style: str,
+    study: Path | None,
+    grid: str | None = None,
+    *,
+    tables: Path | None,
 ) -> None:
-    """Write a list of the study to standard output.
+    """Write a list of a study to standard output.
 
     Args:
         make: makes the list.
         names: names and patterns of the entries to show whole; none for the overview.
-        style: format of the tables.
-        folder: the study, as for `Study.open`.
+        style: `--format`.
+        study: folder of the study, as for `Study.open`.
         grid: name of one of its grids.
+        tables: `--tables`.
 
     Raises:
         InputError: the study cannot be read, or a name fits nothing.
     """
     from scaloft_fi.study import Study
     from scaloft_fi.views.lists.listing import shown
-    from scaloft_fi.views.tables.table import Format
 
-    tell(shown(make(Study.open(folder, grid)), names, Format(style)))
+    listing = make(Study.open(study, grid))
+    chosen = listing.chosen(names) if names else listing
+    answer(chosen.form, lambda: chosen.values, style, lambda how: shown(chosen, how, whole=bool(names)), tables)

@@ -11,8 +11,10 @@ from traceback import walk_tb
 from typing import Any, NoReturn
 
 import click
+from click.shell_completion import CompletionItem
 
 from scaloft_fi.cli.refusal import check_memory, refusal
+from scaloft_fi.cli.shells import COMPLETION, answered
 from scaloft_fi.cli.verb import REST, Example, HelpPage, Page
 from scaloft_fi.cli.verbs import GROUPS, VERBS, command_of
 from scaloft_fi.console import lost, say, stand, tell
@@ -57,6 +59,11 @@ class Pipeline(click.Group):
             raise click.UsageError(f"no verb {args[0]!r}{did_you_mean(args[0], VERBS)}", ctx)
         return super().resolve_command(ctx, args)
 
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem[Any]]:
+        """The verbs, without importing them, and the options."""
+        verbs = [CompletionItem(name, help=about) for name, about in VERBS.items() if name.startswith(incomplete)]
+        return [*verbs, *click.Command.shell_complete(self, ctx, incomplete)]
+
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the verbs without importing them, then the options."""
         assert isinstance(formatter, HelpPage)
@@ -84,7 +91,9 @@ class Pipeline(click.Group):
         """Run one verb and leave the process with its exit code."""
         stand()
         prog = prog_name or "scaloft-fi"
-        self._main_shell_completion(extra, prog, complete_var)
+        if (asked := os.environ.get(COMPLETION)) is not None:
+            tell(answered(self, asked))
+            sys.exit(ExitCode.DONE)
         sys.exit(self._exit_code(sys.argv[1:] if args is None else args, prog))
 
     def _exit_code(self, args: Sequence[str], prog: str) -> int:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from scaloft_fi.cli import names
+from scaloft_fi.cli.answer import answer, tables_option
 from scaloft_fi.cli.options import (
     campaign_option,
     campaign_over,
@@ -21,15 +22,11 @@ from scaloft_fi.cli.options import (
     warnings_option,
 )
 from scaloft_fi.cli.verb import verb
-from scaloft_fi.console import tell
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.name import cell_of
-from scaloft_fi.inert import json_text
 
 if TYPE_CHECKING:
-    from scaloft_fi.analysis.margin import Margin
-    from scaloft_fi.analysis.tried import PhasedFault
-    from scaloft_fi.study import Study
+    from scaloft_fi.analysis.when import When
 
 
 @verb(
@@ -46,10 +43,10 @@ if TYPE_CHECKING:
         "Where": "--study --campaign --grid",
         "What is flown": "--situation --seeds --tolerance --when --operability",
         "How": "--jobs --same-platform",
-        "What is printed": "--format --warnings --quiet --help",
+        "What is printed": "--format --tables --warnings --quiet --help",
     },
 )
-@click.argument("mutants", nargs=-1, required=True, metavar="CELL|ID...")
+@click.argument("mutants", nargs=-1, required=True, shell_complete=names.mutants, metavar="CELL|ID...")
 @study_option
 @campaign_option
 @grid_option
@@ -57,6 +54,7 @@ if TYPE_CHECKING:
     "--situation",
     "situations",
     multiple=True,
+    shell_complete=names.situations,
     metavar="KEY|GLOB",
     help="A situation's key or alias, or a pattern (repeatable).  [default: the whole grid]",
 )
@@ -77,6 +75,7 @@ if TYPE_CHECKING:
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
 @same_platform_option
 @format_option
+@tables_option
 @warnings_option
 @quiet_option
 def margin_command(
@@ -92,6 +91,7 @@ def margin_command(
     jobs: int | None,
     same_platform: bool,
     style: str,
+    tables_folder: Path | None,
     warnings: bool,
     quiet: bool,
 ) -> None:
@@ -104,24 +104,31 @@ def margin_command(
     NO-depth@3s#waypoint).  The flights are ordinary flights of the campaign: nothing is flown twice, and
     `scaloft-fi matrix --margins` shows what was found.
     """
+    from scaloft_fi.campaign.processes.start import cores, one_thread_each
+
+    one_thread_each()
+    from scaloft_fi.views.tables.table import render
+    from scaloft_fi.views.worksheet.margin_record import MARGIN, margin_values, when_values
+    from scaloft_fi.views.worksheet.margins import margin_tables
+    from scaloft_fi.views.worksheet.when import when_tables
+
     campaign = campaign_over(grid, campaign)
     if when:
         if situations or seeds != "1" or tolerance is not None:
             raise click.UsageError("--when flies nothing and goes with no --situation, --seeds or --tolerance")
-        tell(_when(mutants, study_folder, campaign, grid, style, operability=operability))
+        strikes = _when(mutants, study_folder, campaign, grid, operability=operability)
+        answer(
+            MARGIN, lambda: when_values(strikes), style, lambda how: render(when_tables(strikes), how), tables_folder
+        )
         return
-    from scaloft_fi.campaign.processes.start import cores, one_thread_each
-    from scaloft_fi.campaign.runs import choice
-    from scaloft_fi.campaign.runs.options import RunOptions
-
-    one_thread_each()
     from scaloft_fi.campaign.plan import choose
     from scaloft_fi.campaign.progress.progress import Progress, Silence
+    from scaloft_fi.campaign.runs import choice
     from scaloft_fi.campaign.runs.margin import find, target
+    from scaloft_fi.campaign.runs.options import RunOptions
     from scaloft_fi.campaign.store.flown_grid import study_of
     from scaloft_fi.campaign.store.folder import campaign_folder
     from scaloft_fi.judge.requirement import Kind
-    from scaloft_fi.views.tables.table import Format
 
     study = study_of(study_folder, campaign, grid)
     study.check()
@@ -140,16 +147,13 @@ def margin_command(
         kind=Kind.OPERABILITY if operability else Kind.SAFETY,
         progress=Silence if quiet else Progress,
     )
-    tell(_text(study, by_fault, len(numbers), campaign, Format(style)))
-
-
-def _text(study: Study, by_fault: Mapping[PhasedFault, Sequence[Margin]], seeds: int, campaign: str, style: str) -> str:
-    from scaloft_fi.views.tables.table import Format, render
-    from scaloft_fi.views.worksheet.margins import margin_json, margin_tables
-
-    if style != Format.JSON:
-        return render(margin_tables(by_fault, study.requirements, seeds, campaign, study.space.grid), Format(style))
-    return json_text(margin_json(by_fault), indent=2) + "\n"
+    answer(
+        MARGIN,
+        lambda: margin_values(by_fault),
+        style,
+        lambda how: render(margin_tables(by_fault, study.requirements, len(numbers), campaign, study.space.grid), how),
+        tables_folder,
+    )
 
 
 def _when(
@@ -157,17 +161,19 @@ def _when(
     study_folder: Path | None,
     campaign: str,
     grid: str | None,
-    style: str,
     *,
     operability: bool,
-) -> str:
+) -> list[When]:
+    """What the flights of a campaign say of the phases of these mutants.
+
+    Raises:
+        InputError: a mutant has no phases, or the campaign fewer than two of them.
+    """
     from scaloft_fi.analysis.when import whens
     from scaloft_fi.judge.requirement import Kind
     from scaloft_fi.mutants.derive import realise, source_of
     from scaloft_fi.study import Study
     from scaloft_fi.views.snapshot import snapshot
-    from scaloft_fi.views.tables.table import Format, render
-    from scaloft_fi.views.worksheet.when import when_json, when_tables
 
     study = Study.open(study_folder, grid)
     asked = {text: realise(study.matrix, text) for text in mutants}
@@ -184,6 +190,4 @@ def _when(
             command = f"scaloft-fi run --mutant '{bare}' --mutant '{bare}#*' --campaign {campaign}"
             raise InputError(f"campaign {campaign!r} has fewer than two phases of {bare}; fly them: {command}")
         found += own
-    if style == Format.JSON:
-        return json_text(when_json(found), indent=2) + "\n"
-    return render(when_tables(found), Format(style))
+    return found

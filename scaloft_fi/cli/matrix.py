@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import click
 
+from scaloft_fi.cli import names
 from scaloft_fi.cli.options import campaign_option, format_option, operability_option, study_option
 from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import tell
@@ -14,8 +16,7 @@ from scaloft_fi.hazop.folder import find_study
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.render import blocks, cells, grid_table, legend, overview, sheet, tally
-from scaloft_fi.hazop.worksheet import HEADER, SHORT_HEADER, record, rows, short_rows
-from scaloft_fi.inert import json_text
+from scaloft_fi.hazop.worksheet import HEADER, SHORT_HEADER, rows, short_rows
 from scaloft_fi.terminal import width
 from scaloft_fi.views.tables.table import Format, csv_text, tabulated
 from scaloft_fi.wrapping import wrapped
@@ -30,9 +31,25 @@ from scaloft_fi.wrapping import wrapped
     ),
 )
 @study_option
-@click.option("--cell", metavar="NAME", help="Tell one cell whole, by its name GUIDEWORD-parameter.")
-@click.option("--guideword", "guidewords", multiple=True, metavar="WORD", help="Only this guideword (repeatable).")
-@click.option("--parameter", "parameters", multiple=True, metavar="NAME", help="Only this parameter (repeatable).")
+@click.option(
+    "--cell", shell_complete=names.cells, metavar="NAME", help="Tell one cell whole, by its name GUIDEWORD-parameter."
+)
+@click.option(
+    "--guideword",
+    "guidewords",
+    multiple=True,
+    shell_complete=names.guidewords,
+    metavar="WORD",
+    help="Only this guideword (repeatable).",
+)
+@click.option(
+    "--parameter",
+    "parameters",
+    multiple=True,
+    shell_complete=names.parameters,
+    metavar="NAME",
+    help="Only this parameter (repeatable).",
+)
 @click.option("--grid", "grid_only", is_flag=True, help="Only the grid, without the list of cells.")
 @click.option(
     "--margins",
@@ -60,6 +77,12 @@ def matrix_command(
     matrix = load_matrix(find_study(study_folder) / "hazop")
     if cell or style == "json":
         matrix = _with_events(matrix, study_folder)
+    if style == "json" and not with_margins:
+        chosen = matrix.cell(cell) if cell else None
+        words = [chosen.guideword] if chosen else [word.upper() for word in guidewords]
+        names = [chosen.parameter] if chosen else [name.lower() for name in parameters]
+        tell(_json(matrix.only(words, names)))
+        return
     if cell:
         tell(f"{_one(matrix, cell, style, study_folder)}\n")
         return
@@ -83,8 +106,6 @@ def _all(matrix: Matrix, style: str) -> str:
     if style == "table":
         hint = f"one cell whole: `scaloft-fi matrix --cell {next(iter(matrix)).name}`; the grid alone: `--grid`"
         return "\n\n".join([overview(matrix, width()), cells(matrix, width()), wrapped(hint, width())])
-    if style == "json":
-        return json_text([record(cell) for cell in matrix], indent=1)
     if style == "csv":
         return _tabulated(HEADER, rows(matrix), style)
     return _tabulated(SHORT_HEADER, short_rows(matrix), style)
@@ -95,9 +116,13 @@ def _grid(matrix: Matrix, style: str) -> str:
         return overview(matrix, width())
     header, lines = grid_table(matrix)
     header = ["parameter", *header[1:]]
-    if style == "json":
-        return json_text([dict(zip(header, line, strict=True)) for line in lines], indent=1)
     return _tabulated(header, lines, style)
+
+
+def _json(matrix: Matrix, margins: Mapping[str, Sequence[Mapping[str, Any]]] | None = None) -> str:
+    from scaloft_fi.views.worksheet.matrix_record import MATRIX, matrix_values
+
+    return MATRIX.json(matrix_values(matrix, margins))
 
 
 def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: str, *, operability: bool) -> str:
@@ -105,14 +130,15 @@ def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: st
     from scaloft_fi.judge.requirement import Kind
     from scaloft_fi.study import Study
     from scaloft_fi.views.snapshot import snapshot
+    from scaloft_fi.views.worksheet.margin_record import cell_margin_values
     from scaloft_fi.views.worksheet.margins import LEGEND, LEGEND_AT, cell_margins
 
     study = Study.open(study_folder)
     kind = Kind.OPERABILITY if operability else Kind.SAFETY
     with snapshot(study, campaign) as now:
         by_cell = cell_margins(now.outcomes, now.score, study.matrix, kind)
-    if style == "json":
-        return json_text([{**record(cell), "margin": by_cell[cell.name]} for cell in matrix], indent=1)
+        if style == "json":
+            return _json(matrix, cell_margin_values(now.outcomes, now.score, study.matrix, kind)).rstrip("\n")
     header = ["parameter", *(word.id for word in matrix.guidewords)]
     lines = [[p.id, *(by_cell[f"{word.id}-{p.id}"] for word in matrix.guidewords)] for p in matrix.parameters]
     if style == "table":
@@ -132,8 +158,6 @@ def _one(matrix: Matrix, name: str, style: str, study_folder: Path | None) -> st
     cell = matrix.cell(name)
     if style == "table":
         return sheet(matrix, cell, _edges(study_folder) if cell.faults else {}, width())
-    if style == "json":
-        return json_text(record(cell), indent=1)
     row = rows(matrix.only([cell.guideword], [cell.parameter]))[0]
     if style == "csv":
         return _tabulated(HEADER, [row], style)

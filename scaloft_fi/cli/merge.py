@@ -6,9 +6,12 @@ from pathlib import Path
 
 import click
 
+from scaloft_fi.cli import names
+from scaloft_fi.cli.answer import answer, line_format_option
 from scaloft_fi.cli.options import campaign_option, study_option
 from scaloft_fi.cli.verb import verb
-from scaloft_fi.console import say, tell_line
+from scaloft_fi.console import say
+from scaloft_fi.inert import line
 
 
 @verb(
@@ -19,7 +22,7 @@ from scaloft_fi.console import say, tell_line
         ("Join a folder from another machine, bits and all", "scaloft-fi merge /data/night/campaign --same-platform"),
     ),
 )
-@click.argument("sources", metavar="CAMPAIGN...", nargs=-1, required=True)
+@click.argument("sources", shell_complete=names.campaigns, metavar="CAMPAIGN...", nargs=-1, required=True)
 @study_option
 @campaign_option
 @click.option(
@@ -28,7 +31,10 @@ from scaloft_fi.console import say, tell_line
     help="Refuse a campaign of another platform unless flights in both show equal digests.  "
     "[default: refuse it where a flight in both has another status, ending or violation]",
 )
-def merge_command(sources: tuple[str, ...], study_folder: Path | None, campaign: str, same_platform: bool) -> None:
+@line_format_option
+def merge_command(
+    sources: tuple[str, ...], study_folder: Path | None, campaign: str, same_platform: bool, style: str
+) -> None:
     """Join CAMPAIGNs, such as those flown with `run --shard K/N`, into the one named by --campaign.
 
     Campaigns of two platforms are compared, flight by flight; where both flew the same situation and seed, the flights
@@ -39,10 +45,12 @@ def merge_command(sources: tuple[str, ...], study_folder: Path | None, campaign:
     from scaloft_fi.campaign.runs.merge import merge
     from scaloft_fi.campaign.store.flown_grid import study_of_all
     from scaloft_fi.campaign.store.folder import campaign_folder
+    from scaloft_fi.views.runs.merged import MERGE, merge_values
 
     study = study_of_all(study_folder, [*sources, campaign])
     folder = campaign_folder(study, campaign)
     merged = merge(study, folder, [campaign_folder(study, source) for source in sources], same_platform=same_platform)
     for warning in merged.warnings:
         say(f"warning: {warning}")
-    tell_line(f"{merged.added} flights added to {folder}, {merged.known} known already")
+    told = line(f"{merged.added} flights added to {folder}, {merged.known} known already")
+    answer(MERGE, lambda: merge_values(folder, merged), style, lambda _: f"{told}\n")

@@ -4,25 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from scaloft_fi.cli import names
 from scaloft_fi.cli.options import format_option, study_option
 from scaloft_fi.cli.own_study import check_own
 from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say, tell, tell_line
 from scaloft_fi.errors import InputError
-from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.inert import json_text
-from scaloft_fi.mutants import catalogue
-from scaloft_fi.mutants.derive import default_of, defaults, derive
-from scaloft_fi.mutants.mutant import Mutant
-from scaloft_fi.mutants.select import select
-from scaloft_fi.study import Study
 from scaloft_fi.terminal import width
 from scaloft_fi.views.tables.table import Format, csv_text, tabulated
 from scaloft_fi.views.tables.text import body_text
+
+if TYPE_CHECKING:
+    from scaloft_fi.hazop.matrix import Matrix
+    from scaloft_fi.mutants.mutant import Mutant
 
 _COLUMNS = ("id", "default", "parameter", "guideword", "seam", "operator", "arguments")
 _IN_TERMINAL = ("id", "default", "seam", "operator", "arguments")
@@ -37,10 +35,17 @@ _IN_TERMINAL = ("id", "default", "seam", "operator", "arguments")
         ("Fail where the catalogue is stale, as in CI", "scaloft-fi mutants --check"),
     ),
 )
-@click.argument("patterns", nargs=-1, metavar="[PATTERN]...")
+@click.argument("patterns", nargs=-1, shell_complete=names.mutants, metavar="[PATTERN]...")
 @click.option("--write", is_flag=True, help="Derive the catalogue from the matrix and write it.")
 @click.option("--check", is_flag=True, help="Prove that the written catalogue is what the matrix gives.")
-@click.option("--cell", "cells", multiple=True, metavar="CELL", help="All mutants of this cell (repeatable).")
+@click.option(
+    "--cell",
+    "cells",
+    multiple=True,
+    shell_complete=names.cells,
+    metavar="CELL",
+    help="All mutants of this cell (repeatable).",
+)
 @click.option("--defaults", "only_defaults", is_flag=True, help="One mutant a cell: its default.")
 @format_option
 @study_option
@@ -62,37 +67,48 @@ def mutants_command(
         raise click.UsageError("--write and --check exclude each other")
     if (write or check) and (patterns or cells or only_defaults):
         raise click.UsageError("--write and --check are about the whole catalogue; give no pattern with them")
+    from scaloft_fi.mutants import catalogue
+    from scaloft_fi.mutants.derive import defaults, derive
+    from scaloft_fi.study import Study
+    from scaloft_fi.views.mutant_record import MUTANTS, mutant_values
+
     study = Study.open(study_folder)
     folder = study.folder / "mutants"
     if write:
         check_own(study, study_folder, folder / catalogue.FILE)
     matrix = study.matrix
     derived = catalogue.check(folder, matrix) if check else derive(matrix)
-    if write:
-        tell_line(f"{catalogue.write(folder, derived)}: {_size(derived, matrix)}")
-    elif check:
-        tell_line(f"{folder / catalogue.FILE}: current, {_size(derived, matrix)}")
+    default_ids = {mutant.id for mutant in defaults(matrix)}
+    path = catalogue.write(folder, derived) if write else folder / catalogue.FILE
+    current = write or check or _is_current(folder, matrix)
+    chosen = derived if write or check else _chosen(derived, matrix, patterns, cells, only_defaults=only_defaults)
+    if style == Format.JSON:
+        tell(MUTANTS.json(mutant_values(path, derived, chosen, default_ids, current=current, written=write)))
+    elif write or (check and style != Format.CSV):
+        tell_line(f"{path}: {'' if write else 'current, '}{len(derived)} mutants of {len(default_ids)} cells")
     else:
-        _warn_if_stale(folder, matrix)
-        chosen = _chosen(derived, matrix, patterns, cells, only_defaults=only_defaults)
-        tell(f"{_table(chosen, {mutant.id for mutant in defaults(matrix)}, style)}\n")
+        tell(f"{_table(chosen, default_ids, style)}\n")
 
 
-def _size(derived: Sequence[Mutant], matrix: Matrix) -> str:
-    return f"{len(derived)} mutants of {len(defaults(matrix))} cells"
+def _is_current(folder: Path, matrix: Matrix) -> bool:
+    """Whether the written catalogue is what the matrix gives; a warning says why it is not."""
+    from scaloft_fi.mutants import catalogue
 
-
-def _warn_if_stale(folder: Path, matrix: Matrix) -> None:
     try:
         catalogue.check(folder, matrix)
     except InputError as error:
         say(f"warning: {error}")
+        return False
+    return True
 
 
 def _chosen(
     derived: Sequence[Mutant], matrix: Matrix, patterns: Sequence[str], cells: Sequence[str], *, only_defaults: bool
 ) -> Sequence[Mutant]:
     """What the user asks for; without a word the whole catalogue."""
+    from scaloft_fi.mutants.derive import default_of, defaults
+    from scaloft_fi.mutants.select import select
+
     for name in cells:
         default_of(matrix.cell(name))  # refuses a cell without mutants, with its reason
     chosen = list(select(patterns, matrix, derived))
@@ -106,8 +122,6 @@ def _chosen(
 
 
 def _table(mutants: Sequence[Mutant], default_ids: Collection[str], style: str) -> str:
-    if style == "json":
-        return json_text([m.to_json() | {"default": m.id in default_ids} for m in mutants], indent=1)
     rows = [_row(mutant, mutant.id in default_ids) for mutant in mutants]
     if style == "csv":
         return csv_text(_COLUMNS, (row.values() for row in rows)).rstrip("\n")

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from scaloft_fi.cli.answer import tables_option
 from scaloft_fi.cli.listing import tell_listing
 from scaloft_fi.cli.options import format_option, study_option
 from scaloft_fi.cli.verb import verb
@@ -22,7 +23,10 @@ from scaloft_fi.cli.verb import verb
 @click.argument("names", nargs=-1, metavar="[NAME]...")
 @study_option
 @format_option
-def operators_command(names: tuple[str, ...], study_folder: Path | None, style: str) -> None:
+@tables_option
+def operators_command(
+    names: tuple[str, ...], study_folder: Path | None, style: str, tables_folder: Path | None
+) -> None:
     """List the operators that faults can use.
 
     Without a NAME an overview; NAME, or a pattern with *, ? or [, shows these whole: arguments with units and
@@ -30,4 +34,4 @@ def operators_command(names: tuple[str, ...], study_folder: Path | None, style: 
     """
     from scaloft_fi.views.lists.operators import operator_list
 
-    tell_listing(operator_list, names, style, study_folder)
+    tell_listing(operator_list, names, style, study_folder, tables=tables_folder)

@@ -13,6 +13,7 @@ from typing import Any, TypeVar, cast
 import click
 from click.core import ParameterSource
 
+from scaloft_fi.cli import names
 from scaloft_fi.cli.own_study import tell_study
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -45,6 +46,7 @@ def campaign_option(function: F) -> F:
     """`--campaign NAME`: where the outcomes are."""
     return click.option(
         "--campaign",
+        shell_complete=names.campaigns,
         default="default",
         show_default=True,
         metavar="NAME",
@@ -56,6 +58,7 @@ def grid_option(function: F) -> F:
     """`--grid NAME`: the situations to fly."""
     return click.option(
         "--grid",
+        shell_complete=names.grids,
         metavar="NAME",
         help="A grid of the study: that of sim/situations.yaml, or a file in sim/grids/, whose campaign is called NAME "
         "when --campaign names no other.  [default: the grid of the campaign, else that of sim/situations.yaml]",
@@ -66,6 +69,7 @@ def grid_of_study_option(function: F) -> F:
     """`--grid NAME`: one of the study's grids, without a campaign."""
     return click.option(
         "--grid",
+        shell_complete=names.grids,
         metavar="NAME",
         help="A grid of the study: a file in sim/grids/.  [default: that of sim/situations.yaml]",
     )(function)
@@ -82,6 +86,7 @@ def baseline_from_option(function: F) -> F:
     return click.option(
         "--baseline-from",
         "baseline_from",
+        shell_complete=names.campaigns,
         metavar="NAME",
         help="Add the baselines of this campaign to the pool; its platform, data and code must be the same.",
     )(function)

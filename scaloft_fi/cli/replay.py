@@ -6,11 +6,13 @@ from pathlib import Path
 
 import click
 
+from scaloft_fi.cli import names
+from scaloft_fi.cli.answer import line_format_option
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.options import campaign_option, study_option
 from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say, tell, tell_line
-from scaloft_fi.errors import InputError
+from scaloft_fi.errors import GateError, InputError
 
 ENDS = (".svg", ".png", ".mcap", ".csv")
 
@@ -26,7 +28,7 @@ ENDS = (".svg", ".png", ".mcap", ".csv")
         ("Record the unmutated drone for Foxglove", "scaloft-fi replay baseline/T0O0W0D0H1/0 --output flight.mcap"),
     ),
 )
-@click.argument("name", metavar="MUTANT/SITUATION/SEED")
+@click.argument("name", shell_complete=names.flights, metavar="MUTANT/SITUATION/SEED")
 @study_option
 @campaign_option
 @click.option(
@@ -42,8 +44,15 @@ ENDS = (".svg", ".png", ".mcap", ".csv")
     help="Exit with 4 when the digest differs from that of a flight of another platform.  "
     "[default: when status, ending or violations differ]",
 )
+@line_format_option
 def replay_command(
-    name: str, study_folder: Path | None, campaign: str, output: Path | None, gui: bool, same_platform: bool
+    name: str,
+    study_folder: Path | None,
+    campaign: str,
+    output: Path | None,
+    gui: bool,
+    same_platform: bool,
+    style: str,
 ) -> None:
     """Fly one flight again and compare its digest with the campaign's; on another platform, status and ending too.
 
@@ -57,7 +66,8 @@ def replay_command(
     one_thread_each()
     from scaloft_fi.campaign.store.flown_grid import study_of
     from scaloft_fi.views.flights.logged_flight import RECORDINGS, fly_with_log, named, ready_to_fly, with_log
-    from scaloft_fi.views.flights.repeated import compared
+    from scaloft_fi.views.flights.repeated import Likeness, comparison
+    from scaloft_fi.views.flights.replayed import REPLAY, replay_values
     from scaloft_fi.views.pictures.picture import png
     from scaloft_fi.views.tables.table import Format, render
 
@@ -71,13 +81,21 @@ def replay_command(
         flown = with_log(study, flight, fly_in_window(study, flight))
     else:
         flown = fly_with_log(study, flight)
-    tell(render((flown.facts(),), Format.TABLE))
-    tell("\n")
+    if style != "json":
+        tell(render((flown.facts(),), Format.TABLE))
+        tell("\n")
     end = output.suffix.lower() if output else ""
     if output is not None and end in RECORDINGS:
         write(output, flown.recording(end))
-        tell_line(f"recording: {output}")
     elif output is not None:
         write(output, png(flown.map()) if end == ".png" else flown.map().encode())
-        tell_line(f"map: {output}")
-    tell_line(compared(flown, campaign, same_platform=same_platform))
+    if output is not None and style != "json":
+        tell_line(f"{'recording' if end in RECORDINGS else 'map'}: {output}")
+    found = comparison(flown, campaign, same_platform=same_platform)
+    if style == "json":
+        words = study.grid.titles(flight.situation)
+        tell(REPLAY.json(replay_values(flown.outcome, words, found, None if output is None else str(output))))
+    if found.likeness is Likeness.DIFFERS:
+        raise GateError(found.told)
+    if style != "json":
+        tell_line(found.told)

@@ -7,11 +7,12 @@ from pathlib import Path
 
 import click
 
+from scaloft_fi.cli.answer import answer, line_format_option
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import as_of_option, campaign_option, study_option
 from scaloft_fi.cli.verb import verb
-from scaloft_fi.console import tell_line
+from scaloft_fi.inert import line
 
 NAME = "report.html"
 
@@ -33,13 +34,17 @@ NAME = "report.html"
     help="Write the page there.  [default: report.html in the campaign's folder]",
 )
 @as_of_option
-def report_command(study_folder: Path | None, campaign: str, output: Path | None, today: date | None) -> None:
+@line_format_option
+def report_command(
+    study_folder: Path | None, campaign: str, output: Path | None, today: date | None, style: str
+) -> None:
     """Write one HTML file that opens from disk, without a network: both matrices, every flight, what follows."""
     check_writable(output)
     from scaloft_fi.campaign.store.folder import campaign_folder
     from scaloft_fi.study import Study
     from scaloft_fi.views.report.evidence import gather
     from scaloft_fi.views.report.page import page
+    from scaloft_fi.views.report.written import REPORT
 
     study = Study.open(study_folder)
     evidence = gather(study, campaign, today)
@@ -47,4 +52,6 @@ def report_command(study_folder: Path | None, campaign: str, output: Path | None
     path = output or campaign_folder(study, campaign) / NAME
     content = page(evidence).encode()
     write(path, content)
-    tell_line(f"report: {path} ({len(content) / 1e6:.1f} MB)")
+    size = len(content)
+    told_as = line(f"report: {path} ({size / 1e6:.1f} MB)")
+    answer(REPORT, lambda: {"report": str(path), "bytes": size}, style, lambda _: f"{told_as}\n")

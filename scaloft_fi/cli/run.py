@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from scaloft_fi.cli import names
+from scaloft_fi.cli.answer import tables_option
 from scaloft_fi.cli.options import (
     all_option,
     baseline_from_option,
@@ -39,7 +41,7 @@ from scaloft_fi.errors import InputError
         "How": "--jobs --budget --no-share --same-platform",
         "On many machines": "--shard --executor --cluster-key --cluster-security",
         "What fails the run": "--fail-under --max-invalid",
-        "What is printed": "--all --format --warnings --quiet --help",
+        "What is printed": "--all --format --tables --warnings --quiet --help",
     },
 )
 @study_option
@@ -49,6 +51,7 @@ from scaloft_fi.errors import InputError
     "--mutant",
     "mutants",
     multiple=True,
+    shell_complete=names.mutants,
     metavar="ID|GLOB",
     help="A cell's name (its default), an id, or a pattern over the catalogue (repeatable).  "
     "[default: every cell's default and the controls]",
@@ -57,6 +60,7 @@ from scaloft_fi.errors import InputError
     "--situation",
     "situations",
     multiple=True,
+    shell_complete=names.situations,
     metavar="KEY|GLOB",
     help="A situation's key or alias, or a pattern (repeatable).  [default: those of --choose]",
 )
@@ -133,6 +137,7 @@ from scaloft_fi.errors import InputError
 @same_platform_option
 @all_option
 @format_option
+@tables_option
 @fail_under_option
 @warnings_option
 @quiet_option
@@ -159,6 +164,7 @@ def run_command(
     same_platform: bool,
     everything: bool,
     style: str,
+    tables_folder: Path | None,
     fail_under: float | None,
     warnings: bool,
     quiet: bool,
@@ -181,6 +187,7 @@ def run_command(
     from scaloft_fi.campaign.store.folder import campaign_folder
     from scaloft_fi.campaign.workers.named import executor_named
     from scaloft_fi.cli.score import report
+    from scaloft_fi.views.score.score_form import RUN
     from scaloft_fi.views.scored_campaign import scored_run
 
     campaign = campaign_over(grid, campaign)
@@ -213,4 +220,12 @@ def run_command(
     planned = planned_run(study, request)
     flown = fly(planned, campaign_folder(study, campaign), options, progress=Silence() if quiet else Progress())
     scored = scored_run(flown, campaign)
-    return report(scored, grouping=None, everything=everything, style=style, fail_under=fail_under)
+    return report(
+        scored,
+        RUN,
+        grouping=None,
+        everything=everything,
+        style=style,
+        tables=tables_folder,
+        fail_under=fail_under,
+    )

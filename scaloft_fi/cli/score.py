@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from scaloft_fi.cli.answer import answer, tables_option
 from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import (
     all_option,
@@ -19,13 +20,15 @@ from scaloft_fi.cli.options import (
     today_option,
 )
 from scaloft_fi.cli.verb import verb
-from scaloft_fi.console import say, tell
+from scaloft_fi.console import say
 from scaloft_fi.errors import InputError
 from scaloft_fi.exit_codes import ExitCode
-from scaloft_fi.inert import json_text
 
 if TYPE_CHECKING:
+    from scaloft_fi.analysis.scoring.grouping import By
+    from scaloft_fi.views.outputs.output import Output
     from scaloft_fi.views.scored_campaign import ScoredCampaign
+    from scaloft_fi.views.tables.table import Format
 
 GROUPINGS = ("guideword", "parameter", "situation", "requirement", "axis")
 
@@ -37,6 +40,11 @@ GROUPINGS = ("guideword", "parameter", "situation", "requirement", "axis")
         ("See every mutant, and the score of each guideword", "scaloft-fi score --all --by guideword"),
         ("Hold a pipeline to what a team has accepted", "scaloft-fi score --fail-under 0.3 --ratchet"),
     ),
+    sections={
+        "Where": "--study --campaign --baseline-from",
+        "What fails": "--fail-under --ratchet --today",
+        "What is printed": "--by --all --format --tables --help",
+    },
 )
 @study_option
 @campaign_option
@@ -52,6 +60,7 @@ GROUPINGS = ("guideword", "parameter", "situation", "requirement", "axis")
     help="Exit with 3 when a counted mutant is not detected that the study's hazop/dispositions.yaml does not accept, "
     "or a disposition has expired.",
 )
+@tables_option
 @today_option
 def score_command(
     study_folder: Path | None,
@@ -62,14 +71,24 @@ def score_command(
     style: str,
     fail_under: float | None,
     ratcheting: bool,
+    tables_folder: Path | None,
     today: date | None,
 ) -> int:
     """Say which faults the tests would have shown, which not, how sure that is, and what to do next."""
     from scaloft_fi.study import Study
+    from scaloft_fi.views.score.score_form import SCORE
     from scaloft_fi.views.scored_campaign import scored_campaign
 
     scored = scored_campaign(Study.open(study_folder), campaign, baseline_from)
-    code = report(scored, grouping=grouping, everything=everything, style=style, fail_under=fail_under)
+    code = report(
+        scored,
+        SCORE,
+        grouping=grouping,
+        everything=everything,
+        style=style,
+        tables=tables_folder,
+        fail_under=fail_under,
+    )
     if not ratcheting:
         return code
     from scaloft_fi.cli.dispositions import ratchet
@@ -78,15 +97,24 @@ def score_command(
 
 
 def report(
-    scored: ScoredCampaign, *, grouping: str | None, everything: bool, style: str, fail_under: float | None
+    scored: ScoredCampaign,
+    output: Output,
+    *,
+    grouping: str | None,
+    everything: bool,
+    style: str,
+    tables: Path | None,
+    fail_under: float | None,
 ) -> int:
     """Print what a campaign says; returns the exit code.
 
     Args:
         scored: the campaign with its score.
+        output: the form of its JSON.
         grouping: `--by`.
         everything: `--all`.
         style: `--format`.
+        tables: `--tables`.
         fail_under: `--fail-under`.
 
     Raises:
@@ -99,7 +127,16 @@ def report(
             f"--fail-under={fail_under:g} needs a baseline pool: campaign {scored.campaign!r} has fewer than ten "
             "baseline flights wherever a mutant infects; `scaloft-fi run` flies them"
         )
-    tell(_text(scored, grouping, style, everything=everything))
+    from scaloft_fi.analysis.scoring.grouping import By
+
+    by = By(grouping) if grouping else None
+    answer(
+        output,
+        lambda: scored.record(by),
+        style,
+        lambda how: _text(scored, by, how, everything=everything),
+        tables,
+    )
     ratio = scored.score.mutation_score
     if fail_under is None or (ratio.value is not None and ratio.value >= fail_under):
         return 0
@@ -107,12 +144,6 @@ def report(
     return ExitCode.BELOW
 
 
-def _text(scored: ScoredCampaign, grouping: str | None, style: str, *, everything: bool) -> str:
-    from scaloft_fi.analysis.scoring.grouping import By
-    from scaloft_fi.views.tables.table import Format
-
-    by = By(grouping) if grouping else None
-    if style == Format.JSON:
-        return json_text(scored.record(by), indent=2) + "\n"
+def _text(scored: ScoredCampaign, by: By | None, how: Format, *, everything: bool) -> str:
     told(scored.study.finds)
-    return scored.text(Format(style), by=by, everything=everything)
+    return scored.text(how, by=by, everything=everything)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
+from scaloft_fi.cli import names
+from scaloft_fi.cli.answer import answer, tables_option
 from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import (
     campaign_option,
@@ -20,12 +22,11 @@ from scaloft_fi.cli.options import (
 )
 from scaloft_fi.cli.own_study import check_own
 from scaloft_fi.cli.verb import verb
-from scaloft_fi.console import say, tell
+from scaloft_fi.console import say
 from scaloft_fi.errors import InputError
-from scaloft_fi.inert import json_text
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from scaloft_fi.campaign.progress.progress import Progress
     from scaloft_fi.campaign.runs.options import RunOptions
@@ -51,14 +52,15 @@ FILE = "sim/found.yaml"
     sections={
         "Where": "--study --campaign --grid --into",
         "How": "--budget --seed --jobs --same-platform",
-        "What is printed": "--format --warnings --quiet --help",
+        "What is printed": "--format --tables --warnings --quiet --help",
     },
 )
-@click.argument("mutants", nargs=-1, metavar="[baseline | ID|GLOB...]")
+@click.argument("mutants", nargs=-1, shell_complete=names.sought, metavar="[baseline | ID|GLOB...]")
 @study_option
 @campaign_option
 @click.option(
     "--grid",
+    shell_complete=names.grids,
     default="search",
     show_default=True,
     metavar="NAME",
@@ -66,6 +68,7 @@ FILE = "sim/found.yaml"
 )
 @click.option(
     "--into",
+    shell_complete=names.campaigns,
     metavar="NAME",
     help="The campaign that holds the flights of the search.  [default: the name of the grid]",
 )
@@ -86,6 +89,7 @@ FILE = "sim/found.yaml"
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
 @same_platform_option
 @format_option
+@tables_option
 @warnings_option
 @quiet_option
 def seek_command(
@@ -99,6 +103,7 @@ def seek_command(
     jobs: int | None,
     same_platform: bool,
     style: str,
+    tables_folder: Path | None,
     warnings: bool,
     quiet: bool,
 ) -> None:
@@ -129,6 +134,8 @@ def seek_command(
     from scaloft_fi.campaign.store.folder import campaign_folder
     from scaloft_fi.mutants.derive import realise
     from scaloft_fi.sim.found import FILE
+    from scaloft_fi.views.runs.seek_record import SEEK
+    from scaloft_fi.views.tables.table import render
 
     allowance = Allowance.parse(budget)
     require_optuna()
@@ -145,17 +152,24 @@ def seek_command(
         Silence() if quiet else Progress(),
     )
     if mutants and not others:
-        printed = search.breaks(into or grid, style)
+        found = search.breaks(into or grid)
     else:
         unnamed = None if mutants else _unnamed(study, study_folder, campaign, folder, seed, quiet=quiet)
         sought = _named(study, mutants) if unnamed is None else [realise(study.matrix, id_) for id_ in unnamed.mutants]
-        printed = search.mutants(sought, unnamed, style)
-    tell(printed)
+        found = search.mutants(sought, unnamed)
+    answer(SEEK, lambda: found.values, style, lambda how: render(found.tables, how), tables_folder)
+
+
+class _Found(NamedTuple):
+    """What is printed of a search: as plain JSON values, and as tables."""
+
+    values: Mapping[str, Any]
+    tables: Sequence[Table]
 
 
 @dataclass(frozen=True)
 class _Search:
-    """A search that the user asked for; each method makes one kind of search and returns what is printed."""
+    """A search that the user asked for; each method makes one kind of search."""
 
     study: Study
     folder: Path
@@ -164,12 +178,13 @@ class _Search:
     allowance: Allowance
     progress: Progress
 
-    def mutants(self, sought: Sequence[Mutant], unnamed: Unnamed | None, style: str) -> str:
+    def mutants(self, sought: Sequence[Mutant], unnamed: Unnamed | None) -> _Found:
         """Search for situations that show mutants; `unnamed` if nobody named them."""
         from scaloft_fi.campaign.runs.seeking.finds import saver
         from scaloft_fi.campaign.runs.seeking.seek import seek
         from scaloft_fi.sim.grids import own_name
-        from scaloft_fi.views.runs.seek import seek_json, seek_tables
+        from scaloft_fi.views.runs.seek import seek_tables
+        from scaloft_fi.views.runs.seek_record import seek_values
 
         folder = self.study.folder / "sim"
         report = seek(
@@ -183,14 +198,15 @@ class _Search:
             save=saver(folder, self.study.grid.name),
             unnamed=unnamed,
         )
-        return _printed(seek_json(report), seek_tables(report, own_name(folder)), style)
+        return _Found(seek_values(report), seek_tables(report, own_name(folder)))
 
-    def breaks(self, campaign: str, style: str) -> str:
+    def breaks(self, campaign: str) -> _Found:
         """Search for situations that break the unmutated drone; `campaign` holds the flights."""
         from scaloft_fi.campaign.runs.seeking.breaks import seek_breaks
         from scaloft_fi.campaign.runs.seeking.finds import break_saver
         from scaloft_fi.sim.claims import claims_of
-        from scaloft_fi.views.runs.breaks import breaks_json, breaks_table
+        from scaloft_fi.views.runs.breaks import breaks_table
+        from scaloft_fi.views.runs.seek_record import breaks_values
 
         claims = claims_of(self.study.stack, self.study.signals)
         report = seek_breaks(
@@ -202,13 +218,7 @@ class _Search:
             progress=self.progress,
             save=break_saver(self.study.folder / "sim", self.study.grid.name),
         )
-        return _printed(breaks_json(report), (breaks_table(report, campaign, claims=bool(claims)),), style)
-
-
-def _printed(record: dict[str, Any], tables: Sequence[Table], style: str) -> str:
-    from scaloft_fi.views.tables.table import Format, render
-
-    return json_text(record, indent=2) + "\n" if style == Format.JSON else render(tables, Format(style))
+        return _Found(breaks_values(report), (breaks_table(report, campaign, claims=bool(claims)),))
 
 
 def _named(study: Study, mutants: Sequence[str]) -> Sequence[Mutant]:

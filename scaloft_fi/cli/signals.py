@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from scaloft_fi.cli.answer import tables_option
 from scaloft_fi.cli.listing import tell_listing
 from scaloft_fi.cli.options import format_option, grid_of_study_option, study_option
 from scaloft_fi.cli.verb import verb
@@ -23,7 +24,10 @@ from scaloft_fi.cli.verb import verb
 @study_option
 @grid_of_study_option
 @format_option
-def signals_command(names: tuple[str, ...], study_folder: Path | None, grid: str | None, style: str) -> None:
+@tables_option
+def signals_command(
+    names: tuple[str, ...], study_folder: Path | None, grid: str | None, style: str, tables_folder: Path | None
+) -> None:
     """List the signals that the study's requirements and the predicates of its axes may use.
 
     Without a NAME an overview; NAME, or a pattern with *, ? or [, shows these whole: range, unit, what the signal
@@ -31,4 +35,4 @@ def signals_command(names: tuple[str, ...], study_folder: Path | None, grid: str
     """
     from scaloft_fi.views.lists.signals import signal_list
 
-    tell_listing(signal_list, names, style, study_folder, grid)
+    tell_listing(signal_list, names, style, study_folder, grid, tables=tables_folder)

@@ -44,6 +44,7 @@ GROUPS: dict[str, dict[str, str]] = {
         "judge": "judge records of flights with the study's requirements",
     },
     "This machine": {
+        "completion": "print the script by which a shell completes names",
         "doctor": "show what decides the bits of a flight, and what is installed",
     },
 }

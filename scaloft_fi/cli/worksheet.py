@@ -72,10 +72,9 @@ def _content(rows: Sequence[SheetRow], style: str) -> bytes:
 
         return to_xlsx(rows)
     if style == "json":
-        from scaloft_fi.inert import json_text
-        from scaloft_fi.views.worksheet.worksheet import to_records
+        from scaloft_fi.views.worksheet.worksheet_record import WORKSHEET, worksheet_values
 
-        return f"{json_text(to_records(rows), indent=1, letters=True)}\n".encode()
+        return WORKSHEET.json(worksheet_values(rows)).encode()
     from scaloft_fi.views.worksheet.worksheet_text import to_csv, to_latex, to_markdown, to_text
 
     if style == "table":

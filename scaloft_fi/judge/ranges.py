@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from scaloft_fi.judge.caps import SIGHT_M
 from scaloft_fi.sim.measures import SIGNALS
 from scaloft_fi.sim.signals import CLEARANCE_CAP_M, FAR_M, truth_signals
+from scaloft_fi.stack.rates import TICK_S
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.world import World
@@ -26,6 +27,7 @@ _SIGNED: tuple[Span, ...] = ((-1.0, 1.0),)
 CLEARANCE: tuple[Span, ...] = ((-math.inf, CLEARANCE_CAP_M),)
 TRUTH: Ranges = {
     "elapsed_s": NEVER_BELOW_0,
+    "remaining_s": ((-TICK_S, math.inf),),
     "qx": _SIGNED,
     "qy": _SIGNED,
     "qz": _SIGNED,
@@ -41,8 +43,10 @@ TRUTH: Ranges = {
     "light": SHARE,
     "obstacle_pixels": NEVER_BELOW_0,
     "waypoint_wall_m": (*CLEARANCE, (FAR_M, FAR_M)),
+    "takeoff_charge": SHARE,
+    "haze_per_m": NEVER_BELOW_0,
 }
-"""The signals of the ground truth that something bounds in every study."""
+"""The signals of the package that something bounds in every study; a flight may outlast its limit by part of a tick."""
 _NOBODY: tuple[Span, ...] = ((FAR_M, FAR_M),)
 
 
@@ -55,8 +59,8 @@ def ranges_of(world: World, beliefs: Iterable[Belief], names: Iterable[str]) -> 
         names: names of the signals; those of which nothing is known can read any number.
     """
     known = {signal.name: CLEARANCE for signal in truth_signals(world.surfaces) if signal.name.startswith("clearance_")}
-    known |= TRUTH
     known |= {signal.name: ((-math.inf, signal.most),) for signal in SIGNALS.values()}
+    known |= TRUTH
     for belief in beliefs:
         marks = belief.mark.values if belief.mark else ()
         known[belief.name] = ((0.0, len(marks) - 1.0),) if marks else ((-math.inf, belief.most),)

@@ -50,8 +50,8 @@ coverage | situation coverage: Which part of all situations, and of all combinat
 covered: Combinations that were flown, of all that the grid has.
 credible: A cell that can happen: its mutants are flown and counted.
 decides bits: Whether this part of the platform can change the bits of a flight.
-default | default mutant | default_mutant: The one mutant that stands for its cell in the score; `*` marks it in the
-  list.
+default | default mutant | default mutants | default_mutant: The one mutant that stands for its cell in the score; `*`
+  marks it in the list.
 design intent | design_intent: What the parameter should do; every deviation deviates from it.
 detected | shown: Verdict: all flights of a mutant together violate a requirement more often than chance explains;
   your tests would have shown the fault.
@@ -113,6 +113,7 @@ id: The canonical name of a mutant: `GUIDEWORD-parameter@magnitude#phase`.
 in the flight: A rail that stands for the flight: X where the fault strikes with a kill, o without one, - where
   nothing puts it to the test.
 in the record: Where the record of a command that flies has a signal.
+in this campaign: What the flights of the report's campaign say of a mutant in the situation.
 in words: The requirement in a sentence.
 infect | infected: The fault changed at least one sample.  As a ratio: default mutants that did / flown.
 infected_at_s: When the fault changed its first sample [s from take-off].
@@ -166,6 +167,7 @@ never tests | never triggered: The condition of this requirement never comes tru
 next | what next: What to do next, most useful first.
 no test | no_test: No safety requirement is steady in the situation, so nothing that a mutant does there counts.
 node | study node: The stages of the stack between which a parameter flows.
+not claimed: What somebody might read from the figures, and what they do not say.
 not detected | not_detected | not shown: Verdict: the mutant was put to the test, and nothing was seen.
 not flown | not_flown: No flight of it counts.
 not meaningful | not_meaningful: A cell whose guideword makes no new deviation of its parameter; the matrix gives the
@@ -205,8 +207,8 @@ plugin: A package that adds an operator, a stack, a sensor, a format or the like
 population: What a ratio counts, and of what.
 predicted: What the study expects of the cell, written before it was flown.
 propagate: The fault's changed samples change the flight.  Stopped at propagate: they did not.
-put to the test | tests | tested | tested in: A situation tests a mutant that changes a sample there, if a safety
-  requirement is steady there.
+put to the test | tests | tested | tested by | tested in: A situation tests a mutant that changes a sample there, if a
+  safety requirement is steady there.
 question: The question that the sentence beside it answers.
 range: An axis whose value is any number between two ends.
 ratchet: The gate that lets only those survivors pass that a disposition accepts.
@@ -247,10 +249,13 @@ seen: A steady requirement is violated, but not often enough to call the mutant 
 selected: The score uses situations that were chosen because they show faults, so it speaks of no other situations.
 severity: How bad the consequence is; for the team, by its own risk matrix.  Of a finding of `check`: error or note.
 shard: One of N parts of a run that is flown on several machines; `merge` joins them.
+share: The part in a hundred of the whole.
+shows: The mutants that a found situation shows.
 signal: A number of the flight log, sampled 20 times a second; requirements are formulas over signals.
 signature: What tells two breaks apart: requirement, what is struck, where, and which belief was wrong.
 situation | situations: One value for each axis: where and how a drone flies, such as dark with a person.
 situations flown | situations_flown: Situations with at least one flight that counts.
+spread: Standard deviation of the robustness over the baselines.
 SR1 | SR2 | OP1: The requirements of the reference study: the drone touches nothing; near a person it is slow and
   touches nobody; it passes every waypoint and is home in time.
 stack: The software under test: perception, estimation, planning and control of the drone.
@@ -270,7 +275,7 @@ struck: Ending: the drone touched something.  As a column: the body that it touc
 study: A folder with `hazop/`, `mutants/` and `sim/`: everything that a user edits.
 subject: What is flown: the unmutated drone, PLACEBO or a mutant.
 subsumed by: The mutants directly above: whoever kills one of them kills this one too.
-subsumption: One mutant subsumes another when the other is killed wherever the first is.
+subsumption | subsumes: One mutant subsumes another when the other is killed wherever the first is.
 suite | smallest set of situations: The fewest situations that keep every kill.
 survive | survived | survives: Status of a flight: it changed, and no safety requirement is violated.  In the table of
   margins: the severest magnitude that survives, below those that are killed.
@@ -295,7 +300,7 @@ value | values: What an axis has in a situation; in a list, what the thing besid
 verdict: What all flights of a mutant show together: detected, undecided, not detected or not tested.
 version: Of a package, a plugin or a part of the platform.
 violated: The requirement did not hold.  In tables: how often, or which requirements.
-violated_at_s: When the requirement was first violated [s from take-off].
+violated_at_s | violated at: When the requirement was first violated [s from take-off].
 violates | the unmutated drone violates: The requirement that is violated, and in how many of the flights.
 violation_bodies: What was touched at each of these moments; empty for nothing.
 violation_times_s: When each requirement in `violated` was first violated [s from take-off], in the same order.

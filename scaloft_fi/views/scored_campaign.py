@@ -9,18 +9,19 @@ from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.analysis.kills.background import Background, backgrounds
 from scaloft_fi.analysis.noise import Noise, noise_of
-from scaloft_fi.analysis.plain import by_field
+from scaloft_fi.analysis.plain import plain
 from scaloft_fi.analysis.scoring.baseline import findings
 from scaloft_fi.analysis.scoring.grouping import By, groups
 from scaloft_fi.analysis.scoring.score import Score, score_of
 from scaloft_fi.analysis.situations.coverage import Coverage, coverage_of
 from scaloft_fi.campaign.runs.baseline_pool import borrowed
+from scaloft_fi.campaign.runs.looks import Look
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.rulings import Rulings
 from scaloft_fi.study import Study
 from scaloft_fi.terminal import joined
-from scaloft_fi.views.runs.looks import look_table
-from scaloft_fi.views.runs.unflown import unflown_tables
+from scaloft_fi.views.runs.looks import look_record, look_table
+from scaloft_fi.views.runs.unflown import Unflown, unflown, unflown_tables
 from scaloft_fi.views.score.first_screen import first_screen, screen_text
 from scaloft_fi.views.score.score_record import score_json
 from scaloft_fi.views.score.tables import group_table, tables_behind
@@ -42,7 +43,8 @@ class ScoredCampaign:
         score: the score.
         noise: noise of a stack that is not deterministic; else empty.
         warning: what a reader must know of the platforms of the flights; "" where there is nothing.
-        run: tables about the run that flew: its looks, or what it left out.
+        looks: looks of the run that flew, where it was sequential.
+        unflown: what the run that flew left out.
     """
 
     study: Study
@@ -51,12 +53,18 @@ class ScoredCampaign:
     score: Score
     noise: tuple[Noise, ...] = ()
     warning: str = ""
-    run: tuple[Table, ...] = ()
+    looks: tuple[Look, ...] = ()
+    unflown: tuple[Unflown, ...] = ()
 
     @cached_property
     def coverage(self) -> Coverage:
         """The situation coverage."""
         return coverage_of(self.rulings.baselines, self.rulings.draws, self.study.space)
+
+    @property
+    def run(self) -> tuple[Table, ...]:
+        """Tables about the run that flew: its looks, or what it left out."""
+        return (*((look_table(self.looks),) if self.looks else ()), *unflown_tables(self.unflown))
 
     def screen(self, *, whole: bool) -> tuple[Table, ...]:
         """The first screen as tables; `whole`: long groups are shown to their ends."""
@@ -92,15 +100,18 @@ class ScoredCampaign:
         return joined([text, render(more, Format.TABLE)]) if more else text
 
     def record(self, by: By | None = None) -> dict[str, Any]:
-        """The score as plain JSON values; `by` adds the score part by part."""
+        """The score as plain JSON values of the form `SCORE`; `by` adds the score part by part."""
         space = self.study.space
         violated = [(finding.situation, finding.violated) for finding in findings(self.rulings.baselines, space)]
-        values = score_json(self.score, self.coverage, violated, groups(self.score, by, space) if by else ())
-        if self.noise:
-            values["noise"] = [by_field(one) for one in self.noise]
-        for table in self.run:
-            values[table.title.lower().replace(",", "").replace(" ", "_")] = table.records()
-        return values
+        return score_json(
+            self.score,
+            self.coverage,
+            violated,
+            groups(self.score, by, space) if by else (),
+            noise=self.noise,
+            looks=[look_record(look) for look in self.looks],
+            unflown=plain(self.unflown),
+        )
 
     def _background(self, mutant: str) -> Background | None:
         return backgrounds(self.study.matrix, [mutant])[mutant]
@@ -134,9 +145,9 @@ def scored_run(flown: Flown, campaign: str) -> ScoredCampaign:
     planned, report = flown.planned, flown.report
     study = planned.study
     score = score_of(flown.rulings, study.roster, study.space, report.spending, planned.others)
-    about = (look_table(flown.looks),) if planned.request.sequential else unflown_tables(planned.plan, report.left)
+    left = () if planned.request.sequential else unflown(planned.plan, report.left)
     noise = _noise(study, report.outcomes)
-    return ScoredCampaign(study, campaign, flown.rulings, score, noise, report.mixture, tuple(about))
+    return ScoredCampaign(study, campaign, flown.rulings, score, noise, report.mixture, tuple(flown.looks), left)
 
 
 def _noise(study: Study, outcomes: Iterable[Outcome]) -> tuple[Noise, ...]:

@@ -18,8 +18,9 @@ from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.views.worksheet.margin_record import margin_values
 from scaloft_fi.views.worksheet.margin_text import margin_text
-from scaloft_fi.views.worksheet.margins import LEGEND, cell_margins, margin_json, margin_tables
+from scaloft_fi.views.worksheet.margins import LEGEND, cell_margins, margin_tables
 
 MATRIX = load_matrix(Path(__file__).parents[2] / "hazop", REFERENCE.by_name)
 SECONDS = Scale("s", 1, 0.0)
@@ -165,7 +166,7 @@ def test_margins_do_not_depend_on_the_order_of_outcomes_and_say_nothing_unknown(
             for magnitude in answers[Reaction.KILLED] if not subject.cell.startswith("REVERSE") else ():
                 assert (subject.at(f"{magnitude:g}{subject.unit}"), key) in kills
     margin_tables(found_in(outcomes), (), 1)
-    json.dumps(margin_json(found_in(outcomes)), allow_nan=False)
+    json.dumps(margin_values(found_in(outcomes)), allow_nan=False)
 
 
 def test_the_table_names_ends_requirements_robustness_and_what_was_flown() -> None:
@@ -173,14 +174,14 @@ def test_the_table_names_ends_requirements_robustness_and_what_was_flown() -> No
     (table,) = margin_tables(found, (), 3)
     assert table.rows == ((HUMAN, "1-3 s", "1 s", "", "3 s", "SR2 3/3", "SR2 0.3 / -0.1", "1 3", ""),)
     assert "1-3 s (1 s survives, 3 s is killed)." in table.notes[0]
-    (entry,) = margin_json(found)
-    assert (entry["cell"], entry["least"]["survives"], entry["least"]["kills"]) == ("LATE-human", 1.0, 3.0)
+    (entry,) = margin_values(found)["faults"]
+    assert (entry["cell"], entry["survives"], entry["kills"]) == ("LATE-human", 1.0, 3.0)
 
 
 def test_an_infinite_magnitude_is_a_text_in_json() -> None:
     found = found_in(flights(("OTHERTHAN-depth@infs", HUMAN, {"SR1": 8.0})))
-    (entry,) = margin_json(found)
-    assert entry["least"]["kills"] == "inf"
+    (entry,) = margin_values(found)["faults"]
+    assert entry["kills"] == "inf"
 
 
 @pytest.mark.parametrize("line", LEGEND)

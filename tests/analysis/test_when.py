@@ -14,7 +14,8 @@ from scaloft_fi.analysis.when import When, whens
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.views.tables.table import Format, render
-from scaloft_fi.views.worksheet.when import when_json, when_tables
+from scaloft_fi.views.worksheet.margin_record import when_values
+from scaloft_fi.views.worksheet.when import when_tables
 
 HUMAN, DARK = "T0O0W0D0H1", "T0O0W0D1H1"
 
@@ -80,8 +81,9 @@ def test_every_format_has_every_phase() -> None:
     for style in Format:
         text = render(tables, style)
         assert all(phase in text.replace("\\", "") for phase in ("#0s", "#5s", "#15s", "#recoil", "#waypoint"))
-    (entry,) = when_json([found()])
-    assert entry["strikes"][-1]["kills"] == {"part": 1, "whole": 2}
+    last = when_values([found()])["phases"][-1]
+    assert (last["phase"], last["acts_median_s"]) == ("#waypoint", 31.0)
+    assert last["kills"] == {"part": 1, "whole": 2}
 
 
 def test_a_fault_flown_at_one_phase_is_left_out() -> None:

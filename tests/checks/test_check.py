@@ -83,6 +83,40 @@ def test_the_examples_whose_stages_are_outside_have_no_error(tmp_path: Path, mon
         assert errors(check_study(tmp_path / name)) == [], name
 
 
+@pytest.mark.parametrize(
+    ("file", "old", "new", "place", "what"),
+    [
+        ("flyer.yaml", '"{seed}"', '"{sed}"', "flyer.yaml:3", "there is no value {sed}"),
+        ("flyer.yaml", "inputs: [fly.py]", "inputs: [flown.py]", "flyer.yaml:8", "the study has no file 'flown.py'"),
+        ("flyer.yaml", "limit_s: 120", "limit_s: 0", "flyer.yaml:5", "limit_s=0 must be > 0"),
+        (
+            "record.yaml",
+            "clearance_person_m",
+            "clearance_p_m",
+            "record.yaml: error",
+            "maps neither signal 'clearance_m' nor 'clearance_person_m'",
+        ),
+    ],
+)
+def test_a_command_that_cannot_fly_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, file: str, old: str, new: str, place: str, what: str
+) -> None:
+    _made("own_simulator", monkeypatch, "copy_study", tmp_path / "own", ROOT)
+    for name in ("grids", "found.yaml"):
+        path = tmp_path / "own" / "sim" / name
+        shutil.rmtree(path) if path.is_dir() else path.unlink()
+    _edit(tmp_path / "own" / "sim" / file, old, new)
+    told = errors(check_study(tmp_path / "own"))
+    assert any(place in error and what in error for error in told), told
+
+
+def test_a_program_of_a_stage_outside_that_is_missing_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    _made("outside_planner", monkeypatch, "make_study", tmp_path / "planner", "lines", ROOT)
+    (tmp_path / "planner" / "sim" / "over_lines.py").unlink()
+    (error,) = errors(check_study(tmp_path / "planner"))
+    assert "stack.yaml:6: error: the study has no file 'sim/over_lines.py'; add it" in error
+
+
 def test_the_examples_of_plugins_have_no_error_and_no_physics_is_imported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -94,6 +94,15 @@ def test_a_defect_is_found_with_its_place_and_its_remedy(study: Path, name: str)
     assert others == [], "one defect, one error"
 
 
+def test_the_page_shows_what_is_found(study: Path) -> None:
+    for name in ("a predicate that comes true in no flight", "a waypoint without room for the hull"):
+        DEFECTS[name].plant(study)
+    found = {str(finding).replace(str(study), "my_study") for finding in check_study(study).findings}
+    shown = (ROOT / "docs" / "check.md").read_text().split("```")[1].strip().splitlines()
+    assert len(shown) == 3
+    assert set(shown) <= found
+
+
 def test_several_defects_at_once_are_all_found(study: Path) -> None:
     for name in SEVERAL:
         DEFECTS[name].plant(study)

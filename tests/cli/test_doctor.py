@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from importlib.metadata import EntryPoint
 from pathlib import Path
@@ -8,6 +7,7 @@ from typing import Any
 
 import pytest
 from click.testing import Result
+from forms import of_form
 
 from scaloft_fi.campaign.runs.known_flight import published
 from scaloft_fi.campaign.store.fingerprint import fingerprint
@@ -28,27 +28,28 @@ def answer(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[], str]], Non
     return become
 
 
-def _tables(result: Result) -> dict[str, list[dict[str, Any]]]:
-    return {table["title"]: table["rows"] for table in json.loads(result.stdout)}
+def _told(result: Result) -> dict[str, Any]:
+    return of_form("doctor", result.stdout)
 
 
 def test_every_part_of_the_platform_is_told_with_whether_it_decides_bits(call: Call, answer: object) -> None:
     result = call("doctor", "--format", "json", campaign=False)
     assert result.exit_code == 0, result.output
-    tables = _tables(result)
-    told = {row["part"]: (row["value"], row["decides bits"].split()[0].strip(":,")) for row in tables["Platform"]}
+    whole = _told(result)
+    told = {row["part"]: (row["value"], row["decides_bits"]) for row in whole["platform"]}
     assert {name: value for name, (value, _) in told.items()}.items() >= fingerprint().items()
-    assert {told[name][1] for name in ("numpy kernels", "OPENBLAS_CORETYPE")} == {"yes"}
-    assert {told[name][1] for name in ("scaloft-fi", "rtamt")} == {"no"}
-    packages = {row["package"]: row for row in tables["Packages"]}
+    assert {told[name][1] for name in ("numpy kernels", "OPENBLAS_CORETYPE")} == {True}
+    assert {told[name][1] for name in ("scaloft-fi", "rtamt")} == {False}
+    packages = {row["package"]: row for row in whole["packages"]}
     assert packages["numpy"]["version"] == fingerprint()["numpy"]
-    assert packages["distributed"]["for"] == "extra cluster"
+    assert packages["distributed"]["extra"] == "cluster"
     assert "pytest" not in packages
-    places = {row["what"]: row["value"] for row in tables["Places"]}
-    assert places["catalogue"] == "current, 712 mutants"
-    assert "GiB available of" in places["memory"]
-    assert "be written" in places["compiled kernels"]
-    assert tables["Known flight"] == [{"answer": "as published"}]
+    assert (whole["study"]["mutants"], whole["study"]["situations"]) == (712, 32)
+    assert 0 < whole["machine"]["memory_available_gib"] < whole["machine"]["memory_gib"]
+    assert whole["known_flight"] == {"same": True, "told": "as published"}
+    text = " ".join(call("doctor", campaign=False).stdout.split())
+    for words in ("current, 712 mutants", "GiB available of", "be written", "as published"):
+        assert words in text
 
 
 def test_without_the_flight_nothing_is_flown(call: Call, answer: Callable[[Callable[[], str]], None]) -> None:
@@ -80,7 +81,7 @@ def test_a_plugin_that_does_not_load_is_named_and_everything_else_is_told(
     result = call("doctor", "--format", "json", campaign=False)
     assert result.exit_code == 2
     assert "plugin 'odd' of package 'no_such_module_at_all' cannot be loaded: ModuleNotFoundError" in result.stderr
-    assert [(row["plugin"], row["loads"]) for row in _tables(result)["Plugins"]] == [("odd", "no"), ("well", "yes")]
+    assert [(row["plugin"], row["loads"]) for row in _told(result)["plugins"]] == [("odd", False), ("well", True)]
 
 
 def test_a_stale_catalogue_is_bad_input_and_everything_else_is_told(call: Call, answer: object, copy: Path) -> None:
@@ -89,7 +90,7 @@ def test_a_stale_catalogue_is_bad_input_and_everything_else_is_told(call: Call, 
     result = call("doctor", "--format", "json", study=copy, campaign=False)
     assert result.exit_code == 2
     assert "mutants --write" in result.stderr
-    assert _tables(result)["Known flight"]
+    assert _told(result)["known_flight"]
 
 
 def test_a_folder_that_is_no_study_is_bad_input(call: Call, answer: object, tmp_path: Path) -> None:

@@ -1,11 +1,11 @@
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner, Result
+from forms import of_form
 
 from scaloft_fi.campaign.flights.fly import fly_log, judged
 from scaloft_fi.campaign.flights.recorded import judged_record, known_of, mapping_of
@@ -41,17 +41,15 @@ def a_record(folder: Path, **last: float) -> Path:
 def test_a_violation_is_a_finding_with_time_and_place_and_the_exit_code_is_0(tmp_path: Path) -> None:
     done = judge(a_record(tmp_path, clearance_m=-0.001, x_m=3.5), "--format", "json")
     assert done.exit_code == 0
-    rows = {row["requirement"]: row for row in json.loads(done.stdout)["readings"]}
+    rows = {row["requirement"]: row for row in of_form("judge", done.stdout)["readings"]}
     assert (rows["SR1"]["verdict"], rows["SR1"]["violated_at_s"], rows["SR1"]["x"]) == ("violated", 2.0, 3.5)
     assert (rows["SR1"]["robustness"], rows["SR2"]["verdict"], rows["SR2"]["robustness"]) == (-0.001, "open", None)
 
 
 def test_a_requirement_whose_condition_never_comes_true_is_vacuous(tmp_path: Path) -> None:
-    done = judge(a_record(tmp_path))
-    assert [line.split()[2] for line in done.stdout.splitlines() if line.split()[1:2] in (["SR1"], ["SR2"])] == [
-        "held",
-        "vacuous",
-    ]
+    readings = of_form("judge", judge(a_record(tmp_path), "--format", "json").stdout)["readings"]
+    verdicts = {one["requirement"]: one["verdict"] for one in readings}
+    assert (verdicts["SR1"], verdicts["SR2"]) == ("held", "vacuous")
 
 
 def test_a_situation_gives_route_and_time_limit_to_a_record_without_them(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ def listed(capsys: pytest.CaptureFixture[str], verb: str, *words: str | Path) ->
         main([verb, "--format", "json", *map(str, words)])
     told = capsys.readouterr()
     assert left.value.code == 0, told.err
-    return {record["name"]: record for record in json.loads(told.out)}
+    return {record["name"]: record for record in json.loads(told.out)[verb]}
 
 
 def script(path: Path) -> Any:
@@ -44,7 +44,7 @@ def test_a_study_whose_stack_sensor_and_operator_come_from_a_package(tmp_path: P
     for verb in VERBS:
         done = call(site, "-m", "scaloft_fi", verb, "--format", "json", "--study", study, cwd=tmp_path)
         assert done.returncode == 0, done.stderr
-        told[verb] = {record["name"]: record for record in json.loads(done.stdout)}
+        told[verb] = {record["name"]: record for record in json.loads(done.stdout)[verb]}
     assert told["operators"]["echo"]["package"] == "hopper"
     assert told["operators"]["echo"]["seams"] == ["range"]
     assert told["operators"]["delay"]["package"] == "scaloft-fi"

@@ -65,9 +65,8 @@ def test_the_matrix_tells_every_cell_with_its_deviation_or_reason() -> None:
 
 
 def test_filters_keep_only_what_they_name_in_any_case() -> None:
-    cells = json.loads(
-        printed("--guideword", "late", "--guideword", "MORE", "--parameter", "Human", "--format", "json")
-    )
+    words = ("--guideword", "late", "--guideword", "MORE", "--parameter", "Human")
+    cells = json.loads(printed(*words, "--format", "json"))["cells"]
     assert [cell["cell"] for cell in cells] == ["MORE-human", "LATE-human"]
 
 
@@ -106,7 +105,7 @@ def test_every_form_prints_in_every_format(arguments: tuple[str, ...], style: st
 
 
 def test_json_holds_every_cell_with_its_mutants() -> None:
-    cells = json.loads(printed("--format", "json"))
+    cells = json.loads(printed("--format", "json"))["cells"]
     assert len(cells) == 156
     late = next(cell for cell in cells if cell["cell"] == "LATE-human")
     assert late["default_mutant"] == "LATE-human@3s"

@@ -39,7 +39,7 @@ def test_the_table_fits_a_terminal_and_marks_the_defaults(capsys: pytest.Capture
 
 def test_patterns_cells_and_defaults_choose(capsys: pytest.CaptureFixture[str]) -> None:
     assert run("mutants", "LATE-human", "LATE-human@2.5s", "--study", STUDY, "--format", "json") == 0
-    rows = json.loads(capsys.readouterr().out)
+    rows = json.loads(capsys.readouterr().out)["mutants"]
     assert [(row["id"], row["default"]) for row in rows] == [("LATE-human@3s", True), ("LATE-human@2.5s", False)]
     assert run("mutants", "--cell", "LATE-human", "--study", STUDY, "--format", "csv") == 0
     table = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))

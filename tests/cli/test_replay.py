@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import Result
+from forms import of_form
 
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.store.folder import STORE_NAME
@@ -19,7 +20,8 @@ from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.sim.log import NEVER_S, Ending, FlightLog
 from scaloft_fi.study import Study
 from scaloft_fi.views.flights.logged_flight import LoggedFlight
-from scaloft_fi.views.flights.repeated import compared
+from scaloft_fi.views.flights.repeated import Comparison, Likeness, compared
+from scaloft_fi.views.flights.replayed import REPLAY, replay_values
 from scaloft_fi.views.tables.table import Format, render
 
 STUDY = Path(__file__).parents[2]
@@ -67,6 +69,17 @@ def test_a_requirement_that_the_flight_did_not_put_to_the_test_has_no_robustness
     said = [" ".join(line.split()) for line in facts.splitlines()]
     assert "SR1 held, robustness 0.300" in said
     assert "SR2 vacuous" in said
+
+
+def test_json_has_the_facts_and_how_the_flight_compares() -> None:
+    study = Study.open(STUDY)
+    flight = flight_named(study, "baseline", "T0O0W0D0H0", 0)
+    readings = (Reading("SR2", Kind.SAFETY, 24.0, None, 0, open=False),)
+    flown = Outcome(flight.subject, "T0O0W0D0H0", 0, ending="landed", readings=readings, digest="abc")
+    found = Comparison(Likeness.SAME_BITS, "bit for bit the flight in there")
+    told = of_form("replay", REPLAY.json(replay_values(flown, ["straight", "light"], found, None)))
+    assert (told["likeness"], told["infected_at_s"], told["written"]) == ("same_bits", None, None)
+    assert [(one["compliance"], one["robustness"]) for one in told["readings"]] == [("vacuous", None)]
 
 
 class _Replayed:

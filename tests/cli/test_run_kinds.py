@@ -26,8 +26,8 @@ def test_a_run_whose_time_is_up_names_what_it_left(call: Call, monkeypatch: pyte
     words = ("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--budget", "1h", "--quiet")
     result = call(*words, "--format", "json")
     assert result.exit_code == 0, result.output
-    left = json.loads(result.stdout)["not_flown_by_parameter"]
-    assert {"parameter": "human", "planned": 2, "flown": 0, "not flown": 2} in left
+    left = json.loads(result.stdout)["unflown"]
+    assert {"by": "parameter", "name": "human", "planned": 2, "flown": 0, "not_flown": 2} in left
     assert "6 of 6 planned flights were not flown" in call(*words).stdout
     assert "planned, not flown" in call("status").stdout
 

@@ -31,7 +31,7 @@ def test_score_prints_what_the_run_printed_again(call: Call) -> None:
     assert call("score").stdout == flown.stdout
 
 
-@pytest.mark.parametrize("style", ["markdown", "csv", "latex"])
+@pytest.mark.parametrize("style", ["markdown", "latex"])
 def test_tables_come_in_other_formats(call: Call, style: str) -> None:
     call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
     result = call("score", "--format", style, "--by", "guideword")

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from click.testing import Result
 from finding import SMALL, Ruled, fast, flies, found
+from forms import of_form
 from reading import embedded
 from refusal import sentence
 
@@ -43,10 +44,10 @@ def test_a_find_is_printed_written_and_flown_beside_the_papers_situations(
     sought: Result, call: Call, copy: Path
 ) -> None:
     assert sought.exit_code == 0, sought.output
-    told = json.loads(sought.stdout)
+    told = of_form("seek", sought.stdout)
     (find,) = told["finds"]
     assert [one["shown_in"] for one in told["sought"]] == [find["situation"]]
-    assert list(find["shows"]) == [LATE]
+    assert [one["mutant"] for one in find["shows"]] == [LATE]
     assert f"found: {find['situation']} (human, cruise speed " in sought.stderr
     assert (copy / "sim" / "found.yaml").exists()
     words = ("--grid", "paper+found", "--mutant", "LATE-human", "--seeds", "3", "--jobs", "1", "--quiet")
@@ -148,7 +149,7 @@ def test_what_breaks_the_unmutated_drone_is_printed_and_written(
     words = ("baseline", "--grid", "small", "--into", "where", "--budget", "70flights", "--jobs", "1")
     done = call("seek", *words, "--format", "json", study=copy)
     assert done.exit_code == 0, done.output
-    (found,) = json.loads(done.stdout)["breaks"]
+    (found,) = of_form("seek", done.stdout)["breaks"]
     assert found["name"] == "breaks-SR2-person-home_to_corner-near_corner-person_detection"
     assert f"found: {found['name']}: {found['situation']} (human, cruise speed " in done.stderr
     written = read_finds(copy / "sim")

@@ -102,7 +102,8 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> Told:
     campaign = ["--study", str(folder), "--campaign", f"{folder.parent}/=c \x1b[1m\u202e"]
 
     def telling(verb: str, *words: str) -> Result:
-        named = campaign if verb not in ("mutants", "diff") else campaign[:2]
+        plain = ("mutants", "diff", "signals", "seams", "operators", "axes")
+        named = campaign if verb not in plain else campaign[:2]
         twice = [campaign[3]] * 2 if verb == "diff" else []
         return CliRunner().invoke(main, [verb, *twice, *words, *named], catch_exceptions=False)
 
@@ -143,7 +144,7 @@ def test_no_table_of_any_verb_is_obeyed(told: Told, style: str) -> None:
 
 def test_what_is_hostile_is_shown(told: Told) -> None:
     assert "=1+1|<b>x</b>\\x1b[31m\\x9b\\x7f\\u202e\\u200b\\x07" in told("worksheet", "--format", "csv").stdout
-    assert json.loads(told("worksheet", "--format", "json").stdout)[0]["deviation"].startswith(EVIL)
+    assert json.loads(told("worksheet", "--format", "json").stdout)["rows"][0]["deviation"].startswith(EVIL)
     assert "Campaign " in told("status").stdout
     assert "=c \\x1b[1m\\u202e" in told("status").stdout
 

@@ -66,10 +66,10 @@ def test_what_a_hostile_study_says_is_only_said(call: Call, copy: Path) -> None:
         f"LATE-human: {{status: accepted, owner: '{told}', reason: '{told}', expires: 2027-01-31}}\n", encoding="utf-8"
     )
     assert call(*FLOWN, study=copy).exit_code == 0
-    records = json.loads(call("worksheet", "--format", "json", study=copy).stdout)
+    records = json.loads(call("worksheet", "--format", "json", study=copy).stdout)["rows"]
     late = next(record for record in records if record["cell"] == "LATE-human")
     assert late["deviation"] == EVIL
-    assert late["disposition"] == f"accepted by {EVIL} until 2027-01-31: {EVIL}"
+    assert late["disposition"] == {"owner": EVIL, "reason": EVIL, "expires": "2027-01-31", "situations": []}
     rows = csv.DictReader(io.StringIO(call("worksheet", "--format", "csv", study=copy).stdout))
     assert next(row for row in rows if row["cell"] == "LATE-human")["deviation"] == f"'{EVIL}"
     for style in ("table", "markdown", "latex"):

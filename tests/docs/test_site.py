@@ -17,6 +17,7 @@ from browsing import NAMES
 
 from scaloft_fi.cli.verbs import VERBS, command_of
 from scaloft_fi.exit_codes import ExitCode
+from scaloft_fi.views.documents.listed import DOCUMENTS
 from scaloft_fi.views.flights.export import BASIS, HEAD, TAIL
 from scaloft_fi.views.glossary import TERMS
 
@@ -114,6 +115,11 @@ def test_the_reference_has_every_column_of_the_export(site: Path) -> None:
 def test_the_reference_has_every_exit_code(site: Path) -> None:
     text = (site / "reference" / "outputs.html").read_text()
     assert [int(code) for code in re.findall(r"<td>(\d+)</td>", text)] == list(ExitCode)
+
+
+def test_the_reference_has_every_document_of_a_study(site: Path) -> None:
+    text = (site / "reference" / "yaml_keys.html").read_text()
+    assert [one.files for one in DOCUMENTS.values() if f"<code>{one.files}</code>" not in text] == []
 
 
 def test_search_answers_where_the_site_is_opened_from_disk(site: Path) -> None:

@@ -7,6 +7,8 @@ import pytest
 from scaloft_fi.judge.caps import cap_of
 from scaloft_fi.judge.ranges import ANY, TRUTH, ranges_of, within_rock, without
 from scaloft_fi.sim.grids import load_grid
+from scaloft_fi.sim.happenings import HAPPENINGS
+from scaloft_fi.sim.measures import SIGNALS
 from scaloft_fi.sim.signals import TRUTH_NAMES, clearance_name
 from scaloft_fi.stack.reference.beliefs import BELIEFS
 
@@ -14,7 +16,7 @@ WORLD = load_grid(Path(__file__).parents[2] / "sim").world()
 
 
 def test_every_range_is_of_a_signal_and_agrees_with_its_cap() -> None:
-    assert TRUTH.keys() <= set(TRUTH_NAMES)
+    assert TRUTH.keys() <= {*TRUTH_NAMES, *SIGNALS, *HAPPENINGS["dust"].signals}
     for name, spans in TRUTH.items():
         cap = cap_of(name)
         assert cap is None or spans[0][1] == cap.most_m, name

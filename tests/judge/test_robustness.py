@@ -23,7 +23,8 @@ from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.views.exchange.parquet import parquet
 from scaloft_fi.views.flights.export import columns, export_rows, to_csv, to_json
 from scaloft_fi.views.score.tables import requirement_table
-from scaloft_fi.views.worksheet.margins import margin_json, margin_tables
+from scaloft_fi.views.worksheet.margin_record import margin_values
+from scaloft_fi.views.worksheet.margins import margin_tables
 
 SENTINEL = 24.0
 HUMAN = "T0O0W0D0H1"
@@ -86,5 +87,4 @@ def test_an_end_of_a_margin_that_tests_nothing_has_no_robustness() -> None:
     found = margins(flights, score(flights, ROSTER, GRID), matrix)
     (table,) = margin_tables(found, (), 1)
     assert table.rows[0][6] == "SR2 ? / -0.1"
-    (entry,) = margin_json(found)
-    assert ["SR2" in tried["rho"] for tried in entry["situations"][0]["tried"]] == [False, True]
+    assert ["SR2" in tried["rho"] for tried in margin_values(found)["tried"]] == [False, True]

@@ -34,6 +34,12 @@ def test_the_wheel_carries_the_reference_study(wheel: Path) -> None:
     assert inside == {str(path.relative_to(ROOT)) for path in ours}
 
 
+def test_the_wheel_carries_the_schemas_of_the_documents_of_a_study(wheel: Path) -> None:
+    with zipfile.ZipFile(wheel) as archive:
+        inside = {Path(name).name for name in archive.namelist() if name.startswith("scaloft_fi/_schemas/")}
+    assert inside == {path.name for path in (ROOT / "docs" / "schemas" / "study").iterdir()}
+
+
 def test_the_wheel_carries_the_templates_of_new(wheel: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         inside = {name.removeprefix("scaloft_fi/_") for name in archive.namelist() if "/_templates/" in name}

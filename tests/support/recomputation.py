@@ -306,7 +306,6 @@ def score(
     detected = sum(entry["verdict"] == "detected" for entry in counted)
     operable = sum(entry["operability"]["verdict"] == "detected" for entry in counted)
     return {
-        "version": 2,
         "alpha": 0.01,
         "pooled": pooled,
         "ratios": {

@@ -29,7 +29,6 @@ TOLD_BY_A_RUN = {
     "views/flights/compare.py: second": "a campaign's name",
     "views/flights/export.py: columns": "columns of the export, which the reference has",
     "views/flights/log_table.py: log.signals": "signals, which `scaloft_fi.sim.signals` explains",
-    "views/lists/listing.py: chosen.keys": "keys of records, which the functions that make the lists explain",
     "views/lists/listing.py: tuple(columns)": tuple(
         head for module in (axes, operators, seams, signals) for head in module.OVERVIEW
     ),
@@ -51,6 +50,7 @@ NOT_PRINTED = {
     "ColumnType": "types of columns in Python",
     "Format": "a choice of an option",
     "Keep": "a key of YAML",
+    "Likeness": "values of JSON, which the reference has",
     "Kind": "kinds of fields of messages",
     "Shape": "a key of YAML",
     "Side": "an order of signals",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,11 +14,12 @@ from scaloft_fi.analysis.situations.coverage import Coverage, coverage
 from scaloft_fi.hazop.cell import Cell
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.name import cell_of
-from scaloft_fi.judge.flights import flights_of
-from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.judge.flights import JudgedFlight, flights_of
+from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Requirement
 from scaloft_fi.judge.space import Space
 from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
+from scaloft_fi.views.exchange.steps import Step, steps
 from scaloft_fi.views.flights.export import FlightRow, columns, export_rows
 from scaloft_fi.views.score.finds import next_find
 from scaloft_fi.views.score.verdict import next_command, verdict, why
@@ -39,6 +40,7 @@ class Dossier:
         grid_file: path of the grid's file in the study.
         finds: of the study.
         deterministic: whether flights of its stack repeat their bits.
+        searchable: whether `seek` can search it.
     """
 
     study: str
@@ -55,6 +57,7 @@ class Dossier:
     grid_file: str = "sim/situations.yaml"
     finds: KnownFinds = NO_FINDS
     deterministic: bool = True
+    searchable: bool = True
 
     @cached_property
     def score(self) -> Score:
@@ -101,6 +104,22 @@ class Dossier:
         """What to call next for a mutant that is not detected."""
         return next_command(mutant, self.score.lacking, self.campaign, self.space.grid, self.finds)
 
+    def steps(self, mutant: MutantScore) -> list[Step]:
+        """What to call about a mutant that is not detected."""
+        flights = self._judged.get(mutant.subject.id, ())
+        searchable = self.searchable and next_find(mutant, self.finds) is None
+        return steps(
+            mutant, flights, self.next_command(mutant), self.cell(mutant), self.campaign, searchable=searchable
+        )
+
+    @cached_property
+    def _judged(self) -> Mapping[str, Sequence[JudgedFlight]]:
+        """The flights of each mutant beside their baselines, by its id."""
+        judged: dict[str, list[JudgedFlight]] = {}
+        for flight in flights_of(self.outcomes):
+            judged.setdefault(flight.outcome.mutant, []).append(flight)
+        return judged
+
     def find_told(self, mutant: MutantScore) -> str:
         """`; next: ` and the command, where a search found a situation that shows a mutant; else empty."""
         return f"; next: {self.next_command(mutant)}" if next_find(mutant, self.finds) else ""
@@ -112,8 +131,7 @@ class Dossier:
         """
         if control.detected or control.operability.detected:
             return True
-        own = [outcome for outcome in self.outcomes if outcome.mutant in (BASELINE, control.subject.id)]
-        flights = flights_of(own)
+        flights = self._judged.get(control.subject.id, ())
         return len(flights) == 1 and bool(flights[0].revealed or flights[0].operability_revealed)
 
     def cell(self, mutant: MutantScore) -> Cell:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from scaloft_fi.reading import read_text
+from scaloft_fi.reading import is_there, read_text
+from scaloft_fi.sim.grids import FOLDER
 from scaloft_fi.study import Study
 from scaloft_fi.version import __version__
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.snapshot import snapshot
+
+SEARCHED = "search"
+"""The grid that `seek` searches when none is named."""
 
 
 def dossier(study: Study, campaign: str) -> Dossier:
@@ -34,4 +38,5 @@ def dossier(study: Study, campaign: str) -> Dossier:
         grid_file=item.path.relative_to(study.folder).as_posix() if item else "",
         finds=study.finds,
         deterministic=study.stack.deterministic,
+        searchable=not study.packaged and is_there(study.folder / "sim" / FOLDER / f"{SEARCHED}.yaml"),
     )

@@ -1,8 +1,9 @@
 """The campaign as JUnit XML for CI: a test is a mutant, and passes when the mutant is detected.
 
-One that is not detected fails; one that is undecided or not tested is skipped with the reason and the command to call
-next; what the harness failed at is an error.  A failure has a command too where a search found a situation that shows
-the mutant.  Controls have a suite of their own, in which those pass that show themselves by safety or operability.
+One that is not detected fails; one that is undecided or not tested is skipped; what the harness failed at is an error.
+Each of these has the reason and the command to call next in its message, and in its text all steps, first the command
+that flies the most telling flight again.  Controls have a suite of their own, in which those pass that show themselves
+by safety or operability.
 """
 
 from __future__ import annotations
@@ -43,8 +44,9 @@ def _suite(dossier: Dossier, name: str, mutants: Sequence[MutantScore], kinds: S
     for mutant, kind in zip(mutants, kinds, strict=True):
         case = ET.SubElement(suite, "testcase", classname=line(f"scaloft-fi.{name}"), name=line(mutant.subject.id))
         if kind:
-            then = f"; next: {dossier.next_command(mutant)}" if kind == "skipped" else dossier.find_told(mutant)
-            ET.SubElement(case, kind, message=line(f"{dossier.verdict(mutant)}{then}"))
+            message = line(f"{dossier.verdict(mutant)}; next: {dossier.next_command(mutant)}")
+            told = ET.SubElement(case, kind, message=message)
+            told.text = "\n".join(line(f"{step.does}: {step.command}") for step in dossier.steps(mutant))
     suite.set("tests", str(len(mutants)))
     for count, kind in (("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):
         suite.set(count, str(kinds.count(kind)))

@@ -1,10 +1,13 @@
 """What is not detected as SARIF 2.1.0: code scanning shows each mutant on the line of its cell of the HAZOP matrix.
 
-What is undecided is a note, what is not detected or not tested is a warning.
+What is undecided is a note, what is not detected or not tested is a warning.  The message ends with the commands that
+fly the most telling flight again and that come next; the help of the rule, which viewers show beside it, and the
+properties of the result have all steps.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 from urllib.parse import quote
 
@@ -12,6 +15,8 @@ from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.format import export_format
+from scaloft_fi.views.exchange.steps import Step
+from scaloft_fi.views.tables.literal import code
 
 SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 
@@ -20,16 +25,10 @@ SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 def sarif(dossier: Dossier) -> dict[str, Any]:
     """The log as plain JSON values: a rule is a cell whose mutant is not detected, a result is that mutant."""
     mutants = dossier.of(Verdict.UNDECIDED, Verdict.NOT_DETECTED, Verdict.NOT_TESTED)
-    cells = list(dict.fromkeys(dossier.cell(mutant).name for mutant in mutants))
-    rules = [
-        {
-            "id": name,
-            "shortDescription": {"text": dossier.matrix.cell(name).deviation or name},
-            "fullDescription": {"text": dossier.matrix.cell(name).effect or name},
-            "help": {"text": f"scaloft-fi matrix --cell {name}"},
-        }
-        for name in cells
-    ]
+    by_cell: dict[str, list[MutantScore]] = {}
+    for mutant in mutants:
+        by_cell.setdefault(dossier.cell(mutant).name, []).append(mutant)
+    cells, rules = list(by_cell), [_rule(dossier, name, members) for name, members in by_cell.items()]
     driver = {"name": "scaloft-fi", "version": dossier.version, "rules": rules}
     run = {
         "tool": {"driver": driver},
@@ -39,6 +38,28 @@ def sarif(dossier: Dossier) -> dict[str, Any]:
     return {"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}
 
 
+def _rule(dossier: Dossier, name: str, mutants: Sequence[MutantScore]) -> dict[str, Any]:
+    """The rule of a cell, whose help says what to call about its mutants."""
+    told = [Step("cell", "The deviation with its causes", f"scaloft-fi matrix --cell {name}")]
+    told += [step for mutant in mutants for step in dossier.steps(mutant)]
+    cell = dossier.matrix.cell(name)
+    return {
+        "id": name,
+        "shortDescription": {"text": cell.deviation or name},
+        "fullDescription": {"text": cell.effect or name},
+        "help": {
+            "text": "\n".join(f"{step.does}: {step.command}" for step in told),
+            "markdown": "\n".join(f"- {step.does}: {code(step.command)}" for step in told),
+        },
+    }
+
+
+def _message(dossier: Dossier, mutant: MutantScore) -> str:
+    first = [step for step in dossier.steps(mutant) if step.name in ("replay", "next")]
+    commands = "".join(f"  {step.does}: {step.command}." for step in first)
+    return f"{mutant.subject.id} is {dossier.verdict(mutant)}.{commands}"
+
+
 def _result(dossier: Dossier, mutant: MutantScore, rule: int) -> dict[str, Any]:
     name, line = dossier.place(mutant)
     region = {"startLine": line}
@@ -46,9 +67,10 @@ def _result(dossier: Dossier, mutant: MutantScore, rule: int) -> dict[str, Any]:
         "ruleId": dossier.cell(mutant).name,
         "ruleIndex": rule,
         "level": "note" if mutant.verdict is Verdict.UNDECIDED else "warning",
-        "message": {"text": f"{mutant.subject.id} is {dossier.verdict(mutant)}{dossier.find_told(mutant)}."},
+        "message": {"text": _message(dossier, mutant)},
         "locations": [
             {"physicalLocation": {"artifactLocation": {"uri": quote(name, errors="surrogateescape")}, "region": region}}
         ],
         "partialFingerprints": {"mutant/v1": mutant.subject.id},
+        "properties": {step.name: step.command for step in dossier.steps(mutant)},
     }

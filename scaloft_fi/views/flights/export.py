@@ -28,8 +28,10 @@ from scaloft_fi.judge.flights import JudgedFlight, flights_of
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.robustness import measured_rho
 from scaloft_fi.judge.space import Space
-from scaloft_fi.judge.status import baseline_status
+from scaloft_fi.judge.status import Status, baseline_status
 from scaloft_fi.views.columns import Columns, ColumnType
+from scaloft_fi.views.outputs.output import Rows
+from scaloft_fi.views.outputs.shape import count, listing, number, optional, text, texts
 from scaloft_fi.views.tables.table import csv_text
 
 FlightRow = dict[str, Any]
@@ -37,6 +39,45 @@ FlightRow = dict[str, Any]
 WAITING = "waiting"
 """Status of a flight that cannot be judged: the baseline of its situation and seed is not flown, or stale."""
 
+EXPORT = Rows(
+    "export",
+    "1.0",
+    "one row per flight, ordered by mutant, situation and seed",
+    {
+        "mutant": text("`baseline`, `PLACEBO` or the id of a mutant"),
+        "situation": text("key of the situation"),
+        "seed": count("seed of the flight"),
+        "status": text(
+            "what the flight shows beside its baseline, or `waiting` for it; of a baseline held, violated or invalid",
+            dict.fromkeys(("held", "violated", *(status.value for status in Status), WAITING)),
+        ),
+        "ending": text("how it ended: landed, struck or timed_out; empty when invalid"),
+        "violated": texts("requirements that it violates"),
+        "infected_at_s": optional(number("first altered sample", "s from take-off"), "no sample was altered"),
+        "violated_at_s": optional(number("first safety violation", "s from take-off"), "there is none"),
+        **{axis: optional(number(f"{axis} of the vehicle then", "m, world"), "there is none") for axis in "xyz"},
+        "struck": text("the body that was struck then; empty for none"),
+        "duration_s": number("how long it lasted", "s"),
+        "digest": text("SHA-256 over the ground truth"),
+        "held": texts("requirements neither violated nor left open by a flight cut short"),
+        "revealed_by": texts("requirements that it violates and its baseline holds: safety first, each earliest first"),
+        "violation_times_s": listing("for each of `violated`, when", number("time", "s from take-off")),
+        "violation_bodies": texts("for each of `violated`, the body that was struck at that moment"),
+        "triggered": texts("requirements whose condition came true"),
+        "realised": texts("of a baseline, axes whose value came true"),
+        "carried": count("samples that crossed the patched seams"),
+        "altered": count("samples that were changed there"),
+    },
+    rows="flights",
+    named=(
+        "rho_",
+        optional(
+            number("robustness of the requirement, in its own unit; below 0 it is violated"),
+            "the flight does not put it to the test",
+        ),
+    ),
+)
+"""The columns, of JSON and CSV alike; beside them stands `rho_REQUIREMENT` for each requirement of the study."""
 HEAD = ("mutant", "situation", "seed", "status", "ending", "violated")
 TAIL = ("infected_at_s", "violated_at_s", "x", "y", "z", "struck", "duration_s", "digest")
 BASIS = (

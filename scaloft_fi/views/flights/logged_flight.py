@@ -146,5 +146,5 @@ def named(name: str) -> tuple[str, str, int]:
     """
     parts = name.split("/")
     if len(parts) != 3 or not parts[2].isdecimal():
-        raise InputError(f"{name!r} must be MUTANT/SITUATION/SEED, as in baseline/T0O0W0D0H1/0")
+        raise InputError(f"{name!r} must be MUTANT/SITUATION/SEED, with `baseline` for the unmutated drone")
     return parts[0], parts[1], int(parts[2])

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
+from typing import NamedTuple
+
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
 from scaloft_fi.campaign.store.folder import STORE_NAME, campaign_folder
@@ -14,50 +17,83 @@ from scaloft_fi.sim.log import Ending
 from scaloft_fi.views.flights.logged_flight import LoggedFlight, reading_text
 
 
+class Likeness(StrEnum):
+    """How a flight that was flown again is like the campaign's."""
+
+    NOTHING = "nothing_to_compare"
+    """There is no campaign, or it has no such flight."""
+    SAME_BITS = "same_bits"
+    SAME_FACTS = "same_facts"
+    """Other bits on another platform, and the same status, ending and violations."""
+    ANOTHER = "another_flight"
+    """The stack is not deterministic."""
+    DIFFERS = "differs"
+    """Other bits on the same platform, or other facts: a gate fails."""
+
+
+class Comparison(NamedTuple):
+    """How a flight compares with the campaign's, as a word and in a sentence."""
+
+    likeness: Likeness
+    told: str
+
+
 def compared(flown: LoggedFlight, campaign: str, *, same_platform: bool) -> str:
-    """How a flight compares with the same flight of a campaign, in a sentence.
+    """How a flight compares with the same flight of a campaign, in a sentence; arguments as of `comparison`.
+
+    Raises:
+        GateError: the digests differ on the same platform or with `same_platform`, or the facts differ.
+    """
+    found = comparison(flown, campaign, same_platform=same_platform)
+    if found.likeness is Likeness.DIFFERS:
+        raise GateError(found.told)
+    return found.told
+
+
+def comparison(flown: LoggedFlight, campaign: str, *, same_platform: bool) -> Comparison:
+    """How a flight compares with the same flight of a campaign.
 
     Args:
         flown: the flight.
         campaign: name of the campaign, which need not exist.
         same_platform: whether only equal digests will do, also beside a flight of another platform.
-
-    Raises:
-        GateError: the digests differ on the same platform or with `same_platform`, or the facts differ.
     """
     study, flight, outcome = flown.study, flown.flight, flown.outcome
     clean = Flight(None, flight.situation, flight.seed)
     path = campaign_folder(study, campaign) / STORE_NAME
     if not path.is_file():
-        return f"no campaign in {path.parent} to compare with"
+        return Comparison(Likeness.NOTHING, f"no campaign in {path.parent} to compare with")
     with Store(path, create=False) as store:
         known, beside = (store.get(flight_key(study, one)) for one in (flight, clean))
         theirs = Platforms(store).of((flight.situation.key, flight.seed))
     if known is None or known.invalid:
-        return f"the campaign in {path.parent} holds no such flight to compare with"
+        return Comparison(Likeness.NOTHING, f"the campaign in {path.parent} holds no such flight to compare with")
     if digests(known) == digests(outcome):
-        return f"bit for bit the flight in {path.parent}"
+        return Comparison(Likeness.SAME_BITS, f"bit for bit the flight in {path.parent}")
     if not study.stack.deterministic:
         listed = ", ".join(f"{reading.requirement} {reading_text(reading)}" for reading in known.readings)
-        return (
+        return Comparison(
+            Likeness.ANOTHER,
             f"the stack is not deterministic, so this is another flight than that in {path.parent}, which "
-            f"{Ending(known.ending).sentence} after {known.duration_s:.2f} s: {listed}"
+            f"{Ending(known.ending).sentence} after {known.duration_s:.2f} s: {listed}",
         )
     changed = ", ".join(differences(fingerprint(), theirs))
     where = f"on another platform ({changed})" if changed else "on the same platform"
     if same_platform or not changed:
-        raise GateError(
-            f"{outcome.name} differs from the flight in {path.parent}, flown {where}: digest {known.digest} there"
+        return Comparison(
+            Likeness.DIFFERS,
+            f"{outcome.name} differs from the flight in {path.parent}, flown {where}: digest {known.digest} there",
         )
     pair = ([], []) if flown.clean is None or beside is None else ([beside], [flown.clean.outcome])
-    compared = agreement([known, *pair[0]], [outcome, *pair[1]])
+    agreed = agreement([known, *pair[0]], [outcome, *pair[1]])
     apart_s = parting_s(known.track, outcome.track)
     when = "at no time" if apart_s is None else f"from {apart_s:.2f} s on"
     parted = f"the drones are more than {APART_M * 1000:g} mm apart {when}"
-    if compared.facts:
+    if agreed.facts:
         differs = f"the flight differs in more than bits from that in {path.parent}, flown {where}"
-        raise GateError(f"{differs}: {compared.named()}; {parted}")
-    return (
+        return Comparison(Likeness.DIFFERS, f"{differs}: {agreed.named()}; {parted}")
+    return Comparison(
+        Likeness.SAME_FACTS,
         f"other bits than the flight in {path.parent}, which was flown {where}, and the same status, ending and "
-        f"violations; {parted}"
+        f"violations; {parted}",
     )

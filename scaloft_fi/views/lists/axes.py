@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 from scaloft_fi.sim.distribution import Distribution, Shape
 from scaloft_fi.sim.range import number_text
 from scaloft_fi.views.lists.listing import Listing, Record
+from scaloft_fi.views.outputs.output import Output
+from scaloft_fi.views.outputs.shape import anything, listing, number, optional, record, text, texts
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.free_axis import FreeAxis
@@ -14,16 +16,61 @@ if TYPE_CHECKING:
     from scaloft_fi.sim.situation import Axis, AxisValue
 
 VALUES, RANGE, FREE = "values", "range", "free"
+_SETS = record("a change", {"path": text("path of a value of the study"), "value": anything("its new value")})
+_RANGE = "an axis with single values"
+FORM = Output(
+    "axes",
+    "1.0",
+    "the axes of a grid of situations",
+    {
+        "axes": listing(
+            "the axes, the free ones last",
+            record(
+                "an axis",
+                {
+                    "name": text("its name in keys"),
+                    "title": text("its name in tables"),
+                    "category": text("category of the operational design domain"),
+                    "kind": text(
+                        "single values, a range of one number, or a number that spans no grid", (VALUES, RANGE, FREE)
+                    ),
+                    "keys": texts("how keys of situations name its values"),
+                    "benign": text("its benign value"),
+                    "summary": text("its values in words"),
+                    "values": listing(
+                        "its values, of a range its bins; none of a free axis",
+                        record(
+                            "a value",
+                            {
+                                "name": text("its name in keys"),
+                                "title": text("its name in tables"),
+                                "set": listing("what it sets", _SETS),
+                                "realised": text("formula: whether a flight met it"),
+                            },
+                        ),
+                    ),
+                    "distribution": text("distribution of the number; empty for single values"),
+                    "set": text("path of the number; empty for single values"),
+                    "realised": text("formula of a range, with the word `number`; empty for others"),
+                    "unit": text("unit of the number; empty for single values"),
+                    "from": optional(number("lower end"), _RANGE),
+                    "to": optional(number("upper end"), _RANGE),
+                    "also": listing("what else a number off the benign value sets", _SETS),
+                    "only_with": listing(
+                        "values of other axes without which a free axis has no effect or cannot be",
+                        record("an axis", {"axis": text("its name"), "values": texts("ids of its values")}),
+                    ),
+                },
+            ),
+        )
+    },
+    rows="axes",
+)
 OVERVIEW = {"axis": "name", "title": "title", "category": "category", "kind": "kind", "values": "summary"}
 
 
 def axis_list(grid: Grid) -> Listing:
-    """Every axis of a grid, the free ones last.
-
-    The records have: name, title, category (of the operational design domain), kind (`values`, `range`, `free`), keys
-    (how situations name its values), benign, summary, values ([{name, title, set, realised}]), unit, from, to,
-    distribution, set, also, only_with, realised.
-    """
+    """Every axis of a grid, the free ones last; `FORM` says what a record has."""
     records = (*map(_record, grid.axes), *map(_free, grid.free))
     situations = f"{len(grid):,} situations with keys like {''.join(f'{axis.id}0' for axis in grid.axes)}"
     notes = [f"{situations}; 0 is the benign value of an axis."]
@@ -35,7 +82,9 @@ def axis_list(grid: Grid) -> Listing:
     if grid.aliases:
         notes.append("other names: " + ", ".join(f"{alias} = {key}" for alias, key in list(grid.aliases.items())[:12]))
     notes.append("`scaloft-fi axes NAME` shows one whole; category: of the operational design domain.")
-    return Listing("axis", f"Axes of the grid {grid.name}: {len(records)}", OVERVIEW, records, _sheet, tuple(notes))
+    return Listing(
+        "axis", f"Axes of the grid {grid.name}: {len(records)}", OVERVIEW, records, _sheet, FORM, tuple(notes)
+    )
 
 
 def _combination(excluded: Any) -> str:
@@ -45,7 +94,7 @@ def _combination(excluded: Any) -> str:
 def _record(axis: Axis) -> Record:
     values = [_value(axis, value) for value in axis.values]
     benign, *others = (value.title for value in axis.values)
-    record = {
+    told = {
         "name": axis.id,
         "title": axis.title,
         "category": axis.category,
@@ -57,11 +106,11 @@ def _record(axis: Axis) -> Record:
         **_nothing(),
     }
     if (own := axis.range) is None:
-        return record
+        return told
     low, high = number_text(own.edges[0]), number_text(own.edges[-1])
     middle = next(bin_ for bin_ in own.ids if bin_ != 0)
-    return record | {
-        "keys": [*record["keys"], f"{axis.id}{middle}={number_text(own.middle(middle))}"],
+    return told | {
+        "keys": [*told["keys"], f"{axis.id}{middle}={number_text(own.middle(middle))}"],
         "benign": own.told(own.benign),
         "summary": f"{low} to {high} {own.unit}, {_shape(own.distribution)}, {len(own.ids)} bins",
         "unit": own.unit,
@@ -76,11 +125,11 @@ def _record(axis: Axis) -> Record:
 def _nothing() -> dict[str, Any]:
     """What an axis with single values lacks."""
     words = dict.fromkeys(("distribution", "set", "realised", "unit"), "")
-    return {**words, "from": None, "to": None, "also": {}, "only_with": {}}
+    return {**words, "from": None, "to": None, "also": [], "only_with": []}
 
 
 def _value(axis: Axis, value: AxisValue) -> Record:
-    sets = {path: item.plain() for path, item in value.changes.items()}
+    sets = [{"path": path, "value": item.plain()} for path, item in value.changes.items()]
     others = [f"{axis.id}{other.id}" for other in axis.values if other.realised]
     return {
         "name": f"{axis.id}{value.id}",
@@ -107,8 +156,8 @@ def _free(axis: FreeAxis) -> Record:
         "to": own.high,
         "distribution": _shape(own),
         "set": axis.path,
-        "also": {path: item.plain() for path, item in axis.also},
-        "only_with": {name: sorted(values) for name, values in axis.only_with},
+        "also": [{"path": path, "value": item.plain()} for path, item in axis.also],
+        "only_with": [{"axis": name, "values": list(map(str, sorted(values)))} for name, values in axis.only_with],
     }
 
 
@@ -118,24 +167,28 @@ def _shape(own: Distribution) -> str:
     return f"{own.shape} (mode {own.centre:g})" if own.shape is Shape.TRIANGULAR else str(own.shape)
 
 
-def _sheet(record: Record) -> list[tuple[str, str]]:
+def _sheet(one: Record) -> list[tuple[str, str]]:
     rows = [
-        ("title", record["title"]),
-        ("category", record["category"]),
-        ("benign", record["benign"]),
-        ("in keys", ", ".join(record["keys"])),
+        ("title", one["title"]),
+        ("category", one["category"]),
+        ("benign", one["benign"]),
+        ("in keys", ", ".join(one["keys"])),
     ]
-    if record["kind"] != VALUES:
-        rows.append(("numbers", record["summary"]))
-        rows.append(("sets", record["set"]))
-        rows += [("sets off benign", f"{path}: {value}") for path, value in record["also"].items()]
-        rows += [("only with", f"{axis}{'/'.join(map(str, ids))}") for axis, ids in record["only_with"].items()]
-        rows.append(("realised", record["realised"]))
-    for value in record["values"]:
+    if one["kind"] != VALUES:
+        rows.append(("numbers", one["summary"]))
+        rows.append(("sets", one["set"]))
+        rows += [("sets off benign", _set(each)) for each in one["also"]]
+        rows += [("only with", f"{each['axis']}{'/'.join(each['values'])}") for each in one["only_with"]]
+        rows.append(("realised", one["realised"]))
+    for value in one["values"]:
         heading = f"{value['name']} {value['title']}"
-        if record["kind"] == VALUES:
-            rows += [(heading, f"sets {path}: {set_}") for path, set_ in value["set"].items()]
+        if one["kind"] == VALUES:
+            rows += [(heading, f"sets {_set(each)}") for each in value["set"]]
             rows.append((heading, f"met if {value['realised']}"))
         else:
             rows.append(("bins", heading))
     return rows
+
+
+def _set(change: Record) -> str:
+    return f"{change['path']}: {change['value']}"

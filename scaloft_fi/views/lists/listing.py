@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.inert import json_text
-from scaloft_fi.views.tables.table import Format, Table, csv_text, render
+from scaloft_fi.views.outputs.output import Output
+from scaloft_fi.views.tables.table import Format, Table, render
 
 Record = Mapping[str, Any]
 """An entry as plain JSON values; it has the key `name`, and all entries of a list have the same keys."""
@@ -27,6 +27,7 @@ class Listing:
         overview: column of the overview -> key of the record.
         records: the entries.
         sheet: an entry whole.
+        form: the form of the list as JSON; `values` of the form are the records.
         notes: under the overview.
     """
 
@@ -35,6 +36,7 @@ class Listing:
     overview: Mapping[str, str]
     records: tuple[Record, ...]
     sheet: Sheet
+    form: Output
     notes: tuple[str, ...] = ()
 
     @property
@@ -43,9 +45,9 @@ class Listing:
         return tuple(str(record["name"]) for record in self.records)
 
     @property
-    def keys(self) -> tuple[str, ...]:
-        """The keys of every record, in order."""
-        return tuple(self.records[0]) if self.records else ("name",)
+    def values(self) -> dict[str, Any]:
+        """The plain JSON values of the form."""
+        return {self.form.rows: [dict(record) for record in self.records]}
 
     def chosen(self, patterns: Sequence[str]) -> Listing:
         """The entries that have one of these names, or match one of these patterns with `*`, `?` or `[`.
@@ -62,41 +64,25 @@ class Listing:
         return replace(self, records=tuple(record for record in self.records if record["name"] in wanted))
 
 
-def shown(listing: Listing, patterns: Sequence[str], how: Format) -> str:
-    """The list as a text that ends in a line break: the overview, or with patterns these entries whole.
-
-    JSON and CSV always have whole entries.
-
-    Raises:
-        InputError: as `Listing.chosen`.
-    """
-    chosen = listing.chosen(patterns) if patterns else listing
-    if how is Format.JSON:
-        return json_text([dict(record) for record in chosen.records], indent=1) + "\n"
-    if how is Format.CSV:
-        return csv_text(chosen.keys, (map(plain, record.values()) for record in chosen.records))
-    if not patterns:
-        columns = listing.overview
-        rows = tuple(tuple(plain(record[key]) for key in columns.values()) for record in chosen.records)
-        return render((Table(listing.title, tuple(columns), rows, listing.notes),), how)
-    sheets = (Table(str(record["name"]), ("what", ""), _rows(listing.sheet(record))) for record in chosen.records)
-    return render(tuple(sheets), how)
+def shown(listing: Listing, how: Format, *, whole: bool) -> str:
+    """The list as a text for people that ends in a line break: the overview, or each entry whole."""
+    if whole:
+        sheets = (Table(str(record["name"]), ("what", ""), _rows(listing.sheet(record))) for record in listing.records)
+        return render(tuple(sheets), how)
+    columns = listing.overview
+    rows = tuple(tuple(plain(record[key]) for key in columns.values()) for record in listing.records)
+    return render((Table(listing.title, tuple(columns), rows, listing.notes),), how)
 
 
 def plain(value: Any) -> str | int | float | None:
-    """A JSON value as the cell of a table: the parts of a list after each other, of a mapping with their keys.
+    """A JSON value as the cell of a table.
 
-    >>> plain([{"name": "a", "unit": "m"}, "b"])
-    'a (unit m); b'
+    >>> plain(["a", "b"]), plain(True)
+    ('a; b', 'yes')
     """
-    if value is None or isinstance(value, str | int | float):
-        return {True: "yes", False: "no"}[value] if isinstance(value, bool) else value
-    if isinstance(value, Mapping):
-        rest = ", ".join(
-            f"{key} {plain(entry)}" for key, entry in value.items() if key != "name" and entry not in ("", None, [])
-        )
-        return f"{value['name']} ({rest})" if "name" in value and rest else str(value.get("name", rest))
-    return "; ".join(str(plain(entry)) for entry in value)
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return "; ".join(map(str, value)) if isinstance(value, list) else value
 
 
 def number_range(least: float | None, most: float | None) -> str:

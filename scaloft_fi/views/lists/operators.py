@@ -13,6 +13,8 @@ from scaloft_fi.stack.seam import UNITS
 from scaloft_fi.views.lists.listing import Listing, Record, number_range
 from scaloft_fi.views.lists.origin import package_of
 from scaloft_fi.views.lists.samples import example_of
+from scaloft_fi.views.outputs.output import Output
+from scaloft_fi.views.outputs.shape import anything, count, flag, listing, number, optional, record, text, texts
 
 if TYPE_CHECKING:
     from scaloft_fi.study import Study
@@ -24,6 +26,64 @@ OVERVIEW = {
     "seams": "fits",
     "what it does": "summary",
 }
+_BOUND = "nothing bounds it, or it is no number"
+_ARGUMENT = record(
+    "an argument",
+    {
+        "name": text("its name"),
+        "kind": text("what it is"),
+        "unit": text("its unit; empty for none"),
+        "range": text("what is allowed, in words"),
+        "least": optional(number("least number"), _BOUND),
+        "above": optional(number("every number is above this"), _BOUND),
+        "most": optional(number("greatest number"), _BOUND),
+        "choices": texts("the allowed texts; empty for any"),
+        "required": flag("whether a fault must give it"),
+        "default": anything("its value when it is left out; null where it is required"),
+    },
+)
+_POLL = record(
+    "a poll",
+    {
+        "t_s": number("time", "s"),
+        "sent": text("the sample that is sent"),
+        "arrives": text("the sample that arrives"),
+    },
+)
+FORM = Output(
+    "operators",
+    "1.0",
+    "the operators that faults can use",
+    {
+        "operators": listing(
+            "the operators",
+            record(
+                "an operator",
+                {
+                    "name": text("its name"),
+                    "summary": text("what it does, in a sentence"),
+                    "about": text("all that it says of itself"),
+                    "arguments": listing("its arguments", _ARGUMENT),
+                    "needs": text("what it needs of a message"),
+                    "seams": texts("the seams of this study that it fits"),
+                    "cells": texts("the cells that use it"),
+                    "at_events": flag("whether it can strike at events of the flight"),
+                    "package": text("the installed package that declares it"),
+                    "message": text("type of the samples of its example"),
+                    "rate_hz": number("how often the seam of its example is polled", "Hz"),
+                    "given": listing(
+                        "the arguments of its example",
+                        record("an argument", {"name": text("its name"), "value": anything("its value")}),
+                    ),
+                    "polls": listing("its example; of a random operator one draw", _POLL),
+                    "signature": text("names of the arguments, in brackets those that may be left out"),
+                    "fits": count("how many seams"),
+                },
+            ),
+        )
+    },
+    rows="operators",
+)
 _KINDS = {
     float: "number",
     int: "whole number",
@@ -36,11 +96,7 @@ _OF_FIELD = ("amount", "sigma", "value")
 
 
 def operator_list(study: Study) -> Listing:
-    """Every operator that the installed packages and the study's stack declare.
-
-    The records have: name, summary, about (all that it says of itself), arguments ([{name, kind, unit, range, least,
-    above, most, choices, required, default}]), needs, seams (those of this study that it fits), cells (those that use
-    it), at_events, package, example ({message, rate_hz, arguments, polls}), signature, fits.
+    """Every operator that the installed packages and the study's stack declare; `FORM` says what a record has.
 
     Raises:
         InputError: a part of the study cannot be read.
@@ -59,7 +115,7 @@ def operator_list(study: Study) -> Listing:
         f"seams: how many of the stack {study.stack.name} it fits.",
         "`scaloft-fi operators NAME` shows one whole, with an example.",
     )
-    return Listing("operator", f"Operators: {len(records)}", OVERVIEW, tuple(records), _sheet, notes)
+    return Listing("operator", f"Operators: {len(records)}", OVERVIEW, tuple(records), _sheet, FORM, notes)
 
 
 def argument_facts(argument: Argument) -> dict[str, Any]:
@@ -114,30 +170,27 @@ def _record(one: Operator, seams: list[str], cells: list[str]) -> Record:
         "cells": cells,
         "at_events": one.awaits_events,
         "package": package_of(one.make),
-        "example": {
-            "message": one.example.message.__name__,
-            "rate_hz": one.example.rate_hz,
-            "arguments": dict(one.example.arguments),
-            "polls": example_of(one),
-        },
+        "message": one.example.message.__name__,
+        "rate_hz": one.example.rate_hz,
+        "given": [{"name": name, "value": value} for name, value in one.example.arguments.items()],
+        "polls": example_of(one),
         "signature": ", ".join(name if argument.required else f"[{name}]" for name, argument in one.arguments.items()),
         "fits": len(seams),
     }
 
 
-def _sheet(record: Record) -> list[tuple[str, str]]:
-    example = record["example"]
-    given = ", ".join(f"{name}={_said(value)}" for name, value in example["arguments"].items()) or "no arguments"
+def _sheet(one: Record) -> list[tuple[str, str]]:
+    given = ", ".join(f"{each['name']}={_said(each['value'])}" for each in one["given"]) or "no arguments"
     return [
-        ("does", record["about"]),
-        *(("arguments", _argument(argument)) for argument in record["arguments"]),
-        ("needs", record["needs"]),
-        ("fits the seams", ", ".join(record["seams"]) or "none of this study"),
-        ("cells", ", ".join(record["cells"])),
-        ("at events", "yes: a phase such as #waypoint is allowed" if record["at_events"] else ""),
-        ("declared by", record["package"]),
-        ("example", f"{example['message']} at {example['rate_hz']:g} Hz, {given}"),
-        *(("polls", f"{poll['t_s']:g} s: {poll['sent']} -> {_arrives(poll)}") for poll in example["polls"]),
+        ("does", one["about"]),
+        *(("arguments", _argument(argument)) for argument in one["arguments"]),
+        ("needs", one["needs"]),
+        ("fits the seams", ", ".join(one["seams"]) or "none of this study"),
+        ("cells", ", ".join(one["cells"])),
+        ("at events", "yes: a phase such as #waypoint is allowed" if one["at_events"] else ""),
+        ("declared by", one["package"]),
+        ("example", f"{one['message']} at {one['rate_hz']:g} Hz, {given}"),
+        *(("polls", f"{poll['t_s']:g} s: {poll['sent']} -> {_arrives(poll)}") for poll in one["polls"]),
     ]
 
 

@@ -11,6 +11,8 @@ from scaloft_fi.stack.fields import field_names
 from scaloft_fi.stack.seam import Seam
 from scaloft_fi.views.lists.fields import fields_of
 from scaloft_fi.views.lists.listing import Listing, Record
+from scaloft_fi.views.outputs.output import Output
+from scaloft_fi.views.outputs.shape import count, flag, listing, number, record, text, texts
 
 if TYPE_CHECKING:
     from scaloft_fi.hazop.matrix import Matrix
@@ -24,15 +26,50 @@ OVERVIEW = {
     "cells": "used_by",
     "operators": "fitting",
 }
+FORM = Output(
+    "seams",
+    "1.0",
+    "the seams of the study's stack, where faults can be patched in",
+    {
+        "seams": listing(
+            "the seams",
+            record(
+                "a seam",
+                {
+                    "name": text("its name"),
+                    "message": text("type of its samples"),
+                    "about": text("what the message says of itself"),
+                    "edge": text("who sends, and who receives"),
+                    "rate_hz": number("how often it is polled", "Hz"),
+                    "fields": listing(
+                        "the fields of a sample",
+                        record(
+                            "a field",
+                            {
+                                "name": text("its name"),
+                                "kind": text("what it is"),
+                                "unit": text("its unit; empty for none"),
+                            },
+                        ),
+                    ),
+                    "acts_on": texts("what of a sample the consumer acts on; it is altered only where this differs"),
+                    "canary": flag("whether `run --mutant` flies a control here"),
+                    "carried": text("who alters the samples where a command flies; empty where our simulator flies"),
+                    "operators": texts("the operators that fit"),
+                    "cells": texts("the cells that have a fault here"),
+                    "used_by": count("how many cells"),
+                    "fitting": count("how many operators"),
+                },
+            ),
+        )
+    },
+    rows="seams",
+)
 EVERYTHING = "all of the sample"
 
 
 def seam_list(study: Study) -> Listing:
-    """Every seam of the study's stack.
-
-    The records have: name, message, about (what the message says of itself), edge, rate_hz, fields ([{name, kind,
-    unit}]), acts_on (the fields that the consumer acts on), canary, operators (those that fit), cells (those that use
-    it), carried (who alters the samples), used_by and fitting (their numbers).
+    """Every seam of the study's stack; `FORM` says what a record has.
 
     Raises:
         InputError: a part of the study cannot be read.
@@ -43,7 +80,7 @@ def seam_list(study: Study) -> Listing:
         "edge: who sends, and who receives.  cells: how many cells of the matrix have a fault here.",
         "operators: how many fit its message.  `scaloft-fi seams NAME` shows one whole.",
     )
-    return Listing("seam", f"Seams of the stack {stack.name}: {len(records)}", OVERVIEW, records, _sheet, notes)
+    return Listing("seam", f"Seams of the stack {stack.name}: {len(records)}", OVERVIEW, records, _sheet, FORM, notes)
 
 
 def cells_at(matrix: Matrix, seam: str) -> list[str]:
@@ -102,18 +139,18 @@ def _carried(study: Study, seam: str) -> str:
     return f"our relay from {relay.source} to {relay.to} over {relay.border}"
 
 
-def _sheet(record: Record) -> list[tuple[str, str]]:
-    every = [field["name"] for field in record["fields"]]
+def _sheet(one: Record) -> list[tuple[str, str]]:
+    every = [field["name"] for field in one["fields"]]
     return [
-        ("edge", record["edge"]),
-        ("rate", f"{record['rate_hz']:g} Hz"),
-        ("message", f"{record['message']}: {record['about']}"),
-        *(("fields", _field(field)) for field in record["fields"]),
-        ("its consumer acts on", EVERYTHING if record["acts_on"] == every else ", ".join(record["acts_on"])),
-        ("altered by", record["carried"]),
-        ("canary", "yes: `run --mutant` flies a control here" if record["canary"] else ""),
-        ("operators that fit", ", ".join(record["operators"])),
-        ("cells", ", ".join(record["cells"]) or "none"),
+        ("edge", one["edge"]),
+        ("rate", f"{one['rate_hz']:g} Hz"),
+        ("message", f"{one['message']}: {one['about']}"),
+        *(("fields", _field(field)) for field in one["fields"]),
+        ("its consumer acts on", EVERYTHING if one["acts_on"] == every else ", ".join(one["acts_on"])),
+        ("altered by", one["carried"]),
+        ("canary", "yes: `run --mutant` flies a control here" if one["canary"] else ""),
+        ("operators that fit", ", ".join(one["operators"])),
+        ("cells", ", ".join(one["cells"]) or "none"),
     ]
 
 

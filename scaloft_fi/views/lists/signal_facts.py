@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from scaloft_fi.judge.caps import SIGHT_M
-from scaloft_fi.sim.signals import CLEARANCE_CAP_M, FAR_M
+from scaloft_fi.judge.ranges import ANY, TRUTH
+from scaloft_fi.sim.signals import FAR_M
 
 
 @dataclass(frozen=True)
@@ -16,24 +17,24 @@ class SignalFact:
 
     Attributes:
         example: a formula that uses it: `always( ... )` for a requirement, `eventually( ... )` for a predicate.
-        least, most: between which numbers it is measured; None where nothing bounds it.
         unknown: what it reads where there is nothing to measure, in words; "" where there always is.
+        least, most: between which numbers it is measured; None where nothing bounds it.
         elsewhere: the number that it reads there, where that is not in its range.
     """
 
     example: str
+    unknown: str = ""
     least: float | None = None
     most: float | None = None
-    unknown: str = ""
     elsewhere: float | None = None
 
 
 _SPEED = "always(abs(NAME) <= 2)"
-_QUATERNION = SignalFact("always(NAME >= -1)", -1.0, 1.0)
+_QUATERNION = SignalFact("always(NAME >= 0)")
 
 FACTS: Mapping[str, SignalFact] = {
-    "elapsed_s": SignalFact("always(elapsed_s >= 30 implies waypoints_left < 3)", 0.0),
-    "remaining_s": SignalFact("always(remaining_s < 0.05 implies landed >= 0.5)", 0.0),
+    "elapsed_s": SignalFact("always(elapsed_s >= 30 implies waypoints_left < 3)"),
+    "remaining_s": SignalFact("always(remaining_s < 0.05 implies landed >= 0.5)"),
     "x_m": SignalFact("eventually(x_m < -1)"),
     "y_m": SignalFact("eventually(y_m > 5)"),
     "z_m": SignalFact("always(z_m <= 2.5)"),
@@ -44,34 +45,28 @@ FACTS: Mapping[str, SignalFact] = {
     "qy": _QUATERNION,
     "qz": _QUATERNION,
     "qw": _QUATERNION,
-    "yaw_rad": SignalFact("eventually(yaw_rad > 1.5)", -math.pi, math.pi),
-    "speed_mps": SignalFact("always(speed_mps / 0.8 <= 1)", 0.0),
-    "clearance_m": SignalFact("always(clearance_m > 0)", None, CLEARANCE_CAP_M),
-    "person_range_m": SignalFact("always(person_range_m > 0.5)", 0.0, FAR_M, f"{FAR_M:g} without a person"),
+    "yaw_rad": SignalFact("eventually(yaw_rad > 1.5)"),
+    "speed_mps": SignalFact("always(speed_mps / 0.8 <= 1)"),
+    "clearance_m": SignalFact("always(clearance_m > 0)"),
+    "person_range_m": SignalFact("always(person_range_m > 0.5)", f"{FAR_M:g} without a person"),
     "person_sight_m": SignalFact(
         "always(person_sight_m / 3 <= 1 implies speed_mps / 0.25 <= 1)",
-        0.0,
-        SIGHT_M,
         f"{FAR_M:g} without a person in sight within {SIGHT_M:g} m",
-        FAR_M,
     ),
-    "waypoints_left": SignalFact("always(landed >= 0.5 implies waypoints_left < 0.5)", 0.0),
-    "home_m": SignalFact("always(landed >= 0.5 implies home_m <= 1)", 0.0),
-    "landed": SignalFact("always(remaining_s < 0.05 implies landed >= 0.5)", 0.0, 1.0),
-    "light": SignalFact("always(light <= 0.05)", 0.0, 1.0),
-    "obstacle_pixels": SignalFact("eventually(obstacle_pixels >= 1)", 0.0, None, "0 without an obstacle in view"),
+    "waypoints_left": SignalFact("always(landed >= 0.5 implies waypoints_left < 0.5)"),
+    "home_m": SignalFact("always(landed >= 0.5 implies home_m <= 1)"),
+    "landed": SignalFact("always(remaining_s < 0.05 implies landed >= 0.5)"),
+    "light": SignalFact("always(light <= 0.05)"),
+    "obstacle_pixels": SignalFact("eventually(obstacle_pixels >= 1)", "0 without an obstacle in view"),
     "waypoint_wall_m": SignalFact(
         "eventually(waypoint_wall_m <= 0.5)",
-        None,
-        CLEARANCE_CAP_M,
         f"{FAR_M:g} farther than 0.5 m from every waypoint but home",
-        FAR_M,
     ),
-    "takeoff_charge": SignalFact("eventually(takeoff_charge < 0.3)", 0.0, 1.0),
+    "takeoff_charge": SignalFact("eventually(takeoff_charge < 0.3)"),
     "wind_x_mps": SignalFact("eventually(abs(NAME) > 1)"),
     "wind_y_mps": SignalFact("eventually(abs(NAME) > 1)"),
     "wind_z_mps": SignalFact("eventually(abs(NAME) > 1)"),
-    "haze_per_m": SignalFact("eventually(haze_per_m >= 0.1)", 0.0),
+    "haze_per_m": SignalFact("eventually(haze_per_m >= 0.1)"),
     "drift_x_m": SignalFact("eventually(abs(NAME) > 0.2)"),
     "drift_y_m": SignalFact("eventually(abs(NAME) > 0.2)"),
     "drift_z_m": SignalFact("eventually(abs(NAME) > 0.2)"),
@@ -94,4 +89,12 @@ MEANINGS: Mapping[str, str] = {
 def fact_of(name: str) -> SignalFact | None:
     """The facts of a signal; None for one that a study or a plugin brings."""
     fact = FACTS.get(name)
-    return fact and replace(fact, example=fact.example.replace("NAME", name))
+    if fact is None:
+        return None
+    (least, _), *_, (far, most) = (spans := TRUTH.get(name, ANY))[0], spans[-1]
+    apart = len(spans) > 1 and far == most == FAR_M
+    if apart:
+        most = spans[-2][1]
+    ends = [end if math.isfinite(end) else None for end in (least, most)]
+    example = fact.example.replace("NAME", name)
+    return replace(fact, example=example, least=ends[0], most=ends[1], elsewhere=FAR_M if apart else None)

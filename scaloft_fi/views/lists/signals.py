@@ -17,12 +17,43 @@ from scaloft_fi.stack.seam import UNITS
 from scaloft_fi.views.lists.listing import Listing, Record, number_range
 from scaloft_fi.views.lists.origin import OWN, package_of
 from scaloft_fi.views.lists.signal_facts import MEANINGS, SignalFact, fact_of
+from scaloft_fi.views.outputs.output import Output
+from scaloft_fi.views.outputs.shape import listing, number, optional, record, text
 
 if TYPE_CHECKING:
     from scaloft_fi.study import Study
 
 BOTH, REALISED, TO_ASK = "requirements, axes", "axes", "neither yet"
 OVERVIEW = {"signal": "name", "unit": "unit", "range": "range", "meaning": "meaning", "used in": "used_in"}
+FORM = Output(
+    "signals",
+    "1.0",
+    "the signals that requirements and the predicates of axes may use",
+    {
+        "signals": listing(
+            "the signals, those that the study could ask for last",
+            record(
+                "a signal, sampled at 20 Hz",
+                {
+                    "name": text("its name"),
+                    "unit": text("its unit; empty for a plain number"),
+                    "meaning": text("what it is"),
+                    "origin": text("where it comes from"),
+                    "used_in": text("which formulas may use it", (BOTH, REALISED, TO_ASK)),
+                    "range": text("what is measured, in words"),
+                    "least": optional(number("least number that is measured"), "nothing bounds it"),
+                    "most": optional(number("greatest number that is measured"), "nothing bounds it"),
+                    "beyond": text("what it reads beyond `most`"),
+                    "compare": text("the thresholds that formulas may have; empty for any"),
+                    "unknown": text("what it reads where there is nothing to measure; empty where there always is"),
+                    "recorded": text("where the record of a command has it; empty where our simulator flies"),
+                    "example": text("a formula that uses it"),
+                },
+            ),
+        )
+    },
+    rows="signals",
+)
 PER_METRE, PIXELS = "_per_m", "obstacle_pixels"
 
 
@@ -48,11 +79,7 @@ class Found:
 
 
 def signal_list(study: Study) -> Listing:
-    """Every signal that the study has, and the optional ones that it could ask for.
-
-    The records have: name, unit, meaning, origin, used_in, range (text), least, most (numbers or None), beyond (what
-    it reads beyond `most`), compare (the thresholds that formulas may have), unknown, recorded (where a command's
-    record has it), example.
+    """Every signal that the study has, and the optional ones that it could ask for; `FORM` says what a record has.
 
     Raises:
         InputError: a part of the study cannot be read.
@@ -67,7 +94,7 @@ def signal_list(study: Study) -> Listing:
         "`scaloft-fi signals NAME` shows one whole, with a formula.  All are sampled at 20 Hz.",
     )
     overview = OVERVIEW | ({"in the record": "recorded"} if recorded is not None else {})
-    return Listing("signal", f"Signals: {len(records)}", overview, records, _sheet, notes)
+    return Listing("signal", f"Signals: {len(records)}", overview, records, _sheet, FORM, notes)
 
 
 def _found(study: Study) -> Iterator[Found]:
@@ -109,7 +136,7 @@ def _truth(signal: Signal, bodies: Mapping[str, Any]) -> Found:
 
 def _clearance_fact(name: str) -> SignalFact:
     absent = f"{CLEARANCE_CAP_M:g} where it is not there, and for ground whose contact is excused"
-    return SignalFact(f"always({name} > 0)", None, CLEARANCE_CAP_M, absent)
+    return SignalFact(f"always({name} > 0)", absent, most=CLEARANCE_CAP_M)
 
 
 def _declared(name: str, used_in: str) -> Found:
@@ -117,7 +144,7 @@ def _declared(name: str, used_in: str) -> Found:
     package = package_of(declared.make)
     origin = "optional signal" if package == OWN else f"optional signal of the package {package}"
     most = declared.most if math.isfinite(declared.most) else None
-    fact = fact_of(name) or SignalFact(f"eventually({name} >= {_threshold(most):g})", None, most)
+    fact = fact_of(name) or SignalFact(f"eventually({name} >= {_threshold(most):g})", most=most)
     return Found(name, declared.unit, declared.meaning, origin, used_in, fact)
 
 
@@ -127,10 +154,10 @@ def _belief_fact(belief: Belief) -> SignalFact:
     unknown = "" if math.isnan(belief.unknown) else f"{belief.unknown:g} while the stack does not know it"
     if belief.mark is not None and belief.mark.values:
         last = len(belief.mark.values) - 1
-        return SignalFact(f"always({belief.name} <= {last - 0.5:g})", 0.0, float(last), unknown)
+        return SignalFact(f"always({belief.name} <= {last - 0.5:g})", unknown, 0.0, float(last))
     if not belief.unit and belief.unknown == 0.0:
-        return SignalFact(f"once({belief.name} >= 0.5)", 0.0, most, unknown)
-    return SignalFact(f"always({belief.name} <= {_threshold(most):g})", None, most, unknown)
+        return SignalFact(f"once({belief.name} >= 0.5)", unknown, 0.0, most)
+    return SignalFact(f"always({belief.name} <= {_threshold(most):g})", unknown, most=most)
 
 
 def _threshold(most: float | None) -> float:
@@ -165,7 +192,7 @@ def _passing(study: Study, known: set[str]) -> Iterator[Found]:
         else:
             body = name.removeprefix("clearance_").removesuffix("_m")
             unknown = "not recorded in a flight without the body, where `realised` is false"
-            fact = SignalFact(f"eventually({clearance_name(body)} < 0.8)", None, CLEARANCE_CAP_M, unknown)
+            fact = SignalFact(f"eventually({clearance_name(body)} < 0.8)", unknown, most=CLEARANCE_CAP_M)
             yield Found(name, "m", f"hull to {body}, at most 1", f"ground truth, optional body {body}", REALISED, fact)
 
 
@@ -200,7 +227,7 @@ def _recorded(study: Study) -> Mapping[str, str] | None:
 
 def _record(found: Found, cap: Cap | None, recorded: Mapping[str, str] | None) -> Record:
     fact, limit = found.fact, cap and f"{'at most' if cap.itself else 'less than'} {cap.most_m:g}"
-    text = number_range(fact.least, cap.most_m if cap else fact.most)
+    told = number_range(fact.least, cap.most_m if cap else fact.most)
     beyond = cap.beyond.replace(" m ", " ", 1) if cap else ""
     lacking = "not in the record" if recorded is not None else ""
     names = found.belief.mark.values if found.belief and found.belief.mark else ()
@@ -210,7 +237,7 @@ def _record(found: Found, cap: Cap | None, recorded: Mapping[str, str] | None) -
         "meaning": found.meaning + "".join(f", {place} {word}" for place, word in enumerate(names)),
         "origin": found.origin,
         "used_in": found.used_in,
-        "range": text if fact.elsewhere is None else f"{text}, or {fact.elsewhere:g}",
+        "range": told if fact.elsewhere is None else f"{told}, or {fact.elsewhere:g}",
         "least": fact.least,
         "most": cap.most_m if cap else fact.most,
         "beyond": beyond,
@@ -221,18 +248,18 @@ def _record(found: Found, cap: Cap | None, recorded: Mapping[str, str] | None) -
     }
 
 
-def _sheet(record: Record) -> list[tuple[str, str]]:
-    asks = f"signals: [{record['name']}] in sim/world.yaml" if record["used_in"] == TO_ASK else ""
+def _sheet(one: Record) -> list[tuple[str, str]]:
+    asks = f"signals: [{one['name']}] in sim/world.yaml" if one["used_in"] == TO_ASK else ""
     return [
-        ("meaning", record["meaning"]),
-        ("unit", record["unit"] or "none: a plain number"),
-        ("range", record["range"] or "any number"),
-        ("beyond", record["beyond"]),
-        ("compare it", record["compare"]),
-        ("nothing there", record["unknown"]),
-        ("comes from", record["origin"]),
-        ("used in", record["used_in"]),
+        ("meaning", one["meaning"]),
+        ("unit", one["unit"] or "none: a plain number"),
+        ("range", one["range"] or "any number"),
+        ("beyond", one["beyond"]),
+        ("compare it", one["compare"]),
+        ("nothing there", one["unknown"]),
+        ("comes from", one["origin"]),
+        ("used in", one["used_in"]),
         ("to have it", asks),
-        ("in the record", record["recorded"]),
-        ("example", record["example"]),
+        ("in the record", one["recorded"]),
+        ("example", one["example"]),
     ]

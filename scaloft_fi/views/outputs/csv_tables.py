@@ -45,11 +45,6 @@ def csv_tables(output: Output, values: Mapping[str, Any]) -> dict[str, str]:
     return made
 
 
-def csv_rows(output: Output, values: Mapping[str, Any]) -> str:
-    """The table that `--format csv` prints."""
-    return csv_tables(output, values)[output.rows]
-
-
 def table_names(output: Output) -> list[str]:
     """The names of its tables."""
     return list(csv_tables(output, dict.fromkeys(output.keys)))

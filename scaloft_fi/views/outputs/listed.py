@@ -8,13 +8,30 @@ from importlib import import_module
 from scaloft_fi.views.outputs.output import Output
 
 OUTPUTS: dict[str, str] = {
+    "matrix": "scaloft_fi.views.worksheet.matrix_record:MATRIX",
+    "mutants": "scaloft_fi.views.mutant_record:MUTANTS",
+    "signals": "scaloft_fi.views.lists.signals:FORM",
+    "seams": "scaloft_fi.views.lists.seams:FORM",
+    "operators": "scaloft_fi.views.lists.operators:FORM",
+    "axes": "scaloft_fi.views.lists.axes:FORM",
     "map": "scaloft_fi.views.pictures.situation_plan:MAP",
+    "run": "scaloft_fi.views.score.score_form:RUN",
+    "margin": "scaloft_fi.views.worksheet.margin_record:MARGIN",
+    "seek": "scaloft_fi.views.runs.seek_record:SEEK",
+    "merge": "scaloft_fi.views.runs.merged:MERGE",
+    "replay": "scaloft_fi.views.flights.replayed:REPLAY",
     "check": "scaloft_fi.views.checks:CHECK",
     "status": "scaloft_fi.views.flights.status:STATUS",
-    "dispositions": "scaloft_fi.views.dispositions:DISPOSITIONS",
+    "score": "scaloft_fi.views.score.score_form:SCORE",
+    "kills": "scaloft_fi.views.kills.kill_record:KILLS",
     "coverage": "scaloft_fi.views.coverage.coverage_record:COVERAGE",
+    "worksheet": "scaloft_fi.views.worksheet.worksheet_record:WORKSHEET",
+    "dispositions": "scaloft_fi.views.dispositions:DISPOSITIONS",
+    "report": "scaloft_fi.views.report.written:REPORT",
     "diff": "scaloft_fi.views.flights.compare:DIFF",
+    "export": "scaloft_fi.views.flights.export:EXPORT",
     "judge": "scaloft_fi.views.flights.judged:JUDGE",
+    "doctor": "scaloft_fi.views.runs.installation:DOCTOR",
 }
 """In the order of the pipeline: where each is declared."""
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from scaloft_fi.inert import json_text
-from scaloft_fi.views.outputs.shape import Shape, record, text
+from scaloft_fi.views.outputs.shape import Shape, listing, record, text
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 VERSION = "of this form: the first number changes when a key goes or changes its meaning, the second when one is added"
@@ -51,3 +51,23 @@ class Output:
             raise ValueError(f"{self.verb}: declared {sorted(self.keys)}, given {sorted(values)}")
         whole = {"version": self.version, **{name: values[name] for name in self.keys}}
         return json_text(whole, indent=2) + "\n"
+
+
+@dataclass(frozen=True)
+class Rows(Output):
+    """A form that is a bare list of rows, without a version in it: what `export` prints.
+
+    Attributes:
+        keys: the shape of each column, by its name.
+        named: the beginning of the names of further columns, one for each requirement of the study, and their shape.
+    """
+
+    named: tuple[str, Shape] = ("", {})
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        """The JSON Schema of the list."""
+        head = {"$schema": DIALECT, "$id": f"urn:scaloft-fi:output:{self.verb}:{self.version}", "title": self.verb}
+        beginning, shape = self.named
+        row = {**record("a flight", self.keys), "patternProperties": {f"^{beginning}": shape}}
+        return {**head, **listing(self.about, row)}

@@ -7,10 +7,12 @@ from collections.abc import Iterator
 from scaloft_fi.exit_codes import ExitCode
 from scaloft_fi.views.outputs.csv_tables import SUMMARY, table_names
 from scaloft_fi.views.outputs.listed import outputs
-from scaloft_fi.views.outputs.output import Output
+from scaloft_fi.views.outputs.output import Output, Rows
 from scaloft_fi.views.outputs.shape import Shape, inner
 
 RATIO = "ratio"
+ONE_CSV = {"matrix", "mutants", "worksheet", "signals", "seams", "operators", "axes"}
+"""Verbs whose CSV is a sheet for people, of one table."""
 _RULES = f"""\
 `--format json` prints one object.  Its `version` is that of the form, not of scaloft-fi: `MAJOR.MINOR`, where MAJOR
 changes when a key goes or changes its meaning, and MINOR when one is added.  Numbers are numbers, in the unit that
@@ -39,10 +41,13 @@ def _exit_codes() -> Iterator[str]:
 
 
 def _form(output: Output) -> Iterator[str]:
-    tables = ", ".join(f"`{name}`" for name in table_names(output))
     yield from (f"## `{output.verb} --format json`", "")
     yield f"{output.about[:1].upper()}{output.about[1:]}.  Version {output.version}."
-    yield f"`--format csv` prints `{output.rows}`; all tables: {tables}."
+    if isinstance(output, Rows):
+        yield "A bare list, without a version in it; `--format csv` has the same columns."
+    elif output.verb not in ONE_CSV:
+        tables = ", ".join(f"`{name}`" for name in table_names(output))
+        yield f"`--format csv` prints `{output.rows}`; all tables: {tables}."
     yield from ("", "| key | type | says |", "|---|---|---|")
     yield from _rows("", output.schema)
     yield ""
@@ -53,6 +58,8 @@ def _rows(name: str, shape: Shape) -> Iterator[str]:
     bare = inner(shape)
     for key, each in bare.get("properties", {}).items():
         yield from _row(f"{name}.{key}" if name else key, each)
+    for beginning, each in bare.get("patternProperties", {}).items():
+        yield from _row(f"{name}.{beginning.removeprefix('^')}*", each)
     if isinstance(named := bare.get("additionalProperties"), dict):
         yield from _row(f"{name}.*", named)
     if "items" in bare:

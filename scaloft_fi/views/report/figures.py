@@ -18,24 +18,27 @@ from scaloft_fi.judge.rulings import rulings_of
 from scaloft_fi.judge.track import TRACK_COLUMNS
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.version import __version__
+from scaloft_fi.views.glossary import TERMS
 from scaloft_fi.views.report import matrices
 from scaloft_fi.views.report.accepted import accepted
 from scaloft_fi.views.report.analyses import analyses
 from scaloft_fi.views.report.bounds import bounds_of
 from scaloft_fi.views.report.breaks import broken
+from scaloft_fi.views.report.certainty import steps
 from scaloft_fi.views.report.evidence import Evidence
 from scaloft_fi.views.report.finds import found
+from scaloft_fi.views.report.head import head
 from scaloft_fi.views.report.karnaugh import folding
 from scaloft_fi.views.report.limits import limits
 from scaloft_fi.views.report.scenes import scenes
 from scaloft_fi.views.report.severity import by_severity
 from scaloft_fi.views.report.tracks import FAR
 from scaloft_fi.views.score.answers import answers
-from scaloft_fi.views.score.first_screen import baseline_line, coverage_line
+from scaloft_fi.views.score.first_screen import coverage_line
 from scaloft_fi.views.score.score_record import score_json
 from scaloft_fi.views.score.tables import POPULATIONS
 
-SCHEMA = 3
+SCHEMA = 4
 """Version of the JSON in the page."""
 
 
@@ -56,6 +59,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
     record = score_json(scored, covered, [])
     listed = (*record["mutants"], *record["controls"])
     standing = scenes(study, sorted({outcome.situation for outcome in outcomes} & set(keys)))
+    breaks = broken(study.finds, standing["mines"])
     mutants = matrices.mutants(scored, kills, rulings, listed, roster, keys, by_severity(study.matrix, roster))
     return {
         "schema": SCHEMA,
@@ -69,10 +73,8 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "owed": evidence.owed,
         "fingerprint": dict(evidence.fingerprint or {}),
         "answers": plain(answers(scored, roster, evidence.campaign, study.finds, space.grid)),
-        "besides": [
-            {"name": "Situations", "text": coverage_line(covered)},
-            {"name": "Unmutated drone", "text": baseline_line(scored.pool)},
-        ],
+        "head": head(scored, covered.situations, len(breaks)),
+        "besides": [{"name": "Situations", "text": coverage_line(covered)}],
         "pooled": scored.pooled,
         "ratios": [
             {"name": name, "title": name.replace("_", " "), "population": population} | record["ratios"][name]
@@ -81,6 +83,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "coverage": record["coverage"],
         "gates": _gates(evidence, scored, mutants),
         "signs": matrices.SIGNS,
+        "certainty": steps(scored.alpha),
         "verdicts": [verdict.value for verdict in Verdict],
         "axes": matrices.axes(study.grid),
         "karnaugh": folding(space),
@@ -102,7 +105,8 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "endings": {ending.value: ending.sentence for ending in Ending},
         "scenes": standing,
         "found": found(study, evidence.campaign, outcomes, standing["mines"]),
-        "breaks": broken(study.finds, standing["mines"]),
+        "breaks": breaks,
+        "glossary": plain(TERMS),
     }
 
 

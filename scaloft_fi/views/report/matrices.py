@@ -10,14 +10,16 @@ from scaloft_fi.analysis.kills.kill_matrix import Entry, KillMatrix
 from scaloft_fi.analysis.plain import plain
 from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore, Result
+from scaloft_fi.analysis.scoring.mutant_score import Kill, MutantScore, Result
 from scaloft_fi.analysis.scoring.pool import Pool
 from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.campaign.runs.seeking.finds import words_of
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.name import cell_of
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.judge.rulings import Rulings, Situations
+from scaloft_fi.judge.rulings import Ruled, Rulings, Situations
 from scaloft_fi.judge.space import Space
+from scaloft_fi.views.report.certainty import certainty
 from scaloft_fi.views.report.karnaugh import terms
 from scaloft_fi.views.report.severity import searched
 from scaloft_fi.views.report.signs import Sign, opening, seen_in, shown_by, sign_of
@@ -25,6 +27,7 @@ from scaloft_fi.views.report.signs import Sign, opening, seen_in, shown_by, sign
 if TYPE_CHECKING:
     from scaloft_fi.sim.grid import Grid
 
+EVERY_VALUE_BENIGN = "every value benign"
 SIGNS = [sign.value for sign in Sign]
 KEPT = (
     *("id", "guideword", "parameter", "magnitude", "status", "verdict"),
@@ -34,12 +37,16 @@ KEPT = (
 
 
 def situations(space: Space, grid: Grid) -> list[dict[str, Any]]:
-    """Every situation in Gray-code order: each differs from the one before in one axis by one step."""
+    """Every situation in Gray-code order: each differs from the one before in one axis by one step.
+
+    `words` has the value of each axis, `name` those that are not benign.
+    """
     return [
         {
             "key": key,
             "levels": [space.values[axis].index(value) for axis, value in enumerate(space.point[key])],
             "words": list(space.words_of(key)),
+            "name": ", ".join(words_of(grid.situation(key), grid)) or EVERY_VALUE_BENIGN,
             "aliases": list(grid.aliases_of(grid.situation(key))),
         }
         for key in gray_order(space)
@@ -111,6 +118,8 @@ def mutants(
             {name: known[id_][name] for name in KEPT}
             | _mutant(mutant, flights, roster, matrix.space)
             | {
+                "certainty": certainty(mutant, scored.alpha),
+                "kills": [_kill(kill, flights[kill.situation], scored.pool) for kill in _kills(mutant)],
                 "searched": id_ in extra,
                 "tests": _tests(mutant, scored.pool),
                 "results": [_result(entries[key], results.get(key), flights, scored.pool) for key in keys],
@@ -132,6 +141,30 @@ def _mutant(scored: MutantScore, flights: Situations, roster: Roster, space: Spa
         "first": {"requirement": first.requirement, "t_s": first.t_s, "situation": first.situation, "seed": first.seed}
         if first
         else None,
+    }
+
+
+def _kills(scored: MutantScore) -> Iterable[Kill]:
+    """By safety requirements, of which the most violated come first, then by operability."""
+    for kills in (scored.kills, scored.operability_kills):
+        yield from sorted(kills, key=lambda kill: -kill.violated / kill.flights)
+
+
+def _kill(kill: Kill, flights: Sequence[Ruled], pool: Pool) -> dict[str, Any]:
+    """A kill with the flight to open, which has it: its seed, when it violates the requirement, what it strikes."""
+    seed = opening(flights, (kill.requirement,))
+    (violation,) = (
+        v for one in flights if one.seed == seed for v in one.violations if v.requirement == kill.requirement
+    )
+    beside = pool.pairs[kill.situation, kill.requirement]
+    return {
+        "situation": kill.situation,
+        "requirement": kill.requirement,
+        "flights": plain(Ratio(kill.violated, kill.flights)),
+        "baseline": plain(Ratio(beside.violated, beside.judged)),
+        "seed": seed,
+        "t_s": violation.t_s,
+        "struck": violation.struck,
     }
 
 

@@ -24,11 +24,14 @@ SCRIPTS = (
     "dom.js",
     "text.js",
     "data.js",
+    "glossary.js",
     "charts.js",
     "head.js",
     "hazop.js",
     "kills.js",
     "map.js",
+    "player.js",
+    "situation.js",
     "flight.js",
     "accepted.js",
     "karnaugh.js",
@@ -39,6 +42,7 @@ SCRIPTS = (
     "found.js",
     "breaks.js",
     "sections.js",
+    "paper.js",
     "main.js",
 )
 """In the order in which they are joined; each is a part of one strict script."""

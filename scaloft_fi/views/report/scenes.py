@@ -27,7 +27,10 @@ def scenes(study: Study, situations: Iterable[str]) -> dict[str, Any]:
 
 
 def scene(world: World, mines: list[dict[str, Any]]) -> dict[str, Any]:
-    """The place of a world's mine in `mines`, to which it is added, and bodies, waypoints and home [m, world]."""
+    """The place of a world's mine in `mines`, to which it is added, and bodies, waypoints and home [m, world].
+
+    A body is its role, its outline, the path of one that moves, and its name, which `struck` has too.
+    """
     seen = scene_of(world)
     floor = [_outline(ring) for ring in seen.floor]
     # a closed floor draws its own walls
@@ -36,7 +39,10 @@ def scene(world: World, mines: list[dict[str, Any]]) -> dict[str, Any]:
         mines.append(mine)
     return {
         "mine": mines.index(mine),
-        "bodies": [[body.kind, _outline(body.outline), _outline(body.path)] for body in seen.bodies],
+        "bodies": [
+            [body.kind, _outline(body.outline), _outline(body.path), own.name]
+            for own, body in zip(world.present, seen.bodies, strict=True)
+        ],
         "waypoints": _outline(seen.waypoints),
         "home": _rounded(seen.home),
     }

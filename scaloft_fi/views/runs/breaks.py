@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from scaloft_fi.analysis.plain import by_field
 from scaloft_fi.campaign.runs.seeking.breaks import BreaksReport
 from scaloft_fi.sim.found import Break
 from scaloft_fi.views.tables.table import Table
@@ -45,11 +42,6 @@ def breaks_table(report: BreaksReport, campaign: str, *, claims: bool) -> Table:
     headers = ("", "violates", "strikes", "where", "wrong belief", "alike")
     ways = f"{len(rows)} {'way' if len(rows) == 1 else 'ways'}"
     return Table(f"The unmutated drone breaks in {ways}", headers, rows, notes)
-
-
-def breaks_json(report: BreaksReport) -> dict[str, Any]:
-    """Plain JSON values."""
-    return by_field(report)
 
 
 def place(one: Break) -> str:

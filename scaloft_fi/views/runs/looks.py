@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.campaign.runs.looks import Look
@@ -20,3 +21,9 @@ def look_table(looks: Sequence[Look]) -> Table:
         "Flights: of mutants, planned for the look; PLACEBO and baselines fly beside them.",
     )
     return Table("Looks", headers, rows, notes)
+
+
+def look_record(look: Look) -> dict[str, Any]:
+    """A look as plain JSON values."""
+    fates = {verdict.value: look.fates[verdict] for verdict in Verdict}
+    return {"seeds": look.seeds, "mutants": look.mutants, "flights": look.flights, **fates}

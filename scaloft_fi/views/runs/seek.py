@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from scaloft_fi.analysis.plain import by_field
 from scaloft_fi.campaign.runs.seeking.seek import SeekReport, Sought
 from scaloft_fi.views.score.finds import words
 from scaloft_fi.views.tables.table import Table
@@ -70,8 +67,3 @@ def why_not(sought: Sought) -> str:
     if effort.showed:
         return f"it violated {effort.requirement} in {effort.showed}, not with every seed of the search"
     return f"it kept {effort.nearest:.0%} of the robustness of {effort.requirement} in {effort.situation}"
-
-
-def seek_json(report: SeekReport) -> dict[str, Any]:
-    """Plain JSON values."""
-    return by_field(report)

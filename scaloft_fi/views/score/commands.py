@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Collection, Sequence
 
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
@@ -16,10 +17,10 @@ MOST_NAMED = 4
 def in_campaign(campaign: str) -> str:
     """The option that names a campaign, with a space before it; empty for the default campaign.
 
-    >>> in_campaign("wide"), in_campaign("default")
-    (' --campaign wide', '')
+    >>> in_campaign("wide"), in_campaign("default"), in_campaign("a b")
+    (' --campaign wide', '', " --campaign 'a b'")
     """
-    return f" --campaign {campaign}" if campaign != DEFAULT else ""
+    return f" --campaign {shlex.quote(campaign)}" if campaign != DEFAULT else ""
 
 
 def command(campaign: str, mutants: Sequence[MutantScore], seeds: int, defaults: Collection[str] = ()) -> str:

@@ -1,10 +1,11 @@
-"""The score as plain JSON values: what `score --format json` prints."""
+"""The score as plain JSON values: what `score --format json` prints, below the version of its form."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+from scaloft_fi.analysis.noise import Noise
 from scaloft_fi.analysis.plain import plain
 from scaloft_fi.analysis.scoring.detection import Detection
 from scaloft_fi.analysis.scoring.grouping import Group
@@ -13,24 +14,31 @@ from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.situations.coverage import Coverage
 from scaloft_fi.views.coverage.coverage_record import coverage_record
 
-VERSION = 2
-"""Of this form; it changes when a name or its meaning does."""
 RATIOS = ("exercised", "infected", "tested", "mutation_score", "operability")
 
 
 def score_json(
-    scored: Score, covered: Coverage, baselines: Sequence[tuple[str, Sequence[str]]], groups: Sequence[Group] = ()
+    scored: Score,
+    covered: Coverage,
+    baselines: Sequence[tuple[str, Sequence[str]]],
+    groups: Sequence[Group] = (),
+    *,
+    noise: Sequence[Noise] = (),
+    looks: Sequence[Mapping[str, Any]] = (),
+    unflown: Sequence[Mapping[str, Any]] = (),
 ) -> dict[str, Any]:
-    """Plain JSON values.
+    """Plain JSON values of the form `SCORE`.
 
     Args:
         scored: the campaign's score.
         covered: its situation coverage.
         baselines: names what each situation's baseline violates in any flight.
         groups: the score part by part, where asked for.
+        noise: of a stack that is not deterministic.
+        looks: of a sequential run, as plain JSON values.
+        unflown: what a run left out, as plain JSON values.
     """
     return {
-        "version": VERSION,
         "alpha": scored.alpha,
         "pooled": scored.pooled,
         "ratios": {name: plain(getattr(scored, name)) for name in RATIOS},
@@ -43,7 +51,10 @@ def score_json(
         "selected": list(scored.selected),
         "coverage": coverage_record(covered),
         "baseline": [{"situation": key, "violated": list(violated)} for key, violated in baselines],
-        **({"groups": plain(groups)} if groups else {}),
+        "groups": plain(groups),
+        "noise": plain(noise),
+        "looks": list(looks),
+        "unflown": list(unflown),
     }
 
 

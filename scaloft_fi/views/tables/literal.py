@@ -34,6 +34,18 @@ def markdown(text: str) -> str:
     return _MARKDOWN.sub(r"\\\1", line(text))
 
 
+def code(text: str) -> str:
+    r"""The text as code in a line of Markdown, in a fence longer than any within it.
+
+    >>> code("a `b`"), code("a")
+    ('`` a `b` ``', '`a`')
+    """
+    shown = line(text)
+    runs = [len(run) for run in re.findall("`+", shown)]
+    fence = "`" * (max(runs, default=0) + 1)
+    return f"{fence} {shown} {fence}" if runs else f"{fence}{shown}{fence}"
+
+
 def latex(text: str) -> str:
     r"""The text in LaTeX; letters that are not Latin need a Unicode engine.
 

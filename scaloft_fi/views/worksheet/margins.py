@@ -1,10 +1,9 @@
-"""Margins for readers: a table for each fault, plain JSON, and the deviation matrix with a margin in every cell."""
+"""Margins for readers: a table for each fault, and the deviation matrix with a margin in every cell."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
 
 from scaloft_fi.analysis.margin import Margin, Scale, lowest, margins
 from scaloft_fi.analysis.scoring.detection import LARGER, Verdict
@@ -18,7 +17,7 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.views.score.commands import DEFAULT, in_campaign
 from scaloft_fi.views.tables.table import Table
-from scaloft_fi.views.worksheet.margin_text import UNKNOWN, finite, magnitude_text, margin_text
+from scaloft_fi.views.worksheet.margin_text import UNKNOWN, magnitude_text, margin_text
 
 HEADERS = ("situation", "margin", "survives", "seen", "killed", "violated", "robustness", "flown at", "again")
 ENDS = (
@@ -156,51 +155,6 @@ def _limit(requirement: Requirement) -> str:
     named = {name: text for name, text in requirement.definitions if name in requirement.text + requirement.trigger}
     where = "".join(f"; {name}: {text}" for name, text in named.items())
     return f"{requirement.text}{trigger}{where} [{requirement.unit}]"
-
-
-def margin_json(by_fault: Mapping[PhasedFault, Sequence[Margin]]) -> list[dict[str, Any]]:
-    """The margins as plain JSON values; an infinite magnitude is the text `inf`."""
-    return [
-        {
-            "cell": fault.cell,
-            "phase_s": fault.phase_s,
-            "event": fault.event,
-            "unit": fault.unit,
-            "least": _ends(least) if (least := lowest(listed)) else None,
-            "situations": [
-                {
-                    "situation": ", ".join(margin.situations),
-                    **_ends(margin),
-                    "requirements": list(_severe(margin).requirements),
-                    "tried": [
-                        {
-                            "magnitude": finite(entry.magnitude),
-                            "answer": entry.reaction.value,
-                            "violated": dict(entry.violated),
-                            "flown": entry.flown,
-                            "rho": {name: finite(value) for name, value in entry.rho},
-                            "needed": entry.needed,
-                            "anew": entry.anew,
-                        }
-                        for entry in margin.tried
-                    ],
-                }
-                for margin in listed
-            ],
-        }
-        for fault, listed in by_fault.items()
-    ]
-
-
-def _ends(margin: Margin) -> dict[str, Any]:
-    return {
-        "margin": margin_text(margin),
-        "survives": finite(margin.survives),
-        "seen": finite(margin.seen),
-        "kills": finite(margin.kills),
-        "monotone": not margin.again,
-        "again": [finite(magnitude) for magnitude in margin.again],
-    }
 
 
 def cell_margins(

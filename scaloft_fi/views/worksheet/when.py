@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any
 
-from scaloft_fi.analysis.plain import plain
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.when import Strike, When
 from scaloft_fi.views.tables.table import Table
@@ -62,8 +60,3 @@ def _rail(strike: Strike, lasts_s: float) -> str:
 def mark_of(strike: Strike) -> str:
     """X for a phase with a kill, o for one without, - for one that nothing puts to the test."""
     return "X" if strike.kills.part else "o" if strike.kills.whole else "-"
-
-
-def when_json(found: Iterable[When]) -> list[dict[str, Any]]:
-    """The same as plain JSON values."""
-    return [plain(when) for when in found]

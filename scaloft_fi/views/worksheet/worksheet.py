@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from scaloft_fi.analysis.disposition import Disposition
-from scaloft_fi.analysis.plain import plain
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.score import Score
@@ -20,7 +19,6 @@ from scaloft_fi.hazop.cell import Cell, CellStatus
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.parameter import Parameter
 from scaloft_fi.hazop.render import ladder
-from scaloft_fi.hazop.worksheet import record
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.derive import default_of
@@ -29,6 +27,7 @@ from scaloft_fi.views.dispositions import acceptance
 from scaloft_fi.views.score.commands import DEFAULT
 from scaloft_fi.views.score.finds import effect, flies, next_find, words
 from scaloft_fi.views.score.verdict import NO_POOL, would_decide
+from scaloft_fi.views.worksheet.margin_record import cell_margin_values
 from scaloft_fi.views.worksheet.margin_text import UNKNOWN
 from scaloft_fi.views.worksheet.margins import cell_margins
 
@@ -115,11 +114,15 @@ class SheetRow:
         cell: of the matrix.
         values: by the column's key; the team's columns are empty.
         score: of its default mutant; None where it was not flown.
+        margins: of its faults, as plain JSON values.
+        disposition: of its default mutant; None where nobody accepted it.
     """
 
     cell: Cell
     values: Mapping[str, SheetValue]
     score: MutantScore | None = None
+    margins: Sequence[Mapping[str, Any]] = ()
+    disposition: Disposition | None = None
 
 
 def worksheet(
@@ -143,24 +146,26 @@ def worksheet(
         campaign: name of the campaign, for commands.
     """
     flown = {mutant.subject.id: mutant for mutant in (*scored.mutants, *scored.controls)}
+    outcomes = tuple(outcomes)
     margins = cell_margins(outcomes, scored, matrix)
+    bounds = cell_margin_values(outcomes, scored, matrix)
     accepted = {disposition.mutant: disposition for disposition in dispositions}
     parameters = {parameter.id: parameter for parameter in matrix.parameters}
     rows = []
     for cell in matrix:
         values: dict[str, SheetValue] = dict.fromkeys(column.key for column in COLUMNS)
         values |= _of_study(cell, parameters[cell.parameter])
-        score = None
+        score = known = None
         if cell.status is not CellStatus.NOT_MEANINGFUL:
             mutant = default_of(cell).id
-            score = flown.get(mutant)
+            score, known = flown.get(mutant), accepted.get(mutant)
             values |= {"mutant": mutant}
             if cell.status is CellStatus.CREDIBLE and margins[cell.name] != UNKNOWN:
                 values |= {"margin": margins[cell.name]}
-            values |= {"disposition": acceptance(accepted[mutant])} if mutant in accepted else {}
+            values |= {"disposition": acceptance(known)} if known else {}
             if score:
                 values |= _of_flights(score, space, scored.lacking) | _of_find(score, finds, campaign, space.grid)
-        rows.append(SheetRow(cell, values, score))
+        rows.append(SheetRow(cell, values, score, bounds[cell.name], known))
     return tuple(rows)
 
 
@@ -188,7 +193,7 @@ def _of_flights(score: MutantScore, space: Space, lacking: Collection[str]) -> d
         "infected": sum(result.infected for result in score.results),
         "verdict": score.verdict.words,
         "operability": score.operability.verdict.words,
-        "p": ", ".join(f"{name} {p:.2g}" for name, p in _p(score).items()) or None,
+        "p": ", ".join(f"{name} {p:.2g}" for name, p in p_of(score).items()) or None,
         "needed": would_decide(score, lacking) or None,
         "kill_rate": f"{score.kill_rate.part} of {score.kill_rate.whole}" if score.tested else None,
         "killed_by": ", ".join(f"{name} {ratio.short}" for name, ratio in score.requirements),
@@ -208,7 +213,7 @@ def _of_find(score: MutantScore, finds: KnownFinds, campaign: str, grid: str) ->
     }
 
 
-def _p(score: MutantScore) -> Mapping[str, float]:
+def p_of(score: MutantScore) -> Mapping[str, float]:
     """Nothing of a mutant that was not put to the test: there is nothing to explain."""
     return score.safety.p if score.tested else {}
 
@@ -219,30 +224,6 @@ def _stopped(score: MutantScore) -> str:
     return ", ".join(
         f"{status.value} {counts[status]}" for status in sorted(counts, key=lambda s: s.stage, reverse=True)
     )
-
-
-def to_records(rows: Sequence[SheetRow]) -> list[dict[str, Any]]:
-    """The sheet as plain JSON values: the cell as `scaloft-fi matrix` has it, with `results` (null: not flown)."""
-    return [_record(row) for row in rows]
-
-
-def _record(row: SheetRow) -> dict[str, Any]:
-    score, values = row.score, row.values
-    keys = ("situations_flown", "reached", "infected", "needed", "where", "stopped_at")
-    results = None
-    if score is not None:
-        results = {key: values[key] for key in keys} | {
-            "status": score.status.value,
-            "verdict": score.verdict.value,
-            "operability": score.operability.verdict.value,
-            "p": dict(_p(score)),
-            "kill_rate": plain(score.kill_rate),
-            "kill_rate_flown": plain(score.kill_rate_flown),
-            "requirements": plain(dict(score.requirements)),
-            "killing": list(score.killing),
-        }
-    besides = {key: values[key] for key in ("node", "design_intent", "margin", "disposition", *FOUND)}
-    return {**record(row.cell), **besides, "results": results, "team": {column.key: None for column in TEAM}}
 
 
 def population(rows: Sequence[SheetRow]) -> str:

@@ -62,6 +62,7 @@ def compare(outcomes: list[Outcome]) -> dict[str, Any]:
         controls=set(ROSTER.controls),
     )
     order = [key for key, _ in GRID.points]
+    assert not any(found.pop(name) for name in ("groups", "noise", "looks", "unflown"))
     found["pairs"].sort(key=lambda pair: order.index(pair["situation"]))
     same(found, expected)
     return found

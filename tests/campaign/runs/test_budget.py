@@ -24,7 +24,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.derive import defaults, realise
 from scaloft_fi.views.flights.export import export_rows, to_json
-from scaloft_fi.views.runs.unflown import unflown_tables
+from scaloft_fi.views.runs.unflown import unflown, unflown_tables
 
 CONTROL = "REVERSE-velcmd"
 
@@ -177,10 +177,10 @@ def test_a_budget_that_suffices_is_a_whole_run(study: Any, log: Any) -> None:
 def test_the_tables_name_what_was_not_flown(study: Any, log: Any) -> None:
     planned = _whole(study)
     left = [f for f in planned.mutants if f.subject.parameter == "goal" or f.situation.key == "D1H1"]
-    by_parameter, by_situation = unflown_tables(planned, left)
+    by_parameter, by_situation = unflown_tables(unflown(planned, left))
     flown = {row["parameter"]: row["flown"] for row in by_parameter.records()}
     assert flown["goal"] == 0
     assert flown["baseline"] == 4
     assert sum(int(str(row["not flown"])) for row in by_situation.records()) == len(left)
     assert f"{len(left)} of " in by_parameter.notes[0]
-    assert unflown_tables(planned, []) == ()
+    assert unflown(planned, []) == unflown_tables(()) == ()

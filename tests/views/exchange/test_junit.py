@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import shlex
+
 from builders import outcome, pool
 from dossiers import dossier, dossiers
 from finding import flies, found, known
@@ -8,6 +10,7 @@ from junitparser import Error, Failure, JUnitXml, Skipped
 
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.inert import line
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.junit import junit
@@ -50,6 +53,28 @@ def test_the_counts_are_those_of_the_cases(dossier: Dossier) -> None:
     said = (whole.tests, whole.failures, whole.errors, whole.skipped)
     whole.update_statistics()
     assert said == (whole.tests, whole.failures, whole.errors, whole.skipped)
+
+
+@settings(deadline=None, max_examples=50)
+@given(dossiers())
+def test_every_case_that_does_not_pass_carries_the_replay_and_the_next_step(dossier: Dossier) -> None:
+    flown = {outcome.name for outcome in dossier.outcomes}
+    scores = {mutant.subject.id: mutant for mutant in (*dossier.score.mutants, *dossier.score.controls)}
+    for suite in JUnitXml.fromstring(junit(dossier).encode()):
+        for case in suite:
+            for result in case.result:
+                first, *_ = (shlex.split(told.partition(": ")[2]) for told in result.text.splitlines())
+                assert first[:2] == ["scaloft-fi", "replay"]
+                assert first[2] in flown
+                assert first[2].startswith(f"{case.name}/")
+                assert line(f"; next: {dossier.next_command(scores[case.name])}") in result.message
+
+
+def test_the_flight_to_fly_again_is_the_one_that_says_most() -> None:
+    flights = [outcome("LATE-human@3s", HERE, seed, violated={"SR2": 7.0} if seed == 1 else {}) for seed in range(3)]
+    ((case,),) = JUnitXml.fromstring(junit(dossier([*pool(HERE), *flights])).encode())
+    (skipped,) = case.result
+    assert f"scaloft-fi replay LATE-human@3s/{HERE}/1 " in skipped.text
 
 
 def test_what_is_skipped_names_the_reason_and_the_next_command() -> None:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 
 from builders import outcome, pool
 from dossiers import HOSTILE, LINES, dossier, dossiers
@@ -34,7 +35,7 @@ def test_an_undecided_mutant_is_a_note_and_its_message_tells_the_verdict() -> No
     (run,) = sarif(dossier(flights))["runs"]
     assert [result["level"] for result in run["results"]] == ["warning", "note", "warning"]
     texts = [result["message"]["text"] for result in run["results"]]
-    assert texts[0] == "NO-human@100% is not tested: it changes no sample in any situation flown."
+    assert texts[0].startswith("NO-human@100% is not tested: it changes no sample in any situation flown.  Fly its ")
     assert texts[1].startswith("LATE-human@3s is undecided: it violates SR2 in 1 of 1 situation")
     assert texts[2].startswith("MORE-goal@0.6m is not detected: nothing seen in 1 situation")
 
@@ -46,3 +47,24 @@ def test_no_rule_is_without_a_result(dossier: Dossier) -> None:
     rules = [rule["id"] for rule in run["tool"]["driver"]["rules"]]
     assert len(rules) == len(set(rules))
     assert set(rules) == {result["ruleId"] for result in run["results"]}
+
+
+@settings(deadline=None, max_examples=50)
+@given(dossiers())
+def test_every_result_carries_the_replay_and_the_next_step_where_viewers_show_them(dossier: Dossier) -> None:
+    (run,) = Sarif.model_validate_json(json.dumps(sarif(dossier), allow_nan=False)).runs
+    flown = {outcome.name for outcome in dossier.outcomes}
+    for result, raw in zip(run.results, sarif(dossier)["runs"][0]["results"], strict=True):
+        mutant, steps = result.partial_fingerprints["mutant/v1"], raw["properties"]
+        program, verb, name, *campaign = shlex.split(steps["replay"])
+        assert (program, verb) == ("scaloft-fi", "replay")
+        assert name in flown
+        assert name.startswith(f"{mutant}/")
+        assert campaign == ["--campaign", dossier.campaign]
+        assert shlex.split(steps["next"])[0] == "scaloft-fi"
+        assert shlex.split(steps["seek"]) == ["scaloft-fi", "seek", mutant]
+        rule = run.tool.driver.rules[result.rule_index]
+        for command in (steps["replay"], steps["next"]):
+            assert command in result.message.text
+        for command in steps.values():
+            assert command in rule.help.text

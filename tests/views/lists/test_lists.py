@@ -8,9 +8,12 @@ import json
 from pathlib import Path
 
 import pytest
+from jsonschema import Draft202012Validator
 
 from scaloft_fi.errors import InputError
+from scaloft_fi.judge.bounds import bounds_of, verdict
 from scaloft_fi.judge.caps import check_caps
+from scaloft_fi.judge.ranges import ranges_of
 from scaloft_fi.judge.stl import Formula
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.sim.measures import SIGNALS
@@ -23,6 +26,7 @@ from scaloft_fi.views.lists.samples import sample_text
 from scaloft_fi.views.lists.seams import acted_on, seam_list
 from scaloft_fi.views.lists.signal_facts import FACTS
 from scaloft_fi.views.lists.signals import BOTH, REALISED, TO_ASK, signal_list
+from scaloft_fi.views.outputs.csv_tables import csv_tables
 from scaloft_fi.views.tables.table import Format
 
 STUDY = Path(__file__).parents[3]
@@ -61,7 +65,9 @@ def test_every_example_of_a_signal_is_a_formula_within_the_caps(wide: Study) -> 
     names = {*wide.signals, *wide.grid.passing_signals, *SIGNALS}
     for record in signal_list(wide).records:
         check_caps(record["example"], wide.caps)
-        assert record["name"] in Formula.parse(record["example"], names).names, record
+        formula = Formula.parse(record["example"], names)
+        assert record["name"] in formula.names, record
+        assert verdict(bounds_of(formula, ranges_of(wide.grid.world(), wide.stack.beliefs, names))) is None, record
 
 
 def test_every_signal_of_the_ground_truth_has_facts_and_a_unit_or_none() -> None:
@@ -112,7 +118,7 @@ def test_every_field_of_numbers_has_the_unit_that_its_seam_declares(study: Study
 
 
 def test_the_example_of_an_operator_is_what_its_tap_does(lists: dict[str, Listing]) -> None:
-    told = {record["name"]: record["example"]["polls"] for record in lists["operators"].records}
+    told = {record["name"]: record["polls"] for record in lists["operators"].records}
     assert told.keys() == OPERATORS.keys()
     for name, operator in OPERATORS.items():
         assert [poll["sent"] for poll in told[name]] == list(map(sample_text, operator.example.before))
@@ -135,7 +141,9 @@ def test_every_value_of_every_axis_is_listed_with_what_it_sets(wide: Study) -> N
     for axis in wide.grid.axes:
         assert [value["name"] for value in records[axis.id]["values"]] == [f"{axis.id}{v.id}" for v in axis.values]
         for value, listed in zip(axis.values, records[axis.id]["values"], strict=True):
-            assert listed["set"] == {path: item.plain() for path, item in value.changes.items()}
+            assert {one["path"]: one["value"] for one in listed["set"]} == {
+                path: item.plain() for path, item in value.changes.items()
+            }
             assert listed["realised"]
 
 
@@ -143,23 +151,28 @@ def test_a_free_axis_tells_its_range_distribution_and_with_what_it_goes() -> Non
     records = {record["name"]: record for record in axis_list(Study.open(STUDY, "search").grid).records}
     light = records["Li"]
     assert (light["from"], light["to"], light["distribution"]) == (0.05, 1.0, "log-uniform")
-    assert light["only_with"] == {"D": [0, 2]}
-    assert records["Du"]["also"] == {"world.happenings.dust.active": True}
+    assert light["only_with"] == [{"axis": "D", "values": ["0", "2"]}]
+    assert records["Du"]["also"] == [{"path": "world.happenings.dust.active", "value": True}]
 
 
 @pytest.mark.parametrize("name", ["signals", "seams", "operators", "axes"])
-@pytest.mark.parametrize("how", list(Format))
+@pytest.mark.parametrize("how", [Format.TABLE, Format.MARKDOWN, Format.LATEX])
 def test_every_list_comes_in_every_format(lists: dict[str, Listing], name: str, how: Format) -> None:
     listing = lists[name]
-    text = shown(listing, (), how)
+    text = shown(listing, how, whole=False)
     assert all(one in text.replace("\\", "") for one in listing.names)
-    if how is Format.JSON:
-        assert [record["name"] for record in json.loads(text)] == list(listing.names)
-    if how is Format.CSV:
-        assert [row["name"] for row in csv.DictReader(io.StringIO(text))] == list(listing.names)
     if how is Format.TABLE:
         assert max(map(len, text.splitlines())) <= 100
-    assert shown(listing, listing.names[:2], how)
+    assert shown(listing.chosen(listing.names[:2]), how, whole=True)
+
+
+@pytest.mark.parametrize("name", ["signals", "seams", "operators", "axes"])
+def test_every_list_is_of_its_declared_form(lists: dict[str, Listing], name: str) -> None:
+    listing = lists[name]
+    whole = json.loads(listing.form.json(listing.values))
+    Draft202012Validator(listing.form.schema).validate(whole)
+    rows = list(csv.DictReader(io.StringIO(csv_tables(listing.form, listing.values)[name])))
+    assert [row["name"] for row in rows] == [record["name"] for record in whole[name]] == list(listing.names)
 
 
 def test_a_pattern_shows_what_it_fits_and_a_miss_names_the_nearest(lists: dict[str, Listing]) -> None:

@@ -3,6 +3,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from forms import of_form
 from jsonschema import Draft202012Validator
 
 from scaloft_fi.cli.verbs import VERBS
@@ -11,12 +12,17 @@ from scaloft_fi.views.outputs.listed import OUTPUTS, output_of, schema_texts
 from scaloft_fi.views.outputs.shape import Shape, inner
 from scaloft_fi.views.reference.outputs import outputs_page
 
+SCORE = Path(__file__).parents[3] / "results" / "published" / "reference" / "score.json"
 PUBLISHED = Path(__file__).parents[3] / "docs" / "schemas" / "output"
 
 
 def test_the_published_schemas_are_those_of_the_code() -> None:
     published = {path.name: path.read_text(encoding="utf-8") for path in PUBLISHED.iterdir()}
     assert published == schema_texts(), "run python docs/schemas/write.py"
+
+
+def test_the_published_score_has_the_form_of_today() -> None:
+    of_form("score", SCORE.read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize("verb", OUTPUTS)
@@ -49,6 +55,6 @@ def test_the_page_has_every_key_and_every_exit_code() -> None:
     for verb in OUTPUTS:
         assert f"## `{verb} --format json`" in page
         for key in output_of(verb).keys:
-            assert f"| `{key}` |" in page
+            assert f"| `{key}` |" in page or f"| `[].{key}` |" in page
     for code in ExitCode:
         assert f"| {code.value} | {code.meaning} |" in page

@@ -21,8 +21,8 @@ def test_both_matrices_are_drawn_whole(visit: Opened, text: str) -> None:
     told, page = embedded(text, "figures"), visit().page
     assert page.locator("#hazop td").count() == len(told["cells"]) == 156
     assert page.locator("#kills td.state").count() == len(told["mutants"]) * len(told["situations"])
-    # a line for each axis, and one for each safety requirement
-    assert page.locator("#kills thead tr").count() == len(told["axes"]) + 2
+    # the names, a line for each axis, and one for each safety requirement
+    assert page.locator("table.kills thead tr").count() == 1 + len(told["axes"]) + 2
     for mutant in told["mutants"]:
         row = page.locator(f'#kills tr[data-mutant="{mutant["id"]}"]')
         states = row.locator("td.state").evaluate_all("cells => cells.map((cell) => cell.dataset.state)")
@@ -35,8 +35,8 @@ def test_both_matrices_are_drawn_whole(visit: Opened, text: str) -> None:
             assert mutant["verdict"].replace("_", " ") in said
             assert said.endswith(f"{rate['part']}/{rate['whole']}" if rate["whole"] else "tested")
     for cell, text in (
-        ("LATE-human", "\u2713\u00a08/16"),
-        ("MORE-goal", "\u25cb\u00a00/30"),
+        ("LATE-human", "\u2713\u2713\u2713\u00a08/16"),
+        ("MORE-goal", "\u25cb\u00a00/30 op"),
         ("LESS-goal", "?\u00a00/30"),
     ):
         assert page.locator(f'#hazop td[data-cell="{cell}"]').inner_text().split("\n")[0] == text
@@ -58,14 +58,20 @@ def test_no_two_signs_of_the_kill_matrix_look_the_same_without_colour(visit: Ope
     assert len({look for found in by_sign.values() for look in found}) == len(by_sign) == 7
 
 
-def test_the_head_names_four_questions_and_answers_them(visit: Opened, text: str) -> None:
+def test_the_head_opens_with_the_answer_what_the_drone_fails_and_what_is_not_claimed(visit: Opened, text: str) -> None:
     told, page = embedded(text, "figures"), visit().page
-    head = page.locator(".masthead .answers").first
-    assert head.locator("dt").all_inner_texts() == ["Shown", "Not shown", "How sure", "What next"]
-    answers = [answer["text"].replace("`", "").replace(".  ", ". ") for answer in told["answers"]]
-    said = head.locator("dd").all_inner_texts()
-    assert [one[0].lower() + one[1:] for one in said] == [one[0].lower() + one[1:] for one in answers]
-    assert page.locator(".masthead .besides dt").all_inner_texts() == ["Situations", "Unmutated drone"]
+    head = page.locator(".masthead")
+    shown, not_shown, sure, next_ = (one["text"].replace("`", "").replace(".  ", ". ") for one in told["answers"])
+    assert head.locator(".answer").inner_text() == shown
+    assert shown.startswith("1 of 4 faults")
+    names = head.locator(".answers dt").all_inner_texts()
+    assert names == ["How sure", "Unmutated drone", "Not claimed", "Not shown", "What next", "Situations"]
+    said = dict(zip(names, head.locator(".answers dd").all_inner_texts(), strict=True))
+    for name, answer in (("How sure", sure), ("Not shown", not_shown), ("What next", next_)):
+        assert said[name].lower() == answer.lower()
+    assert [*filter(None, said["Unmutated drone"].split("\n"))][:3] == told["head"]["fails"]
+    assert all(claim in said["Not claimed"] for claim in told["head"]["claims"])
+    assert page.locator("main > *").nth(1).get_attribute("id") == "hazop"
 
 
 def test_the_ratios_are_printed_as_they_are_in_the_figures(visit: Opened, text: str) -> None:
@@ -197,15 +203,17 @@ def test_the_matrices_are_walked_and_opened_by_keys(visit: Opened) -> None:
         assert seen.hash().startswith(opened)
         page.keyboard.press("Escape")
         page.wait_for_selector("#sheet", state="hidden")
-        assert not seen.hash()
+        page.wait_for_function("() => !location.hash")  # the close event comes later
         assert page.evaluate("document.activeElement.getAttribute('aria-label')") == focused
 
 
 def test_a_cell_shows_its_mutants_and_they_lead_to_flights(visit: Opened) -> None:
     page = visit("#cell=LATE-human").page
     page.wait_for_selector("#sheet .mutant")
-    assert page.locator("#sheet .mutant h3").all_inner_texts() == ["LATE-human@1s", "LATE-human@3s"]
-    page.locator('#sheet .flown-list a[data-state="kill"]').first.click()
+    assert page.locator("#sheet .mutant h3").first.inner_text() == "LATE-human@3s"
+    assert "LATE-human@1s detected by SR2" in page.locator("#sheet .sheet-body > details > summary").inner_text()
+    page.locator("#sheet .flown-list").first.locator("xpath=..").locator("summary").click()
+    page.locator('#sheet .flown-list a:has([data-state="kill"])').first.click()
     page.wait_for_selector("#sheet .map")
     page.go_back()
     page.wait_for_selector("#sheet .mutant")

@@ -72,7 +72,7 @@ def test_the_head_answers_four_questions_as_the_score_does(told: dict[str, Any],
     assert [answer["name"] for answer in told["answers"]] == ["Shown", "Not shown", "How sure", "What next"]
     assert told["answers"][0]["text"].startswith("1 of 4 faults")
     assert "`scaloft-fi " in told["answers"][3]["text"]
-    assert [line["name"] for line in told["besides"]] == ["Situations", "Unmutated drone"]
+    assert [line["name"] for line in told["besides"]] == ["Situations"]
 
 
 def test_alpha_is_spent_as_the_campaign_spent_it(evidence: Evidence, quick: Figures) -> None:
@@ -120,6 +120,44 @@ def test_a_kill_opens_a_flight_that_has_it(told: dict[str, Any], rows: list[dict
     assert opened["LATE-human@1s", "kill"] == 1
     assert opened["LATE-human@3s", "kill"] == 0
     assert opened["LESS-goal@0.05m", "seen"] == 1
+
+
+def test_every_kill_names_a_flight_that_has_it(told: dict[str, Any], rows: list[dict[str, Any]]) -> None:
+    flights = {(row["mutant"], row["situation"], row["seed"]): row for row in rows}
+    pool = [row for row in rows if row["mutant"] == "baseline"]
+    for mutant in told["mutants"]:
+        killed = {(kill["situation"], kill["requirement"]) for kill in mutant["kills"] if kill["requirement"] in SAFETY}
+        shown = zip(told["situations"], mutant["results"], strict=True)
+        signs = {(s["key"], name) for s, result in shown if told["signs"][result[0]] == "kill" for name in result[4]}
+        assert killed == signs
+        for kill in mutant["kills"]:
+            flight = flights[mutant["id"], kill["situation"], kill["seed"]]
+            place = flight["violated"].index(kill["requirement"])
+            assert kill["t_s"] == flight["violation_times_s"][place]
+            assert kill["struck"] == flight["violation_bodies"][place]
+            beside = [row for row in pool if row["situation"] == kill["situation"]]
+            violated = sum(kill["requirement"] in row["violated"] for row in beside)
+            assert kill["baseline"] == {"part": violated, "whole": len(beside)}
+            own = [row for key, row in flights.items() if key[:2] == (mutant["id"], kill["situation"])]
+            violated = sum(kill["requirement"] in row["violated"] for row in own)
+            assert kill["flights"] == {"part": violated, "whole": len(own)}
+
+
+def test_a_detection_is_as_sure_as_its_p_is_small(told: dict[str, Any]) -> None:
+    assert told["certainty"] == [0.01, 0.001, 0.00001]
+    steps = {}
+    for mutant in told["mutants"]:
+        p = min((test["p"] for test in mutant["tests"] if test["requirement"] in SAFETY), default=1)
+        steps[mutant["id"]] = mutant["certainty"]
+        assert mutant["certainty"] == (sum(p <= step for step in told["certainty"]) if p <= 0.01 else 0)
+    assert steps["LATE-human@3s"] == 3
+    assert steps["MORE-goal@0.6m"] == 0
+
+
+def test_a_situation_is_named_by_the_values_that_are_not_benign(told: dict[str, Any]) -> None:
+    names = {situation["key"]: (situation["name"], situation["aliases"]) for situation in told["situations"]}
+    assert names["T0O0W0D0H0"] == ("every value benign", [])
+    assert names["T1O1W1D1H0"] == ("corner, obstacle, near wall, dark", ["32"])
 
 
 def test_the_ratios_are_those_of_the_export(told: dict[str, Any], counted: dict[str, dict[str, Count]]) -> None:

@@ -52,7 +52,7 @@ def test_each_find_has_its_words_evidence_scene_and_command(both: dict[str, Any]
     one = both["finds"][1]["shows"][0]
     assert (one["requirement"], one["struck"], one["violated"], one["flights"]) == ("SR2", "person", 6, 6)
     assert (one["p"], one["alpha"], one["held"], one["margin"], one["spread"]) == (0.00025, 0.005, 10, 0.071, 0.02)
-    still, walking = ({kind: path for kind, _, path in find["scene"]["bodies"]} for find in both["finds"])
+    still, walking = ({name: path for _, _, path, name in find["scene"]["bodies"]} for find in both["finds"])
     assert not still["person"]
     assert len(walking["person"]) > 1
     assert set(walking) - set(still) == {"obstacle"}

@@ -30,7 +30,8 @@ from scaloft_fi.mutants.derive import derive
 from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.views.tables.literal import FORMULA, latex, markdown
 from scaloft_fi.views.worksheet.spreadsheet import LONGEST, to_xlsx
-from scaloft_fi.views.worksheet.worksheet import COLUMNS, FINDINGS, TEAM, SheetRow, population, to_records, worksheet
+from scaloft_fi.views.worksheet.worksheet import COLUMNS, FINDINGS, TEAM, SheetRow, population, worksheet
+from scaloft_fi.views.worksheet.worksheet_record import worksheet_values
 from scaloft_fi.views.worksheet.worksheet_text import to_csv, to_latex, to_markdown, to_text
 
 MATRIX = load_matrix(Path(__file__).parents[3] / "hazop", REFERENCE.by_name).only(
@@ -154,7 +155,7 @@ def test_a_survivor_with_a_find_names_it_and_the_command_that_flies_it_in_every_
     assert latex(flies(survivor)) in to_latex(told)
     (from_csv,) = [entry for entry in read_csv(told) if entry["cell"] == "NO-human"]
     assert (from_csv["find"], from_csv["flies_find"]) == (said, flies(survivor))
-    (record,) = [entry for entry in to_records(told) if entry["cell"] == "NO-human"]
+    (record,) = [entry for entry in worksheet_values(told)["rows"] if entry["cell"] == "NO-human"]
     assert (record["find"], record["flies_find"]) == (said, flies(survivor))
     texts = [cell.value for line in load_workbook(io.BytesIO(to_xlsx(told))).active.iter_rows() for cell in line]
     assert {said, flies(survivor)} <= set(texts)
@@ -187,7 +188,7 @@ def test_deviations_that_are_not_credible_are_in_a_log_with_their_reason() -> No
 def test_every_figure_is_the_scores(outcomes: list[Outcome]) -> None:
     scored = score(outcomes, ROSTER, GRID)
     flown = {mutant.subject.id: mutant for mutant in (*scored.mutants, *scored.controls)}
-    records = {record["cell"]: record for record in to_records(rows(outcomes))}
+    records = {record["cell"]: record for record in worksheet_values(rows(outcomes))["rows"]}
     assert set(records) == {cell.name for cell in MATRIX}
     for row in rows(outcomes):
         found = records[row.cell.name]["results"]
@@ -216,7 +217,9 @@ def test_what_a_study_says_appears_literally_in_every_format(text: str) -> None:
     (from_csv,) = [entry for entry in read_csv(found) if entry["cell"] == "LATE-human"]
     assert from_csv["deviation"].removeprefix("'") == printable(text).removeprefix("'")
     assert not from_csv["deviation"].startswith(FORMULA)
-    (record,) = [entry for entry in json.loads(json.dumps(to_records(found))) if entry["cell"] == "LATE-human"]
+    (record,) = [
+        entry for entry in json.loads(json.dumps(worksheet_values(found)))["rows"] if entry["cell"] == "LATE-human"
+    ]
     assert record["deviation"] == text
     assert f"| {markdown(text)} |" in to_markdown(found)
     assert f" & {latex(text)} & " in to_latex(found)

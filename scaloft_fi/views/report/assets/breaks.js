@@ -17,7 +17,7 @@ function breakOne(one, place, open) {
   return h("details", { open, class: "fold", id: `break-${place}` },
     h("summary", {}, h("h3", { class: "inline" }, capital(one.words)), h("span", {}, `: ${effectOf(one)}`)),
     h("div", { class: "flight" },
-      h("figure", {}, mapOf(one.scene, null, null, [{ kind: "violation", t: one.t_s, at: one.place, text: `${one.requirement} violated${one.struck ? `, strikes ${one.struck}` : ""}` }])?.root,
+      h("figure", {}, mapOf(one.scene, null, null, [{ kind: "violation", t: one.t_s, at: one.place, text: `${one.requirement} violated${one.struck ? `, strikes ${one.struck}` : ""}`, brief: `${one.requirement}, ${seconds(one.t_s)}` }])?.root,
         h("ul", { class: "keys" }, h("li", {}, lineOf("route"), "route of the mission"), h("li", {}, signOf("violation"), "where the requirement is violated"))),
       h("div", {}, h("dl", { class: "pairs" }, facts.map(([what, told]) => [h("dt", {}, what), h("dd", {}, told)])), commandBox("Fly it", one.command))));
 }

@@ -1,4 +1,4 @@
-/* The sheet of one HAZOP cell: what it asks, and its mutants with their results. */
+/* The sheet of one HAZOP cell: its default mutant with the flight that shows it, what the cell asks, its other mutants. */
 function cellSheet(name) {
   const cell = CELLS.get(name);
   if (!cell) return { title: name, lead: "", body: [h("p", { class: "notice" }, `The study has no cell ${name}.`)] };
@@ -7,7 +7,7 @@ function cellSheet(name) {
   const pairs = [
     ["guideword", `${word.title}: ${word.meaning}`],
     ["parameter", `${parameter.title}: ${parameter.intent}`],
-    ["between", parameter.node],
+    ["node", parameter.node],
     cell.deviation && ["deviation", cell.deviation],
     cell.causes.length && ["causes", cell.causes.map((cause) => h("span", { class: "line" }, cause))],
     cell.effect && ["effect", cell.effect],
@@ -18,11 +18,17 @@ function cellSheet(name) {
     DATA.margins[name] && ["margin", [marginText(name), limitLines(againstOf(name))]],
   ].filter(Boolean);
   const mutants = cell.mutants.map((id) => MUTANTS.get(id));
+  const main = mutants.find((mutant) => mutant.id === cell.default) ?? mutants[0];
+  const others = mutants.filter((mutant) => mutant !== main);
   return {
     title: name, lead: { credible: "A credible deviation.", control: "A crude control: it must show itself, and enters no ratio.", not_meaningful: "Not meaningful." }[cell.status],
     body: [
-      h("dl", { class: "pairs" }, pairs.map(([what, text]) => [h("dt", {}, what), h("dd", {}, text)])),
-      mutants.length ? mutants.map(mutantBlock) : cell.status !== "not_meaningful" && h("p", { class: "note" }, "No mutant of this cell was flown in this campaign: ", h("code", {}, `scaloft-fi run${inCampaign()} --mutant ${literal(`${name}*`)}`)),
+      main && mutantBlock(main),
+      h("h3", { class: "sub" }, "What the cell asks"),
+      h("dl", { class: "pairs" }, pairs.map(([what, text]) => [h("dt", {}, term(what)), h("dd", {}, text)])),
+      others.length > 0 && [h("h3", { class: "sub" }, "Other mutants of the cell"), others.map((mutant) => h("details", { class: "fold" },
+        h("summary", {}, h("b", { class: "id" }, mutant.id), ` ${verdictText(mutant)}, ${killsText(mutant)}`), mutantBlock(mutant)))],
+      !mutants.length && cell.status !== "not_meaningful" && h("p", { class: "note" }, "No mutant of this cell was flown in this campaign: ", h("code", {}, `scaloft-fi run${inCampaign()} --mutant ${literal(`${name}*`)}`)),
     ],
   };
 }

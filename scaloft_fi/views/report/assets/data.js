@@ -52,18 +52,21 @@ async function inflated(text) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/** A length, so many bytes of JSON, then the tracks one after the other. */
+/** A length, so many bytes of JSON, then the tracks one after the other; a track is decoded when it is first asked for. */
 function unpacked(bytes) {
   const length = new DataView(bytes.buffer).getUint32(0, true);
   const { flights, tracks } = JSON.parse(new TextDecoder().decode(bytes.subarray(4, 4 + length)));
-  const rows = [];
   let at = 4 + length;
-  for (const [count, same, base] of tracks) {
-    const own = count - same;
-    rows.push(decoded(bytes, at, own, same ? rows[base].slice(0, same) : []));
-    at += 2 * own * DATA.columns.length;
-  }
-  return flights.map((flight) => ({ ...flight, rows: flight.track === null ? null : rows[flight.track] }));
+  const starts = tracks.map(([count, same]) => {
+    at += 2 * (count - same) * DATA.columns.length;
+    return at - 2 * (count - same) * DATA.columns.length;
+  });
+  const rows = [];
+  const track = (place) => {
+    const [count, same, base] = tracks[place];
+    return (rows[place] ??= decoded(bytes, starts[place], count - same, same ? track(base).slice(0, same) : []));
+  };
+  return flights.map((flight) => ({ ...flight, get rows() { return flight.track === null ? null : track(flight.track); } }));
 }
 
 /** Undo two planes of bytes, zigzag, differences column by column, and the quantum. */

@@ -15,17 +15,17 @@ function furnished(node, attributes, children) {
 const h = (tag, attributes = {}, ...children) => furnished(document.createElement(tag), attributes, children);
 const s = (tag, attributes = {}, ...children) => furnished(document.createElementNS(SVG, tag), attributes, children);
 
-/** A table: headers are texts, a cell is a text, a node, or {node, number: true}; the first column names its row. */
+/** A table: headers are texts, each a term, or {text, number: true, after: what follows it}; a cell is a text or a node; the first column names its row. */
 function table(headers, rows, { caption = null, stack = true } = {}) {
   const heads = headers.map((head) => (typeof head === "string" ? { text: head } : head));
   const cell = (value, column) => {
-    const attributes = heads[column].number ? { class: "number" } : {};
+    const attributes = { class: heads[column].number && "number", "data-head": column && heads[column].text };
     return column === 0 ? h("th", { scope: "row", ...attributes }, value) : h("td", attributes, value);
   };
   return h("div", { class: "scroll" },
     h("table", { class: stack ? "plain stack" : "plain" },
       caption && h("caption", {}, caption),
-      h("thead", {}, h("tr", {}, heads.map((head) => h("th", { scope: "col", class: head.number && "number" }, head.text)))),
+      h("thead", {}, h("tr", {}, heads.map((head) => h("th", { scope: "col", class: head.number && "number" }, term(head.text), head.after)))),
       h("tbody", {}, rows.map((row) => h("tr", {}, row.map(cell))))));
 }
 

@@ -10,18 +10,20 @@ async function flightSheet(mutant, situation, seed) {
   body.push(chooseFlight(flights, mutant, situation, seed));
   if (flight) body.push(...verdict(flight, situation), ...pictures(situation, flight, clean), readings(flight, mutant === "baseline" ? null : clean));
   body.push(command(mutant, situation, seed));
-  return { title: `${title} \u00b7 ${wordsOf(situation)}`, lead: `situation ${situation}, seed ${seed}`, body };
+  const at = DATA.situations[PLACES.get(situation)];
+  return { title: `${title} \u00b7 ${wordsOf(situation)}`, lead: `situation ${at ? codeOf(at) : situation}, seed ${seed}`, body };
 }
 
 function chooseFlight(flights, mutant, situation, seed) {
   const seeds = flights?.filter((one) => one.mutant === mutant).map((one) => [one.seed, one.status]) ?? [];
-  const at = PLACES.get(situation) ?? 0;
+  const at = PLACES.get(situation);
   const beside = [-1, 1].map((step) => DATA.situations[at + step]?.key);
   const link = (key, text, label) => h("button", { type: "button", disabled: !key, onclick: () => go(flightHash(mutant, key, seed), true), "aria-label": label, title: key ? wordsOf(key) : null }, text);
   return h("div", { class: "row", role: "group", "aria-label": "Other flights" },
     h("span", { class: "name" }, "seed"),
     seeds.map(([one, status]) => h("button", { type: "button", "aria-pressed": String(one === seed), "data-seed": one, onclick: () => go(flightHash(mutant, situation, one), true) }, `${one} `, h("span", { class: "faint" }, spaced(status)))),
     h("span", { class: "name" }, "situation"), link(beside[0], "\u2039", "previous situation"), link(beside[1], "\u203a", "next situation"),
+    at !== undefined && h("a", { href: situationHash(situation) }, "this situation"),
     MUTANTS.has(mutant) && h("a", { href: mutantHash(mutant) }, "all situations of this mutant"),
     CELLS.has(MUTANTS.get(mutant)?.cell) && h("a", { href: cellHash(MUTANTS.get(mutant).cell) }, "its cell of the HAZOP matrix"),
     mutant !== "baseline" && h("a", { href: flightHash("baseline", situation, seed) }, "the unmutated flight"));
@@ -56,24 +58,24 @@ const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 function pictures(situation, flight, clean) {
   if (!flight.rows && !clean?.rows) return [h("p", { class: "note" }, "The page holds no track of this flight.  ", withCode(DATA.detail))];
   const shownClean = flight.mutant === "baseline" ? null : clean;
-  const map = mapOf(DATA.scenes.situations[situation], flight, shownClean);
-  const plots = DATA.columns.slice(4).map((column, number) => timeChart(column.name, number + 4, flight, shownClean)).filter(Boolean);
+  const { map, plots } = drawn(situation, flight, shownClean);
   const end = Math.max(...[flight, shownClean].filter((one) => one?.rows?.length).map((one) => one.rows.at(-1)[0]));
-  const told = h("output", {}, "");
-  const slider = h("input", { type: "range", min: 0, max: end, step: 0.2, value: 0, "aria-label": "time in the flight" });
-  const move = (time) => {
-    [map, ...plots].forEach((picture) => picture?.move(time));
-    told.textContent = seconds(time);
-    slider.value = time;
-  };
-  slider.addEventListener("input", () => move(Number(slider.value)));
-  plots.forEach((picture) => picture.root.addEventListener("pointermove", (event) => move(Math.max(0, Math.min(end, picture.timeAt(event))))));
-  told.textContent = seconds(0);
-  return [h("div", { class: "flight" },
+  const happened = marks(flight);
+  const start = happened.find((mark) => mark.kind === "violation")?.t ?? 0;
+  const time = player(end, happened, start, (moment) => [map, ...plots].forEach((picture) => picture?.move(moment)));
+  plots.forEach((picture) => picture.root.addEventListener("pointermove", (event) => time.go(Math.max(0, Math.min(end, picture.timeAt(event))))));
+  return [time.node, h("div", { class: "flight" },
     h("figure", {}, map?.root, key(flight, shownClean)),
     h("div", {}, plots.map((picture) => h("figure", {}, h("figcaption", {}, picture.caption), picture.root)),
-      h("div", { class: "time" }, h("span", {}, "time"), slider, told),
       !flight.rows && h("p", { class: "note" }, "This flight's own track is not in the page.  ", withCode(DATA.detail))))];
+}
+
+/** The map of a flight beside the unmutated drone's, and a chart for each signal of the tracks. */
+function drawn(situation, flight, clean) {
+  return {
+    map: mapOf(DATA.scenes.situations[situation], flight, clean),
+    plots: DATA.columns.slice(4).map((column, number) => timeChart(column.name, number + 4, flight, clean)).filter(Boolean),
+  };
 }
 
 const lineOf = (kind) => s("svg", { width: 30, height: 12, "aria-hidden": "true" }, s("path", { class: kind, d: "M3,6H27" }));
@@ -160,7 +162,7 @@ function readings(flight, clean) {
     return [h("span", { title: requirement.title }, requirement.name, h("span", { class: "faint small" }, ` ${requirement.kind}`)),
       ...(clean ? side(clean, number) : []), ...side(flight, number), own ? seconds(own[1]) : "–", h("span", { class: "faint small unit" }, requirement.unit)];
   });
-  const headers = ["requirement", ...(clean ? ["unmutated drone", { text: "robustness", number: true }] : []), clean ? "this flight" : "compliance", { text: "robustness", number: true }, { text: "violated at", number: true }, "unit of robustness"];
+  const headers = ["requirement", ...(clean ? ["unmutated drone", { text: "robustness", number: true }] : []), "flight", { text: "robustness", number: true }, { text: "violated at", number: true }, "unit"];
   return h("div", {}, h("h3", { class: "sub" }, "Robustness: below 0 a requirement is violated; \u2013 where it was not put to the test"), table(headers, rows, { stack: false }));
 }
 

@@ -29,7 +29,7 @@ function orderChart() {
   const cell = (value) => (value === null || value === undefined ? "–" : `${Math.round(value)} %`);
   return h("div", {}, root,
     h("details", {}, h("summary", {}, "Beside the published figures for software failures"),
-      table(["share killed, or failing, by at most so many", ...upTo.map((t) => ({ text: String(t), number: true }))],
+      table(["at most %", ...upTo.map((t) => ({ text: String(t), number: true }))],
         [["this campaign", ...upTo.map((t) => cell(ours[t]))], ...Object.entries(nist).map(([name, shares]) => [name, ...upTo.map((t) => cell(shares[t - 1]))])], { stack: false }),
       h("p", { class: "small faint" }, source)));
 }
@@ -62,7 +62,7 @@ function subsumption() {
   return h("div", {},
     h("p", {}, `${killed} killed mutants make ${distinct} different sets of situations with a kill; ${minimal} of them are minimal: where a minimal mutant is killed, those below it are, too.`),
     h("div", { class: "columns" },
-      table(["minimal mutants", { text: "situations with a kill", number: true }, { text: "follow from it", number: true }], rows, { stack: false }),
+      table(["minimal mutants", { text: "situations with a kill", number: true }, { text: "subsumes", number: true }], rows, { stack: false }),
       edges.length > 0 && graph(nodes, edges)));
 }
 

@@ -27,8 +27,8 @@ function foundOne(find, place, open) {
       h("div", {},
         h("dl", { class: "pairs" }, facts.filter(Boolean).map(([what, told]) => [h("dt", {}, what), h("dd", {}, told)])),
         table(["shows", "violates", { text: "flights", number: true }, { text: "p", number: true }, { text: "alpha", number: true }, "in this campaign"], find.shows.map((one) => showsRow(find, one)), { stack: false }),
-        table(["unmutated drone", { text: "holds", number: true }, { text: "margin", number: true }, { text: "spread", number: true }, "their unit"], baselineRows(find), { stack: false }),
-        h("p", { class: "small faint" }, "Alpha: what p was compared with, the share of the candidate that the situation was.  Holds: flights of the unmutated drone whose robustness is above its spread; margin: what nine in ten of them reach; spread: their standard deviation."),
+        table(["unmutated drone", { text: "held", number: true }, { text: "margin", number: true }, { text: "spread", number: true }, "unit"], baselineRows(find), { stack: false }),
+        h("p", { class: "small faint" }, "Alpha: what p was compared with, the share of the candidate that the situation was.  Held: flights of the unmutated drone whose robustness is above its spread; margin: what nine in ten of them reach; spread: their standard deviation."),
         commandBox("Fly it", find.command))));
 }
 

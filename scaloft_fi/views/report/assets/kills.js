@@ -1,7 +1,7 @@
 /* The kill matrix: mutants down, situations across in Gray-code order, so that neighbours differ in one axis. */
 const SORTS = {
   parameter: ["by parameter", null],
-  rate: ["by kills", (a, b) => (share(b.kill_rate) ?? -1) - (share(a.kill_rate) ?? -1)],
+  rate: ["by situations with a kill", (a, b) => (share(b.kill_rate) ?? -1) - (share(a.kill_rate) ?? -1)],
   verdict: ["by verdict", (a, b) => DATA.verdicts.indexOf(a.verdict) - DATA.verdicts.indexOf(b.verdict)],
   guideword: ["by guideword", (a, b) => place("guidewords", a.guideword) - place("guidewords", b.guideword)],
 };
@@ -42,28 +42,41 @@ function killMatrix() {
   return part("kills", "The kill matrix", `Each line is a fault, each column ${columns}.  A result opens a flight that has what it says, a fault's name the map of where it is killed.`,
     controls.node,
     h("ul", { class: "legend" },
-      h("li", {}, swatch("kill", "1"), h("b", {}, "kill"), `most flights of a detected fault violate ${SAFETY.map((name, number) => `${name} (${number + 1})`).join(" or ")}, which the unmutated drone holds in nine of ten`),
-      ["seen", "tested", "masked", "not_infected", "not_reached", "not_flown"].map((state) => h("li", {}, swatch(state), SIGNS[state][0])),
-      h("li", {}, swatch("no_test", "r"), h("b", {}, "no test"), "no safety requirement is steady: ", Object.entries(STATES).filter(([, [letter]]) => letter).map(([state, [letter]]) => `${letter} ${stateWord(state)}`).join(", "))),
+      h("li", {}, swatch("kill", "1"), h("b", {}, term("kill")), `most flights of a detected fault violate ${SAFETY.map((name, number) => `${name} (${number + 1})`).join(" or ")}, which the unmutated drone holds in nine of ten`),
+      ["seen", "tested", "masked", "not_infected", "not_reached", "not_flown"].map((state) => h("li", {}, swatch(state), legendOf(SIGNS[state][0]))),
+      h("li", {}, swatch("no_test", "r"), h("b", {}, term("no test")), h("span", {}, "no safety requirement is steady: ", Object.entries(STATES).filter(([, [letter]]) => letter).map(([state, [letter]], number) => [number ? ", " : "", `${letter} `, term(stateWord(state))])))),
     h("div", { class: "matrix-box", tabindex: "-1" }, board),
-    h("p", { class: "small faint" }, "At the top, below the axes: where the unmutated drone holds each safety requirement steadily (filled), else the letter of what it does.  Right: the verdict, and situations with a kill of those that put the fault to the test; of a control what shows it.  Below: default mutants with a kill in each situation.  Arrow keys move, Enter opens."));
+    h("p", { class: "small faint" }, "At the top: the values of each situation that are not benign, its alias, the axes (black: not benign).  Below the axes: where the unmutated drone holds each safety requirement steadily (filled), else the letter of what it does.  Right: the verdict, and situations with a kill of those that put the fault to the test; of a control what shows it.  Below: default mutants with a kill in each situation.  Arrow keys move, Enter opens."),
+    situationList());
 }
 
-/** One line an axis: black where the value is not the benign one, grey between; one a safety requirement: whether it tests. */
+/** A sign in words, whose first is a term. */
+function legendOf(words) {
+  const [first, ...others] = words.split(",");
+  return h("span", {}, term(first), others.map((text) => `,${text}`));
+}
+
+/** A name a situation, then one line an axis: black where the value is not the benign one, grey between; one a safety requirement: whether it tests. */
 function strip() {
-  const line = (title, cells) => h("tr", {}, h("th", { class: "stub axis-name", scope: "row" }, title), cells);
-  const rows = DATA.axes.map((axis, number) => line(`${axis.title}: ${axis.words.slice(1).join(", ")}`, DATA.situations.map((situation) => {
+  const row = (title, cells, kind) => h("tr", { class: kind }, h("th", { class: "stub axis-name", scope: "row" }, title), cells);
+  const rows = DATA.axes.map((axis, number) => row(`${axis.title}: ${axis.words.slice(1).join(", ")}`, DATA.situations.map((situation) => {
     const level = situation.levels[number];
     return h("td", { class: "mark", "--level": axis.words.length > 1 ? level / (axis.words.length - 1) : 0, title: situation.words[number] }, h("span", {}));
-  })));
-  const tests = SAFETY.map((name) => line(`${name} tests`, DATA.situations.map(({ key }) => {
+  }), "axis"));
+  const tests = SAFETY.map((name) => row(`${name} tests`, DATA.situations.map(({ key }) => {
     const state = stateOf(key, name);
     const pair = pairOf(key, name);
     return h("td", { class: "mark test", "data-pair": state, title: `${name} ${state}${pair ? `: violated by the ${besideText(pair)}` : ""}` }, h("span", {}, pair && STATES[state][0]));
   })));
   tests[0]?.classList.add("tests");
-  [...rows, ...tests].at(-1)?.append(h("th", { class: "side", scope: "col" }, "verdict, kills of tests"), h("th", { class: "side", scope: "col" }, "killed where"));
-  return h("thead", {}, rows, tests);
+  [...rows, ...tests].at(-1)?.append(h("th", { class: "side", scope: "col" }, term("verdict"), ", killed of tested"), h("th", { class: "side", scope: "col" }, "killed ", term("where")));
+  return h("thead", { role: "rowgroup" }, names(), rows, tests);
+}
+
+/** The situations by name, upright; each opens the situation. */
+function names() {
+  return h("tr", { class: "names", role: "row" }, h("th", { class: "stub axis-name", scope: "row", role: "rowheader" }, term("situation"), ": values that are not benign"), DATA.situations.map((situation) =>
+    h("th", { scope: "col", role: "columnheader", class: "upright" }, h("a", { class: "quiet", href: situationHash(situation.key), title: `${situation.words.join(", ")} (${codeOf(situation)})` }, h("span", {}, situation.name), situation.aliases.map((alias) => h("span", { class: "alias" }, alias))))));
 }
 
 function tallies() {
@@ -88,10 +101,10 @@ function mutantRow(mutant) {
       const situation = DATA.situations[column];
       const { state, glyph, said, seed } = shown(result, situation.key);
       return h("td", { class: "state", role: "gridcell", tabindex: "-1", "data-state": state, "data-column": column, "data-seed": seed,
-        "aria-label": `${mutant.id}\n${situation.words.join(", ")} (${situation.key})\n${said}` }, glyph);
+        "aria-label": `${mutant.id}\n${situation.words.join(", ")} (${codeOf(situation)})\n${said}` }, glyph);
     }),
     mutant.control ? h("td", { class: "rate" }, showsText(mutant))
-      : h("td", { class: "rate" }, h("span", { class: "mark-of" }, VERDICTS[mutant.verdict][0]), ` ${spaced(mutant.verdict)} `, h("span", { class: "number" }, mutant.kill_rate.whole ? shortText(mutant.kill_rate) : "")),
+      : h("td", { class: "rate" }, h("span", { class: "mark-of" }, markOf(mutant)), ` ${spaced(mutant.verdict)} `, h("span", { class: "number" }, mutant.kill_rate.whole ? shortText(mutant.kill_rate) : "")),
     h("td", { class: "said", title: killedWhere(mutant) }, killedWhere(mutant)));
 }
 

@@ -1,6 +1,6 @@
 /* Puts the page together, follows its fragment, switches its theme. */
-const SHEETS = /^#(flight|cell|mutant)=/;
-const MAKERS = { cell: (names) => cellSheet(names[0]), mutant: (names) => mutantSheet(names[0]), flight: (names) => flightSheet(names[0], names[1] ?? "", Number(names[2] ?? 0)) };
+const SHEETS = /^#(flight|cell|mutant|situation)=/;
+const MAKERS = { situation: (names) => situationSheet(names[0]), cell: (names) => cellSheet(names[0]), mutant: (names) => mutantSheet(names[0]), flight: (names) => flightSheet(names[0], names[1] ?? "", Number(names[2] ?? 0)) };
 let returned = null;
 /* Whether the sheet closes because the fragment left it; its close event comes later, when the fragment may be back. */
 let left = false;
@@ -44,7 +44,19 @@ async function follow() {
   }
   document.body.classList.add("sheet-open");
   sheet.scrollTop = 0;
+  reachable(sheet);
   close.focus({ preventScroll: true });
+}
+
+/** What scrolls sideways can be scrolled by keys, too. */
+function reachable(root = document) {
+  for (const box of root.querySelectorAll(".scroll")) {
+    const wider = box.scrollWidth > box.clientWidth + 1;
+    for (const [name, value] of [["tabindex", "0"], ["role", "group"], ["aria-label", "scrolls sideways"]]) {
+      if (wider) box.setAttribute(name, value);
+      else box.removeAttribute(name);
+    }
+  }
 }
 
 function closed() {
@@ -53,7 +65,9 @@ function closed() {
   if (document.getElementById("sheet").open) return;
   document.body.classList.remove("sheet-open");
   if (!followed && SHEETS.test(location.hash)) history.pushState(null, "", "#");
-  if (returned?.isConnected) returned.focus({ preventScroll: true });
+  const target = document.getElementById(location.hash.slice(1));
+  if (target) target.focus();
+  else if (returned?.isConnected) returned.focus({ preventScroll: true });
 }
 
 function bar(sections) {
@@ -94,20 +108,25 @@ function watch(sections) {
 
 function start() {
   document.title = `${DATA.study} \u00b7 ${DATA.campaign} \u00b7 scaloft-fi report`;
-  const makers = [[summary, "Figures"], [hazop, "HAZOP"], [killMatrix, "Kill matrix"], [unmutated, "Unmutated drone"], [whatKillsWhat, "What kills what"], [ladders, "Magnitudes"], [survivors, "Survivors"], [foundSituations, "Found"], [breakingSituations, "Breaks"], [claims, "Not claimed"], [reading, "How to read"]];
+  const makers = [[hazop, "HAZOP"], [killMatrix, "Kill matrix"], [unmutated, "Unmutated drone"], [breakingSituations, "Breaks"], [survivors, "Survivors"], [foundSituations, "Found"], [summary, "Figures"], [whatKillsWhat, "What kills what"], [ladders, "Magnitudes"], [claims, "Not claimed"], [onPaper, ""], [reading, "How to read"], [glossary, "Glossary"]];
+  const head = masthead();
   const sections = makers.map(([make, short]) => {
     const section = make();
     if (section) section.dataset.short = short;
     return section;
   }).filter(Boolean);
-  document.getElementById("main").replaceChildren(masthead(), ...sections);
-  document.getElementById("bar").replaceChildren(bar(sections));
-  watch(sections);
+  document.getElementById("main").replaceChildren(head, ...sections);
+  const named_ = sections.filter((section) => section.dataset.short);
+  document.getElementById("bar").replaceChildren(bar(named_));
+  watch(named_);
+  reachable();
+  addEventListener("resize", () => reachable());
   document.getElementById("sheet").addEventListener("close", closed);
   addEventListener("beforeprint", unfold);
   addEventListener("hashchange", follow);
   addEventListener("popstate", follow);
   follow();
+  drawOnPaper();
 }
 
 start();

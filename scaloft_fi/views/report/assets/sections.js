@@ -6,12 +6,12 @@ function unmutated() {
   const ill = DATA.situations.map(({ key }) => key).filter((key) => names.some((name) => ["red", "unsteady", "open"].includes(stateOf(key, name))));
   const firsts = new Map(DATA.firsts.map((first) => [first.situation, first]));
   return part("baseline", "What the unmutated drone does", `Without any fault: ${names.map((name) => `${name} is steady in ${pooled.filter((key) => stateOf(key, name) === "steady").length}`).join(", ")} of ${plural(pooled.length, "situation")} with ten flights or more.  Only a steady pair of situation and requirement puts a fault to the test; a red or unsteady one is a finding about the drone, or about what is asked of it.`,
-    table(["pair of a situation with", ...names.map((text) => ({ text, number: true }))],
+    table(["pair", ...names.map((text) => ({ text, number: true }))],
       Object.entries(STATES).map(([state, [, says]]) => [[state, h("span", { class: "faint small" }, ` \u2013 ${says}`)], ...names.map((name) => String(DATA.pairs.filter((pair) => pair.requirement === name && pair.state === state).length))]), { stack: false }),
     h("p", { class: "note" }, lost.length ? [h("b", {}, `${plural(lost.length, "situation")} of ${pooled.length} put no fault to the safety test`), ", because no safety requirement is steady there: ", lost.map((key, number) => [number ? "; " : "", wordsOf(key)]), "."] : pooled.length ? "Every situation with a pool puts faults to the safety test." : "There is no pool: no situation has ten flights of the unmutated drone."),
-    ill.length > 0 && table(["situation", ...names, "what is left to test", "first safety violation"], ill.map((key) => pairRow(key, names, firsts.get(key))), { caption: "Situations with a red, unsteady or open pair: flights that violate, of those judged to their ends." }),
+    ill.length > 0 && table(["situation", ...names, "tests", "first"], ill.map((key) => pairRow(key, names, firsts.get(key))), { caption: "Situations with a red, unsteady or open pair: flights that violate, of those judged to their ends." }),
     h("h3", { class: "sub" }, "Requirements over the flights of the unmutated drone"),
-    table(["requirement", "kind", ...compliances().map((text) => ({ text, number: true })), { text: "triggered", number: true }, { text: "least robustness", number: true }, "its unit"],
+    table(["requirement", "kind", ...compliances().map((text) => ({ text, number: true })), { text: "triggered", number: true }, { text: "least robustness", number: true }, "unit"],
       DATA.tallies.map((tally) => [tally.requirement, tally.kind, ...compliances().map((compliance) => String(tally.compliances[compliance] ?? 0)), String(tally.triggered), signed(tally.least_rho), h("span", { class: "faint small unit" }, requirementOf(tally.requirement)?.unit ?? "")]), { stack: false }),
     h("p", { class: "small faint" }, "Flights by verdict.  Open: the flight was cut short before the requirement could be held to the end.  Vacuous: never triggered in the flight, so not passed."));
 }
@@ -23,7 +23,7 @@ function pairRow(key, names, first) {
     const found = pairOf(key, name);
     const state = stateOf(key, name);
     const count = ["vacuous", "unknown"].includes(state) ? "" : state === "open" ? ` ${found.open}/${found.flights}` : ` ${found.violated}/${found.flights - found.open}`;
-    return h("span", { class: "pair", "data-pair": state }, h("span", { class: "faint narrow" }, `${name} `), state, count);
+    return h("span", { class: "pair", "data-pair": state }, state, count);
   };
   return [[wordsOf(key), " ", h("span", { class: "faint small" }, key)], ...names.map(pair), steady.length ? `${listed(steady)} still ${steady.length === 1 ? "tests" : "test"}` : h("b", {}, "nothing tests here"),
     first ? h("a", { href: flightHash("baseline", key, first.seed) }, firstText(first)) : "\u2013"];
@@ -42,7 +42,7 @@ function survivors() {
       const members = found.filter((entry) => entry.verdict === verdict);
       if (!members.length) return null;
       return h("details", { open: members.length <= 12, class: "fold" }, h("summary", {}, h("h3", { class: "inline" }, `${capital(spaced(verdict))} (${members.length})`), h("span", {}, ` ${VERDICTS[verdict][1]}`)),
-        table(["mutant", "stopped at", "change next", "why", "accepted"], members.map((entry) => survivor(MUTANTS.get(entry.mutant), entry))));
+        table(["mutant", "stopped at", "next", "why", "accepted"], members.map((entry) => survivor(MUTANTS.get(entry.mutant), entry))));
     }),
     !found.length && h("p", {}, "Every mutant flown is detected."));
 }
@@ -57,7 +57,7 @@ function todo(entries) {
 /** A survivor's line: what it is, what to change, the facts that say so. */
 function survivor(mutant, told) {
   return [h("span", {}, h("a", { class: "id", href: mutantHash(mutant.id) }, mutant.id), h("span", { class: "faint small under" }, CELLS.get(mutant.cell)?.deviation ?? "")),
-    [h("span", { class: "faint narrow" }, "stopped at "), told.stage], h("b", {}, h("span", { class: "narrow" }, "change "), told.find ? h("a", { href: findHash(told.find) }, NEXT.find) : NEXT[told.next] ?? told.next), h("span", { class: "small" }, withCode(told.why)), acceptance(mutant.id) ?? h("span", { class: "faint", title: "The score does not count it against the tests." }, "\u2013")];
+    told.stage, h("b", {}, told.find ? h("a", { href: findHash(told.find) }, NEXT.find) : NEXT[told.next] ?? told.next), h("span", { class: "small" }, withCode(told.why)), acceptance(mutant.id) ?? h("span", { class: "faint", title: "The score does not count it against the tests." }, "\u2013")];
 }
 
 const NEXT = { repeat: "fly again", find: "situation (found)", pool: "baseline pool", seeds: "seeds", situation: "situation", magnitude: "magnitude", oracle: "requirement", operability: "nothing (operability shows it)", expected: "nothing (known beforehand)" };
@@ -78,27 +78,9 @@ function claims() {
 
 function reading() {
   return part("reading", "How to read this", null,
-    h("div", { class: "columns" },
-      h("div", {}, h("h3", {}, "Requirements"), DATA.requirements.map((requirement) => h("details", {}, h("summary", {}, h("b", {}, requirement.name), ` (${requirement.kind}) ${requirement.title}`),
-        h("dl", { class: "pairs" }, [["formula", h("code", {}, requirement.text)], requirement.trigger && ["counts when", h("code", {}, requirement.trigger)], ...requirement.definitions.map(([name, text]) => [name, h("code", {}, text)]), ["robustness in", requirement.unit], ["source", requirement.source]]
-          .filter((pair) => pair && pair[1]).map(([what, text]) => [h("dt", {}, what), h("dd", {}, text)]))))),
-      h("div", {}, h("h3", {}, "Words"),
-        h("dl", { class: "pairs" }, [
-          ["mutant", "a fault made from one cell of the HAZOP matrix, with a magnitude, patched into one place of the drone's software"],
-          ["situation", "one combination of values of the axes; the grid is all of them"],
-          ["unmutated drone", "the drone without any fault; its flights in a situation are the pool, and the one with the same seed is a flight's baseline"],
-          ["pair", "a situation with a requirement"], ["steady", `a pair where ${STATES.steady[1]}`],
-          ["put to the test", "the fault changes a sample in a situation where a safety requirement is steady"],
-          ...DATA.verdicts.map((verdict) => [spaced(verdict), VERDICTS[verdict][1]]),
-          ["kill", `in a pair, ${SIGNS.kill[1]}`],
-          ["default mutant", "of each cell the one magnitude that the ratios count; the others of its ladder are shown beside it"],
-          ["infected", "the fault changed at least one sample that the software got"],
-          ["control", "a fault so crude that any test must show it; it checks the test bench, and is in no ratio"],
-          ["PLACEBO", "a patch that changes nothing: its flights must equal the unmutated drone's to the bit"],
-          ["margin", "the least magnitude with a kill: between the severest without one and the mildest with one"],
-          ["condition", "the shortest statement on the axes that is true wherever the mutant is killed and nowhere it was tested without a kill"],
-          ["t-way", "of all combinations of values of t axes, those that occur in a flight"],
-          ["robustness", "how far a flight was from violating a requirement; below 0 it is violated"]].map(([what, text]) => [h("dt", {}, what), h("dd", {}, text)])))),
+    h("h3", {}, "Requirements"), DATA.requirements.map((requirement, number) => h("details", { id: `requirement-${number}` }, h("summary", {}, h("b", {}, requirement.name), ` (${requirement.kind}) ${requirement.title}`),
+      h("dl", { class: "pairs" }, [["formula", h("code", {}, requirement.text)], requirement.trigger && ["triggered", ["when ", h("code", {}, requirement.trigger)]], ...requirement.definitions.map(([name, text]) => [name, h("code", {}, text)]), ["unit", requirement.unit], ["source", requirement.source]]
+        .filter((pair) => pair && pair[1]).map(([what, text]) => [h("dt", {}, what), h("dd", {}, text)])))),
     h("details", {}, h("summary", {}, "Platform, and how this page was made"),
       h("dl", { class: "pairs" }, Object.entries(DATA.fingerprint).map(([what, text]) => [h("dt", {}, what), h("dd", {}, text)])),
       h("p", { class: "small faint" }, withCode(DATA.detail), "  Made by ", h("code", {}, `scaloft-fi report --campaign ${literal(DATA.campaign)}`), DATA.stale ? `; ${plural(DATA.stale, "flight")} flown with other data or code left out.` : ".")));

@@ -2,7 +2,7 @@
 /** A cell of the kill matrix: a name and what it says. */
 const SIGNS = {
   kill: ["kill", "most flights of a detected fault violate a safety requirement that the unmutated drone holds in nine of ten flights"],
-  seen: ["violation seen, no kill", "of a requirement that tests the fault, but not in most flights, or no more often than chance explains"],
+  seen: ["seen, no kill", "a violation of a requirement that tests the fault, but not in most flights, or no more often than chance explains"],
   tested: ["tested, nothing seen", "the unmutated drone holds a safety requirement in nine of ten flights, and so does the fault's every flight"],
   no_test: ["no test", "no safety requirement is steady, so nothing that happens here counts for or against the fault"],
   masked: ["masked", "samples differed, the flight is the unmutated drone's to the bit"],
@@ -68,7 +68,7 @@ const quantity = (column) => QUANTITIES[column] ?? column.split("_").slice(0, un
 /** What stands between backticks is set as code, whose lines break between its words only. */
 const withCode = (text) => text.split("`").map((piece, number) => (number % 2 ? inCode(piece) : piece));
 const inCode = (text) => h("code", {}, text.split(" ").map((word, number) => [number ? " " : "", h("span", { class: "word" }, word)]));
-const bounds = (text) => text.replaceAll("<=", "\u2264").replaceAll(">=", "\u2265").replaceAll(/ mps\b/g, " m/s");
+const bounds = (text) => text.replaceAll("<=", "\u2264").replaceAll(">=", "\u2265").replaceAll(/ mps2\b/g, " m/s\u00b2").replaceAll(/ mps\b/g, " m/s").replaceAll(/ radps\b/g, " rad/s");
 
 const flightHash = (mutant, situation, seed) =>
   `#flight=${[mutant, situation, seed].map(encodeURIComponent).join("/")}`;

@@ -1,0 +1,166 @@
+"""The names that a shell completes: mutants, cells, situations, grids, campaigns, formats of the export.
+
+They are read from the files of the study as plain text, without numpy and without a check of the study; a file that
+cannot be read has no names.  No store is opened: one that somebody else has made may take for ever to answer.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+from click.shell_completion import CompletionItem
+
+if TYPE_CHECKING:
+    from scaloft_fi.document import Item
+
+MOST = 256
+"""Most names that are offered at once; the next letters choose among the others."""
+PHASED = "#"
+"""Begins the phase of an id: a mutant at a phase is offered once this letter was typed."""
+Completer = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
+Names = Iterable[str]
+
+
+def _completer(names: Callable[[Path, click.Context, str], Names]) -> Completer:
+    """What `shell_complete` of an option or argument takes.
+
+    Args:
+        names: gives names of a study's folder, in the order in which they are offered, some that do not fit included.
+    """
+
+    def complete(context: click.Context, _parameter: click.Parameter, typed: str) -> list[CompletionItem]:
+        try:
+            return [CompletionItem(name) for name in _first(names(_study(context), context, typed), typed)]
+        except Exception:  # noqa: BLE001 - whatever a study is, a completion says nothing of it
+            return []
+
+    return complete
+
+
+def _first(names: Names, typed: str) -> list[str]:
+    found: dict[str, None] = {}
+    for name in names:
+        if name.startswith(typed) and name[:1] not in ("", "-"):  # a word that begins with - is an option
+            found[name] = None
+            if len(found) == MOST:
+                break
+    return list(found)
+
+
+def _study(context: click.Context) -> Path:
+    from scaloft_fi.hazop.folder import find_study
+
+    return find_study(context.params.get("study_folder"))
+
+
+def _catalogue(study: Path) -> Iterator[dict[str, Any]]:
+    from scaloft_fi.reading import CATALOGUE_BYTES, read_text
+
+    lines = read_text(study / "mutants" / "catalogue.jsonl", CATALOGUE_BYTES).splitlines()
+    return map(json.loads, filter(None, lines))
+
+
+def _mutant_names(study: Path, typed: str, more: Names = ()) -> Iterator[str]:
+    mutants = list(_catalogue(study))
+    yield from more
+    yield from (_cell(one) for one in mutants)
+    yield from (one["id"] for one in mutants if PHASED not in one["id"] or PHASED in typed)
+
+
+def _cell(mutant: dict[str, Any]) -> str:
+    return f"{mutant['guideword']}-{mutant['parameter']}"
+
+
+def _situation_names(study: Path, grid: str | None, typed: str) -> Iterator[str]:
+    from scaloft_fi.document import load
+
+    own = study / "sim" / "situations.yaml"
+    further = study / "sim" / "grids" / f"{grid}.yaml"
+    item = load(further if grid and re.fullmatch(r"[\w-]+", grid) and further.is_file() else own)
+    yield from _keys(item, typed)
+    yield from _entries(item, "aliases")
+    if (found := study / "sim" / "found.yaml").is_file() and grid and grid.endswith("+found"):
+        yield from load(found).need("finds").mapping()
+
+
+def _entries(item: Item, key: str) -> Names:
+    entries = item.get(key)
+    return entries.mapping() if entries is not None else ()
+
+
+def _keys(grid: Item, typed: str) -> Names:
+    """The keys that begin with `typed`; none of a grid with an axis that is a range of a number."""
+    axes = grid.need("axes").mapping()
+    keys: list[tuple[str, dict[str, str]]] = [("", {})]
+    for axis, item in axes.items():
+        values = item.get("values")
+        if values is None:
+            return ()
+        ids = [str(value.need("id").value) for value in values]
+        longer = [(f"{key}{axis}{id_}", {**point, axis: id_}) for key, point in keys for id_ in ids]
+        keys = [one for one in longer if one[0].startswith(typed[: len(one[0])])][: MOST * MOST]
+    excluded = [_excluded(one) for one in grid.need("constraints")] if grid.get("constraints") else []
+    return [
+        key
+        for key, point in keys
+        if not any(all(point.get(axis) in ids for axis, ids in one.items()) for one in excluded)
+    ]
+
+
+def _excluded(constraint: Item) -> dict[str, tuple[str, ...]]:
+    def ids(item: Item) -> tuple[str, ...]:
+        return tuple(str(one.value) for one in (item if isinstance(item.value, tuple) else (item,)))
+
+    return {axis: ids(item) for axis, item in constraint.need("exclude").mapping().items()}
+
+
+def _campaign_names(study: Path, _context: click.Context, _typed: str) -> Names:
+    packaged = Path(__file__).resolve().parents[1] / "_study"
+    folder = (Path.cwd() if study.resolve() == packaged else study) / "results" / "campaigns"
+    return sorted(path.name for path in folder.iterdir() if path.is_dir())
+
+
+def _grid_names(study: Path, _context: click.Context, _typed: str) -> Iterator[str]:
+    from scaloft_fi.document import load
+
+    name = load(study / "sim" / "situations.yaml").get("name")
+    own = name.text() if name else "situations"
+    yield own
+    yield from sorted(path.stem for path in (study / "sim" / "grids").glob("*.yaml"))
+    if (study / "sim" / "found.yaml").is_file():
+        yield f"{own}+found"
+
+
+def _flight_names(study: Path, context: click.Context, typed: str) -> Iterator[str]:
+    """`MUTANT/`, then `MUTANT/SITUATION/`, then `MUTANT/SITUATION/0`: one part after the other."""
+    mutant, *rest = typed.split("/")
+    if not rest:
+        yield from (f"{name}/" for name in _mutant_names(study, typed, ("baseline", "PLACEBO")))
+    elif len(rest) == 1:
+        yield from (f"{mutant}/{key}/0" for key in _situation_names(study, context.params.get("grid"), rest[0]))
+
+
+def _format_names(_study: Path, _context: click.Context, _typed: str) -> Names:
+    """Those that the package declares, read from its sources: importing them takes too long for a key press."""
+    from scaloft_fi.reading import read_text
+
+    folder = Path(__file__).parents[1] / "views" / "exchange"
+    declared = re.compile(r'^@export_format\(\s*"([\w-]+)"', re.MULTILINE)
+    return sorted(name for path in folder.glob("*.py") for name in declared.findall(read_text(path)))
+
+
+mutants = _completer(lambda study, _context, typed: _mutant_names(study, typed))
+sought = _completer(lambda study, _context, typed: _mutant_names(study, typed, ("baseline", "PLACEBO")))
+cells = _completer(lambda study, *_: (_cell(one) for one in _catalogue(study)))
+guidewords = _completer(lambda study, *_: (one["guideword"] for one in _catalogue(study)))
+parameters = _completer(lambda study, *_: (one["parameter"] for one in _catalogue(study)))
+situations = _completer(lambda study, context, typed: _situation_names(study, context.params.get("grid"), typed))
+campaigns = _completer(_campaign_names)
+grids = _completer(_grid_names)
+flights = _completer(_flight_names)
+formats = _completer(_format_names)

@@ -1,0 +1,218 @@
+"""The form of the JSON that `score` and `run` print."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.scoring.grouping import By
+from scaloft_fi.analysis.scoring.pool import State
+from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.judge.status import Status
+from scaloft_fi.views.coverage.coverage_record import SHAPE as COVERED
+from scaloft_fi.views.outputs.output import Output
+from scaloft_fi.views.outputs.shape import (
+    Shape,
+    by_name,
+    count,
+    flag,
+    listing,
+    number,
+    optional,
+    ratio,
+    record,
+    text,
+    texts,
+)
+
+VERDICTS = [verdict.value for verdict in Verdict]
+SITUATION = text("key of the situation")
+REQUIREMENT = text("name of the requirement")
+P = by_name(
+    "by requirement, the chance of as many violations if the fault did nothing (exact test, Holm's adjustment)",
+    number("p (0..1)"),
+)
+_KILLS = listing(
+    "steady pairs in which most of its flights violate, if it is detected",
+    record(
+        "a kill",
+        {
+            "situation": SITUATION,
+            "requirement": REQUIREMENT,
+            "violated": count("flights that violate the requirement"),
+            "flights": count("flights that count"),
+        },
+    ),
+)
+_DECIDED = record(
+    "what the verdict rests on",
+    {
+        "seeds": count("seeds that it rests on"),
+        "alpha": number("the share of alpha that p is held against (0..1)"),
+        "needed": optional(count("seeds that would decide it, if what was seen goes on"), "decided, or none would"),
+        "anew": flag("whether that takes a campaign of its own"),
+    },
+)
+_FIRST = record(
+    "its earliest safety violation that the baseline beside it holds",
+    {
+        "requirement": REQUIREMENT,
+        "t_s": number("time", "s from take-off"),
+        "situation": SITUATION,
+        "seed": count("seed of the flight"),
+        "position": listing("x, y, z of the vehicle", {"type": "number", "description": "coordinate [m, world]"}),
+        "struck": text("name of the body that was struck; empty for none"),
+    },
+)
+
+
+def _mutants(about: str) -> Shape:
+    return listing(
+        about,
+        record(
+            "a mutant",
+            {
+                "id": text("canonical id"),
+                "guideword": text("its guideword"),
+                "parameter": text("its parameter"),
+                "magnitude": text("its magnitude with the unit, as in the id; empty where the cell has no ladder"),
+                "status": text("the furthest stage that a flight reached", [status.value for status in Status]),
+                "verdict": text("of all its flights, by safety requirements", VERDICTS),
+                "p": P,
+                "kill_rate": ratio("situations with a kill, of those that put it to the test"),
+                "kill_rate_flown": ratio("situations with a kill, of those flown"),
+                "kills": _KILLS,
+                "requirements": by_name(
+                    "by requirement that kills it", ratio("situations with such a kill, of those that test it by it")
+                ),
+                "first": optional(_FIRST, "there is none"),
+                "decided_at": _DECIDED,
+                "operability": record(
+                    "the same by operability requirements",
+                    {
+                        "verdict": text("by operability requirements", VERDICTS),
+                        "p": P,
+                        "kills": _KILLS,
+                        "decided_at": _DECIDED,
+                    },
+                ),
+            },
+        ),
+    )
+
+
+SCORE = Output(
+    "score",
+    "3.0",
+    "which faults the requirements would have shown",
+    {
+        "alpha": number("accepted chance that a fault which does nothing is called detected (0..1)"),
+        "pooled": flag("whether there is a baseline pool to decide by where mutants infect"),
+        "ratios": record(
+            "the ratios, over the default mutants of credible cells",
+            {
+                "exercised": ratio("cells flown, of all credible cells"),
+                "infected": ratio("mutants that changed a sample, of those flown"),
+                "tested": ratio("mutants put to the test, of those flown"),
+                "mutation_score": ratio("mutants detected by safety requirements, of those flown"),
+                "operability": ratio("mutants detected by operability requirements, of those flown"),
+            },
+        ),
+        "expected_false": number("mutants called detected by chance, expected at most"),
+        "redraw": record(
+            "how often redraws of the unmutated drone are called detected",
+            {
+                "seeds": count("flights of a redraw in each situation; 0: none was made"),
+                "safety": ratio("redraws detected by safety requirements, of all"),
+                "operability": ratio("redraws detected by operability requirements, of all"),
+            },
+        ),
+        "mutants": _mutants("every mutant flown, in the canonical order"),
+        "controls": _mutants("every control flown; no ratio counts them"),
+        "pairs": listing(
+            "what the baseline pool says of each requirement in each situation",
+            record(
+                "a pair",
+                {
+                    "situation": SITUATION,
+                    "requirement": REQUIREMENT,
+                    "kind": text("of the requirement", [kind.value for kind in Kind]),
+                    "flights": count("of the baseline"),
+                    "violated": count("flights that violate the requirement"),
+                    "open": count("flights cut short before it was judged"),
+                    "triggered": count("flights in which its condition came true, or that violate it"),
+                    "state": text("what the pool says", [state.value for state in State]),
+                },
+            ),
+        ),
+        "lacking": texts("keys of situations where a mutant infects and the pool has too few flights"),
+        "selected": texts("keys of situations flown that a search found because of verdicts"),
+        "coverage": COVERED,
+        "baseline": listing(
+            "what the unmutated drone violates",
+            record(
+                "a situation",
+                {"situation": SITUATION, "violated": texts("requirements that any of its flights violates")},
+            ),
+        ),
+        "groups": listing(
+            "with `--by`, the score part by part, over the default mutants of credible cells; else empty",
+            record(
+                "a part",
+                {
+                    "by": text("what the parts are", [by.value for by in By]),
+                    "name": text("of the part: a guideword, a parameter, a key, a requirement, an axis with its value"),
+                    "axis": optional(text("id of the axis"), "not by axis"),
+                    "value": optional(text("id of the axis's value, as in keys of situations"), "not by axis"),
+                    "tested": ratio(
+                        "mutants detected, of those put to the test; by situation and by axis mutants in situations "
+                        "with a kill"
+                    ),
+                    "flown": ratio("the same, of those flown"),
+                },
+            ),
+        ),
+        "noise": listing(
+            "of a stack that is not deterministic: the noise of robustness; else empty",
+            record(
+                "noise of a requirement's robustness, in the requirement's own unit",
+                {
+                    "requirement": REQUIREMENT,
+                    "pairs": count("pairs of flights of one situation and seed"),
+                    "stack": optional(number("standard deviation by the stack alone"), "there is no pair"),
+                    "seeds": optional(
+                        number("standard deviation between the seeds of a situation"), "no situation has two baselines"
+                    ),
+                    "apart": count("pairs of which one flight violates it and the other one holds it"),
+                },
+            ),
+        ),
+        "looks": listing(
+            "of `run --sequential`: its looks; else empty",
+            record(
+                "a look",
+                {
+                    "seeds": count("seeds at this look"),
+                    "mutants": count("mutants judged"),
+                    "flights": count("of these mutants, planned for the look"),
+                    **{verdict: count(f"mutants {verdict.replace('_', ' ')}") for verdict in VERDICTS},
+                },
+            ),
+        ),
+        "unflown": listing(
+            "of `run --budget`: where planned flights were not flown; else empty",
+            record(
+                "a part of the plan",
+                {
+                    "by": text("what the parts are", ["parameter", "situation"]),
+                    "name": text("of the part: a parameter or a subject, or the key of a situation"),
+                    "planned": count("flights"),
+                    "flown": count("of these flights, flown"),
+                    "not_flown": count("of these flights, not flown"),
+                },
+            ),
+        ),
+    },
+    rows="mutants",
+)
+RUN = replace(SCORE, verb="run", about="what was flown: the form of `score`, with how the run went")

@@ -1,0 +1,218 @@
+"""Completion as a real bash gets it, and as zsh and fish ask for it."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+from refusal import sentence
+
+from scaloft_fi.cli.main import main
+from scaloft_fi.cli.shells import COMPLETION, SHELLS, answered
+from scaloft_fi.cli.verbs import VERBS
+
+STUDY = Path(__file__).parents[2]
+BREAKS = " \t\n\"'@><=;|&(:"
+"""What bash breaks words at, unless somebody changes it."""
+needs_bash = pytest.mark.skipif(shutil.which("bash") is None, reason="there is no bash")
+
+
+def offered(line: str, monkeypatch: pytest.MonkeyPatch, breaks: str = "") -> list[str]:
+    """What bash is answered for a line with the cursor at its end."""
+    monkeypatch.setenv("COMP_LINE", line)
+    monkeypatch.setenv("COMP_WORDBREAKS", breaks)
+    return [entry.partition(",")[2] for entry in answered(main, "bash_complete").splitlines()]
+
+
+@pytest.fixture
+def complete(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], list[str]]:
+    monkeypatch.chdir(STUDY)
+    return lambda line: offered(f"scaloft-fi {line}", monkeypatch)
+
+
+@pytest.fixture
+def small(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with what completion reads of a study, and nothing else."""
+    (tmp_path / "hazop").mkdir()
+    (tmp_path / "sim" / "grids").mkdir(parents=True)
+    (tmp_path / "mutants").mkdir()
+    (tmp_path / "results" / "campaigns" / "night").mkdir(parents=True)
+    (tmp_path / "sim" / "situations.yaml").write_text(
+        "name: hall\naxes:\n  D: {values: [{id: 0}, {id: 1}]}\n  H: {values: [{id: 0}, {id: 1}]}\n"
+        "constraints:\n  - {exclude: {D: [1], H: 1}, reason: no}\naliases: {dark: D1H0}\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def catalogue(study: Path, *ids: str) -> None:
+    lines = (json.dumps({"id": id_, "guideword": id_.partition("-")[0], "parameter": "human"}) for id_ in ids)
+    (study / "mutants" / "catalogue.jsonl").write_text("\n".join(lines))
+
+
+def test_verbs_options_and_choices_are_completed(complete: Callable[[str], list[str]]) -> None:
+    assert complete("") == list(VERBS)
+    assert complete("wor") == ["worksheet"]
+    assert complete("run --mut") == ["--mutant"]
+    assert complete("score --by g") == ["guideword"]
+    assert complete("score --format ") == ["table", "markdown", "csv", "json", "latex"]
+    assert {"json", "junit", "sarif"} < set(complete("export --format "))
+    assert complete("completion ") == ["bash", "zsh", "fish"]
+
+
+def test_mutants_and_cells_are_completed_from_the_catalogue(complete: Callable[[str], list[str]]) -> None:
+    ladder = ["LATE-human", *(f"LATE-human@{magnitude}s" for magnitude in ("0.5", "1", "3", "5"))]
+    for words in ("run --mutant", "margin", "kills", "mutants", "seek"):
+        assert complete(f"{words} LATE-hu") == ladder
+    assert complete("kills NO-human LATE-human@3") == ["LATE-human@3s"]
+    assert complete("run --mutant NO-depth@3s#w") == ["NO-depth@3s#waypoint"]
+    assert complete("matrix --cell LATE-hu") == ["LATE-human"]
+    assert complete("matrix --guideword UN") == ["UNINTENDED"]
+    assert complete("seek b") == ["baseline"]
+
+
+def test_situations_of_the_grid_asked_for_and_their_other_names_are_completed(
+    complete: Callable[[str], list[str]],
+) -> None:
+    assert complete("run --situation T1O1W1D1") == ["T1O1W1D1H0", "T1O1W1D1H1"]
+    assert complete("kills --situation 3") == ["3", "32"]
+    assert complete("run --grid wide --situation T0O2") == []
+    assert complete("run --grid paper+found --situation shows-ASWELLAS-m") == ["shows-ASWELLAS-map"]
+    assert complete("run --grid ") == ["paper", "search", "wide", "paper+found"]
+    assert complete("replay LATE-human@3s/T0O0W0D0H") == ["LATE-human@3s/T0O0W0D0H0/0", "LATE-human@3s/T0O0W0D0H1/0"]
+    assert complete("replay PLA") == ["PLACEBO/"]
+
+
+def test_campaigns_grids_and_excluded_situations_of_a_study_of_ones_own(
+    small: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for words in ("score --campaign ", "diff ", "diff night ", "merge ", "run --baseline-from "):
+        assert offered(f"scaloft-fi {words}", monkeypatch) == ["night"]
+    assert offered("scaloft-fi run --situation ", monkeypatch) == ["D0H0", "D0H1", "D1H0", "dark"]
+    monkeypatch.chdir("/")
+    assert offered(f"scaloft-fi score --study {small} --campaign n", monkeypatch) == ["night"]
+
+
+def test_what_bash_takes_for_an_earlier_word_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(STUDY)
+    assert offered("scaloft-fi run --mutant LATE-human@", monkeypatch, BREAKS) == ["0.5s", "1s", "3s", "5s"]
+    assert offered("scaloft-fi run --mutant=LATE-human@3", monkeypatch, BREAKS) == ["3s"]
+
+
+@needs_bash
+@pytest.mark.parametrize(
+    ("line", "replies"),
+    [
+        ("scaloft-fi run --mutant LATE-human@3", ["3s"]),
+        ("scaloft-fi run --situation T1O1W1D1", ["T1O1W1D1H0", "T1O1W1D1H1"]),
+        ("scaloft-fi wor", ["worksheet"]),
+    ],
+)
+def test_a_bash_that_sourced_the_script_completes(tmp_path: Path, line: str, replies: list[str]) -> None:
+    assert _in_bash(tmp_path, line, STUDY).splitlines() == replies
+
+
+@needs_bash
+def test_hostile_names_do_nothing_in_a_bash(small: Path) -> None:
+    marker = small / "done"
+    evil = [
+        f"$(touch {marker})",
+        f"`touch {marker}`",
+        f"x; touch {marker}",
+        "a b",
+        "*",
+        "~root",
+        "-e\\n",
+        "\x1b[2J",
+        "'",
+        "é",
+    ]
+    catalogue(small, *evil, "NO-human@1s")
+    for name in evil:
+        if "/" not in name:
+            (small / "results" / "campaigns" / name).mkdir()
+    assert _in_bash(small, "scaloft-fi run --mutant ", small).split() == ["NO-human", "NO-human@1s"]
+    assert _in_bash(small, "scaloft-fi score --campaign ", small).split() == ["night"]
+    assert _in_bash(small, f"scaloft-fi run --mutant $(touch {marker})", small).split() == []
+    assert not marker.exists()
+
+
+def _in_bash(folder: Path, line: str, study: Path) -> str:
+    """The replies of the script's function in a bash, for a line with the cursor at its end."""
+    printed = CliRunner().invoke(main, ["completion", "bash"])
+    assert printed.exit_code == 0
+    program = folder / "bin" / "scaloft-fi"
+    program.parent.mkdir(exist_ok=True)
+    program.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m scaloft_fi "$@"\n')
+    program.chmod(0o755)
+    script = folder / "script.bash"
+    script.write_text(printed.stdout)
+    asked = (
+        'source "$SCRIPT"; COMP_LINE=$LINE; COMP_POINT=${#LINE}; $(complete -p scaloft-fi | sed "s/.*-F //; s/ .*//") '
+    )
+    asked += 'scaloft-fi 2>/dev/null; printf "%s\\n" "${COMPREPLY[@]}"'
+    path = f"{program.parent}{os.pathsep}{os.environ['PATH']}"
+    env = {**os.environ, "PATH": path, "SCRIPT": str(script), "LINE": line, "PYTHONPATH": str(STUDY)}
+    done = subprocess.run(
+        ["bash", "--norc", "-c", asked], cwd=study, env=env, capture_output=True, text=True, check=True
+    )
+    assert done.stderr == ""
+    return done.stdout
+
+
+@pytest.mark.parametrize("spoilt", ["mutants/catalogue.jsonl", "sim/situations.yaml", "sim/found.yaml"])
+def test_a_broken_study_has_no_names_and_nothing_is_said_of_it(
+    small: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], spoilt: str
+) -> None:
+    (small / spoilt).write_bytes(b"\xff{[")
+    for line in ("run --mutant ", "run --situation ", "run --grid ", "run --grid hall+found --situation s", "replay x"):
+        offered(f"scaloft-fi {line}", monkeypatch)
+    assert offered("scaloft-fi bogus ", monkeypatch) == []
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("shell", ["zsh", "fish"])
+def test_other_shells_are_answered_in_their_own_way(shell: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(STUDY)
+    monkeypatch.setenv("COMP_WORDS", "scaloft-fi run --mutant LATE-human@")
+    monkeypatch.setenv("COMP_CWORD", "LATE-human@" if shell == "fish" else "3")
+    assert "LATE-human@3s" in answered(main, f"{shell}_complete")
+
+
+def test_the_program_itself_answers_without_numpy_and_fast(tmp_path: Path) -> None:
+    """The time of the processor counts: the wall's depends on what else the machine does."""
+    line = "scaloft-fi run --mutant LATE-human@3"
+    env = {**os.environ, COMPLETION: "bash_complete", "COMP_LINE": line, "PYTHONPATH": str(STUDY)}
+    program = (
+        "import sys, time, atexit\n"
+        "atexit.register(lambda: print(time.process_time(), 'numpy' in sys.modules))\n"
+        "from scaloft_fi.cli.main import main\nmain()"
+    )
+    words = [sys.executable, "-c", program]
+    done = [subprocess.run(words, cwd=STUDY, env=env, capture_output=True, text=True, check=True) for _ in range(3)]
+    told = [one.stdout.replace("plain,LATE-human@3s", "").split() for one in done]
+    assert [numpy for _, numpy in told] == ["False"] * 3
+    assert min(float(seconds) for seconds, _ in told) < 0.3
+
+
+def test_a_shell_that_is_not_known_is_refused() -> None:
+    assert "'tcsh' is not one of" in sentence(_call("tcsh"))
+    assert answered(main, "tcsh_complete") == answered(main, "bash_source") == answered(main, "") == ""
+
+
+def _call(shell: str) -> Result:
+    return CliRunner().invoke(main, ["completion", shell])
+
+
+@pytest.mark.parametrize("shell", SHELLS)
+def test_the_script_names_the_program_and_the_question(shell: str) -> None:
+    text = _call(shell).stdout
+    assert COMPLETION in text
+    assert "scaloft-fi" in text

@@ -1,0 +1,179 @@
+"""What verbs print for programs has the form that they declare, on a campaign with kills, survivors and a control."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+from forms import of_form, one_table
+from jsonschema import Draft202012Validator, ValidationError
+from papers import flight
+from refusal import sentence
+
+from scaloft_fi.campaign.plan.batch import Batch
+from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.cli.main import main
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.study import Study
+from scaloft_fi.views.outputs.listed import output_of
+
+STUDY = Path(__file__).parents[2]
+Call = Callable[..., Result]
+READERS: tuple[tuple[str, ...], ...] = (
+    ("matrix",),
+    ("matrix", "--grid"),
+    ("matrix", "--cell", "LATE-human"),
+    ("matrix", "--margins", "--parameter", "human"),
+    ("mutants", "--cell", "LATE-human"),
+    ("mutants", "--check"),
+    ("signals",),
+    ("signals", "speed_mps"),
+    ("seams",),
+    ("operators",),
+    ("axes",),
+    ("axes", "--grid", "search"),
+    ("status",),
+    ("score",),
+    ("kills",),
+    ("kills", "--show", "suite", "--situation", "T0O0W0D0H?"),
+    ("kills", "--show", "subsumption"),
+    ("coverage",),
+    ("dispositions",),
+    ("worksheet",),
+    ("diff", "CAMPAIGN", "CAMPAIGN"),
+    ("doctor", "--no-flight"),
+)
+
+
+class Papers:
+    """A flyer without physics, whose flights are those of `papers`."""
+
+    def prepare(self, study: Study, say: Callable[[str], None]) -> None:
+        pass
+
+    def share(self, study: Study, batch: Batch, home: Callable[[Outcome], None]) -> None:
+        for each in batch.flights:
+            home(self(study, each))
+
+    def __call__(self, study: Study, flown: Flight, baseline: Outcome | None = None) -> Outcome:
+        return flight(study, flown.subject.id, flown.situation.key, flown.seed)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A campaign of a detected mutant, a survivor and a control, over two situations."""
+    folder = tmp_path_factory.mktemp("forms") / "campaign"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("scaloft_fi.campaign.runs.campaign.Physics", Papers)
+        words = ("--mutant", "LATE-human", "--mutant", "MORE-goal", "--mutant", "REVERSE-velcmd", "--situation")
+        where = ("--study", str(STUDY), "--campaign", str(folder))
+        asked = ("run", *words, "T0O0W0D0H?", "--seeds", "3", "--choose", "all", "--quiet", "--jobs", "1", *where)
+        done = CliRunner().invoke(main, [*asked, "--format", "json"], catch_exceptions=False)
+    assert done.exit_code == 0, done.output
+    (folder / "run.json").write_text(done.stdout, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture
+def told(folder: Path) -> Call:
+    """Call a verb on that campaign."""
+
+    def telling(verb: str, *words: str) -> Result:
+        named = [str(folder) if word == "CAMPAIGN" else word for word in words]
+        campaign = (
+            ()
+            if verb in ("mutants", "diff", "doctor", "signals", "seams", "operators", "axes")
+            else ("--campaign", str(folder))
+        )
+        asked = [verb, *named, "--study", str(STUDY), *campaign]
+        return CliRunner().invoke(main, asked, catch_exceptions=False)
+
+    return telling
+
+
+@pytest.mark.parametrize("words", READERS, ids=" ".join)
+def test_json_has_the_form_that_the_verb_declares(told: Call, words: tuple[str, ...]) -> None:
+    done = told(*words, "--format", "json")
+    assert done.exit_code == 0, done.output
+    assert of_form(words[0], done.stdout)["version"] == output_of(words[0]).version
+
+
+def test_a_run_answers_in_the_form_of_the_score(folder: Path, told: Call) -> None:
+    run = of_form("run", (folder / "run.json").read_text(encoding="utf-8"))
+    assert run == json.loads(told("score", "--format", "json").stdout)
+    assert [mutant["verdict"] for mutant in run["mutants"]] == ["detected", "not_detected"]
+    assert [control["id"] for control in run["controls"]] == ["REVERSE-velcmd"]
+
+
+def test_an_export_has_the_columns_of_its_form(told: Call) -> None:
+    rows = json.loads(told("export").stdout)
+    Draft202012Validator(output_of("export").schema).validate(rows)
+    names = [*(name for name in rows[0] if not name.startswith("rho_"))]
+    assert names == list(output_of("export").keys)
+    with pytest.raises(ValidationError):
+        Draft202012Validator(output_of("export").schema).validate([{**rows[0], "rows": 1}])
+
+
+def test_what_is_merged_and_written_is_told(told: Call, folder: Path, tmp_path: Path) -> None:
+    words = ["merge", str(folder), "--study", str(STUDY), "--campaign", str(tmp_path / "whole"), "--format", "json"]
+    merged = of_form("merge", CliRunner().invoke(main, words, catch_exceptions=False).stdout)
+    assert merged["added"] == of_form("status", told("status", "--format", "json").stdout)["counted"]
+    page = tmp_path / "page.html"
+    report = of_form("report", told("report", "--output", str(page), "--format", "json").stdout)
+    assert report == {"version": "1.0", "report": str(page), "bytes": page.stat().st_size}
+
+
+def test_groups_of_every_kind_have_one_shape(told: Call) -> None:
+    for by in ("guideword", "parameter", "situation", "requirement", "axis"):
+        groups = of_form("score", told("score", "--by", by, "--format", "json").stdout)["groups"]
+        assert groups
+        assert {group["by"] for group in groups} == {by}
+        assert all((group["axis"] is None) == (group["value"] is None) == (by != "axis") for group in groups)
+    assert {(group["axis"], group["value"]) for group in groups} >= {("H", "0"), ("H", "1")}
+    assert of_form("score", told("score", "--format", "json").stdout)["groups"] == []
+
+
+@pytest.mark.parametrize("words", READERS, ids=" ".join)
+def test_csv_is_one_table(told: Call, words: tuple[str, ...]) -> None:
+    done = told(*words, "--format", "csv")
+    assert done.exit_code == 0, done.output
+    assert one_table(done.stdout) or words[0] in ("diff",)
+    assert not done.stdout.startswith("#")
+
+
+def test_every_table_of_the_score_is_a_file_with_the_numbers_of_the_json(told: Call, tmp_path: Path) -> None:
+    whole = json.loads(told("score", "--by", "axis", "--format", "json").stdout)
+    done = told("score", "--by", "axis", "--format", "csv", "--tables", str(tmp_path / "new" / "tables"))
+    assert done.exit_code == 0, done.output
+    files = {path.stem: path.read_text(encoding="utf-8") for path in (tmp_path / "new" / "tables").iterdir()}
+    assert done.stdout == files["mutants"]
+    tables = {name: one_table(text) for name, text in files.items()}
+    for name in ("mutants", "controls", "pairs", "baseline", "groups"):
+        assert len(tables[name]) == len(whole[name])
+    late = next(row for row in tables["mutants"] if row["id"] == "LATE-human@3s")
+    mutant = next(one for one in whole["mutants"] if one["id"] == "LATE-human@3s")
+    assert (late["kill_rate_part"], late["verdict"], float(late["p_SR2"])) == ("1", "detected", mutant["p"]["SR2"])
+    assert tables["mutants_kills"] == [
+        {"of_id": "LATE-human@3s", "situation": "T0O0W0D0H1", "requirement": "SR2", "violated": "3", "flights": "3"}
+    ]
+    summary = {row["what"]: row["value"] for row in tables["summary"]}
+    assert (summary["ratios_mutation_score_part"], summary["pooled"]) == ("1", "true")
+    assert tables["looks"] == []
+    assert files["looks"].startswith("seeds,mutants,flights,detected,")
+
+
+def test_a_folder_for_tables_that_cannot_be_is_refused_before_anything_is_read(told: Call, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("mine")
+    done = told("score", "--tables", f"{tmp_path}/file/below")
+    assert "is a file, not a folder" in sentence(done)
+    assert done.stdout == ""
+
+
+def test_an_answer_that_is_refused_leaves_standard_output_empty(told: Call) -> None:
+    done = told("kills", "LATE-humna", "--format", "json")
+    assert done.exit_code == 2
+    assert done.stdout == ""
+    assert "did you mean 'LATE-human'" in sentence(done)

@@ -1,0 +1,28 @@
+"""Answers of verbs, held against the forms that they declare."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from typing import Any
+
+from jsonschema import Draft202012Validator
+
+from scaloft_fi.views.outputs.listed import output_of
+
+
+def of_form(verb: str, text: str) -> dict[str, Any]:
+    """The JSON that a verb printed, which has the verb's form."""
+    told = json.loads(text)
+    Draft202012Validator(output_of(verb).schema, format_checker=Draft202012Validator.FORMAT_CHECKER).validate(told)
+    assert isinstance(told, dict)
+    return told
+
+
+def one_table(text: str) -> list[dict[str, str]]:
+    """The rows of a CSV text that is one table: every row as long as the line of names."""
+    names, *rows = list(csv.reader(io.StringIO(text, newline="")))
+    assert {len(row) for row in rows} <= {len(names)}
+    assert len(set(names)) == len(names)
+    return [dict(zip(names, row, strict=True)) for row in rows]
