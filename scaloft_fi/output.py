@@ -10,6 +10,7 @@ import sys
 from contextlib import suppress
 from pathlib import Path
 
+from scaloft_fi.ending import finished, unfinished
 from scaloft_fi.errors import InputError
 
 
@@ -85,6 +86,7 @@ def _is_replaceable(target: Path, file: os.stat_result) -> bool:
 
 def _replace(target: Path, content: bytes, before: os.stat_result | None) -> None:
     beside = target.with_name(f".scaloft-fi-{os.getpid()}-{secrets.token_hex(4)}.part")
+    unfinished(str(beside))
     descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
     try:
         try:
@@ -100,6 +102,8 @@ def _replace(target: Path, content: bytes, before: os.stat_result | None) -> Non
     except BaseException:
         beside.unlink(missing_ok=True)
         raise
+    finally:
+        finished(str(beside))
 
 
 def _rename(beside: Path, target: Path, content: bytes) -> None:

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 from plugins import ROOT, call, install_project
+from shown_commands import GUIDES
 
 BLOCK = re.compile(r"^```(\w+) ?(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-GUIDES = ("stack", "operator", "sensor_or_signal", "export_format", "choice_of_situations", "happening")
 EXAMPLES = """
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.registry import load_plugins

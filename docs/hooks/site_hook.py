@@ -9,7 +9,7 @@ from mkdocs.structure.files import File
 from site_included import PICTURES, included_pages
 from site_reference import reference_pages
 
-_BLOCK = re.compile(r"^```(\w+) (\w+)(?:=(\S+))?$", re.MULTILINE)
+_BLOCK = re.compile(r"^```(\w+) (file|update|requirement)(?:=(\S+))?$", re.MULTILINE)
 _SAYS = {"file": "", "update": ": these entries"}
 
 

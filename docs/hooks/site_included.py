@@ -24,6 +24,7 @@ SECTIONS = {
 }
 """Pages of the site made of sections of DESIGN.md: title, sections."""
 WHOLE = {
+    "contributing.md": "CONTRIBUTING.md",
     "reference/hazop.md": "hazop/README.md",
     "reference/sim.md": "sim/README.md",
     "benchmarks.md": "benchmarks/README.md",

@@ -6,6 +6,7 @@ import inspect
 import re
 from collections.abc import Iterable, Sequence
 from enum import StrEnum
+from types import ModuleType
 from typing import Any
 
 import scaloft_fi
@@ -13,34 +14,33 @@ import scaloft_fi.mutants.reference
 from scaloft_fi import api
 from scaloft_fi.analysis.disposition import Standing
 from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.scoring.grouping import By
 from scaloft_fi.analysis.scoring.pool import State
 from scaloft_fi.analysis.tried import Reaction
+from scaloft_fi.checks.finding import Severity
 from scaloft_fi.cli.reference import command_reference
 from scaloft_fi.hazop.cell import CellStatus
 from scaloft_fi.judge.requirement import Compliance, Kind
 from scaloft_fi.judge.status import Status
-from scaloft_fi.mutants.argument import Argument
 from scaloft_fi.mutants.need import Need
-from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.sim.log import Ending
-from scaloft_fi.sim.measures import SIGNALS
-from scaloft_fi.sim.signals import Signal, belief_signals, truth_signals
-from scaloft_fi.stack.fields import field_names
-from scaloft_fi.stack.seam import Seam
 from scaloft_fi.study import Study
 from scaloft_fi.views.exchange.format import FORMATS
 from scaloft_fi.views.flights.export import BASIS, HEAD, TAIL
 from scaloft_fi.views.glossary import TERMS, term
 from scaloft_fi.views.kills.survivors import Next, Stage
+from scaloft_fi.views.lists.listing import Listing, shown
+from scaloft_fi.views.lists.operators import operator_list
+from scaloft_fi.views.lists.seams import seam_list
+from scaloft_fi.views.lists.signals import signal_list
 from scaloft_fi.views.reference.outputs import outputs_page
 from scaloft_fi.views.reference.yaml_keys import yaml_keys_page
+from scaloft_fi.views.report.signs import Sign
+from scaloft_fi.views.tables.table import Format
 
 _MARKS = re.compile(r"\||\[(?!`)")
-MODULES = {
-    scaloft_fi: "What `scaloft_fi` offers to [scripts and notebooks](../api.md)",
-    api: "What `scaloft_fi.api` offers to plugins",
-}
-"""The public modules, and for whom each is."""
+SCRIPTS = "What `import scaloft_fi` offers to scripts and notebooks; [Scripts and notebooks](../api.md) shows how."
+PLUGINS = "What `scaloft_fi.api` offers to plugins.  What neither page lists may change."
 MADE = "*This page is made from the code.*\n"
 VALUES: tuple[tuple[str, str, type[StrEnum]], ...] = (
     (
@@ -61,6 +61,9 @@ VALUES: tuple[tuple[str, str, type[StrEnum]], ...] = (
     ("Ending of a flight", "It is no verdict.", Ending),
     ("Status of a cell", "In the deviation matrix.", CellStatus),
     ("A magnitude in a situation", "In the search for a margin.", Reaction),
+    ("A cell of the kill matrix", "In the report: a mutant in a situation.", Sign),
+    ("Parts of a score", "What `score --by` divides it by.", By),
+    ("A finding of check", "Only an error fails.", Severity),
     ("Standing of a survivor", "Beside the dispositions of the study.", Standing),
 )
 """The enumerations whose values are printed: title, what they tell."""
@@ -72,14 +75,15 @@ def reference_pages() -> dict[str, str]:
     pages = {
         "glossary.md": _glossary(),
         "reference/verbs.md": f"# Verbs\n\n{command_reference()}",
-        "reference/signals.md": _signals(study),
-        "reference/seams.md": _seams(study),
-        "reference/operators.md": _operators(),
+        "reference/yaml_keys.md": yaml_keys_page(),
+        "reference/signals.md": _list("Signals", signal_list(study), whole=False),
+        "reference/seams.md": _list("Seams", seam_list(study), whole=True),
+        "reference/operators.md": _list("Operators", operator_list(study), whole=True),
         "reference/columns.md": _columns(),
         "reference/statuses.md": _statuses(),
         "reference/outputs.md": outputs_page(),
-        "reference/yaml_keys.md": yaml_keys_page(),
-        "reference/python.md": _python(),
+        "reference/scripts.md": _python("Python names for scripts", SCRIPTS, scaloft_fi),
+        "reference/plugins.md": _python("Python names for plugins", PLUGINS, api),
     }
     return {path: f"{text}\n{MADE}" for path, text in pages.items()}
 
@@ -109,60 +113,20 @@ def _cell(value: Any) -> str:
     return _MARKS.sub(r"\\\g<0>", " ".join(str(value).split()))
 
 
-def _signals(study: Study) -> str:
-    world = study.grid.world()
-    truth = truth_signals(world.surfaces, world.signals)
-    parts = ["# Signals\n", "The log has 20 samples a second.  Requirements and `realised` name these signals.\n"]
-    parts += ["## Ground truth of the reference study\n", _signal_table(truth)]
-    parts += ["## Signals that a study may ask for\n", "By name under `signals:` in `sim/world.yaml`.\n"]
-    parts.append(
-        _table(("signal", "unit", "meaning"), ((f"`{n}`", SIGNALS[n].unit, SIGNALS[n].meaning) for n in SIGNALS))
-    )
-    parts += ["## What the reference stack believes\n", _signal_table(belief_signals(study.stack.beliefs))]
-    return "\n".join(parts)
+def _list(title: str, listing: Listing, *, whole: bool) -> str:
+    """An overview of what the reference study has, and where asked for each entry whole."""
+    every = _code(shown(listing, Format.MARKDOWN, whole=True)) if whole else ""
+    overview = _code(shown(listing, Format.MARKDOWN, whole=False)).replace("### ", "## ", 1)
+    return f"# {title}\n\n`scaloft-fi {title.lower()}` lists what your study has.\n\n{overview}\n{every}"
 
 
-def _signal_table(signals: Iterable[Signal]) -> str:
-    return _table(("signal", "unit", "meaning"), ((f"`{one.name}`", one.unit, one.meaning) for one in signals))
+def _code(text: str) -> str:
+    r"""The text of a table with code where it has escaped backticks.
 
-
-def _seams(study: Study) -> str:
-    parts = ["# Seams\n", "Where a fault can be patched into the reference stack.\n"]
-    rows = (
-        (f"`{one.name}`", one.edge, f"`{one.message.__name__}`", f"{one.rate_hz:g}", _fields(one))
-        for one in study.stack.seams
-    )
-    parts.append(_table(("seam", "from which stage to which", "message", "rate [Hz]", "fields [unit]"), rows))
-    return "\n".join(parts)
-
-
-def _fields(seam: Seam) -> str:
-    return ", ".join(
-        f"`{name}` [{seam.unit(name)}]" if seam.unit(name) else f"`{name}`" for name in field_names(seam.message)
-    )
-
-
-def _operators() -> str:
-    parts = ["# Operators\n", "What makes a fault.  An operator fits every seam whose message has what it needs.\n"]
-    rows = (
-        (
-            f"`{name}`",
-            OPERATORS[name].need.words,
-            "<br>".join(map(_argument, OPERATORS[name].arguments.values())),
-            OPERATORS[name].summary,
-        )
-        for name in sorted(OPERATORS)
-    )
-    parts.append(_table(("operator", "needs", "arguments", "what it does"), rows))
-    return "\n".join(parts)
-
-
-def _argument(one: Argument) -> str:
-    allowed = ", ".join(f"`{choice}`" for choice in one.choices if choice) or (
-        str(one.allowed) if one.kind in (float, int) else one.kind.__name__
-    )
-    default = "" if one.required else f"; {one.default!r}" if one.default != "" else "; optional"
-    return f"`{one.name}`: {allowed}{default}"
+    >>> _code(r"Let \`hold\_s\` pass a\_b.")
+    'Let `hold_s` pass a\\_b.'
+    """
+    return re.sub(r"\\`.+?\\`", lambda code: code[0].replace("\\", ""), text)
 
 
 def _columns() -> str:
@@ -200,17 +164,15 @@ def _statuses() -> str:
     return "\n".join(parts)
 
 
-def _python() -> str:
-    """Every public name; mkdocstrings writes what it finds at the place of its definition."""
-    parts = ["# Python names\n"]
-    for module, says in MODULES.items():
-        parts.append(f"{says}; everything else may change.\n")
-        for name in sorted(module.__all__, key=str.casefold):
-            value = getattr(module, name)
-            if inspect.isclass(value) or inspect.isfunction(value):
-                parts.append(f"::: {value.__module__}.{value.__qualname__}\n")
-            else:
-                parts.append(f"## {name}\n\n{_says(name, value)}\n")
+def _python(title: str, says: str, module: ModuleType) -> str:
+    """Every public name of a module; mkdocstrings writes what it finds at the place of its definition."""
+    parts = [f"# {title}\n", f"{says}\n"]
+    for name in sorted(module.__all__, key=str.casefold):
+        value = getattr(module, name)
+        if inspect.isclass(value) or inspect.isfunction(value):
+            parts.append(f"::: {value.__module__}.{value.__qualname__}\n")
+        else:
+            parts.append(f"## `{name}`\n\n{_says(name, value)}\n")
     return "\n".join(parts)
 
 

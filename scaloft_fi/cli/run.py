@@ -187,6 +187,7 @@ def run_command(
     from scaloft_fi.campaign.store.folder import campaign_folder
     from scaloft_fi.campaign.workers.named import executor_named
     from scaloft_fi.cli.score import report
+    from scaloft_fi.views.runs.detected import detected_so_far
     from scaloft_fi.views.score.score_form import RUN
     from scaloft_fi.views.scored_campaign import scored_run
 
@@ -218,7 +219,8 @@ def run_command(
     )
     study = study_of(study_folder, campaign, grid)
     planned = planned_run(study, request)
-    flown = fly(planned, campaign_folder(study, campaign), options, progress=Silence() if quiet else Progress())
+    progress = Silence() if quiet else Progress(tally=detected_so_far)
+    flown = fly(planned, campaign_folder(study, campaign), options, progress=progress)
     scored = scored_run(flown, campaign)
     return report(
         scored,

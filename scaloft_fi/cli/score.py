@@ -132,7 +132,7 @@ def report(
     by = By(grouping) if grouping else None
     answer(
         output,
-        lambda: scored.record(by),
+        lambda: scored.values(by),
         style,
         lambda how: _text(scored, by, how, everything=everything),
         tables,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from scaloft_fi.scripting.arguments import in_python
 from scaloft_fi.scripting.campaign import OpenCampaign
+from scaloft_fi.scripting.figure import Figure
 from scaloft_fi.scripting.flight import FlownFlight
 from scaloft_fi.study import Study
 from scaloft_fi.views.columns import Columns, ColumnType
@@ -23,6 +24,11 @@ MUTANT_COLUMNS = {
     "counted": ColumnType.TRUTH,
 }
 SIGNAL_FACTS = {"unit": TEXT, "least": ColumnType.NUMBER, "most": ColumnType.NUMBER, "meaning": TEXT}
+FINDING_COLUMNS = {
+    **dict.fromkeys(("severity", "file"), TEXT),
+    "line": ColumnType.NUMBER,
+    **dict.fromkeys(("what", "situation", "remedy"), TEXT),
+}
 REQUIREMENT_COLUMNS = dict.fromkeys(("requirement", "kind", "formula", "unit", "title"), TEXT)
 DEFAULT = "default"
 """Name of a campaign over the study's own grid, where the user names none."""
@@ -174,14 +180,36 @@ class OpenStudy:
             study = self.definition
             return FlownFlight(fly_with_log(study, ready_to_fly(study, mutant, situation, seed, lambda _text: None)))
 
-    def check(self) -> None:
-        """Read every part of the study, and check the parts against each other.
+    def map(self, situation: str | None = None) -> Figure:
+        """Mine, bodies, route and happenings of a situation, without flying it.
+
+        Args:
+            situation: key or alias of the situation; by default every axis has its benign value.
 
         Raises:
-            InputError: a part is not allowed, or parts contradict each other; the message names the place.
+            InputError: there is no such situation, or the study cannot be read.
         """
+        from scaloft_fi.views.pictures.plan import draw_plan
+        from scaloft_fi.views.pictures.situation_plan import plan_of
+
         with in_python():
-            self.definition.check()
+            study = self.definition
+            one = study.grid.situation(situation) if situation else study.grid.situations[0]
+            titles = ", ".join(study.grid.titles(one))
+            return Figure(f"map of {one.key}", draw_plan(plan_of(study, one), title=one.key, subtitle=titles))
+
+    def check(self, *, fly: bool = False) -> Columns:
+        """Check the whole study; one row for each finding, errors first, with its place and remedy.
+
+        Args:
+            fly: whether to fly one baseline flight too, which shows the seams that the stack polls.
+        """
+        from scaloft_fi.checks.check import check_study
+        from scaloft_fi.views.checks import check_values
+
+        with in_python():
+            findings = check_values(check_study(self.folder, fly=fly))["findings"]
+            return Columns("Findings", FINDING_COLUMNS, findings)
 
     def _repr_html_(self) -> str:
         study = self.definition

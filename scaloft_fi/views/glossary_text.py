@@ -57,6 +57,8 @@ detected | shown: Verdict: all flights of a mutant together violate a requiremen
   your tests would have shown the fault.
 detected by | mutants detected by it, of those that it put to the test: Mutants that this requirement detects /
   mutants that it puts to the test.
+detected so far: On the live screen of `run`: mutants that the score would call detected by the flights that are stored
+  now, of those flown so far.
 detected/flown: Mutants detected / mutants flown.
 detected/tested: Mutants detected / mutants put to the test.
 deterministic: A stack whose flight with the same inputs has the same bits each time.

@@ -23,6 +23,7 @@ from scaloft_fi.terminal import joined
 from scaloft_fi.views.runs.looks import look_record, look_table
 from scaloft_fi.views.runs.unflown import Unflown, unflown, unflown_tables
 from scaloft_fi.views.score.first_screen import first_screen, screen_text
+from scaloft_fi.views.score.score_form import SCORE
 from scaloft_fi.views.score.score_record import score_json
 from scaloft_fi.views.score.tables import group_table, tables_behind
 from scaloft_fi.views.snapshot import snapshot
@@ -100,7 +101,11 @@ class ScoredCampaign:
         return joined([text, render(more, Format.TABLE)]) if more else text
 
     def record(self, by: By | None = None) -> dict[str, Any]:
-        """The score as plain JSON values of the form `SCORE`; `by` adds the score part by part."""
+        """The score as `score --format json` prints it; `by` adds the score part by part."""
+        return SCORE.record(self.values(by))
+
+    def values(self, by: By | None = None) -> dict[str, Any]:
+        """The plain JSON values of the form `SCORE`, without its version."""
         space = self.study.space
         violated = [(finding.situation, finding.violated) for finding in findings(self.rulings.baselines, space)]
         return score_json(

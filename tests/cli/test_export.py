@@ -52,7 +52,7 @@ def test_a_campaign_that_grew_spends_alpha_by_looks_in_every_format(call: Call) 
         words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--seeds", seeds, "--baseline-seeds", "10")
         call("run", *words, "--jobs", "1", "--quiet")
     assert "| mutation score | 0/1 = 0 % |" in " ".join(call("export", "--format", "markdown").stdout.split())
-    (row,) = csv.DictReader(io.StringIO(call("dispositions", "--format", "csv").stdout.partition("\n")[2]))
+    (row,) = csv.DictReader(io.StringIO(call("dispositions", "--format", "csv").stdout))
     assert (row["mutant"], row["verdict"]) == ("LATE-human@3s", "undecided")
     sheet = csv.DictReader(io.StringIO(call("worksheet", "--format", "csv").stdout))
     assert next(row["needed"] for row in sheet if row["cell"] == "LATE-human") == "5 seeds"

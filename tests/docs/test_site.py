@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shutil
@@ -11,9 +12,11 @@ from collections.abc import Iterator
 from html.parser import HTMLParser
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import pytest
 from browsing import NAMES
+from printed import printed_enumerations
 
 from scaloft_fi.cli.verbs import VERBS, command_of
 from scaloft_fi.exit_codes import ExitCode
@@ -107,9 +110,38 @@ def test_the_reference_has_every_verb_and_option(site: Path) -> None:
     assert [(verb, option) for verb, option in options if option not in sections[verb]] == []
 
 
+def _keys(schema: Any) -> Iterator[str]:
+    """Every key that a schema allows, at any depth."""
+    if isinstance(schema, list):
+        for each in schema:
+            yield from _keys(each)
+    elif isinstance(schema, dict):
+        for name, each in schema.items():
+            if name == "properties":
+                yield from each
+            yield from _keys(each)
+
+
+def test_the_reference_has_every_key_of_every_document(site: Path) -> None:
+    text = (site / "reference" / "yaml_keys.html").read_text()
+    named = set(re.findall(r"\w+", " ".join(re.findall(r"<td><code>(.*?)</code>", text))))
+    named |= set(re.findall(r"\w+", _text(site, "reference/operators.html")))  # the arguments of operators
+    schemas = {path.stem: json.loads(path.read_text()) for path in (ROOT / "docs" / "schemas" / "study").glob("*.json")}
+    keys = {(name, key) for name, schema in schemas.items() for key in _keys(schema)}
+    assert len(keys) > 100
+    assert sorted((name, key) for name, key in keys if key not in named) == []
+
+
 def test_the_reference_has_every_column_of_the_export(site: Path) -> None:
     text = (site / "reference" / "columns.html").read_text()
     assert [name for name in (*HEAD, *TAIL, *BASIS) if f"<code>{name}</code>" not in text] == []
+
+
+def test_the_reference_has_every_value_that_is_printed(site: Path) -> None:
+    text = (site / "reference" / "statuses.html").read_text()
+    values = {f"{one.__name__}.{value}": f"<code>{value}</code>" for one in printed_enumerations() for value in one}
+    assert len(values) > 60
+    assert [name for name, shown in values.items() if shown not in text] == []
 
 
 def test_the_reference_has_every_exit_code(site: Path) -> None:

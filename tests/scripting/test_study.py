@@ -31,6 +31,20 @@ def test_a_notebook_shows_what_a_study_has(study: scaloft_fi.OpenStudy) -> None:
     assert "paper, 32 situations" in study._repr_html_()
 
 
+def test_what_check_and_map_show_is_there_as_columns_and_as_a_figure(
+    study: scaloft_fi.OpenStudy, tmp_path: Path
+) -> None:
+    findings = study.check()
+    assert list(findings) == ["severity", "file", "line", "what", "situation", "remedy"]
+    assert "error" not in findings["severity"].tolist()
+    figure = study.map("T1O0W0D0H1")
+    assert figure._repr_svg_().startswith("<svg")
+    assert figure.save(tmp_path / "plan.PNG").read_bytes().startswith(b"\x89PNG")
+    assert figure.save(f"{tmp_path}/plan.svg").read_text() == figure.svg
+    with pytest.raises(scaloft_fi.InputError, match=r"must end in .svg or .png"):
+        figure.save("plan.pdf")
+
+
 def test_another_grid_has_its_own_situations_and_names_its_campaign() -> None:
     wide = scaloft_fi.open(STUDY, grid="wide")
     assert wide.situations.rows != 32

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
 import re
-from enum import StrEnum
 
 import pytest
+from printed import printed_enumerations
 from table_heads import headings
 
-import scaloft_fi
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.grouping import By
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO
+from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.views.glossary import TERMS, term
 from scaloft_fi.views.lists import axes, operators, seams, signals
 from scaloft_fi.views.score import answers, first_screen, tables
@@ -46,18 +44,6 @@ TOLD_BY_A_RUN = {
     ),
 }
 """Heads that the code around a table does not tell: what they are, or why they need no term."""
-NOT_PRINTED = {
-    "ColumnType": "types of columns in Python",
-    "Format": "a choice of an option",
-    "Keep": "a key of YAML",
-    "Likeness": "values of JSON, which the reference has",
-    "Kind": "kinds of fields of messages",
-    "Shape": "a key of YAML",
-    "Side": "an order of signals",
-    "Style": "codes of a terminal",
-    "Worse": "an order of magnitudes",
-}
-"""Enumerations that no table and no file of results prints."""
 
 
 def _texts() -> dict[str, str]:
@@ -82,17 +68,9 @@ def test_headings_are_found() -> None:
     assert len(_texts()) > 150
 
 
-def _enumerations() -> list[type[StrEnum]]:
-    for module in pkgutil.walk_packages(scaloft_fi.__path__, "scaloft_fi."):
-        if module.name.split(".")[1] in {"analysis", "campaign", "hazop", "judge", "sim", "views"}:
-            importlib.import_module(module.name)
-    return [one for one in StrEnum.__subclasses__() if one.__module__.startswith("scaloft_fi.")]
-
-
 def test_every_value_that_is_printed_is_a_term() -> None:
-    found = _enumerations()
-    assert Verdict in found
-    printed = [one for one in found if one.__name__ not in NOT_PRINTED or one.__module__.endswith("requirement")]
+    printed = printed_enumerations()
+    assert {Verdict, Kind} <= set(printed)
     assert {f"{one.__name__}.{value}" for one in printed for value in one if term(value) is None} == set()
 
 

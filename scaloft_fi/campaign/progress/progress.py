@@ -6,41 +6,58 @@ import math
 import shutil
 import sys
 import time
-from collections.abc import Callable
-from typing import TextIO
+from collections.abc import Callable, Sequence
+from typing import Any, TextIO
 
-from scaloft_fi.console import show
+from scaloft_fi.console import marked_sentence, show
 from scaloft_fi.inert import line
 
 LIVE_EVERY_S = 0.5
 LINE_EVERY_S = 10.0
+TALLY_EVERY_S = 10.0
+TALLY_SHARE = 0.005
+"""Largest share of the run's wall time that the tally of detected faults takes."""
 BAR_WIDTH = 24
 
 
 class Progress:
-    """Flights done, their rate, the time left, violations.
+    """Flights done, their rate, the time left, violations, and on a terminal what is detected so far.
 
     Args:
-        stream: output stream; a terminal gets a live line, any other stream one line every ten seconds.
+        stream: output stream; a terminal gets a live screen of some lines, which vanishes at the end; any other stream
+            gets one line every ten seconds.
         clock: monotonic wall clock [s].
+        tally: makes the lines of what is detected so far from the words of `stored`; None for no such lines.
 
     Attributes:
         flights: number of expected flights.
         done: number of flown flights.
         done_s: expected simulated time of the flown flights [s].
+        simulated_s: simulated time of the flown flights [s].
         left_s: returns the expected simulated time of the remaining flights [s]; called only for the display.
         most_s: returns the remaining budget of wall time [s]; infinite without a budget.
         stage: stage of the run, such as `look 2 of 3`.
         violations: summary of the violations so far.
+        stored: returns the arguments of `tally`: what the campaign holds; None while nothing is scored.
     """
 
-    def __init__(self, *, stream: TextIO | None = None, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self,
+        *,
+        stream: TextIO | None = None,
+        clock: Callable[[], float] = time.monotonic,
+        tally: Callable[..., Sequence[str]] | None = None,
+    ) -> None:
         self._stream = stream or sys.stderr
         self._live = self._stream.isatty()
         self._clock = clock
         self._start_s = self._shown_s = clock()
         self.flights, self.done = 0, 0
-        self.done_s = 0.0
+        self.done_s = self.simulated_s = 0.0
+        self._tally, self._tally_due_s = tally, self._start_s + TALLY_EVERY_S
+        self._tallied: Sequence[str] = ()
+        self._drawn = 0
+        self.stored: Callable[[], tuple[Any, ...]] | None = None
         self.left_s: Callable[[], float] = lambda: 0.0
         self.most_s: Callable[[], float] = lambda: math.inf
         self.stage, self.violations = "", ""
@@ -59,15 +76,15 @@ class Progress:
             self._show()
 
     def line(self, text: str) -> None:
-        """Print a permanent line above the live line."""
-        told = line(text)
-        show(self._stream, f"\r\x1b[K{told}\n" if self._live else f"{told}\n")
+        """Print a permanent line above the live screen."""
+        told = marked_sentence(line(text), self._stream)
+        show(self._stream, f"{self._erased()}{told}\n")
         if self._live and self.done:
             self._show()
 
     def close(self) -> None:
-        """Print the last count as a permanent line."""
-        show(self._stream, "\r\x1b[K" * self._live + f"{self.summary()}\n" * bool(self.done))
+        """Take the live screen away, and print the last count as a permanent line."""
+        show(self._stream, self._erased() + f"{self.summary()}\n" * bool(self.done))
 
     @property
     def time_left_s(self) -> float | None:
@@ -92,18 +109,39 @@ class Progress:
         parts = [f"{self.done}/{self.flights} flights", f"{self.done / elapsed_s:.1f}/s", left]
         if self.stage:
             parts.append(self.stage)
-        if self.violations:
-            parts.append(f"violations: {self.violations}")
-        text = "  ".join(parts)
+        violations = f"violations: {self.violations}"
         if self._live:
-            room = shutil.get_terminal_size().columns - 1  # a line that wraps cannot be overwritten
-            width = max(0, min(BAR_WIDTH, room - len(text) - len("[] ")))
-            whole_s = self.done_s + self.left_s()
-            full = min(width, round(width * self.done_s / whole_s)) if whole_s else width
-            bar = f"[{'#' * full}{'.' * (width - full)}] " if width else ""
-            show(self._stream, f"\r\x1b[K{f'{bar}{text}'[:room]}")
+            rate = f"{self.simulated_s / elapsed_s:.0f} simulated s a second" if self.simulated_s else ""
+            self._draw("  ".join(parts), [rate, violations * bool(self.violations), *self._detected()])
         else:
-            show(self._stream, f"{text}\n")
+            show(self._stream, "  ".join(parts + [violations] * bool(self.violations)) + "\n")
+
+    def _draw(self, first: str, below: Sequence[str]) -> None:
+        """Draw the live screen in place of the last one."""
+        size = shutil.get_terminal_size()
+        room = size.columns - 1  # a line that wraps cannot be overwritten
+        width = max(0, min(BAR_WIDTH, room - len(first) - len("[] ")))
+        whole_s = self.done_s + self.left_s()
+        full = min(width, round(width * self.done_s / whole_s)) if whole_s else width
+        bar = f"[{'#' * full}{'.' * (width - full)}] " if width else ""
+        lines = [each[:room] for each in (f"{bar}{first}", *filter(None, below))][: max(1, size.lines - 1)]
+        show(self._stream, self._erased() + "\n".join(lines))
+        self._drawn = len(lines)
+
+    def _erased(self) -> str:
+        """What takes the live screen away."""
+        up = f"\x1b[{self._drawn - 1}A" if self._drawn > 1 else ""
+        self._drawn = 0
+        return f"\r{up}\x1b[J" * self._live
+
+    def _detected(self) -> Sequence[str]:
+        """The lines of the tally, made anew where that is due."""
+        now_s = self._clock()
+        if self._tally is not None and self.stored is not None and now_s >= self._tally_due_s:
+            self._tallied = self._tally(*self.stored())
+            took_s = self._clock() - now_s
+            self._tally_due_s = now_s + max(TALLY_EVERY_S, took_s / TALLY_SHARE)
+        return self._tallied
 
 
 class Silence(Progress):

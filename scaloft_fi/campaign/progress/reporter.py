@@ -50,6 +50,7 @@ class Reporter:
             self._show_outcome(outcome)
         expected = self._forecast.arrived(flight, self._nominal_s(flight))
         self.progress.done_s = self._forecast.done_s
+        self.progress.simulated_s += outcome.duration_s
         if expected:
             self.progress.advance()
 

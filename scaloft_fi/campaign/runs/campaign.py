@@ -29,7 +29,7 @@ from scaloft_fi.campaign.store.key import Keys
 from scaloft_fi.campaign.store.platforms import Pair, Platforms, claim
 from scaloft_fi.campaign.store.store import EmptyError, Store
 from scaloft_fi.campaign.workers.executor import Workers
-from scaloft_fi.campaign.workers.interrupt import Interrupted, interruptible
+from scaloft_fi.campaign.workers.interrupt import Flag, Interrupted, interruptible
 from scaloft_fi.campaign.workers.local import Local
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
@@ -269,15 +269,12 @@ def opened(
     """
     promising(folder)
     executor = options.executor or Local(options.jobs)
-    with (
-        interruptible() as stopped,
-        executor.workers(
-            study, flyer or (Commanded() if study.command else Physics()), stop=stopped, say=progress.line
-        ) as workers,
-    ):
+    stopped = Flag()
+    flies = flyer or (Commanded() if study.command else Physics())
+    with executor.workers(study, flies, stop=stopped, say=progress.line) as workers:
         if not _all_flown(study, first, folder / STORE_NAME):
-            workers.ready()
-        with Store(writable(folder) / STORE_NAME, say=progress.line) as store:
+            workers.ready()  # may take half a minute in compilers, which poll no flag: a signal ends it at once
+        with interruptible(stopped), Store(writable(folder) / STORE_NAME, say=progress.line) as store:
             remember_grid(store, study)
             prove_platform(
                 study, store, workers, say=progress.line, stopped=stopped, same_platform=options.same_platform

@@ -85,6 +85,11 @@ def _fly(planned: Plan, campaign: Campaign, budget: Budget) -> Report:
     remember_seeds(campaign.store, (flight.subject.id for flight in planned.mutants), planned.seeds)
     campaign.plan(flights)
     campaign.reporter.progress.most_s = lambda: budget.left_s
+    campaign.reporter.progress.stored = lambda: (
+        campaign.study,
+        current_in(campaign.study, campaign.store),
+        spending_of(campaign.study, campaign.store),
+    )
     campaign.announce_pool(planned)
     if campaign.options.budget_s is None:
         campaign.fly(flights)

@@ -1,4 +1,4 @@
-"""Ctrl-C, SIGTERM, SIGHUP: the first signal lets a run save and end, the second signal ends it at once."""
+"""Ctrl-C, SIGTERM, SIGHUP while drones fly: the first signal lets a run save and end, the second ends it at once."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
+from typing import Any
 
 from scaloft_fi.campaign.processes.start import HANGUP
 from scaloft_fi.errors import ScaloftError
@@ -32,33 +33,38 @@ class Flag:
         """Whether a signal has arrived."""
         return self._since_s is not None
 
-    def raise_it(self, number: int, frame: FrameType | None) -> None:
-        """Handle a signal.
-
-        Raises:
-            KeyboardInterrupt: the signal is the second one.
-        """
+    def again(self) -> bool:
+        """Note a signal; returns whether the user asks for the second time."""
         now_s = time.monotonic()
         if self._since_s is None:
             self._since_s = now_s
-        elif now_s - self._since_s > ECHO_S:
-            raise KeyboardInterrupt
+            return False
+        return now_s - self._since_s > ECHO_S
 
 
 @contextmanager
-def interruptible() -> Iterator[Flag]:
-    """In this context the first signal that asks to stop sets the flag, the second one raises.
+def interruptible(flag: Flag) -> Iterator[None]:
+    """In this context the first signal that asks to stop sets the flag, the second one does what it did before.
 
     A SIGHUP that is ignored, as `nohup` has it, stays ignored.
     """
-    flag = Flag()
     if threading.current_thread() is not threading.main_thread():  # only the main thread can handle signals
-        yield flag
+        yield
         return
+    before: dict[int, Any] = {}
+
+    def handle(number: int, frame: FrameType | None) -> None:
+        if flag.again():
+            if not callable(before[number]):
+                raise KeyboardInterrupt
+            before[number](number, frame)
+
     hangup = [number for number in HANGUP if signal.getsignal(number) != signal.SIG_IGN]
-    before = {number: signal.signal(number, flag.raise_it) for number in (signal.SIGINT, signal.SIGTERM, *hangup)}
+    for number in (signal.SIGINT, signal.SIGTERM, *hangup):
+        before[number] = signal.getsignal(number)
+        signal.signal(number, handle)
     try:
-        yield flag
+        yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        for changed, handler in before.items():
+            signal.signal(changed, handler)

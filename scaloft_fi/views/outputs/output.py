@@ -39,18 +39,21 @@ class Output:
         return {**head, **record(self.about, {"version": version, **self.keys})}
 
     def json(self, values: Mapping[str, Any]) -> str:
-        """The JSON text.
+        """The JSON text of `record`."""
+        return json_text(self.record(values), indent=2) + "\n"
+
+    def record(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """The whole as plain JSON values, its version first.
 
         Args:
             values: plain JSON values by the names of `keys`.
 
         Raises:
-            ValueError: a name is missing or not declared, or a number is not finite.
+            ValueError: a name is missing or not declared.
         """
         if values.keys() != self.keys.keys():
             raise ValueError(f"{self.verb}: declared {sorted(self.keys)}, given {sorted(values)}")
-        whole = {"version": self.version, **{name: values[name] for name in self.keys}}
-        return json_text(whole, indent=2) + "\n"
+        return {"version": self.version, **{name: values[name] for name in self.keys}}
 
 
 @dataclass(frozen=True)

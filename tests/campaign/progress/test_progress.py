@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
-from scaloft_fi.campaign.progress.progress import LINE_EVERY_S, Progress, Silence, duration
+from scaloft_fi.campaign.progress.progress import LINE_EVERY_S, TALLY_EVERY_S, TALLY_SHARE, Progress, Silence, duration
 
 
 class Terminal(io.StringIO):
@@ -85,38 +85,89 @@ def test_without_a_terminal_there_is_one_line_every_ten_seconds() -> None:
     ]
 
 
-def test_on_a_terminal_the_line_is_live_and_a_warning_stands_above_it() -> None:
+def test_on_a_terminal_the_line_is_live_and_a_warning_stands_above_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NO_COLOR", "1")
     stream = Terminal()
     progress, clock = _progress(stream)
     clock.now_s += 1.0
     _advance(progress, 200.0)
     progress.line("warning: SR1 violated")
     before, after = stream.getvalue().split("warning: SR1 violated\n")
-    assert "\n" not in before
-    assert after.startswith("\r\x1b[K[############............] 1/10 flights")
+    assert before.count("\r\x1b[J") == 2  # once to draw, once to make room for the warning
+    assert after.startswith("\r\x1b[J[############............] 1/10 flights")
 
 
-def test_a_live_line_never_wraps(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("COLUMNS", "60")
-    stream = Terminal()
-    progress, clock = _progress(stream)
-    progress.violations = "2900 (baseline 16, mutants 2868, PLACEBO 16)"
+def _lines(progress: Progress, clock: Clock, columns: int, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The live screen after a second and a flight."""
+    monkeypatch.setenv("COLUMNS", str(columns))
     clock.now_s += 1.0
     _advance(progress, 200.0)
-    shown = stream.getvalue().removeprefix("\r\x1b[K")
-    assert len(shown) == 59
-    assert shown.startswith("1/10 flights  1.0/s  1 s left  violations: 2900 (")
+    return str(progress._stream.getvalue()).rpartition("\x1b[J")[2].split("\n")  # type: ignore[attr-defined]
 
 
-def test_the_bar_leaves_room_for_the_violations(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("COLUMNS", "80")
-    stream = Terminal()
-    progress, clock = _progress(stream)
+def test_the_live_screen_has_rate_time_left_simulated_time_violations_and_what_is_detected(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    progress, clock = _progress(Terminal(), lambda **words: Progress(**words, tally=lambda what: [f"detected: {what}"]))
+    progress.stored = lambda: ("2 of 3",)
     progress.violations = "8 (baseline 3, mutants 5)"
-    clock.now_s += 1.0
-    _advance(progress, 200.0)
-    shown = "[####....] 1/10 flights  1.0/s  1 s left  violations: 8 (baseline 3, mutants 5)"
-    assert stream.getvalue() == f"\r\x1b[K{shown}"
+    progress.simulated_s = 50.0
+    clock.now_s += TALLY_EVERY_S
+    assert _lines(progress, clock, 100, monkeypatch) == [
+        "[############............] 1/10 flights  0.1/s  11 s left",
+        "5 simulated s a second",
+        "violations: 8 (baseline 3, mutants 5)",
+        "detected: 2 of 3",
+    ]
+
+
+@pytest.mark.parametrize("columns", [40, 60, 80])
+def test_no_line_of_the_live_screen_wraps(columns: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    progress, clock = _progress(Terminal())
+    progress.violations = "2900 (baseline 16, mutants 2868, PLACEBO 16)"
+    lines = _lines(progress, clock, columns, monkeypatch)
+    assert max(map(len, lines)) < columns
+    assert lines[1] == f"violations: {progress.violations}"[: columns - 1]
+
+
+def test_a_drawing_takes_the_place_of_the_last_one_and_nothing_of_it_is_left_at_the_end(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    stream = Terminal()
+    progress, clock = _progress(stream)
+    progress.violations = "1 (mutants 1)"
+    _lines(progress, clock, 80, monkeypatch)
+    _lines(progress, clock, 80, monkeypatch)
+    assert "\r\x1b[1A\x1b[J[" in stream.getvalue()
+    progress.close()
+    assert stream.getvalue().rpartition("\x1b[J")[2] == "2 of 10 flights flown in 2 s, 1.0 a second\n"
+
+
+def test_the_tally_takes_no_more_than_its_share_of_the_time() -> None:
+    made: list[float] = []
+    progress, clock = _progress(Terminal())
+
+    def tally() -> list[str]:
+        made.append(clock.now_s)
+        clock.now_s += 1.0
+        return ["detected"]
+
+    progress = Progress(stream=Terminal(), clock=clock, tally=tally)
+    progress.flights, progress.stored = 1000, lambda: ()
+    start_s = clock.now_s
+    for _ in range(1000):
+        clock.now_s += 1.0
+        _advance(progress, 1.0)
+    assert len(made) > 1
+    assert len(made) - 1 <= TALLY_SHARE * (clock.now_s - start_s)
+
+
+def test_without_a_terminal_nothing_is_tallied() -> None:
+    clock = Clock()
+    progress = Progress(stream=io.StringIO(), clock=clock, tally=lambda: 1 / 0)  # type: ignore[arg-type,return-value]
+    progress.flights, progress.stored = 10, lambda: ()
+    clock.now_s += 60.0
+    _advance(progress, 1.0)
 
 
 def test_the_end_leaves_a_summary() -> None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import pytest
 
 from scaloft_fi.campaign.processes.start import HANGUP
-from scaloft_fi.campaign.workers.interrupt import interruptible
+from scaloft_fi.campaign.workers.interrupt import ECHO_S, Flag, interruptible
 
 
 @pytest.fixture
@@ -22,7 +22,8 @@ def hangup() -> Iterator[signal.Signals]:
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, *HANGUP])
 def test_the_first_signal_asks_to_stop_and_the_handlers_come_back(number: signal.Signals) -> None:
     before = signal.getsignal(number)
-    with interruptible() as stopped:
+    stopped = Flag()
+    with interruptible(stopped):
         assert not stopped()
         signal.raise_signal(number)
         assert stopped()
@@ -31,7 +32,25 @@ def test_the_first_signal_asks_to_stop_and_the_handlers_come_back(number: signal
 
 def test_what_nohup_ignores_stays_ignored(hangup: signal.Signals) -> None:
     signal.signal(hangup, signal.SIG_IGN)
-    with interruptible() as stopped:
+    stopped = Flag()
+    with interruptible(stopped):
         signal.raise_signal(hangup)
         assert not stopped()
     assert signal.getsignal(hangup) == signal.SIG_IGN
+
+
+def test_the_second_signal_does_what_it_did_before_and_an_echo_of_the_first_does_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    now_s = 100.0
+    monkeypatch.setattr("scaloft_fi.campaign.workers.interrupt.time.monotonic", lambda: now_s)
+    stopped = Flag()
+    with interruptible(stopped):
+        signal.raise_signal(signal.SIGINT)
+        now_s += ECHO_S / 2
+        signal.raise_signal(signal.SIGINT)
+        now_s += ECHO_S
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGTERM)

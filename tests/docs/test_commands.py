@@ -1,0 +1,119 @@
+"""Every command that README and the site show is run by a test, or stands here with the reason why not."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from click.exceptions import Exit
+from plugins import ROOT, call
+from shown_commands import GUIDES, Shown, named_commands, shown_commands, stray_commands
+
+from scaloft_fi.cli.verbs import VERBS, command_of
+
+RUN_BY_GUIDES = {f"{name}.md" for name in GUIDES}
+"""The pages whose commands `tests/test_guides.py` runs, with the packages that the pages show."""
+WHOLE = {"tutorial.md"}
+"""The page that `tests/docs/test_tutorial.py` follows from its first command to its last."""
+PAGES = ("axis.md", "ci.md", "hazop_workshop.md", "judge.md")
+"""The pages whose commands are run here, in their order, each in a copy of the reference study."""
+LONG = "it flies for minutes to hours"
+ELSEWHERE = {
+    "README.md": ".ci/run runs the second command word for word, and with it what the first one does",
+    "check.md": "tests/checks checks studies with planted defects",
+    "CONTRIBUTING.md": "they are the tests themselves",
+    "cluster.md": "it needs several machines; tests/campaign/workers flies with a scheduler and workers on one",
+    "index.md": "it is README's first command",
+    "outside.md": "tests/outside/test_outside_flights.py flies this study",
+    "outside_ros1.md": "it needs ROS 1; tests/examples/test_testbed.py flies this study where it is installed",
+    "outside_ros2.md": "it needs ROS 2; tests/outside/test_ros2.py flies this study where it is installed",
+    "own_simulator.md": "tests/examples/test_own_simulator.py flies these studies",
+    "seek.md": f"{LONG}; tests/campaign/runs/seeking searches small grids",
+}
+"""Pages whose commands are not run as they stand, and why."""
+NOT_RUN = {
+    "pip install 'scaloft-fi'": "packages are installed by tests/packaging",
+    "scaloft-fi run --budget 20m --quiet": LONG,
+    "scaloft-fi export --format junit --output faults.xml": "tests/views/exchange writes it",
+    "scaloft-fi export --format sarif --output faults.sarif": "tests/views/exchange writes it",
+    'scaloft-fi export --format markdown >> "$GITHUB_STEP_SUMMARY"': "tests/views/exchange writes it",
+    "scaloft-fi score --ratchet --fail-under 0.3": "tests/cli tries both",
+}
+"""Commands of the other pages that are not run, and why."""
+
+
+def test_every_command_stands_where_a_test_finds_it() -> None:
+    assert stray_commands() == []
+
+
+def test_every_command_is_run_or_listed() -> None:
+    left = {
+        shown.command for shown in shown_commands() if shown.page not in {*RUN_BY_GUIDES, *WHOLE, *PAGES, *ELSEWHERE}
+    }
+    assert left == set()
+    steps = {shown.command for shown in shown_commands() if shown.page in PAGES} - {
+        command for page in PAGES for command in _of(page)
+    }
+    assert steps == set(NOT_RUN)
+
+
+def test_readme_names_every_verb() -> None:
+    rows = re.findall(r"^\| (`scaloft-fi .*?) \|", (ROOT / "README.md").read_text(), re.MULTILINE)
+    named = {word for row in rows for word in re.findall(r"[a-z]+", row)}
+    assert [verb for verb in VERBS if verb not in named] == []
+
+
+def test_no_page_is_listed_in_vain() -> None:
+    assert {*PAGES, *ELSEWHERE} <= {shown.page for shown in shown_commands()}
+
+
+def _of(page: str) -> Mapping[str, str]:
+    """The commands of a page that are run, with the output that it shows."""
+    return {
+        shown.command: shown.output for shown in shown_commands() if shown.page == page and shown.command not in NOT_RUN
+    }
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("page", PAGES)
+def test_its_commands_print_what_it_shows(page: str, tmp_path: Path) -> None:
+    for name in ("hazop", "mutants", "sim"):
+        shutil.copytree(ROOT / name, tmp_path / name)
+    for name, text in re.findall(
+        r"^```yaml file=(\S+)\n(.*?)^```$", (ROOT / "docs" / page).read_text(), re.MULTILINE | re.DOTALL
+    ):
+        (tmp_path / name).write_text(text)
+    commands = _of(page)
+    assert commands
+    for command, shown in commands.items():
+        program, *words = Shown(page, command).words
+        assert program == "scaloft-fi", command
+        done = call(tmp_path / "none", "-m", "scaloft_fi", *words, cwd=tmp_path)
+        assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
+        assert not shown or shown == done.stdout, f"{page} shows another output of {command}:\n{done.stdout}"
+
+
+@pytest.mark.parametrize("shown", shown_commands(), ids=str)
+def test_a_command_that_is_shown_can_be_called(shown: Shown) -> None:
+    for words in filter(None, _calls(shown)):
+        with suppress(Exit):  # of --help
+            command_of(words[0]).make_context(words[0], words[1:])
+
+
+@pytest.mark.parametrize("shown", named_commands(), ids=str)
+def test_a_command_that_a_sentence_names_has_this_verb_and_these_options(shown: Shown) -> None:
+    for verb, *words in filter(None, _calls(shown)):
+        assert verb in {*VERBS, "VERB"}
+        names = {option for parameter in command_of(verb).params for option in parameter.opts} if verb in VERBS else {}
+        options = [word.partition("=")[0] for word in words if word.startswith("--")]
+        assert [option for option in options if option not in {*names, "--help"}] == []
+
+
+def _calls(shown: Shown) -> list[list[str]]:
+    """The words behind `scaloft-fi` of each call in a command line."""
+    calls = [Shown(shown.page, part).words for part in re.split(r"&&|>>", shown.command)]
+    return [words[at + 1 :] for words in calls for at, word in enumerate(words) if word.endswith("scaloft-fi")]
