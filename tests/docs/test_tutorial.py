@@ -40,7 +40,12 @@ def test_every_block_of_the_page_is_run_or_written() -> None:
 
 @pytest.mark.flight
 def test_each_command_prints_what_the_page_shows(transcript: Transcript) -> None:
-    assert transcript.page == PAGE.read_text(), REMEDY
+    assert _masked(transcript.page) == _masked(PAGE.read_text()), REMEDY
+
+
+def _masked(page: str) -> str:
+    """The page without digests, which are of one platform."""
+    return re.sub(r"\b[0-9a-f]{64}\b", "digest", page)
 
 
 @pytest.mark.flight
