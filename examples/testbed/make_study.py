@@ -40,7 +40,7 @@ def make_study(folder: Path, scripts: list[Path], source: Path | None = None) ->
         raise InputError(f"{shared / 'world.yaml'}: has no `{ROUTE[0]}`")
     (sim / "world.yaml").write_text(world.replace(*ROUTE) + ARRIVAL)
     names = ", ".join(f'"{{study}}/sim/{script.name}"' for script in scripts)
-    inside = (shared / "stack.yaml").read_text().partition("name: reference\n")[2]
+    inside = (shared / "stack.yaml").read_text().partition("name: reference")[2].partition("\n")[2]
     settings = sim / "stack.yaml"
     own = settings.read_text().replace("SCRIPTS", names)
     settings.write_text(own + "".join(f"  {line}\n" if line else "\n" for line in inside.splitlines()))

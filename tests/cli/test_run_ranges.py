@@ -45,9 +45,8 @@ def test_drawn_situations_come_back_from_the_store_by_their_keys(call: Call, ran
     assert json.loads(more.stdout)["ratios"] == record["ratios"]
     assert len(flown(call, ranged)) == len(rows)  # nothing is flown twice
     kills = json.loads(call("kills", "--format", "json", study=ranged).stdout)
-    row = next(row for row in kills["matrix"]["mutants"] if row["id"] == "LATE-human@3s")
-    listed = [entry["key"] for entry in kills["matrix"]["situations"]]
-    assert {key for key, entry in zip(listed, row["entries"], strict=True) if entry["flown"]} == set(keys)
+    late = [result for result in kills["results"] if result["mutant"] == "LATE-human@3s"]
+    assert {result["situation"] for result in late if result["flown"]} == set(keys)
     for verb in ("status", "coverage", "worksheet", "dispositions"):
         assert call(verb, study=ranged).exit_code == 0
     for style in ("csv", "gsn", "sace", "junit", "sarif", "mutation-testing", "markdown"):

@@ -134,7 +134,7 @@ CORPUS: dict[str, tuple[str, Callable[[Path], object], str]] = {
     ),
     "a ladder of ten thousand": (CELLS, edit("ladder: [", f"ladder: [{'1, ' * 10_000}"), "at most 100 values"),
     "a key of 500 characters": (VEHICLE, edit("mass_kg", "m" * 500), "at most 200 characters"),
-    "a text of a megabyte": (STACK, edit("reference", "r" * 1_000_000), "no stack 'rrr"),
+    "a text of a megabyte": (STACK, edit("name: reference", "name: " + "r" * 1_000_000), "no stack 'rrr"),
     "YAML that is a pipe": (WORLD, pipe, "a pipe"),
     "YAML that never ends": (STACK, link("/dev/zero"), "a device"),
     "YAML that links to itself": (SENSORS, link("sensors.yaml"), "symbolic links"),

@@ -231,8 +231,9 @@ def score(
     listed: dict[str, list[Row]] = {}
     for row in rows:
         if row["mutant"] != "baseline":
-            row["status"], told = status(row, base.get((row["situation"], row["seed"])), kinds), row["status"]
-            assert row["status"][0] == told, row
+            its = base.get((row["situation"], row["seed"]))
+            row["status"], told = status(row, its, kinds), row["status"]
+            assert told == ("waiting" if its is None and row["counts"] else row["status"][0]), row
             assert row["status"][1] == row["revealed_by"], row
             listed.setdefault(row["mutant"], []).append(row)
 

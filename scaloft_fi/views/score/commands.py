@@ -23,7 +23,9 @@ def in_campaign(campaign: str) -> str:
     return f" --campaign {shlex.quote(campaign)}" if campaign != DEFAULT else ""
 
 
-def command(campaign: str, mutants: Sequence[MutantScore], seeds: int, defaults: Collection[str] = ()) -> str:
+def command(
+    campaign: str, mutants: Sequence[MutantScore], seeds: int, defaults: Collection[str] = (), grid: str = ""
+) -> str:
     """The `run` that flies these mutants, and no others; drawn numbers are of no grid, so their situations are named.
 
     Args:
@@ -31,8 +33,9 @@ def command(campaign: str, mutants: Sequence[MutantScore], seeds: int, defaults:
         mutants: those to fly.
         seeds: of each.
         defaults: ids of the mutants that `run` flies when none is named; exactly these need no name.
+        grid: the further grid of a campaign that is still to be made.
     """
-    words = [f"scaloft-fi run{in_campaign(campaign)}"]
+    words = [f"scaloft-fi run{in_campaign(campaign)}", *([f"--grid {grid}"] if grid else [])]
     ids = [mutant.subject.id for mutant in mutants]
     if len(ids) <= MOST_NAMED or set(ids) != set(defaults):
         words += [f"--mutant {id_}" for id_ in ids]

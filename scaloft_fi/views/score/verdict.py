@@ -71,8 +71,9 @@ def next_command(
     if mutant.verdict is Verdict.UNDECIDED and lacks_pool(mutant, lacking):
         return command(campaign, [mutant], seeds)
     if safety.needed:
-        anew = f"ANOTHER --grid {grid}" if grid else "ANOTHER"
-        return command(anew if safety.anew else campaign, [mutant], safety.needed)
+        if not safety.anew:
+            return command(campaign, [mutant], safety.needed)
+        return command("ANOTHER", [mutant], safety.needed, grid=grid)
     return f"scaloft-fi kills{in_campaign(campaign)} {mutant.subject.id} --show survivors"
 
 

@@ -80,7 +80,8 @@ def _cell(cell: str, width: int, *, marked: bool) -> str:
 def _record(headers: Sequence[str], row: Sequence[str], width: int, *, marked: bool) -> str:
     """A row as lines: what names it, then below it each other value behind its header."""
     label = max(map(len, headers[1:]), default=0) + len(INDENT)
-    lines = [styled(row[0], Style.STRONG) if marked else row[0]]
+    name = wrapped(row[0], width)
+    lines = ["\n".join(styled(each, Style.STRONG) for each in name.split("\n")) if marked else name]
     for header, value in zip(headers[1:], row[1:], strict=True):
         if value:
             meaning = style_of(value) if marked else None
