@@ -68,4 +68,4 @@ def test_it_flies_as_published_with_the_oldest_libraries_that_it_declares(tmp_pa
         pytest.skip("the oldest libraries have no wheels for this Python")
     oldest = [re.sub(r">=([\d.]+).*", r"==\1", name) for name in _needed()]
     own = _venv(sys.executable, tmp_path / "venv", *oldest)
-    assert "known flight" in _call(own, "-m", "scaloft_fi", "doctor")
+    assert "Known flight" in _call(own, "-m", "scaloft_fi", "doctor")
