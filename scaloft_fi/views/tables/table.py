@@ -94,6 +94,8 @@ def tabulated(headers: Sequence[str], rows: Iterable[Sequence[TableCell]], how: 
     """
     import tabulate
 
+    tabulate.MIN_PADDING = 0  # a header needs no more room than its letters
+
     literal = markdown if how is Format.MARKDOWN else line  # tabulate escapes LaTeX itself
     names = list(map(literal, headers))
     return tabulate.tabulate(_cells(rows, literal), names, style or _TABULATE[how], disable_numparse=True)
