@@ -18,7 +18,7 @@ try:
     main(sys.argv[1:])
 except SystemExit as done:
     assert done.code == 0, done.code
-heavy = {"numba", "pybullet", "rtamt", "filterpy", "distributed", "scipy"}
+heavy = {"numba", "pybullet", "filterpy", "distributed", "scipy"}
 assert not heavy & set(sys.modules), heavy & set(sys.modules)
 """
 VERBS = {

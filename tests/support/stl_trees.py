@@ -55,6 +55,36 @@ _values = st.one_of(
 )
 
 
+ZEROS = {"a": [0.0, -0.0, 1.0, 0.0], "b": [-0.0, 0.0, -0.0, 0.0], "c": [-0.0, -0.0, 0.0, 2.0]}
+_A, _B, _C = map(Signal, NAMES)
+_NONE = Arithmetic("-", Window("once", _A, Interval(1, 2)), Window("once", _B, Interval(1, 2)))
+"""No number at the first sample: infinity less infinity."""
+EDGES: Mapping[str, Node] = {
+    "equal zeros in a window of the past": Window("once", Logic("and", _A, _B), Interval(0, 2)),
+    "equal zeros in a window of the future": Window("always", Logic("or", _B, _A), Interval(0, 2)),
+    "equal zeros in all the past": Window("historically", _B),
+    "equal zeros in all the future": Window("eventually", _C),
+    "equal zeros since": Hold("since", _A, _B, Interval(0, 3)),
+    "equal zeros held": Hold("since", Logic("and", _B, _C), Number(3.0), Interval(0, 3)),
+    "equal zeros until": Hold("until", _B, _C, Interval(1, 2)),
+    "equal zeros implied": Logic("implies", _A, _B),
+    "no number in a window": Window("historically", _NONE, Interval(0, 2)),
+    "no number in all the past": Window("once", _NONE),
+    "no number in all the future": Window("always", _NONE),
+    "no number held": Hold("since", _NONE, _B, Interval(0, 2)),
+    "no number until": Hold("until", _A, _NONE),
+    "no number since": Hold("since", _A, _NONE, Interval(0, 2)),
+    "a window before the flight": Window("historically", _A, Interval(4, 9)),
+    "a window after the flight": Window("eventually", Logic("and", _A, _B), Interval(4, 9)),
+    "a window longer than the flight": Window("once", _A, Interval(1, 9)),
+    "since longer than the flight": Hold("since", _A, _B, Interval(1, 9)),
+    "division by zero": Arithmetic("/", _A, _B),
+    "root of a negative number": Function("sqrt", Arithmetic("-", _B, Number(1.0))),
+    "overflow": Arithmetic("*", Number(1e300), Arithmetic("*", Number(1e300), _A)),
+}
+"""Trees whose robustness over `ZEROS` asks which of two equal numbers, or of none, stands."""
+
+
 def traces(least: int) -> st.SearchStrategy[dict[str, Column]]:
     """Signals of `NAMES`, of at least so many samples."""
     return st.integers(least, 25).flatmap(
@@ -154,19 +184,14 @@ def _since(left: Column, right: Column, interval: Interval | None) -> Column:
             before = max(min(held, before), now)
             found.append(before)
         return found
-    return [
-        max(
-            -math.inf,
-            *(
-                min(
-                    min(math.inf, *(_at(left, later, math.inf) for later in range(place - lag + 1, place + 1)), math.inf),
-                    _at(right, place - lag, -math.inf),
-                )
-                for lag in range(interval.last, interval.first - 1, -1)
-            ),
-        )
-        for place in range(len(left))
-    ]
+    lags = range(interval.last, interval.first - 1, -1)
+    return [max(-math.inf, *(_held(left, right, place, lag) for lag in lags)) for place in range(len(left))]
+
+
+def _held(left: Column, right: Column, place: int, lag: int) -> float:
+    """`right` `lag` samples before `place`, and `left` at every sample after it."""
+    between = (_at(left, later, math.inf) for later in range(place - lag + 1, place + 1))
+    return min(min(math.inf, math.inf, *between), _at(right, place - lag, -math.inf))
 
 
 def _at(column: Sequence[float], place: int, empty: float) -> float:
