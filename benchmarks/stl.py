@@ -20,6 +20,7 @@ import sys
 import time
 import warnings
 from collections.abc import Callable
+from importlib import import_module
 from statistics import median
 from typing import Any
 
@@ -30,6 +31,7 @@ from scaloft_fi.judge.requirement import TRIGGER, judge_signals
 from scaloft_fi.judge.stl import Formula, inside_always
 from scaloft_fi.judge.stl.parse import parse
 
+MODULES = ("scaloft_fi.judge.stl", "scaloft_fi.judge.stl.evaluate", "numpy", "rtamt")
 Texts = list[tuple[str, str]]
 """Formulas of a requirement in the order of their evaluation, each with the name under which later ones read it."""
 
@@ -43,7 +45,7 @@ def main() -> None:
     log = scaloft_fi.open(checkout.ROOT).fly("baseline", "T0O0W0D0H1").log
     signals = {name: np.array(log[name], dtype=np.float64) for name in log}
     formulas = [_texts(requirement) for requirement in study.requirements]
-    pairs = {
+    pairs: dict[str, tuple[Callable[[], object], Callable[[], object]]] = {
         "parse": (lambda: _parse(formulas), lambda: _rtamt(formulas, signals, evaluate=False)),
         "judge": (
             lambda: [judge_signals(one, signals, cut_short=False) for one in study.requirements],
@@ -56,9 +58,9 @@ def main() -> None:
         times = [(_cpu_s(ours), _cpu_s(theirs)) for _ in range(rounds)]
         mine, rtamts = (1000 * median(column) for column in zip(*times, strict=True))
         print(f"{name}: {mine:.2f} ms, RTAMT {rtamts:.1f} ms, 1/{rtamts / mine:.0f}")
-    imports = [(_import_s("scaloft_fi.judge.stl.evaluate, scaloft_fi.judge.stl"), _import_s("rtamt")) for _ in range(5)]
-    mine, rtamts, bare = *(median(column) for column in zip(*imports, strict=True)), _import_s("numpy")
-    print(f"import: {mine:.2f} s, of which numpy {bare:.2f} s; RTAMT {rtamts:.2f} s")
+    imports = [[_import_s(module) for module in MODULES] for _ in range(5)]
+    for module, times_s in zip(MODULES, zip(*imports, strict=True), strict=True):
+        print(f"import {module}: {median(times_s):.3f} s")
     longest = Formula.parse("(speed_mps > 0) since[0:600] (clearance_m > 0)", signals)
     print(f"since[0:600]: {1000 * _cpu_s(lambda: longest.robustness(signals)):.0f} ms")
 
@@ -99,7 +101,7 @@ def _rtamt(formulas: list[Texts], signals: dict[str, Any], *, evaluate: bool) ->
 def _specification(text: str, names: tuple[str, ...]) -> Any:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        import rtamt
+        rtamt = import_module("rtamt")
     logging.disable(logging.WARNING)
     parsed = rtamt.StlDiscreteTimeOfflineSpecification()
     for name in (*names, "out"):
