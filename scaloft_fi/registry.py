@@ -77,7 +77,7 @@ class Registry(Mapping[str, T], Generic[T]):
         if hint.endswith("?"):
             return hint
         there = f"; take one that `{self._listed}` lists" if self._listed else hint
-        return f"{there}, or install the package that declares it" if there else "; install the package that declares it"
+        return f"{there}{', or' if there else ';'} install the package that declares it"
 
     def _refuse_taken(self, name: str) -> None:
         if name in self:

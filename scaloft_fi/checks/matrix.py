@@ -124,7 +124,8 @@ def _check_faults(cell: Cell, words: Iterable[Guideword], parameters: Iterable[P
             derive(Matrix((word,), (parameter,), alone))
         except InputError as error:
             found = finding_of(str(error))
-            findings.add(replace(found, remedy=found.remedy or f"`scaloft-fi operators {fault.operator}` shows what it takes"))
+            takes = f"`scaloft-fi operators {fault.operator}` shows what it takes"
+            findings.add(replace(found, remedy=found.remedy or takes))
 
 
 def _check_controls(study: Study, cells: Iterable[Cell], stack: Declaration | None, findings: Findings) -> None:
