@@ -1,6 +1,6 @@
 """The parser of formulas: precedence climbing over the tokens.
 
-Operators bind as in the languages of RTAMT (`BINDING`).  Where that is not what a reader expects, or readers expect
+Operators bind as in RTAMT (`BINDING`).  Where that is not what a reader expects, or readers expect
 different things, the parser asks for brackets: `a - b + c`, `a / b * c`, `a < b < c`, `a implies b implies c`.
 """
 
