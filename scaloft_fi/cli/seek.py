@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
+from click.core import ParameterSource
 
 from scaloft_fi.cli import names
 from scaloft_fi.cli.answer import answer, tables_option
@@ -139,6 +140,7 @@ def seek_command(
 
     allowance = Allowance.parse(budget)
     require_optuna()
+    _check_there(study_folder, grid)
     study = study_of(study_folder, into or grid, grid)
     check_own(study, study_folder, study.folder / "sim" / FILE)
     study.check()
@@ -165,6 +167,23 @@ class _Found(NamedTuple):
 
     values: Mapping[str, Any]
     tables: Sequence[Table]
+
+
+def _check_there(folder: Path | None, grid: str) -> None:
+    """Refuse the grid that is searched by default where the study has none of its name.
+
+    Raises:
+        InputError: as above.
+    """
+    from scaloft_fi.hazop.folder import find_study
+    from scaloft_fi.sim.grids import grid_names
+
+    source = click.get_current_context().get_parameter_source("grid")
+    if source is ParameterSource.DEFAULT and grid not in (there := grid_names(find_study(folder) / "sim")):
+        raise InputError(
+            f"the study has no grid {grid!r}, which is searched by default: write sim/grids/{grid}.yaml, as "
+            f"docs/seek.md says, or name another grid, such as --grid {there[0]}"
+        )
 
 
 @dataclass(frozen=True)
