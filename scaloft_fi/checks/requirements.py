@@ -14,7 +14,7 @@ from scaloft_fi.judge.bounds import Spans, bounds_of, constants, verdict
 from scaloft_fi.judge.caps import within_caps
 from scaloft_fi.judge.ranges import ANY, Ranges
 from scaloft_fi.judge.requirement import MOST, TRIGGER, Check, Kind, Requirement, read_definition, read_requirement
-from scaloft_fi.judge.stl import Formula, inside_always
+from scaloft_fi.judge.stl import Formula, inside_always, tokenize
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -145,7 +145,7 @@ def _tell(
     comparison: str, place: str, about: str, formula: Formula, ranges: Ranges, findings: Findings, *, true: bool
 ) -> None:
     what = f"'{comparison}' in the {about} is {str(true).lower()} at every sample of every flight"
-    findings.note(place, what, _reads(formula, ranges, comparison.split()))
+    findings.note(place, what, _reads(formula, ranges, tokenize(comparison)))
 
 
 def _reads(formula: Formula, ranges: Mapping[str, Spans], words: Collection[str] = ()) -> str:

@@ -22,6 +22,7 @@ from scaloft_fi.judge.stl.tree import (
     Window,
     parts,
 )
+from scaloft_fi.judge.stl.write import written
 
 MOST_SPANS = 32
 """With more spans, one span stands for all of them."""
@@ -53,26 +54,9 @@ def constants(formula: Formula, ranges: Ranges) -> Iterator[tuple[str, bool]]:
         if isinstance(node, Comparison):
             always = verdict(_bounds(node, ranges))
             if always is not None:
-                yield f"{_text(node.left)} {node.sign} {_text(node.right)}", always
+                yield written(node), always
         else:
             waiting += reversed(parts(node))
-
-
-def _text(node: Node) -> str:
-    """A side of a comparison as a user writes it."""
-    match node:
-        case Signal(name):
-            return name
-        case Number(value):
-            return f"{value:g}"
-        case Function(word, of):
-            return f"{word}({_text(of)})"
-        case Window(word, of):
-            return f"{word}( ... )"
-        case Arithmetic(operator, left, right) | Comparison(operator, left, right):
-            return f"({_text(left)} {operator} {_text(right)})"
-        case _:
-            return f"({_text(node.left)} {node.word} {_text(node.right)})"
 
 
 def _bounds(node: Node, ranges: Ranges) -> Spans:

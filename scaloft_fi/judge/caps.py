@@ -7,13 +7,15 @@ flight, or equals the comparison with the cap: `person_sight_m < 8` equals `pers
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
-from itertools import takewhile
 from types import MappingProxyType
 
 from scaloft_fi.judge.requirement import Check
-from scaloft_fi.judge.stl import ARITHMETIC, WORDS, Formula, FormulaError, tokenize
+from scaloft_fi.judge.stl import Formula, FormulaError, tokenize
+from scaloft_fi.judge.stl.parse import parse
+from scaloft_fi.judge.stl.tree import Arithmetic, Comparison, Node, Number, Signal, parts
+from scaloft_fi.judge.stl.write import written
 from scaloft_fi.sim.signals import CLEARANCE_CAP_M, FAR_M
 
 SIGHT_M = 6.0
@@ -76,95 +78,59 @@ def within_caps(check: Check, beliefs: Mapping[str, float] = NO_BELIEFS) -> Chec
 
 
 def check_caps(text: str, beliefs: Mapping[str, float] = NO_BELIEFS) -> None:
-    """Check each comparison of a signal with a number against the cap of the signal; other comparisons pass.
+    """Check each comparison of a signal with a number against the cap of the signal.
+
+    Other comparisons pass, and so do words that are no formula, which `Formula.parse` refuses.
 
     Raises:
         FormulaError: a threshold lies beyond the cap, or a character belongs to no word.
     """
-    for written, signal, threshold in comparisons(text):
+    tokens = tokenize(text)
+    try:
+        tree = parse(tokens)
+    except FormulaError:
+        return
+    for shown, signal, threshold in comparisons(tree):
         cap = cap_of(signal, beliefs)
         if cap and not cap.allows(threshold):
             allowed = f"{'at most' if cap.itself else 'less than'} {cap.most_m:g} m"
             raise FormulaError(
-                f"compares {signal} with {threshold:g} m in '{written}', but it is measured up to {cap.most_m:g} m and"
+                f"compares {signal} with {threshold:g} m in '{shown}', but it is measured up to {cap.most_m:g} m and"
                 f" reads {cap.beyond}; it must be compared with {allowed}"
             )
 
 
-def comparisons(text: str) -> Iterator[tuple[str, str, float]]:
+def comparisons(tree: Node) -> Iterator[tuple[str, str, float]]:
     """Yield each comparison of one signal with a number: its text, the signal, the threshold in the signal's unit.
 
-    >>> list(comparisons("always(a / 3 <= 1 and 2 > b - 0.5)"))
+    >>> list(comparisons(parse(tokenize("always(a / 3 <= 1 and 2 > b - 0.5)"))))
     [('a / 3 <= 1', 'a', 3.0), ('2 > b - 0.5', 'b', 2.5)]
-
-    Raises:
-        FormulaError: a character belongs to no word.
     """
-    tokens = tokenize(text)
-    for place, token in enumerate(tokens):
-        if token[0] not in "<>":
-            continue
-        left = _operand(tokens[:place][::-1], ")", "(")[::-1]
-        right = _operand(tokens[place + 1 :], "(", ")")
-        whole = _difference(_line(left), _line(right))
+    if isinstance(tree, Comparison):
+        whole = _difference(_line(tree.left), _line(tree.right))
         factors = [(name, factor) for name, factor in whole[0].items() if factor] if whole else []
         if whole and len(factors) == 1:
             ((name, factor),) = factors
-            yield " ".join([*left, token, *right]), name, round(-whole[1] / factor, 9)
+            yield written(tree), name, round(-whole[1] / factor, 9)
+    for part in parts(tree):
+        yield from comparisons(part)
 
 
-def _operand(tokens: Sequence[str], opens: str, closes: str) -> list[str]:
-    """The leading tokens that are arithmetic or stand in brackets."""
-    depth = 0
-
-    def belongs(token: str) -> bool:
-        nonlocal depth
-        depth += (token == opens) - (token == closes)
-        return depth > 0 or (depth == 0 and (token == closes or _is_arithmetic(token)))
-
-    return list(takewhile(belongs, tokens))
-
-
-def _is_arithmetic(token: str) -> bool:
-    return token in _MARKS or token[0] in ".0123456789" or _is_name(token) or token in ARITHMETIC
-
-
-def _is_name(token: str) -> bool:
-    return (token[0].isalpha() or token[0] == "_") and token not in WORDS
-
-
-_MARKS = "-+/*"
-"""Operators from the lowest to the highest precedence."""
 _Line = tuple[Mapping[str, float], float]
 """A linear expression: factor of each signal, and a constant."""
 
 
-def _line(tokens: Sequence[str]) -> _Line | None:
-    """Parse a linear expression; None for any other arithmetic."""
-    for mark in _MARKS:
-        place = _last(tokens, mark)
-        if place:
-            return _joined(mark, _line(tokens[:place]), _line(tokens[place + 1 :]))
-    if len(tokens) == 1:
-        (token,) = tokens
-        return ({token: 1.0}, 0.0) if _is_name(token) else _number(token)
-    if len(tokens) == 2 and tokens[0] == "-":
-        return _number(tokens[1], -1.0)
-    return _line(tokens[1:-1]) if tokens and tokens[0] == "(" and tokens[-1] == ")" else None
-
-
-def _number(token: str, sign: float = 1.0) -> _Line | None:
-    return ({}, sign * float(token)) if token[0] in ".0123456789" else None
-
-
-def _last(tokens: Sequence[str], mark: str) -> int:
-    """Index of the last `mark` between two operands outside brackets; 0 = none."""
-    depth, last = 0, 0
-    for place, token in enumerate(tokens):
-        depth += (token == "(") - (token == ")")
-        if token == mark and depth == 0 and place and tokens[place - 1] not in _MARKS:
-            last = place
-    return last
+def _line(node: Node) -> _Line | None:
+    """A part as a linear expression; None for any other."""
+    match node:
+        case Signal(name):
+            return {name: 1.0}, 0.0
+        case Number(value):
+            return {}, value
+        case Arithmetic(sign, left, right):
+            return _joined(sign, _line(left), _line(right))
+        case _:
+            return None
 
 
 def _joined(mark: str, left: _Line | None, right: _Line | None) -> _Line | None:

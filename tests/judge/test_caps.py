@@ -5,7 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaloft_fi.judge.caps import SIGHT_M, cap_of, check_caps, comparisons
-from scaloft_fi.judge.stl import Formula, FormulaError
+from scaloft_fi.judge.stl import Formula, FormulaError, tokenize
+from scaloft_fi.judge.stl.parse import parse
 from scaloft_fi.sim import observer
 from scaloft_fi.sim.signals import signal_names
 from scaloft_fi.stack.reference.beliefs import BELIEFS
@@ -105,7 +106,7 @@ sums = st.recursive(
 @given(sums, st.sampled_from(["<", "<=", ">", ">="]), sums)
 def test_what_is_read_as_a_threshold_is_where_the_library_changes_its_mind(left: str, sign: str, right: str) -> None:
     text = f"always({left} {sign} {right})"
-    for _, signal, threshold in comparisons(text):
+    for _, signal, threshold in comparisons(parse(tokenize(text))):
         assert signal == "a"
         at, below, above = Formula.parse(text.removeprefix("always"), ["a"]).robustness(
             {"a": [threshold, threshold - 1.0, threshold + 1.0]}

@@ -1,6 +1,6 @@
 """The parser of formulas: precedence climbing over the tokens.
 
-Operators bind as in RTAMT (`BINDING`).  Where that is not what a reader expects, or readers expect
+Operators bind as in RTAMT (`binding.py`).  Where that is not what a reader expects, or readers expect
 different things, the parser asks for brackets: `a - b + c`, `a / b * c`, `a < b < c`, `a implies b implies c`.
 """
 
@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any, get_args
 
+from scaloft_fi.judge.stl.binding import AFTER_WORD, LEVEL, apart
 from scaloft_fi.judge.stl.tree import (
     SAMPLE_MS,
     Arithmetic,
@@ -35,33 +36,8 @@ LONGEST_S = 600
 MOST_NESTED = 200
 """Most operators inside one another; `a + b + c` counts as two."""
 
-BINDING: Sequence[tuple[str, ...]] = (
-    ("*",),
-    ("/",),
-    ("+",),
-    ("-",),
-    get_args(Comparator),
-    ("until",),
-    ("since",),
-    ("and",),
-    ("or",),
-    ("implies", "->"),
-    ("iff",),
-)
-"""The operators between two operands, those that bind strongest first; of equal ones the left binds first."""
-_LEVEL = {operator: len(BINDING) - place for place, operators in enumerate(BINDING) for operator in operators}
 _EXTREMES = get_args(Extreme)
-_AFTER_WORD = _LEVEL["<"]
-"""Least level of an operator in the operand of `not`, `once` and the like: `not a > b` is `not (a > b)`."""
 _WINDOWED = (*_EXTREMES, "since", "until")
-_APART = {
-    ("/", "*"): "a / b * c is read as a / (b * c)",
-    ("-", "+"): "a - b + c is read as a - (b + c)",
-    ("<", "<"): "a < b < c compares the robustness of a < b with c; for two limits write a < b and b < c",
-    ("->", "->"): "a implies b implies c is read as (a implies b) implies c",
-}
-"""Pairs of operators that need brackets, in the order of the text; each with the reason."""
-_ALIKE = dict.fromkeys(get_args(Comparator), "<") | {"implies": "->"}
 _DIGITS = frozenset("0123456789.")
 
 
@@ -105,7 +81,7 @@ class _Reader:
         """The error of a token after a complete operand."""
         if self.token == "[":
             return FormulaError(f"has an interval {self.place}; an interval {_OF_TWO_TIMES}")
-        return self._wrong(f"{', '.join(_LEVEL)}, ')', the end")
+        return self._wrong(f"{', '.join(LEVEL)}, ')', the end")
 
     def expression(self, level: int, outside: str) -> Node:
         """Read an operand and the operators after it that bind at least as strongly as `level`.
@@ -118,15 +94,14 @@ class _Reader:
         if self._nested > MOST_NESTED:
             raise _too_deep()
         node, before = self._operand(), ""
-        while _LEVEL.get(self.token, -1) >= level:
+        while LEVEL.get(self.token, -1) >= level:
             operator = self.token
             for left in (outside, before):
-                reason = _APART.get((_ALIKE.get(left, left), _ALIKE.get(operator, operator)))
-                if reason:
+                if reason := apart(left, operator):
                     raise FormulaError(f"needs brackets at {operator!r} {self.place}: {reason}")
             self._take()
             interval = self._interval(operator)
-            node = _joined(operator, node, self.expression(_LEVEL[operator] + 1, operator), interval)
+            node = _joined(operator, node, self.expression(LEVEL[operator] + 1, operator), interval)
             before = operator
         self._nested -= 1
         return node
@@ -146,11 +121,11 @@ class _Reader:
                 raise self._wrong("'('")
             return Function(word, self._bracketed())
         if self.token == "not":
-            return Function("not", self.expression(_AFTER_WORD, self._take()))
+            return Function("not", self.expression(AFTER_WORD, self._take()))
         if self.token in _EXTREMES:
             extreme: Any = self._take()
             interval = self._interval(extreme)
-            return Window(extreme, self.expression(_AFTER_WORD, extreme), interval)
+            return Window(extreme, self.expression(AFTER_WORD, extreme), interval)
         raise self._wrong(f"a signal, a number, '(', {', '.join((*sorted(ARITHMETIC), 'not', *_EXTREMES))}")
 
     def _bracketed(self) -> Node:

@@ -4,7 +4,8 @@ from hypothesis import event, example, given, settings
 from hypothesis import strategies as st
 
 from scaloft_fi.judge.stl import FormulaError, tokenize
-from scaloft_fi.judge.stl.parse import BINDING, parse
+from scaloft_fi.judge.stl.binding import BINDING
+from scaloft_fi.judge.stl.parse import parse
 from scaloft_fi.judge.stl.tree import Node
 from tests.support.rtamt_oracle import rtamt_tree
 from tests.support.stl_trees import NAMES, trees, written
