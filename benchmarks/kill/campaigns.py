@@ -15,7 +15,7 @@ from pathlib import Path
 from checkout import ROOT
 
 from kill.cluster import Cluster
-from kill.victims import STAGE, Marked
+from kill.victims import Marked
 from scaloft_fi.campaign.store.folder import STORE_NAME
 
 STUDY = ("hazop", "mutants", "sim")
