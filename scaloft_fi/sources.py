@@ -57,13 +57,17 @@ def closure(entries: Iterable[str]) -> Mapping[str, Source]:
         ModuleNotFoundError: there is no such entry.
     """
     waiting = dict(pair for entry in entries for pair in _entry(entry))
+    seen = set(waiting)
     sources: dict[str, Source] = {}
     while waiting:
         name, path = waiting.popitem()
         sources[name] = source = read(path)
         for imported in _imported(name, source):
+            if imported in seen:
+                continue
+            seen.add(imported)
             own = _own(imported)
-            if own is not None and imported not in sources:
+            if own is not None:
                 waiting[imported] = own
     _CACHE.save()
     return sources
