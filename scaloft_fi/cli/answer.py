@@ -41,14 +41,13 @@ def line_format_option(function: F) -> F:
     )(function)
 
 
-def answer(given: Answer, style: str, folder: Path | None = None, *, table: str = "") -> None:
+def answer(given: Answer, style: str, folder: Path | None = None) -> None:
     """Print a verb's answer and its warnings, and write its tables where `--tables` asks for them.
 
     Args:
         given: the answer.
         style: `--format`.
         folder: `--tables`.
-        table: name of the table that `csv` prints; by default the one of the form.
 
     Raises:
         InputError: a table cannot be written.
@@ -58,7 +57,7 @@ def answer(given: Answer, style: str, folder: Path | None = None, *, table: str 
         make_folder(folder, "--tables")
         for name, text in given.csv().items():
             write(folder / f"{name}.csv", text.encode(), "--tables")
-    tell(given.text(style, table=table))
+    tell(given.text(style))
 
 
 def tell_warnings(given: Answer) -> None:

@@ -18,14 +18,7 @@ from scaloft_fi.errors import InputError
 if TYPE_CHECKING:
     from scaloft_fi.analysis.kills.subsumption import Subsumption
 
-PARTS = {
-    "conditions": "conditions",
-    "situations": "situations",
-    "suite": "summary",
-    "subsumption": "subsumption_nodes",
-    "survivors": "survivors",
-}
-"""The table of each part in CSV."""
+PARTS = ("conditions", "situations", "suite", "subsumption", "survivors")
 PICTURES = (".svg", ".png", ".dot")
 
 
@@ -44,7 +37,7 @@ PICTURES = (".svg", ".png", ".dot")
     "--show",
     "parts",
     multiple=True,
-    type=click.Choice(tuple(PARTS)),
+    type=click.Choice(PARTS),
     help="Only this part, at length (repeatable).  [default: every part, shortened]",
 )
 @click.option(
@@ -92,7 +85,7 @@ def kills_command(
         _draw(subsumption_graph(study, campaign, mutants, by_requirement=by_requirement), output)
         return
     told = kills(study, campaign, mutants, show=parts, situations=situations, by_requirement=by_requirement)
-    answer(told, style, tables_folder, table=PARTS[parts[0]] if len(parts) == 1 else "")
+    answer(told, style, tables_folder)
 
 
 def _draw(graph: Subsumption, output: Path) -> None:

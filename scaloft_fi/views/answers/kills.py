@@ -23,7 +23,14 @@ from scaloft_fi.views.outputs.answer import Answer
 from scaloft_fi.views.snapshot import Snapshot, snapshot
 from scaloft_fi.views.tables.table import Table
 
-PARTS = ("conditions", "situations", "suite", "subsumption", "survivors")
+PARTS = {
+    "conditions": "conditions",
+    "situations": "situations",
+    "suite": "summary",
+    "subsumption": "subsumption_nodes",
+    "survivors": "survivors",
+}
+"""The parts that can be asked for, and the table of each that `csv` prints where it alone is asked for."""
 
 
 def kills(
@@ -51,7 +58,7 @@ def kills(
     for part in show:
         if part not in PARTS:
             raise InputError(f"--show={part!r} must be one of {', '.join(PARTS)}{did_you_mean(part, PARTS)}")
-    wanted = show or PARTS
+    wanted = show or tuple(PARTS)
     with snapshot(study, campaign) as now:
         study = now.study
         matrix = _chosen(now, mutants)
@@ -62,6 +69,7 @@ def kills(
         KILLS,
         lambda: kill_values(matrix, results),
         lambda: _tables(results, matrix, short=not show),
+        rows=PARTS[show[0]] if len(show) == 1 else "",
         warnings=study.finds.warnings if "survivors" in wanted else (),
     )
 

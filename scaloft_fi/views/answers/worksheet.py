@@ -33,25 +33,25 @@ class Worksheet(Answer):
 
     def __init__(self, rows: Sequence[SheetRow], warnings: Sequence[str]) -> None:
         super().__init__(WORKSHEET, lambda: worksheet_values(rows), lambda: sheet_tables(rows), warnings=warnings)
-        self._rows = rows
+        self._sheet = rows
 
-    def text(self, style: str = Format.TABLE, *, table: str = "") -> str:
+    def text(self, style: str = "table") -> str:
         """What the verb prints; as `csv` the sheet for people.
 
         Raises:
             InputError: there is no such style.
         """
         made = {Format.TABLE: to_text, Format.MARKDOWN: to_markdown, Format.CSV: to_csv, Format.LATEX: to_latex}
-        return made[Format(style)](self._rows) if style in made else super().text(style, table=table)
+        return made[Format(style)](self._sheet) if style in made else super().text(style)
 
     def content(self, style: str) -> bytes:
         """The bytes of a file in a style of `STYLES`."""
         if style == XLSX:
             from scaloft_fi.views.worksheet.spreadsheet import to_xlsx
 
-            return to_xlsx(self._rows)
+            return to_xlsx(self._sheet)
         if style == Format.TABLE:
-            return to_text(self._rows, width=PIPED, marked=False).encode()
+            return to_text(self._sheet, width=PIPED, marked=False).encode()
         return self.text(style).encode()
 
     def save(self, path: Path | str) -> Path:

@@ -27,6 +27,7 @@ class Answer(Mapping[str, Columns]):
         values: makes the plain JSON values of the form.
         tables: makes the tables for people.
         told: makes the text for people, where it is not that of the tables.
+        rows: name of the table that `csv` prints; by default the one of the form.
         warnings: what a reader must know beside it, in sentences.
 
     Attributes:
@@ -42,9 +43,11 @@ class Answer(Mapping[str, Columns]):
         tables: Callable[[], Sequence[Table]] = tuple,
         *,
         told: Callable[[Format], str] | None = None,
+        rows: str = "",
         warnings: Sequence[str] = (),
     ) -> None:
         self._form, self._make, self._tables, self.warnings = form, values, tables, tuple(warnings)
+        self._rows = rows or form.rows
         self._told = told or (lambda how: render(tables(), how))
 
     @cached_property
@@ -56,23 +59,21 @@ class Answer(Mapping[str, Columns]):
         """The whole as plain JSON values: what the verb prints with `--format json`."""
         return self._form.record(self._values)
 
-    def text(self, style: str = Format.TABLE, *, table: str = "") -> str:
+    def text(self, style: str = "table") -> str:
         """What the verb prints.
 
         Args:
-            style: `table`, `markdown`, `latex`, `json` or `csv`.
-            table: name of the table that `csv` prints; by default the one that the verb prints.
+            style: `table`, `markdown`, `latex`, `json`, or `csv` for the one table that the verb prints.
 
         Raises:
             InputError: there is no such style.
-            KeyError: there is no such table.
         """
         if style not in list(Format):
             raise InputError(f"style={style!r} must be one of {', '.join(Format)}{did_you_mean(style, list(Format))}")
         how = Format(style)
         if how is Format.JSON:
             return self._form.json(self._values)
-        return self.csv()[table or self._form.rows] if how is Format.CSV else self._told(how)
+        return self.csv()[self._rows] if how is Format.CSV else self._told(how)
 
     def csv(self) -> dict[str, str]:
         """The text of a CSV file for each table by its name: what the verb writes with `--tables`."""
