@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from scaloft_fi.cli import names
 from scaloft_fi.cli.answer import answer
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.options import format_option, grid_of_study_option, study_option
@@ -24,7 +25,7 @@ PICTURES = (".svg", ".png")
         ("Draw a situation of the grid `wide`", "scaloft-fi map --grid wide --output map.png"),
     ),
 )
-@click.argument("situation", required=False)
+@click.argument("situation", required=False, shell_complete=names.situations)
 @study_option
 @grid_of_study_option
 @click.option(

@@ -52,7 +52,14 @@ from scaloft_fi.cli.verb import verb
     metavar="KEY|GLOB",
     help="A situation's key or alias, or a pattern (repeatable).  [default: the whole grid]",
 )
-@click.option("--seeds", default="1", show_default=True, metavar="N|A-B", help="Seeds 0..N-1, or A to B inclusive.")
+@click.option(
+    "--seeds",
+    shell_complete=names.seeds,
+    default="1",
+    show_default=True,
+    metavar="N|A-B",
+    help="Seeds 0..N-1, or A to B inclusive.",
+)
 @click.option(
     "--tolerance",
     type=click.FloatRange(min=0.0, min_open=True),
