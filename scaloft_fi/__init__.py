@@ -11,11 +11,10 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
-
 from scaloft_fi.version import __version__
 
+TYPE_CHECKING = False
+"""As `typing` has it, whose import takes twenty times as long as this package's; checkers of types take it for true."""
 if TYPE_CHECKING:
     from scaloft_fi.analysis.ratio import Ratio
     from scaloft_fi.campaign.workers.interrupt import Interrupted
@@ -26,9 +25,12 @@ if TYPE_CHECKING:
     from scaloft_fi.scripting.score import CampaignScore
     from scaloft_fi.scripting.study import OpenStudy
     from scaloft_fi.scripting.study import open_study as open  # noqa: A004 - who writes `scaloft_fi.open` means this
+    from scaloft_fi.views.answers.worksheet import Worksheet
     from scaloft_fi.views.columns import Columns, ColumnType
+    from scaloft_fi.views.outputs.answer import Answer
 
 __all__ = [
+    "Answer",
     "CampaignScore",
     "ColumnType",
     "Columns",
@@ -42,11 +44,13 @@ __all__ = [
     "OpenStudy",
     "Ratio",
     "ScaloftError",
+    "Worksheet",
     "__version__",
     "open",
 ]
 
 _LATE = {
+    "Answer": "scaloft_fi.views.outputs.answer",
     "CampaignScore": "scaloft_fi.scripting.score",
     "ColumnType": "scaloft_fi.views.columns",
     "Columns": "scaloft_fi.views.columns",
@@ -60,17 +64,20 @@ _LATE = {
     "OpenStudy": "scaloft_fi.scripting.study",
     "Ratio": "scaloft_fi.analysis.ratio",
     "ScaloftError": "scaloft_fi.errors",
+    "Worksheet": "scaloft_fi.views.answers.worksheet",
     "open": "scaloft_fi.scripting.study",
 }
 """Where the names are; imported by whoever asks for one of them, so that a verb starts fast."""
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     """A name of `_LATE`.
 
     Raises:
         AttributeError: there is none.
     """
+    from importlib import import_module
+
     if name not in _LATE:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(_LATE[name]), "open_study" if name == "open" else name)

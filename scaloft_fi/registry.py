@@ -23,10 +23,14 @@ class Registry(Mapping[str, T], Generic[T]):
     >>> colours["rad"]
     Traceback (most recent call last):
     scaloft_fi.errors.InputError: no colour 'rad'; did you mean 'red'?
+
+    Args:
+        noun: what an entry is.
+        listed: the command that lists the entries, where there is one.
     """
 
-    def __init__(self, noun: str) -> None:
-        self.noun = noun
+    def __init__(self, noun: str, listed: str = "") -> None:
+        self.noun, self._listed = noun, listed
         self._entries: dict[str, T] = {}
         self._promised: dict[str, str] = {}
 
@@ -56,7 +60,7 @@ class Registry(Mapping[str, T], Generic[T]):
         try:
             return self._entries[name]
         except KeyError:
-            raise InputError(f"no {self.noun} {name!r}{did_you_mean(name, list(self))}") from None
+            raise InputError(f"no {self.noun} {name!r}{self._remedy(name)}") from None
 
     def __contains__(self, name: object) -> bool:
         return name in self._entries or name in self._promised
@@ -66,6 +70,14 @@ class Registry(Mapping[str, T], Generic[T]):
 
     def __len__(self) -> int:
         return len(self._entries) + len(self._promised)
+
+    def _remedy(self, name: str) -> str:
+        """The near name; else what there is, and that a package which is not installed may declare the name."""
+        hint = did_you_mean(name, list(self))
+        if hint.endswith("?"):
+            return hint
+        there = f"; take one that `{self._listed}` lists" if self._listed else hint
+        return f"{there}{', or' if there else ';'} install the package that declares it"
 
     def _refuse_taken(self, name: str) -> None:
         if name in self:

@@ -86,3 +86,15 @@ def test_an_error_is_the_plugins_when_its_code_raised_it_or_its_cause(site: Path
     outer.__cause__ = direct.value
     assert plugin_behind(outer) == "plugin 'raising' of package 'raising-package'"
     assert plugin_behind(KeyError("ours")) == ""
+
+
+def test_a_miss_without_a_near_name_says_where_such_names_come_from() -> None:
+    few, many = Registry[int]("colour"), Registry[int]("operator", "scaloft-fi operators")
+    with pytest.raises(InputError, match=r"^no colour 'x'; install the package that declares it$"):
+        few["x"]
+    few.declare("red", 1)
+    with pytest.raises(InputError, match=r"^no colour 'x'; allowed: 'red', or install the package that declares it$"):
+        few["x"]
+    sentence = "no operator 'x'; take one that `scaloft-fi operators` lists, or install the package that declares it"
+    with pytest.raises(InputError, match=f"^{sentence}$"):
+        many["x"]

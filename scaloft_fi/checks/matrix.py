@@ -15,12 +15,14 @@ from scaloft_fi.hazop.load import SHEETS, load_guidewords, load_parameters, misn
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.parameter import Parameter
 from scaloft_fi.mutants.derive import derive
-from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.reading import is_there
 
 if TYPE_CHECKING:
     from scaloft_fi.stack.declaration import Declaration
     from scaloft_fi.study import Study
+
+NAMED = 5
+"""Seams that a note names."""
 
 
 @dataclass(frozen=True)
@@ -122,14 +124,8 @@ def _check_faults(cell: Cell, words: Iterable[Guideword], parameters: Iterable[P
             derive(Matrix((word,), (parameter,), alone))
         except InputError as error:
             found = finding_of(str(error))
-            findings.add(replace(found, remedy=found.remedy or _remedy(fault.operator)))
-
-
-def _remedy(operator: str) -> str:
-    """What to do about a fault that its operator does not take, or whose operator there is none of."""
-    if operator in OPERATORS:
-        return f"`scaloft-fi operators {operator}` shows what it takes"
-    return "install the package that declares it, or take one that `scaloft-fi operators` lists"
+            takes = f"`scaloft-fi operators {fault.operator}` shows what it takes"
+            findings.add(replace(found, remedy=found.remedy or takes))
 
 
 def _check_controls(study: Study, cells: Iterable[Cell], stack: Declaration | None, findings: Findings) -> None:
@@ -148,9 +144,10 @@ def _check_controls(study: Study, cells: Iterable[Cell], stack: Declaration | No
 
 def _check_seams(study: Study, cells: Iterable[Cell], stack: Declaration | None, findings: Findings) -> None:
     used = {fault.seam for cell in cells for fault in cell.faults}
-    idle = [name for name in (stack.by_name if stack else ()) if name not in used]
+    seams = list(stack.by_name) if stack else []
+    idle = [name for name in seams if name not in used]
     if idle:
-        which = f"seam{'s' * (len(idle) > 1)} {', '.join(idle)} of the stack"
-        what = f"no cell of the matrix uses the {which}"
-        remedy = "ask the guidewords of what they carry, or leave them out on purpose"
+        some = ", ".join(idle[:NAMED]) + (f" and {len(idle) - NAMED} more" if len(idle) > NAMED else "")
+        what = f"no cell of the matrix has a fault at {len(idle)} of the stack's {len(seams)} seams: {some}"
+        remedy = "ask the guidewords of what they carry, or leave them out on purpose; `scaloft-fi seams` counts cells"
         findings.add(Finding(Severity.NOTE, str(study.folder / "hazop" / SHEETS), None, what, remedy))

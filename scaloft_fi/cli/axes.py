@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from scaloft_fi.cli import names as known
 from scaloft_fi.cli.answer import tables_option
 from scaloft_fi.cli.listing import tell_listing
 from scaloft_fi.cli.options import format_option, grid_of_study_option, study_option
@@ -20,7 +21,7 @@ from scaloft_fi.cli.verb import verb
         ("List those of the grid `search`, as Markdown", "scaloft-fi axes --grid search --format markdown"),
     ),
 )
-@click.argument("names", nargs=-1, metavar="[NAME]...")
+@click.argument("names", nargs=-1, shell_complete=known.axes, metavar="[NAME]...")
 @study_option
 @grid_of_study_option
 @format_option

@@ -1,4 +1,4 @@
-"""The names that a shell completes: mutants, cells, situations, grids, campaigns, formats of the export.
+"""The names that a shell completes: mutants, situations, grids, campaigns, and what a study and its packages declare.
 
 They are read from the files of the study as plain text, without numpy and without a check of the study; a file that
 cannot be read has no names.  No store is opened: one that somebody else has made may take for ever to answer.
@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 from click.shell_completion import CompletionItem
+
+from scaloft_fi.cli import in_sources
 
 if TYPE_CHECKING:
     from scaloft_fi.document import Item
@@ -79,13 +81,25 @@ def _cell(mutant: dict[str, Any]) -> str:
 def _situation_names(study: Path, grid: str | None, typed: str) -> Iterator[str]:
     from scaloft_fi.document import load
 
-    own = study / "sim" / "situations.yaml"
-    further = study / "sim" / "grids" / f"{grid}.yaml"
-    item = load(further if grid and re.fullmatch(r"[\w-]+", grid) and further.is_file() else own)
+    item = _grid(study, grid)
     yield from _keys(item, typed)
     yield from _entries(item, "aliases")
     if (found := study / "sim" / "found.yaml").is_file() and grid and grid.endswith("+found"):
         yield from load(found).need("finds").mapping()
+
+
+def _stack(study: Path) -> Item:
+    from scaloft_fi.document import load
+
+    return load(study / "sim" / "stack.yaml")
+
+
+def _grid(study: Path, name: str | None) -> Item:
+    from scaloft_fi.document import load
+
+    further = study / "sim" / "grids" / f"{name}.yaml"
+    known = name and re.fullmatch(r"[\w-]+", name) and further.is_file()
+    return load(further if known else study / "sim" / "situations.yaml")
 
 
 def _entries(item: Item, key: str) -> Names:
@@ -146,16 +160,54 @@ def _flight_names(study: Path, context: click.Context, typed: str) -> Iterator[s
 
 
 def _format_names(_study: Path, _context: click.Context, _typed: str) -> Names:
-    """Those that the package declares, read from its sources: importing them takes too long for a key press."""
-    from scaloft_fi.reading import read_text
+    return sorted(in_sources.declared(in_sources.FORMAT, "views/exchange"))
 
-    folder = Path(__file__).parents[1] / "views" / "exchange"
-    declared = re.compile(r'^@export_format\(\s*"([\w-]+)"', re.MULTILINE)
-    return sorted(name for path in folder.glob("*.py") for name in declared.findall(read_text(path)))
+
+def _operator_names(study: Path, _context: click.Context, _typed: str) -> Names:
+    outside = ["outside"] if _stack(study).need("name").value == "outside" else []
+    return sorted(in_sources.declared(in_sources.OPERATOR, "mutants", *outside))
+
+
+def _axis_names(study: Path, context: click.Context, _typed: str) -> Names:
+    return _grid(study, context.params.get("grid")).need("axes").mapping()
+
+
+def _seam_names(study: Path, _context: click.Context, _typed: str) -> Iterator[str]:
+    yield from _entries(_stack(study), "seams")  # of stages outside
+    yield from _stack_names(study, in_sources.SEAM)
+
+
+def _stack_names(study: Path, what: str) -> Names:
+    """Names that the sources of the study's stack declare; of a plugin's stack those of every plugin."""
+    own = _stack(study).need("name").value == "reference"
+    return in_sources.declared(what, *(["stack/reference"] if own else []))
+
+
+def _signal_names(study: Path, _context: click.Context, _typed: str) -> Iterator[str]:
+    from scaloft_fi.document import load
+
+    yield from in_sources.rows(r"^ +([a-z]\w*) +\| ", "sim/signals.py")
+    for surface in ("wall", "ground", *load(study / "sim" / "world.yaml").need("bodies").mapping()):
+        yield f"clearance_{surface}_m"
+    yield from _stack_names(study, in_sources.BELIEF)
+    yield from in_sources.declared(in_sources.SIGNAL, "sim")
+
+
+def _document_names(_study: Path, _context: click.Context, _typed: str) -> Names:
+    return in_sources.rows(r'^ +Document\("(\w+)"', "views/documents/listed.py")
 
 
 mutants = _completer(lambda study, _context, typed: _mutant_names(study, typed))
 sought = _completer(lambda study, _context, typed: _mutant_names(study, typed, ("baseline", "PLACEBO")))
+axes = _completer(_axis_names)
+documents = _completer(_document_names)
+operators = _completer(_operator_names)
+seams = _completer(_seam_names)
+signals = _completer(_signal_names)
+seeds = _completer(lambda *_: ("1", "3", "5", "10"))
+choices = _completer(
+    lambda *_: ("all", "random:10", "draws:100", "draws:90%", "sobol:10", "first:10", "2-way", "3-way")
+)
 cells = _completer(lambda study, *_: (_cell(one) for one in _catalogue(study)))
 guidewords = _completer(lambda study, *_: (one["guideword"] for one in _catalogue(study)))
 parameters = _completer(lambda study, *_: (one["parameter"] for one in _catalogue(study)))

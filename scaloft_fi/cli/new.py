@@ -7,8 +7,8 @@ from pathlib import Path
 
 import click
 
+from scaloft_fi.cli.answer import answer, line_format_option
 from scaloft_fi.cli.verb import verb
-from scaloft_fi.console import tell
 from scaloft_fi.errors import InputError
 
 
@@ -32,33 +32,48 @@ from scaloft_fi.errors import InputError
     metavar="NAME",
     help="Name of the package, with --plugin.  [default: the last part of DIR, - read as _]",
 )
-def new_command(folder: Path, plugin: bool, name: str | None) -> None:
+@line_format_option
+def new_command(folder: Path, plugin: bool, name: str | None, style: str) -> None:
     """Write a small study that flies in about a minute, and whose files say what each of their keys means.
 
     A corridor, a cart, a person, two axes, two requirements, six cells.  DIR must be empty or new.  With --plugin, DIR
     is a package of yours that any study can use once it is installed.
+
+    The first line of each document names its JSON Schema in schemas/, with which an editor completes keys; in a
+    package, `scaloft-fi schema --write` makes that folder once the package is installed.
     """
+    from scaloft_fi.sim.stacks import STACKS
     from scaloft_fi.templates import check_package_name, plugin_files, study_files, write_new
+    from scaloft_fi.views.documents.beside import pointed, schema_files
+    from scaloft_fi.views.outputs.answer import Answer
+    from scaloft_fi.views.runs.written import NEW, new_values
 
     if name is not None and not plugin:
         raise InputError(f"--name={name!r} is the name of a package; give --plugin with it, or leave it out")
     if plugin:
         package = folder.absolute().name.replace("-", "_") if name is None else name
         check_package_name(package, "DIR" if name is None else "--name")
-        files, what = plugin_files(package), f"the package {package}, and a study that uses it"
+        files = pointed(plugin_files(package), "study/")
+        what = f"the package {package}, and a study that uses it, {len(files)} files"
     else:
-        files, what = study_files(), "a study of 6 cells and 6 situations"
+        documents, schemas = pointed(study_files()), schema_files(STACKS["reference"])
+        files = documents | schemas
+        what = f"a study of 6 cells and 6 situations, {len(documents)} files, and {len(schemas)} schemas for an editor"
     write_new(folder, files)
-    commands = "\n".join(f"  {command}" for command in _next(folder, plugin=plugin))
-    tell(f"{folder}: {what}, {len(files)} files.  Next:\n\n{commands}\n")
+    commands = _next(folder, plugin=plugin)
+    told = f"{folder}: {what}.  Next:\n\n" + "".join(f"  {command}\n" for command in commands)
+    values = new_values(folder, files, commands, plugin=plugin)
+    answer(Answer(NEW, lambda: values, told=lambda _: told), style)
 
 
 def _next(folder: Path, *, plugin: bool) -> tuple[str, ...]:
     here = shlex.quote(str(folder))
     if plugin:
+        study, schemas = (shlex.quote(str(folder / below)) for below in ("study", "study/schemas"))
         return (
             f"pip install -e {shlex.quote(f'{folder}[test]')}",
             f"python -m pytest {here}",
-            f"scaloft-fi run --study {shlex.quote(str(folder / 'study'))}",
+            f"scaloft-fi schema --study {study} --write {schemas}",
+            f"scaloft-fi run --study {study}",
         )
     return f"cd {here}", "scaloft-fi check", "scaloft-fi run"

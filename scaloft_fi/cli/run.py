@@ -67,6 +67,7 @@ from scaloft_fi.errors import InputError
 @click.option(
     "--choose",
     "how",
+    shell_complete=names.choices,
     metavar="HOW",
     help="Which of these situations: all, random:N (distinct), draws:N (with replacement; a repetition takes the next "
     "seed), draws:P% (until that share was drawn), sobol:N (distinct, spread evenly over all axes), first:N (in the "
@@ -81,7 +82,9 @@ from scaloft_fi.errors import InputError
     metavar="S",
     help="Seed of the choice: another seed makes another choice of the same kind.",
 )
-@click.option("--seeds", metavar="N|A-B", help="Seeds 0..N-1, or A to B inclusive.  [default: 1]")
+@click.option(
+    "--seeds", shell_complete=names.seeds, metavar="N|A-B", help="Seeds 0..N-1, or A to B inclusive.  [default: 1]"
+)
 @click.option(
     "--baseline-seeds",
     metavar="N|A-B",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from scaloft_fi.cli import names
 from scaloft_fi.cli.files import write
 from scaloft_fi.cli.options import study_option
 from scaloft_fi.cli.verb import verb
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
         ("Write all schemas for an editor, those of installed plugins included", "scaloft-fi schema --write schemas"),
     ),
 )
-@click.argument("name", required=False)
+@click.argument("name", required=False, shell_complete=names.documents)
 @study_option
 @click.option(
     "--write",

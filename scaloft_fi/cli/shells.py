@@ -84,8 +84,15 @@ class Fish(_Safe, FishComplete):
     """Completion in fish."""
 
 
+_ADD = "compadd -U -V unsorted"
+
+
 class Zsh(_Safe, ZshComplete):
-    """Completion in zsh."""
+    """Completion in zsh; no blank follows a name to go on with, such as `baseline/`."""
+
+    source_template = ZshComplete.source_template.replace(
+        f"{_ADD} -a", f"[[ $completions[1] == */ ]] && {_ADD} -S '' -a completions || {_ADD} -a"
+    )
 
 
 SHELLS: dict[str, type[ShellComplete]] = {"bash": Bash, "zsh": Zsh, "fish": Fish}

@@ -181,7 +181,7 @@ class Operator:
         return self.make(context, **arguments)
 
 
-OPERATORS = Registry[Operator]("operator")
+OPERATORS = Registry[Operator]("operator", "scaloft-fi operators")
 
 
 def operator(

@@ -31,7 +31,7 @@ def _break(study: Path) -> None:
 def test_a_sound_study_ends_with_0_and_says_what_was_checked(call: Call, small: Path) -> None:
     done = call("check", study=small, campaign=False)
     assert done.exit_code == 0
-    assert done.stdout.startswith(f"{small / 'hazop' / 'matrix'}: note: no cell of the matrix uses the seam fix")
+    assert done.stdout.startswith(f"{small / 'hazop' / 'matrix'}: note: no cell of the matrix has a fault at 1 of ")
     assert "32 situations, all built with 40 pairs of values" in done.stdout
     assert "not checked: `scaloft-fi check --fly` flies once" in " ".join(done.stdout.split())
     assert f"{small}: no errors, 1 note." in done.stdout

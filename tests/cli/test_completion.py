@@ -1,26 +1,46 @@
-"""Completion as a real bash gets it, and as zsh and fish ask for it."""
+"""Completion as real shells get it: bash, and zsh and fish where they are installed."""
 
 from __future__ import annotations
 
 import json
 import os
+import pty
+import re
+import select
 import shutil
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner, Result
+from plugins import install
 from refusal import sentence
 
+from scaloft_fi.campaign.runs.strategy import STRATEGIES
 from scaloft_fi.cli.main import main
 from scaloft_fi.cli.shells import COMPLETION, SHELLS, answered
 from scaloft_fi.cli.verbs import VERBS
+from scaloft_fi.study import Study
+from scaloft_fi.views.documents.listed import DOCUMENTS
+from scaloft_fi.views.exchange.format import FORMATS
+from scaloft_fi.views.lists.axes import axis_list
+from scaloft_fi.views.lists.listing import Listing
+from scaloft_fi.views.lists.operators import operator_list
+from scaloft_fi.views.lists.seams import seam_list
+from scaloft_fi.views.lists.signals import signal_list
 
 STUDY = Path(__file__).parents[2]
 BREAKS = " \t\n\"'@><=;|&(:"
 """What bash breaks words at, unless somebody changes it."""
+LISTS: dict[str, Callable[[Study], Listing]] = {
+    "signals": signal_list,
+    "seams": seam_list,
+    "operators": operator_list,
+    "axes": lambda study: axis_list(study.grid),
+}
 needs_bash = pytest.mark.skipif(shutil.which("bash") is None, reason="there is no bash")
 
 
@@ -90,6 +110,39 @@ def test_situations_of_the_grid_asked_for_and_their_other_names_are_completed(
     assert complete("replay PLA") == ["PLACEBO/"]
 
 
+@pytest.mark.parametrize("verb", LISTS)
+def test_what_a_study_has_is_completed_without_reading_more_than_texts(
+    verb: str, complete: Callable[[str], list[str]]
+) -> None:
+    """Whoever declares something in another way than the sources are read for fails here."""
+    assert sorted(complete(f"{verb} ")) == sorted(LISTS[verb](Study.open(STUDY)).names)
+
+
+def test_axes_of_a_grid_documents_formats_and_forms_of_numbers_are_completed(
+    complete: Callable[[str], list[str]],
+) -> None:
+    assert complete("axes --grid wide C") == ["C"]
+    assert complete("schema ") == list(DOCUMENTS)
+    assert complete("export --format ") == sorted(FORMATS)
+    assert complete("map T1O1W1D1H") == ["T1O1W1D1H0", "T1O1W1D1H1"]
+    assert complete("run --seeds ") == ["1", "3", "5", "10"]
+    for how in complete("run --choose "):
+        assert any(re.fullmatch(one.pattern, how) for one in STRATEGIES.values()), how
+
+
+def test_what_an_installed_package_declares_is_completed_and_not_imported(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(STUDY)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    (tmp_path / "declaring").mkdir()
+    (tmp_path / "declaring" / "__init__.py").write_text("raise SystemExit('imported')\n")
+    (tmp_path / "declaring" / "all.py").write_text('@export_format("zebra", "")\n@operator(\n    "zigzag",\n)\n')
+    install(tmp_path, "declaring-package", {"all": "declaring.all"})
+    assert offered("scaloft-fi export --format z", monkeypatch) == ["zebra"]
+    assert offered("scaloft-fi operators zig", monkeypatch) == ["zigzag"]
+
+
 def test_campaigns_grids_and_excluded_situations_of_a_study_of_ones_own(
     small: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -144,27 +197,65 @@ def test_hostile_names_do_nothing_in_a_bash(small: Path) -> None:
     assert not marker.exists()
 
 
-def _in_bash(folder: Path, line: str, study: Path) -> str:
-    """The replies of the script's function in a bash, for a line with the cursor at its end."""
-    printed = CliRunner().invoke(main, ["completion", "bash"])
-    assert printed.exit_code == 0
-    program = folder / "bin" / "scaloft-fi"
+def _sourced(folder: Path, shell: str) -> dict[str, str]:
+    """The environment in which the program is found, with the path of its script for a shell in $SCRIPT."""
+    program, script = folder / "bin" / "scaloft-fi", folder / f"script.{shell}"
     program.parent.mkdir(exist_ok=True)
     program.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m scaloft_fi "$@"\n')
     program.chmod(0o755)
-    script = folder / "script.bash"
-    script.write_text(printed.stdout)
+    script.write_text(_call(shell).stdout)
+    path = f"{program.parent}{os.pathsep}{os.environ['PATH']}"
+    return {**os.environ, "PATH": path, "SCRIPT": str(script), "PYTHONPATH": str(STUDY)}
+
+
+def _in_bash(folder: Path, line: str, study: Path) -> str:
+    """The replies of the script's function in a bash, for a line with the cursor at its end."""
     asked = (
         'source "$SCRIPT"; COMP_LINE=$LINE; COMP_POINT=${#LINE}; $(complete -p scaloft-fi | sed "s/.*-F //; s/ .*//") '
     )
     asked += 'scaloft-fi 2>/dev/null; printf "%s\\n" "${COMPREPLY[@]}"'
-    path = f"{program.parent}{os.pathsep}{os.environ['PATH']}"
-    env = {**os.environ, "PATH": path, "SCRIPT": str(script), "LINE": line, "PYTHONPATH": str(STUDY)}
+    env = _sourced(folder, "bash") | {"LINE": line}
     done = subprocess.run(
         ["bash", "--norc", "-c", asked], cwd=study, env=env, capture_output=True, text=True, check=True
     )
     assert done.stderr == ""
     return done.stdout
+
+
+@pytest.mark.skipif(shutil.which("fish") is None, reason="there is no fish")
+def test_a_fish_that_sourced_the_script_completes(tmp_path: Path) -> None:
+    asked = 'source $SCRIPT; complete -C "scaloft-fi run --mutant LATE-human@3"; complete -C "scaloft-fi seams pr"'
+    words = ["fish", "--no-config", "-c", asked]
+    done = subprocess.run(words, cwd=STUDY, env=_sourced(tmp_path, "fish"), capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["LATE-human@3s", "proximity"]
+    assert done.stderr == ""
+
+
+@pytest.mark.skipif(shutil.which("zsh") is None, reason="there is no zsh")
+def test_a_zsh_that_sourced_the_script_completes_what_is_typed(tmp_path: Path) -> None:
+    env = _sourced(tmp_path, "zsh") | {"PS1": "ready> ", "TERM": "dumb", "COLUMNS": "120"}
+    pid, terminal = pty.fork()
+    if pid == 0:
+        os.chdir(STUDY)
+        os.execvpe("zsh", ["zsh", "-f", "-i"], env)
+    try:
+        _typed(terminal, "", "ready> ")
+        _typed(terminal, "autoload -U compinit; compinit -u -D; source $SCRIPT; print don''e\n", "done\r\n")
+        _typed(terminal, "scaloft-fi run --mutant LATE-human@3\t", "LATE-human@3s ")
+        _typed(terminal, "\x15scaloft-fi replay PLA\tT0O0W0D0H1\t", "PLACEBO/T0O0W0D0H1/0 ")
+    finally:
+        os.close(terminal)
+        os.waitpid(pid, 0)
+
+
+def _typed(terminal: int, keys: str, awaited: str) -> None:
+    """Press keys, and wait for what the shell shows then."""
+    os.write(terminal, keys.encode())
+    shown, until_s = "", time.monotonic() + 60
+    while awaited not in shown:
+        assert time.monotonic() < until_s, shown
+        if select.select([terminal], [], [], 0.2)[0]:
+            shown += os.read(terminal, 65536).decode(errors="replace")
 
 
 @pytest.mark.parametrize("spoilt", ["mutants/catalogue.jsonl", "sim/situations.yaml", "sim/found.yaml"])

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shlex
 from pathlib import Path
+from typing import Any
 
 import pytest
+from forms import of_form
+from jsonschema import Draft202012Validator
 from plugins import call, install_project
 
 from scaloft_fi.cli.main import main
+from scaloft_fi.document import load
 from scaloft_fi.hazop.cell import CellStatus
 from scaloft_fi.study import Study
+from scaloft_fi.views.documents.listed import DOCUMENTS
 
 KEY = re.compile(r"^[ -]*([\w-]+):(?=\s|$)")
 NAMES = {
@@ -90,6 +96,48 @@ def test_each_key_of_a_study_is_told_of_in_a_comment(kind: tuple[str, ...], tmp_
         read.setdefault(path.parent.name, set()).update(told)
         shared = read["matrix"] if path.parent.name == "matrix" else set()  # the first file tells of the cells' keys
         assert untold - shared == set(), path.name
+
+
+def _schema_of(path: Path) -> Path:
+    """The file of the schema that the first line of a document names."""
+    named = re.fullmatch(r"# yaml-language-server: \$schema=(\S+)", path.read_text().splitlines()[0])
+    assert named, path
+    return (path.parent / named[1]).resolve()
+
+
+def _schema_errors(path: Path, document: Any) -> list[str]:
+    return [one.message for one in Draft202012Validator(json.loads(_schema_of(path).read_text())).iter_errors(document)]
+
+
+def test_an_editor_finds_beside_the_study_a_schema_that_each_document_satisfies(study: Path) -> None:
+    paths = sorted(study.rglob("*.yaml"))
+    assert len(paths) == 10
+    for path in paths:
+        assert _schema_errors(path, load(path).plain()) == [], path
+    cells = load(study / "hazop" / "matrix" / "human.yaml").plain()
+    cells["NO"]["faults"][0]["seam"] = "persn"
+    assert _schema_errors(study / "hazop" / "matrix" / "human.yaml", cells) != []
+
+
+def test_the_documents_of_a_package_name_the_schemas_that_a_next_command_writes(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("new", tmp_path / "fine", "--plugin") == 0
+    *_, folder = next(line for line in capsys.readouterr().out.splitlines() if " --write " in line).split()
+    named = {_schema_of(path) for path in (tmp_path / "fine").rglob("*.yaml")}
+    assert named <= {Path(folder) / f"{name}.json" for name in DOCUMENTS}
+
+
+@pytest.mark.parametrize("kind", [(), ("--plugin", "--name", "fine")])
+def test_a_program_reads_what_was_written_and_what_to_do_next(
+    kind: tuple[str, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("new", tmp_path / "made", *kind, "--format", "json") == 0
+    told = of_form("new", capsys.readouterr().out)
+    there = sorted(path for path in (tmp_path / "made").rglob("*") if path.is_file())
+    assert told["files"] == [path.relative_to(tmp_path / "made").as_posix() for path in there]
+    assert told["kind"] == ("plugin" if kind else "study")
+    assert shlex.split(told["next"][-1])[:2] == ["scaloft-fi", "run"]
 
 
 def test_it_prints_the_next_commands(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -8,6 +8,7 @@ from importlib import import_module
 from scaloft_fi.views.outputs.output import Output
 
 OUTPUTS: dict[str, str] = {
+    "new": "scaloft_fi.views.runs.written:NEW",
     "matrix": "scaloft_fi.views.worksheet.matrix_record:MATRIX",
     "mutants": "scaloft_fi.views.mutant_record:MUTANTS",
     "signals": "scaloft_fi.views.lists.signals:FORM",
