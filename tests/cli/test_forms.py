@@ -10,14 +10,9 @@ import pytest
 from click.testing import CliRunner, Result
 from forms import of_form, one_table
 from jsonschema import Draft202012Validator, ValidationError
-from papers import flight
 from refusal import sentence
 
-from scaloft_fi.campaign.plan.batch import Batch
-from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.cli.main import main
-from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.study import Study
 from scaloft_fi.views.outputs.listed import output_of
 
 STUDY = Path(__file__).parents[2]
@@ -48,52 +43,6 @@ READERS: tuple[tuple[str, ...], ...] = (
 )
 
 
-class Papers:
-    """A flyer without physics, whose flights are those of `papers`."""
-
-    def prepare(self, study: Study, say: Callable[[str], None]) -> None:
-        pass
-
-    def share(self, study: Study, batch: Batch, home: Callable[[Outcome], None]) -> None:
-        for each in batch.flights:
-            home(self(study, each))
-
-    def __call__(self, study: Study, flown: Flight, baseline: Outcome | None = None) -> Outcome:
-        return flight(study, flown.subject.id, flown.situation.key, flown.seed)
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A campaign of a detected mutant, a survivor and a control, over two situations."""
-    folder = tmp_path_factory.mktemp("forms") / "campaign"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("scaloft_fi.campaign.runs.campaign.Physics", Papers)
-        words = ("--mutant", "LATE-human", "--mutant", "MORE-goal", "--mutant", "REVERSE-velcmd", "--situation")
-        where = ("--study", str(STUDY), "--campaign", str(folder))
-        asked = ("run", *words, "T0O0W0D0H?", "--seeds", "3", "--choose", "all", "--quiet", "--jobs", "1", *where)
-        done = CliRunner().invoke(main, [*asked, "--format", "json"], catch_exceptions=False)
-    assert done.exit_code == 0, done.output
-    (folder / "run.json").write_text(done.stdout, encoding="utf-8")
-    return folder
-
-
-@pytest.fixture
-def told(folder: Path) -> Call:
-    """Call a verb on that campaign."""
-
-    def telling(verb: str, *words: str) -> Result:
-        named = [str(folder) if word == "CAMPAIGN" else word for word in words]
-        campaign = (
-            ()
-            if verb in ("mutants", "diff", "doctor", "signals", "seams", "operators", "axes")
-            else ("--campaign", str(folder))
-        )
-        asked = [verb, *named, "--study", str(STUDY), *campaign]
-        return CliRunner().invoke(main, asked, catch_exceptions=False)
-
-    return telling
-
-
 @pytest.mark.parametrize("words", READERS, ids=" ".join)
 def test_json_has_the_form_that_the_verb_declares(told: Call, words: tuple[str, ...]) -> None:
     done = told(*words, "--format", "json")
@@ -101,8 +50,8 @@ def test_json_has_the_form_that_the_verb_declares(told: Call, words: tuple[str, 
     assert of_form(words[0], done.stdout)["version"] == output_of(words[0]).version
 
 
-def test_a_run_answers_in_the_form_of_the_score(folder: Path, told: Call) -> None:
-    run = of_form("run", (folder / "run.json").read_text(encoding="utf-8"))
+def test_a_run_answers_in_the_form_of_the_score(campaign: Path, told: Call) -> None:
+    run = of_form("run", (campaign / "run.json").read_text(encoding="utf-8"))
     assert run == json.loads(told("score", "--format", "json").stdout)
     assert [mutant["verdict"] for mutant in run["mutants"]] == ["detected", "not_detected"]
     assert [control["id"] for control in run["controls"]] == ["REVERSE-velcmd"]
@@ -117,8 +66,8 @@ def test_an_export_has_the_columns_of_its_form(told: Call) -> None:
         Draft202012Validator(output_of("export").schema).validate([{**rows[0], "rows": 1}])
 
 
-def test_what_is_merged_and_written_is_told(told: Call, folder: Path, tmp_path: Path) -> None:
-    words = ["merge", str(folder), "--study", str(STUDY), "--campaign", str(tmp_path / "whole"), "--format", "json"]
+def test_what_is_merged_and_written_is_told(told: Call, campaign: Path, tmp_path: Path) -> None:
+    words = ["merge", str(campaign), "--study", str(STUDY), "--campaign", str(tmp_path / "whole"), "--format", "json"]
     merged = of_form("merge", CliRunner().invoke(main, words, catch_exceptions=False).stdout)
     assert merged["added"] == of_form("status", told("status", "--format", "json").stdout)["counted"]
     page = tmp_path / "page.html"
