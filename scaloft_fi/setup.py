@@ -126,12 +126,12 @@ class Setup:
 
     @cached_property
     def requirements(self) -> tuple[Requirement, ...]:
-        """The requirements; their formulas are not parsed here, which is the task of `check`."""
+        """The requirements."""
         from scaloft_fi.judge.caps import within_caps
         from scaloft_fi.judge.requirement import load_requirements
         from scaloft_fi.judge.stl import Formula
 
-        return load_requirements(self._requirements_path, self.signals, within_caps(Formula.unparsed, self.caps))
+        return load_requirements(self._requirements_path, self.signals, within_caps(Formula.parse, self.caps))
 
     @property
     def _requirements_path(self) -> Path:

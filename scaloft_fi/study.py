@@ -213,12 +213,7 @@ class Study(Setup):
         Raises:
             InputError: parts contradict each other; the message names the place of the first contradiction.
         """
-        from scaloft_fi.judge.caps import within_caps
-        from scaloft_fi.judge.requirement import load_requirements
-        from scaloft_fi.judge.stl import Formula
-
-        proved = load_requirements(self._requirements_path, self.signals, within_caps(Formula.parse, self.caps))
-        known = [requirement.name for requirement in proved]
+        known = [requirement.name for requirement in self.requirements]
         for cell in self.matrix:
             for name in cell.requirements:
                 if name not in known:

@@ -5,15 +5,26 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from itertools import product
-from typing import Any
+from typing import assert_never
 
 from scaloft_fi.judge.ranges import ANY, Ranges, Span
 from scaloft_fi.judge.stl import Formula
+from scaloft_fi.judge.stl.tree import (
+    Arithmetic,
+    Comparison,
+    Extreme,
+    Function,
+    Hold,
+    Logic,
+    Node,
+    Number,
+    Signal,
+    Window,
+    parts,
+)
 
 MOST_SPANS = 32
 """With more spans, one span stands for all of them."""
-_UPPER = ("<", "<=")
-_SIGNS = {"Addition": "+", "Subtraction": "-", "Multiplication": "*", "Division": "/"}
 Spans = tuple[Span, ...]
 
 
@@ -39,59 +50,59 @@ def constants(formula: Formula, ranges: Ranges) -> Iterator[tuple[str, bool]]:
     waiting = [formula.tree]
     while waiting:
         node = waiting.pop()
-        if type(node).__name__ == "Predicate":
+        if isinstance(node, Comparison):
             always = verdict(_bounds(node, ranges))
             if always is not None:
-                yield _text(node), always
+                yield f"{_text(node.left)} {node.sign} {_text(node.right)}", always
         else:
-            waiting += reversed(_children(node))
+            waiting += reversed(parts(node))
 
 
-def _children(node: Any) -> list[Any]:
-    """The one or two children of a node; RTAMT lists those of some nodes twice."""
-    return list(node.children[:2])
+def _text(node: Node) -> str:
+    """A side of a comparison as a user writes it."""
+    match node:
+        case Signal(name):
+            return name
+        case Number(value):
+            return f"{value:g}"
+        case Function(word, of):
+            return f"{word}({_text(of)})"
+        case Window(word, of):
+            return f"{word}( ... )"
+        case Arithmetic(operator, left, right) | Comparison(operator, left, right):
+            return f"({_text(left)} {operator} {_text(right)})"
+        case _:
+            return f"({_text(node.left)} {node.word} {_text(node.right)})"
 
 
-def _text(node: Any, *, inner: bool = False) -> str:
-    """A comparison or a sum as a user writes it."""
-    kind = type(node).__name__
-    if kind == "Variable":
-        return str(node.var)
-    if kind == "Constant":
-        return f"{float(node.val):g}"
-    if len(_children(node)) == 1:
-        return f"{kind.lower()}({_text(_children(node)[0])})"
-    sign = _SIGNS.get(kind) or str(node.operator)
-    text = f" {sign} ".join(_text(child, inner=True) for child in _children(node))
-    return f"({text})" if inner else text
+def _bounds(node: Node, ranges: Ranges) -> Spans:
+    match node:
+        case Signal(name):
+            return ranges.get(name, ANY)
+        case Number(value):
+            return ((value, value),)
+        case Function(word, of):
+            return _few([_FUNCTION[word](span) for span in _bounds(of, ranges)])
+        case Window(word, of, interval):
+            return _window(word, _bounds(of, ranges), late=interval is not None and interval.first > 0)
+        case Hold(right=right):
+            return ((-math.inf, max(high for _, high in _bounds(right, ranges))),)
+        case Comparison("<" | "<=", left, right):
+            return _pairs(_minus, _bounds(right, ranges), _bounds(left, ranges))
+        case Comparison(left=left, right=right):
+            return _pairs(_minus, _bounds(left, ranges), _bounds(right, ranges))
+        case Arithmetic(operator, left, right) | Logic(operator, left, right):
+            return _pairs(_JOIN[operator], _bounds(left, ranges), _bounds(right, ranges))
+        case _:
+            assert_never(node)
 
 
-def _bounds(node: Any, ranges: Ranges) -> Spans:
-    kind = type(node).__name__
-    if kind == "Variable":
-        return ranges.get(node.var, ANY)
-    if kind == "Constant":
-        return ((float(node.val), float(node.val)),)
-    inner = [_bounds(child, ranges) for child in _children(node)]
-    if kind == "Predicate":
-        left, right = inner[::-1] if str(node.operator) in _UPPER else inner
-        return _pairs(_minus, left, right)
-    if kind in _ONE:
-        return _few([_ONE[kind](span) for span in inner[0]])
-    if kind in _TWO:
-        return _pairs(_TWO[kind], *inner)
-    return _temporal(kind, node, inner)
-
-
-def _temporal(kind: str, node: Any, inner: list[Spans]) -> Spans:
-    """Past and future: an extreme of what stands inside; a window that begins later may be empty at first."""
-    low, high = min(low for spans in inner for low, _ in spans), max(high for _, high in inner[-1])
-    late = getattr(node, "begin", 0) not in (0, None)
-    if kind.endswith(("Historically", "Always")):
+def _window(word: Extreme, spans: Spans, *, late: bool) -> Spans:
+    """An extreme of what stands inside; a window that begins later may be empty."""
+    low, high = min(low for low, _ in spans), max(high for _, high in spans)
+    if word in ("historically", "always"):
         return ((low, math.inf if late else high),)
-    if kind.endswith(("Once", "Eventually")):
-        return ((-math.inf if late else low, high),)
-    return ((-math.inf, high),)  # since, until
+    return ((-math.inf if late else low, high),)
 
 
 def _few(spans: list[Span]) -> Spans:
@@ -140,18 +151,18 @@ def _root(span: Span) -> Span:
     return low, high
 
 
-_ONE: Mapping[str, Callable[[Span], Span]] = {
-    "Neg": lambda span: (-span[1], -span[0]),
-    "Abs": _absolute,
-    "Sqrt": _root,
+_FUNCTION: Mapping[str, Callable[[Span], Span]] = {
+    "not": lambda span: (-span[1], -span[0]),
+    "abs": _absolute,
+    "sqrt": _root,
 }
-_TWO: Mapping[str, Callable[[Span, Span], Span]] = {
-    "Addition": lambda one, other: _span(one[0] + other[0], one[1] + other[1]),
-    "Subtraction": _minus,
-    "Multiplication": _times,
-    "Division": _over,
-    "Conjunction": lambda one, other: (min(one[0], other[0]), min(one[1], other[1])),
-    "Disjunction": lambda one, other: (max(one[0], other[0]), max(one[1], other[1])),
-    "Implies": lambda one, other: (max(-one[1], other[0]), max(-one[0], other[1])),
-    "Iff": lambda _one, _other: (-math.inf, 0.0),
+_JOIN: Mapping[str, Callable[[Span, Span], Span]] = {
+    "+": lambda one, other: _span(one[0] + other[0], one[1] + other[1]),
+    "-": _minus,
+    "*": _times,
+    "/": _over,
+    "and": lambda one, other: (min(one[0], other[0]), min(one[1], other[1])),
+    "or": lambda one, other: (max(one[0], other[0]), max(one[1], other[1])),
+    "implies": lambda one, other: (max(-one[1], other[0]), max(-one[0], other[1])),
+    "iff": lambda _one, _other: (-math.inf, 0.0),
 }

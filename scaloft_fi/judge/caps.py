@@ -134,7 +134,7 @@ def _is_name(token: str) -> bool:
 
 
 _MARKS = "-+/*"
-"""Operators from the lowest to the highest precedence in RTAMT: `6 / 3 * a` is `6 / (3 * a)`."""
+"""Operators from the lowest to the highest precedence."""
 _Line = tuple[Mapping[str, float], float]
 """A linear expression: factor of each signal, and a constant."""
 

@@ -156,7 +156,7 @@ MOST = 100
 """Most requirements, and most definitions, of a study."""
 
 Check = Callable[[str, Collection[str]], Formula]
-"""`Formula.parse`, or `Formula.unparsed`, which does not start RTAMT."""
+"""`Formula.parse`, or an extension of it."""
 
 
 def load_requirements(path: Path, signals: Collection[str], check: Check = Formula.parse) -> tuple[Requirement, ...]:

@@ -18,7 +18,7 @@ try:
     main(sys.argv[1:])
 except SystemExit as done:
     assert done.code == 0, done.code
-heavy = {"numba", "pybullet", "rtamt", "filterpy", "distributed", "scipy"}
+heavy = {"numba", "pybullet", "filterpy", "distributed", "scipy"}
 assert not heavy & set(sys.modules), heavy & set(sys.modules)
 """
 VERBS = {
@@ -40,9 +40,7 @@ def flown(call: Call) -> Call:
 
 
 @pytest.mark.parametrize("verb", VERBS)
-def test_who_reads_results_waits_for_no_compiler_and_no_parser_of_formulas(
-    flown: Call, tmp_path: Path, verb: str
-) -> None:
+def test_who_reads_results_waits_for_no_compiler(flown: Call, tmp_path: Path, verb: str) -> None:
     where = ["--study", str(STUDY), "--campaign", f"{tmp_path}/campaign"]
     words = [sys.executable, "-c", PROGRAM, verb, *VERBS[verb], *where]
     done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)

@@ -82,6 +82,15 @@ def test_every_clearance_has_a_cap_and_other_places_and_times_have_none() -> Non
     assert capped == clearances | {"waypoint_wall_m", "person_sight_m", "person_range_m", "told_range_m"}
 
 
+def _is_formula(text: str) -> bool:
+    """Whether a text is a formula; some sums need brackets."""
+    try:
+        Formula.parse(text, ["a"])
+    except FormulaError:
+        return False
+    return True
+
+
 numbers = st.integers(-4, 9).map(lambda number: str(number or 5))
 sums = st.recursive(
     st.one_of(numbers, st.just("a")),
@@ -89,7 +98,7 @@ sums = st.recursive(
         st.tuples(inner, st.sampled_from("+-*/"), inner).map(" ".join), inner.map(lambda text: f"({text})")
     ),
     max_leaves=6,
-)
+).filter(lambda text: _is_formula(f"{text} > a"))
 
 
 @settings(max_examples=300)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from scaloft_fi.version import __version__
 
-NUMERIC = ("numpy", "numba", "llvmlite", "filterpy", "scipy", "pybullet", "rtamt")
+NUMERIC = ("numpy", "numba", "llvmlite", "filterpy", "scipy", "pybullet")
 """Packages whose versions can change the last bit of a flight or a reading."""
 BRING_OPENBLAS = ("numpy", "scipy")
 """Packages whose wheels contain an OpenBLAS, in a folder `<package>.libs` beside the package."""
@@ -29,7 +29,6 @@ DECIDES = {
     "filterpy": "yes: the covariance of the filter",
     "scipy": "yes",
     "pybullet": "yes: rigid bodies and contacts",
-    "rtamt": "no digest; the robustness of requirements",
     "numpy kernels": "yes: the order of additions in a product",
     "scipy kernels": "yes: the order of additions in a product",
 }

@@ -1,0 +1,94 @@
+"""RTAMT, the field's library for signal temporal logic, as an oracle; it does not install on Python 3.13."""
+
+from __future__ import annotations
+
+import logging
+import sys
+import warnings
+from collections.abc import Mapping
+from typing import Any
+
+import pytest
+
+from scaloft_fi.judge.stl.tree import (
+    Arithmetic,
+    Comparison,
+    Function,
+    Hold,
+    Interval,
+    Logic,
+    Node,
+    Number,
+    Signal,
+    Window,
+)
+
+if sys.version_info >= (3, 13):
+    pytest.importorskip("rtamt", reason="RTAMT does not install on Python 3.13")
+with warnings.catch_warnings():
+    warnings.simplefilter("ignore")
+    import rtamt
+
+_WORDS: Mapping[str, str] = {
+    "Addition": "+",
+    "Subtraction": "-",
+    "Multiplication": "*",
+    "Division": "/",
+    "Conjunction": "and",
+    "Disjunction": "or",
+    "Implies": "implies",
+    "Iff": "iff",
+    "Neg": "not",
+    "Abs": "abs",
+    "Sqrt": "sqrt",
+}
+
+
+def specification(text: str, names: tuple[str, ...]) -> Any:
+    """RTAMT's parsed formula over these signals at 20 Hz; raises any exception where RTAMT refuses the text."""
+    parsed = rtamt.StlDiscreteTimeOfflineSpecification()
+    for name in (*names, "out"):
+        parsed.declare_var(name, "float")
+    parsed.set_sampling_period(50, "ms", 0.1)
+    # in brackets, so that RTAMT refuses text after a complete formula instead of dropping it
+    parsed.spec = f"out = ( {text} )"
+    logging.disable(logging.WARNING)
+    try:
+        parsed.parse()
+    finally:
+        logging.disable(logging.NOTSET)
+    return parsed
+
+
+def rtamt_tree(text: str, names: tuple[str, ...]) -> Node:
+    """RTAMT's syntax tree of a text, as a tree of ours."""
+    return _ours(specification(text, names).ast.specs[0])
+
+
+def rtamt_robustness(text: str, signals: Mapping[str, list[float]]) -> list[float]:
+    """RTAMT's robustness at each sample, (T,) of at least 2 samples."""
+    (length,) = {len(column) for column in signals.values()}
+    times = [0.05 * place for place in range(length)]
+    pairs = specification(text, tuple(signals)).evaluate({"time": times, **signals})
+    return [value for _, value in pairs]
+
+
+def _ours(node: Any) -> Node:
+    kind = type(node).__name__
+    if kind == "Variable":
+        return Signal(node.var)
+    if kind == "Constant":
+        return Number(node.val)
+    if kind in ("Neg", "Abs", "Sqrt"):
+        return Function(_WORDS[kind], _ours(node.children[0]))  # type: ignore[arg-type]
+    word: Any = kind.removeprefix("Timed").lower()
+    interval = Interval(int(node.begin * 20), int(node.end * 20)) if kind.startswith("Timed") else None
+    if word in ("historically", "once", "always", "eventually"):
+        return Window(word, _ours(node.children[0]), interval)
+    left, right = map(_ours, node.children[:2])
+    if word in ("since", "until"):
+        return Hold(word, left, right, interval)
+    if kind == "Predicate":
+        return Comparison(str(node.operator), left, right)  # type: ignore[arg-type]
+    joined: Any = _WORDS[kind]
+    return (Arithmetic if joined in "+-*/" else Logic)(joined, left, right)

@@ -1,0 +1,198 @@
+"""Random formulas of signal temporal logic, their text, and their robustness by plain definition."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from functools import reduce
+from typing import get_args
+
+from hypothesis import strategies as st
+
+from scaloft_fi.judge.stl.tree import (
+    Arithmetic,
+    Comparator,
+    Comparison,
+    Extreme,
+    Function,
+    Hold,
+    Interval,
+    Logic,
+    Node,
+    Number,
+    Sign,
+    Signal,
+    Window,
+)
+
+NAMES = ("a", "b", "c")
+Column = list[float]
+
+intervals = st.tuples(st.integers(0, 9), st.integers(0, 9)).map(lambda ends: Interval(min(ends), max(ends)))
+numbers = st.sampled_from([0.0, -0.0, 1.0, -1.0, 0.25, 3.0, 1e300]).map(Number)
+leaves = st.one_of(st.sampled_from(NAMES).map(Signal), st.sampled_from(NAMES).map(Signal), numbers)
+
+
+def _grown(inner: st.SearchStrategy[Node]) -> st.SearchStrategy[Node]:
+    optional = st.one_of(st.none(), intervals)
+    return st.one_of(
+        st.builds(Function, st.sampled_from(["abs", "sqrt", "not", "not", "not"]), inner),
+        st.builds(Arithmetic, st.sampled_from(get_args(Sign)), inner, inner),
+        st.builds(Comparison, st.sampled_from(get_args(Comparator)), inner, inner),
+        st.builds(Logic, st.sampled_from(["and", "or", "implies", "iff"]), inner, inner),
+        st.builds(Window, st.sampled_from(get_args(Extreme)), inner, optional),
+        st.builds(Hold, st.sampled_from(["since", "until"]), inner, inner, optional),
+    )
+
+
+trees: st.SearchStrategy[Node] = st.recursive(leaves, _grown, max_leaves=8)
+"""Trees over the signals of `NAMES`."""
+
+_values = st.one_of(
+    st.sampled_from([0.0, -0.0, 1.0, -1.0, 2.0]),
+    st.floats(-100, 100, allow_nan=False),
+    st.sampled_from([1e308, -1e308]),
+)
+
+
+ZEROS = {"a": [0.0, -0.0, 1.0, 0.0], "b": [-0.0, 0.0, -0.0, 0.0], "c": [-0.0, -0.0, 0.0, 2.0]}
+_A, _B, _C = map(Signal, NAMES)
+_NONE = Arithmetic("-", Window("once", _A, Interval(1, 2)), Window("once", _B, Interval(1, 2)))
+"""No number at the first sample: infinity less infinity."""
+EDGES: Mapping[str, Node] = {
+    "equal zeros in a window of the past": Window("once", Logic("and", _A, _B), Interval(0, 2)),
+    "equal zeros in a window of the future": Window("always", Logic("or", _B, _A), Interval(0, 2)),
+    "equal zeros in all the past": Window("historically", _B),
+    "equal zeros in all the future": Window("eventually", _C),
+    "equal zeros since": Hold("since", _A, _B, Interval(0, 3)),
+    "equal zeros held": Hold("since", Logic("and", _B, _C), Number(3.0), Interval(0, 3)),
+    "equal zeros until": Hold("until", _B, _C, Interval(1, 2)),
+    "equal zeros implied": Logic("implies", _A, _B),
+    "no number in a window": Window("historically", _NONE, Interval(0, 2)),
+    "no number in all the past": Window("once", _NONE),
+    "no number in all the future": Window("always", _NONE),
+    "no number held": Hold("since", _NONE, _B, Interval(0, 2)),
+    "no number until": Hold("until", _A, _NONE),
+    "no number since": Hold("since", _A, _NONE, Interval(0, 2)),
+    "a window before the flight": Window("historically", _A, Interval(4, 9)),
+    "a window after the flight": Window("eventually", Logic("and", _A, _B), Interval(4, 9)),
+    "a window longer than the flight": Window("once", _A, Interval(1, 9)),
+    "since longer than the flight": Hold("since", _A, _B, Interval(1, 9)),
+    "division by zero": Arithmetic("/", _A, _B),
+    "root of a negative number": Function("sqrt", Arithmetic("-", _B, Number(1.0))),
+    "overflow": Arithmetic("*", Number(1e300), Arithmetic("*", Number(1e300), _A)),
+}
+"""Trees whose robustness over `ZEROS` asks which of two equal numbers, or of none, stands."""
+
+
+def traces(least: int) -> st.SearchStrategy[dict[str, Column]]:
+    """Signals of `NAMES`, of at least so many samples."""
+    return st.integers(least, 25).flatmap(
+        lambda length: st.fixed_dictionaries(
+            {name: st.lists(_values, min_size=length, max_size=length) for name in NAMES}
+        )
+    )
+
+
+def written(node: Node) -> str:
+    """The text of a tree, every part in brackets."""
+    match node:
+        case Signal(name):
+            return name
+        case Number(value):
+            return repr(value)
+        case Function(word, of):
+            return f"{word} ({written(of)})"
+        case Window(word, of, interval):
+            return f"{word}{_interval(interval)} ({written(of)})"
+        case Hold(hold, left, right, interval):
+            return f"({written(left)}) {hold}{_interval(interval)} ({written(right)})"
+        case Arithmetic(sign, left, right) | Comparison(sign, left, right) | Logic(sign, left, right):
+            return f"({written(left)}) {sign} ({written(right)})"
+
+
+def _interval(interval: Interval | None) -> str:
+    return f" [{interval.first / 20}:{interval.last / 20}]" if interval else ""
+
+
+def defined(node: Node, signals: Mapping[str, Column]) -> Column:
+    """The robustness of a tree by the definition of each of its parts, sample by sample.
+
+    Raises:
+        ZeroDivisionError: a divisor is 0.
+        ValueError: a root is of a negative number.
+    """
+    (length,) = {len(column) for column in signals.values()}
+    match node:
+        case Signal(name):
+            return signals[name]
+        case Number(value):
+            return [value] * length
+        case Function(word, of):
+            return [_ONE[word](value) for value in defined(of, signals)]
+        case Window(word, of, interval):
+            return _extremes(word, defined(of, signals), interval)
+    left, right = defined(node.left, signals), defined(node.right, signals)
+    match node:
+        case Hold("since", interval=interval):
+            return _since(left, right, interval)
+        case Hold("until", interval=interval):
+            return _since(left[::-1], right[::-1], interval)[::-1]
+        case Arithmetic(sign) | Comparison(sign) | Logic(sign):
+            return [_TWO[sign](one, other) for one, other in zip(left, right, strict=True)]
+    raise AssertionError(node)
+
+
+_ONE: Mapping[str, Callable[[float], float]] = {"abs": abs, "sqrt": math.sqrt, "not": lambda value: -value}
+_TWO: Mapping[str, Callable[[float, float], float]] = {
+    "+": lambda one, other: one + other,
+    "-": lambda one, other: one - other,
+    "*": lambda one, other: one * other,
+    "/": lambda one, other: one / other,
+    "<": lambda one, other: other - one,
+    "<=": lambda one, other: other - one,
+    ">": lambda one, other: one - other,
+    ">=": lambda one, other: one - other,
+    "and": min,
+    "or": max,
+    "implies": lambda one, other: max(-one, other),
+    "iff": lambda one, other: -abs(one - other),
+}
+
+
+def _extremes(word: str, column: Column, interval: Interval | None) -> Column:
+    worst = word in ("historically", "always")
+    pick, empty = (min, math.inf) if worst else (max, -math.inf)
+    past = word in ("historically", "once")
+    if interval is None:
+        ordered = column if past else column[::-1]
+        found = [
+            reduce(lambda before, now: pick(now, before), ordered[: place + 1], empty) for place in range(len(column))
+        ]
+        return found if past else found[::-1]
+    lags = range(interval.first, interval.last + 1)
+    return [
+        pick([_at(column, place + lag * (-1 if past else 1), empty) for lag in (reversed(lags) if past else lags)])
+        for place in range(len(column))
+    ]
+
+
+def _since(left: Column, right: Column, interval: Interval | None) -> Column:
+    if interval is None:
+        found, before = [], -math.inf
+        for held, now in zip(left, right, strict=True):
+            before = max(min(held, before), now)
+            found.append(before)
+        return found
+    lags = range(interval.last, interval.first - 1, -1)
+    return [max(-math.inf, *(_held(left, right, place, lag) for lag in lags)) for place in range(len(left))]
+
+
+def _held(left: Column, right: Column, place: int, lag: int) -> float:
+    """`right` `lag` samples before `place`, and `left` at every sample after it."""
+    between = (_at(left, later, math.inf) for later in range(place - lag + 1, place + 1))
+    return min(min(math.inf, math.inf, *between), _at(right, place - lag, -math.inf))
+
+
+def _at(column: Sequence[float], place: int, empty: float) -> float:
+    return column[place] if 0 <= place < len(column) else empty
