@@ -25,9 +25,12 @@ if TYPE_CHECKING:
     from scaloft_fi.scripting.score import CampaignScore
     from scaloft_fi.scripting.study import OpenStudy
     from scaloft_fi.scripting.study import open_study as open  # noqa: A004 - who writes `scaloft_fi.open` means this
+    from scaloft_fi.views.answers.worksheet import Worksheet
     from scaloft_fi.views.columns import Columns, ColumnType
+    from scaloft_fi.views.outputs.answer import Answer
 
 __all__ = [
+    "Answer",
     "CampaignScore",
     "ColumnType",
     "Columns",
@@ -41,11 +44,13 @@ __all__ = [
     "OpenStudy",
     "Ratio",
     "ScaloftError",
+    "Worksheet",
     "__version__",
     "open",
 ]
 
 _LATE = {
+    "Answer": "scaloft_fi.views.outputs.answer",
     "CampaignScore": "scaloft_fi.scripting.score",
     "ColumnType": "scaloft_fi.views.columns",
     "Columns": "scaloft_fi.views.columns",
@@ -59,6 +64,7 @@ _LATE = {
     "OpenStudy": "scaloft_fi.scripting.study",
     "Ratio": "scaloft_fi.analysis.ratio",
     "ScaloftError": "scaloft_fi.errors",
+    "Worksheet": "scaloft_fi.views.answers.worksheet",
     "open": "scaloft_fi.scripting.study",
 }
 """Where the names are; imported by whoever asks for one of them, so that a verb starts fast."""

@@ -24,6 +24,7 @@ from scaloft_fi.mutants.argument import (
     Seconds,
     Share,
 )
+from scaloft_fi.mutants.check_operator import OperatorCheck, check_operator, operators_of
 from scaloft_fi.mutants.facts import Facts
 from scaloft_fi.mutants.need import ANYTHING, IMAGE, NUMBERS, STAMP, Need, the
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
@@ -108,6 +109,7 @@ __all__ = [
     "Need",
     "Number",
     "NumericField",
+    "OperatorCheck",
     "Period",
     "PlainStack",
     "PlainWire",
@@ -130,6 +132,7 @@ __all__ = [
     "Vector",
     "Windows",
     "Wire",
+    "check_operator",
     "check_stack",
     "declare_claims",
     "declare_stack",
@@ -137,6 +140,7 @@ __all__ = [
     "messages",
     "on_each",
     "operator",
+    "operators_of",
     "signal",
     "strategy",
     "the",

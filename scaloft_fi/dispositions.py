@@ -12,7 +12,8 @@ from scaloft_fi.document import Item, load
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.mutants.derive import realise
-from scaloft_fi.reading import is_there
+from scaloft_fi.output import write_whole
+from scaloft_fi.reading import is_there, read_text
 
 HEADER = """\
 # Accepted survivors; `scaloft-fi score --ratchet` fails on any other survivor.
@@ -103,6 +104,19 @@ def parse_date(text: str) -> date | None:
         return date.fromisoformat(text)
     except ValueError:
         return None
+
+
+def append_drafts(path: Path, mutants: Iterable[str]) -> None:
+    """Append an entry for each mutant to `hazop/dispositions.yaml`, which is made where it is missing.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    before = read_text(path) if is_there(path) else HEADER
+    try:
+        write_whole(path, (before.rstrip("\n") + "\n" + draft(mutants)).encode())
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror}") from error
 
 
 def draft(mutants: Iterable[str]) -> str:

@@ -13,14 +13,10 @@ from shown_commands import GUIDES
 
 BLOCK = re.compile(r"^```(\w+) ?(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 EXAMPLES = """
-from scaloft_fi.mutants.operators import OPERATORS
-from scaloft_fi.registry import load_plugins
-load_plugins()
-for name in ("clip", "fade"):
-    one = OPERATORS[name]
-    tap = one.tap(one.example.context(), one.example.arguments)
-    after = [tap(i / one.example.rate_hz, sample) for i, sample in enumerate(one.example.before)]
-    assert repr(after) == repr(list(one.example.after)), name
+from scaloft_fi.api import check_operator, operators_of
+assert operators_of("clip") == ("clip", "fade")
+for name in operators_of("clip"):
+    assert not check_operator(name).failures, check_operator(name)
 """
 
 

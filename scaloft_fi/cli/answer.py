@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
 from scaloft_fi.cli.files import check_folder, make_folder, write
-from scaloft_fi.console import tell
+from scaloft_fi.console import say, tell
 
 if TYPE_CHECKING:
-    from scaloft_fi.views.outputs.output import Output
-    from scaloft_fi.views.tables.table import Format
+    from scaloft_fi.views.outputs.answer import Answer
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -42,51 +41,32 @@ def line_format_option(function: F) -> F:
     )(function)
 
 
-def answer(
-    output: Output,
-    values: Callable[[], Mapping[str, Any]],
-    style: str,
-    shown: Callable[[Format], str],
-    folder: Path | None = None,
-    *,
-    rows: str = "",
-) -> None:
-    """Print a verb's answer, and write its tables where `--tables` asks for them.
+def answer(given: Answer, style: str, folder: Path | None = None) -> None:
+    """Print a verb's answer and its warnings, and write its tables where `--tables` asks for them.
 
     Args:
-        output: the form of its JSON.
-        values: makes the plain JSON values of the form.
-        style: `--format`; `csv` prints one table.
-        shown: makes the text for people.
+        given: the answer.
+        style: `--format`.
         folder: `--tables`.
-        rows: name of the table that `csv` prints; by default the one of the form.
 
     Raises:
         InputError: a table cannot be written.
     """
-    from scaloft_fi.views.outputs.csv_tables import csv_tables
-    from scaloft_fi.views.tables.table import Format
+    tell_warnings(given)
+    if folder is not None:
+        make_folder(folder, "--tables")
+        for name, text in given.csv().items():
+            write(folder / f"{name}.csv", text.encode(), "--tables")
+    tell(given.text(style))
 
-    how = Format(style)
-    if folder is not None or how in (Format.JSON, Format.CSV):
-        given = values()
-        if folder is not None:
-            _write(csv_tables(output, given), folder)
-        if how is Format.JSON:
-            tell(output.json(given))
-        elif how is Format.CSV:
-            tell(csv_tables(output, given)[rows or output.rows])
-    if how not in (Format.JSON, Format.CSV):
-        tell(shown(how))
+
+def tell_warnings(given: Answer) -> None:
+    """Say on standard error what a reader must know beside an answer."""
+    for warning in given.warnings:
+        say(f"warning: {warning}")
 
 
 def _checked(_context: click.Context, _option: click.Parameter, folder: Path | None) -> Path | None:
     if folder is not None:
         check_folder(folder, "--tables")
     return folder
-
-
-def _write(tables: Mapping[str, str], folder: Path) -> None:
-    make_folder(folder, "--tables")
-    for name, text in tables.items():
-        write(folder / f"{name}.csv", text.encode(), "--tables")

@@ -32,16 +32,9 @@ def check_command(study_folder: Path | None, *, fly: bool, style: str, tables_fo
     """
     from scaloft_fi.checks.check import check_study
     from scaloft_fi.hazop.folder import find_study
-    from scaloft_fi.views.checks import CHECK, check_values, checked_table, finding_lines, findings_table
-    from scaloft_fi.views.tables.table import Format, render
+    from scaloft_fi.views.answers.check import checked
 
     check = check_study(find_study(study_folder), fly=fly)
 
-    def shown(how: Format) -> str:
-        if how is not Format.TABLE:
-            return render((findings_table(check), checked_table(check)), how)
-        lines, summary = finding_lines(check), render((checked_table(check),), how)
-        return f"{lines}\n{summary}" if lines else summary
-
-    answer(CHECK, lambda: check_values(check), style, shown, tables_folder)
+    answer(checked(check), style, tables_folder)
     return ExitCode.BAD_INPUT if check.errors else ExitCode.DONE

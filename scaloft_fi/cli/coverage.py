@@ -23,21 +23,7 @@ from scaloft_fi.cli.verb import verb
 @tables_option
 def coverage_command(study_folder: Path | None, campaign: str, style: str, tables_folder: Path | None) -> None:
     """Print the coverage of a campaign's situations, number by number."""
-    from scaloft_fi.analysis.situations.coverage import coverage_of
     from scaloft_fi.study import Study
-    from scaloft_fi.views.coverage.coverage_record import COVERAGE, coverage_values
-    from scaloft_fi.views.coverage.coverage_tables import coverage_tables
-    from scaloft_fi.views.snapshot import snapshot
-    from scaloft_fi.views.tables.table import render
+    from scaloft_fi.views.answers.coverage import coverage
 
-    with snapshot(Study.open(study_folder), campaign) as now:
-        study, rulings, choices = now.study, now.rulings, now.choices
-    covered = coverage_of(rulings.baselines, rulings.draws, study.space)
-    made = [(one.text, one.seed, len(one.draws), len({key for key, _ in one.draws})) for one in choices]
-    answer(
-        COVERAGE,
-        lambda: coverage_values(covered, choices),
-        style,
-        lambda how: render(coverage_tables(covered, study.space, made), how),
-        tables_folder,
-    )
+    answer(coverage(Study.open(study_folder), campaign), style, tables_folder)

@@ -10,7 +10,6 @@ from scaloft_fi.cli import names
 from scaloft_fi.cli.answer import answer
 from scaloft_fi.cli.options import format_option, study_option
 from scaloft_fi.cli.verb import verb
-from scaloft_fi.errors import InputError
 
 
 @verb(
@@ -31,19 +30,6 @@ def diff_command(first: str, second: str, study_folder: Path | None, style: str)
     What was flown with other data or code counts too, unless the campaign has the flight as the study describes it now.
     """
     from scaloft_fi.study import Study
-    from scaloft_fi.views.flights.compare import DIFF, compare, comparison_table, comparison_values
-    from scaloft_fi.views.snapshot import snapshot
-    from scaloft_fi.views.tables.table import render
+    from scaloft_fi.views.answers.diff import diff
 
-    study = Study.open(study_folder)
-    with snapshot(study, first) as here, snapshot(study, second) as there:
-        if here.study.grid.name != there.study.grid.name:
-            grids = f"{first!r} was flown over grid {here.study.grid.name!r}, {second!r} over {there.study.grid.name!r}"
-            raise InputError(f"campaign {grids}; only campaigns of one grid have the same flights")
-        compared = compare(here.latest, there.latest, here.study.roster, here.study.space)
-    answer(
-        DIFF,
-        lambda: comparison_values(compared, first, second),
-        style,
-        lambda how: render((comparison_table(compared, first, second),), how),
-    )
+    answer(diff(Study.open(study_folder), first, second), style)

@@ -9,20 +9,16 @@ from typing import TYPE_CHECKING
 import click
 
 from scaloft_fi.cli.answer import answer
-from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import campaign_option, format_option, study_option, today_option
-from scaloft_fi.cli.own_study import check_own
 from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say
-from scaloft_fi.errors import InputError
 from scaloft_fi.exit_codes import ExitCode
+from scaloft_fi.views.own_study import check_own
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from scaloft_fi.analysis.disposition import Judged
     from scaloft_fi.analysis.scoring.score import Score
     from scaloft_fi.study import Study
+    from scaloft_fi.views.columns import Columns
 
 
 @verb(
@@ -52,27 +48,15 @@ def dispositions_command(
     `scaloft-fi score --ratchet` makes a gate of it.
     """
     from scaloft_fi.study import Study
-    from scaloft_fi.views.dispositions import DISPOSITIONS, disposition_table, disposition_values
-    from scaloft_fi.views.score.finds import next_find
-    from scaloft_fi.views.snapshot import snapshot
-    from scaloft_fi.views.tables.table import render
+    from scaloft_fi.views.answers.dispositions import dispositions
 
     study = Study.open(study_folder)
     if writing:
         check_own(study, study_folder, study.dispositions_path)
-    with snapshot(study, campaign) as now:
-        study = now.study
-        judged = _judged(study, now.score, today)
-        finds = told(study.finds)
-        found = [mutant.subject.id for mutant in now.score.mutants if next_find(mutant, finds)]
-    answer(
-        DISPOSITIONS,
-        lambda: disposition_values(judged, found),
-        style,
-        lambda how: render((disposition_table(judged, found, campaign),), how),
-    )
+    told = dispositions(study, campaign, today)
+    answer(told, style)
     if writing:
-        _append(study, judged)
+        _draft(study.dispositions_path, told["survivors"])
 
 
 def ratchet(study: Study, scored: Score, today: date | None) -> int:
@@ -82,9 +66,10 @@ def ratchet(study: Study, scored: Score, today: date | None) -> int:
         InputError: there is no baseline pool to decide by.
     """
     from scaloft_fi.analysis.disposition import Standing
+    from scaloft_fi.views.answers.dispositions import judged_survivors
     from scaloft_fi.views.dispositions import complaint
 
-    judged = _judged(study, scored, today)
+    judged = judged_survivors(study, scored, today)
     for entry in judged:
         if entry.state is Standing.STALE:
             say(f"warning: {complaint(entry)}")
@@ -96,34 +81,15 @@ def ratchet(study: Study, scored: Score, today: date | None) -> int:
     return ExitCode.BELOW if failing or not scored.tested.part else ExitCode.DONE
 
 
-def _judged(study: Study, scored: Score, today: date | None) -> tuple[Judged, ...]:
-    """The survivors and the dispositions; without a pool nobody knows what survives."""
-    from scaloft_fi.analysis.disposition import judge
-    from scaloft_fi.views.score.verdict import NO_POOL
-
-    if not scored.pooled:
-        raise InputError(f"no mutant is known to survive: {NO_POOL}")
-    return judge(scored, study.roster, study.dispositions, today or date.today())  # noqa: DTZ011 - the user's own day
-
-
-def _append(study: Study, judged: Sequence[Judged]) -> None:
+def _draft(path: Path, survivors: Columns) -> None:
+    """Append an entry for each survivor that nobody has accepted, and say so."""
     from scaloft_fi.analysis.disposition import Standing
-    from scaloft_fi.dispositions import HEADER, draft
-    from scaloft_fi.output import write_whole
-    from scaloft_fi.reading import is_there, read_text
+    from scaloft_fi.dispositions import append_drafts
 
-    opened = [entry.mutant for entry in judged if entry.state is Standing.OPEN]
+    opened = list(survivors["mutant"][survivors["state"] == Standing.OPEN])
     if not opened:
         say("nothing to write: no survivor without a disposition")
         return
-    path = study.dispositions_path
-    before = read_text(path) if is_there(path) else HEADER
-    try:
-        write_whole(path, (before.rstrip("\n") + "\n" + draft(opened)).encode())
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from error
-    say(f"{path}: {_counted(len(opened))} to decide on; fill in owner, reason and expires")
-
-
-def _counted(survivors: int) -> str:
-    return f"{survivors} survivor{'s' * (survivors != 1)}"
+    append_drafts(path, opened)
+    counted = f"{len(opened)} survivor{'s' * (len(opened) != 1)}"
+    say(f"{path}: {counted} to decide on; fill in owner, reason and expires")

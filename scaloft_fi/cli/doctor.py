@@ -33,6 +33,7 @@ def doctor_command(study_folder: Path | None, style: str, tables_folder: Path | 
     from scaloft_fi.campaign.processes.start import one_thread_each
 
     one_thread_each()
+    from scaloft_fi.views.outputs.answer import Answer
     from scaloft_fi.views.runs.installation import (
         DOCTOR,
         installation_tables,
@@ -42,7 +43,6 @@ def doctor_command(study_folder: Path | None, style: str, tables_folder: Path | 
         plugin_values,
         study_values,
     )
-    from scaloft_fi.views.tables.table import render
 
     plugins, broken = plugin_values()
     study, faults = study_values(study_folder)
@@ -65,7 +65,7 @@ def doctor_command(study_folder: Path | None, style: str, tables_folder: Path | 
         "known_flight": known,
         "faults": [*broken, *faults],
     }
-    answer(DOCTOR, lambda: values, style, lambda how: render(installation_tables(values), how), tables_folder)
+    answer(Answer(DOCTOR, lambda: values, lambda: installation_tables(values)), style, tables_folder)
     if failure is not None:
         raise failure
     if broken or faults:

@@ -8,10 +8,9 @@ import click
 
 from scaloft_fi.cli import names
 from scaloft_fi.cli.files import check_writable, write
-from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import campaign_option, study_option
 from scaloft_fi.cli.verb import Verb, verb
-from scaloft_fi.console import tell
+from scaloft_fi.console import say, tell
 from scaloft_fi.errors import InputError
 from scaloft_fi.registry import load_plugins
 
@@ -64,7 +63,8 @@ def export_command(study_folder: Path | None, campaign: str, style: str, output:
     if output is None and not chosen.text:
         raise InputError(f"--format={style!r} is no text: give --output FILE")
     made = dossier(study, campaign)
-    told(made.finds)
+    for warning in made.finds.warnings:
+        say(f"warning: {warning}")
     content = chosen.content(made)
     if output is None:
         tell(content)

@@ -53,19 +53,7 @@ def judge_command(
 
     Nothing is flown and no campaign is read.  A violation is a finding: the exit code is 0.
     """
-    from scaloft_fi.campaign.flights.recorded import judged_record, known_of, mapping_of
     from scaloft_fi.study import Study
-    from scaloft_fi.views.flights.judged import JUDGE, judged_table, judged_values
-    from scaloft_fi.views.tables.table import render
+    from scaloft_fi.views.answers.judge import judge
 
-    study = Study.open(study_folder)
-    mapping = mapping_of(study, mapping_file)
-    known = known_of(study, study.grid.situation(situation) if situation else None)
-    records = [judged_record(study, path, mapping, known) for path in files]
-    answer(
-        JUDGE,
-        lambda: judged_values(records),
-        style,
-        lambda how: render((judged_table(records),), how),
-        tables_folder,
-    )
+    answer(judge(Study.open(study_folder), files, mapping_file, situation), style, tables_folder)

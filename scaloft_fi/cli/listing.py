@@ -37,7 +37,9 @@ def tell_listing(
     """
     from scaloft_fi.study import Study
     from scaloft_fi.views.lists.listing import shown
+    from scaloft_fi.views.outputs.answer import Answer
 
     listing = make(Study.open(study, grid))
     chosen = listing.chosen(names) if names else listing
-    answer(chosen.form, lambda: chosen.values, style, lambda how: shown(chosen, how, whole=bool(names)), tables)
+    told = Answer(chosen.form, lambda: chosen.values, told=lambda how: shown(chosen, how, whole=bool(names)))
+    answer(told, style, tables)

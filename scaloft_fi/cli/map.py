@@ -46,14 +46,14 @@ def map_command(
         raise InputError(f"--output={str(output)!r} must end in .svg or .png")
     check_writable(output)
     from scaloft_fi.study import Study
+    from scaloft_fi.views.outputs.answer import Answer
     from scaloft_fi.views.pictures.picture import png
     from scaloft_fi.views.pictures.plan import draw_plan
     from scaloft_fi.views.pictures.situation_plan import MAP, map_table, map_values, plan_of
-    from scaloft_fi.views.tables.table import render
 
     study = Study.open(study_folder, grid)
     one = study.grid.situation(situation) if situation else study.grid.situations[0]
-    answer(MAP, lambda: map_values(study, one), style, lambda how: render((map_table(study, one),), how))
+    answer(Answer(MAP, lambda: map_values(study, one), lambda: (map_table(study, one),)), style)
     if output is not None:
         drawn = draw_plan(plan_of(study, one), title=one.key, subtitle=", ".join(study.grid.titles(one)))
         write(output, png(drawn) if output.suffix.lower() == ".png" else drawn.encode())

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -22,11 +21,6 @@ from scaloft_fi.cli.options import (
     warnings_option,
 )
 from scaloft_fi.cli.verb import verb
-from scaloft_fi.errors import InputError
-from scaloft_fi.hazop.name import cell_of
-
-if TYPE_CHECKING:
-    from scaloft_fi.analysis.when import When
 
 
 @verb(
@@ -114,87 +108,31 @@ def margin_command(
     from scaloft_fi.campaign.processes.start import cores, one_thread_each
 
     one_thread_each()
-    from scaloft_fi.views.tables.table import render
-    from scaloft_fi.views.worksheet.margin_record import MARGIN, margin_values, when_values
-    from scaloft_fi.views.worksheet.margins import margin_tables
-    from scaloft_fi.views.worksheet.when import when_tables
-
     campaign = campaign_over(grid, campaign)
     if when:
         if situations or seeds != "1" or tolerance is not None:
             raise click.UsageError("--when flies nothing and goes with no --situation, --seeds or --tolerance")
-        strikes = _when(mutants, study_folder, campaign, grid, operability=operability)
-        answer(
-            MARGIN, lambda: when_values(strikes), style, lambda how: render(when_tables(strikes), how), tables_folder
-        )
+        from scaloft_fi.study import Study
+        from scaloft_fi.views.answers.margin import when as when_killed
+
+        struck = when_killed(Study.open(study_folder, grid), campaign, mutants, operability=operability)
+        answer(struck, style, tables_folder)
         return
     from scaloft_fi.campaign.plan import choose
     from scaloft_fi.campaign.progress.progress import Progress, Silence
-    from scaloft_fi.campaign.runs import choice
-    from scaloft_fi.campaign.runs.margin import find, target
     from scaloft_fi.campaign.runs.options import RunOptions
     from scaloft_fi.campaign.store.flown_grid import study_of
-    from scaloft_fi.campaign.store.folder import campaign_folder
-    from scaloft_fi.judge.requirement import Kind
+    from scaloft_fi.views.answers.margin import margin
 
-    study = study_of(study_folder, campaign, grid)
-    study.check()
-    targets = {one.subject: one for one in (target(study.matrix, text, tolerance) for text in mutants)}
-    numbers = choose.seeds(seeds)
-    chosen = study.grid.select(situations)
-    if not situations:
-        chosen = choice.choose(study.grid.choose, chosen, numbers, 0, study.space, study.grid.chosen_at).situations
-    by_fault = find(
-        study,
-        tuple(targets.values()),
-        chosen,
-        numbers,
-        campaign_folder(study, campaign),
+    found = margin(
+        study_of(study_folder, campaign, grid),
+        campaign,
+        mutants,
         RunOptions(jobs=jobs or cores(), warnings=warnings, same_platform=same_platform, command=typed()),
-        kind=Kind.OPERABILITY if operability else Kind.SAFETY,
+        situations=situations,
+        seeds=choose.seeds(seeds),
+        tolerance=tolerance,
+        operability=operability,
         progress=Silence if quiet else Progress,
     )
-    answer(
-        MARGIN,
-        lambda: margin_values(by_fault),
-        style,
-        lambda how: render(margin_tables(by_fault, study.requirements, len(numbers), campaign, study.space.grid), how),
-        tables_folder,
-    )
-
-
-def _when(
-    mutants: tuple[str, ...],
-    study_folder: Path | None,
-    campaign: str,
-    grid: str | None,
-    *,
-    operability: bool,
-) -> list[When]:
-    """What the flights of a campaign say of the phases of these mutants.
-
-    Raises:
-        InputError: a mutant has no phases, or the campaign fewer than two of them.
-    """
-    from scaloft_fi.analysis.when import whens
-    from scaloft_fi.judge.requirement import Kind
-    from scaloft_fi.mutants.derive import realise, source_of
-    from scaloft_fi.study import Study
-    from scaloft_fi.views.snapshot import snapshot
-
-    study = Study.open(study_folder, grid)
-    asked = {text: realise(study.matrix, text) for text in mutants}
-    for text, mutant in asked.items():
-        if not source_of(study.matrix, mutant)[0].phases:
-            raise InputError(f"mutant {text!r} has no phases: {mutant.cell} strikes all the time, or at one time")
-    with snapshot(study, campaign) as now:
-        flown = whens(now.outcomes, now.score, Kind.OPERABILITY if operability else Kind.SAFETY)
-    found = []
-    for text, mutant in asked.items():
-        bare = mutant.id.partition("#")[0]
-        own = [one for one in flown if one.fault == bare or (text == mutant.cell and cell_of(one.fault) == text)]
-        if not own:
-            command = f"scaloft-fi run --mutant '{bare}' --mutant '{bare}#*' --campaign {campaign}"
-            raise InputError(f"campaign {campaign!r} has fewer than two phases of {bare}; fly them: {command}")
-        found += own
-    return found
+    answer(found, style, tables_folder)

@@ -10,8 +10,6 @@ from scaloft_fi.cli import names
 from scaloft_fi.cli.answer import answer, line_format_option
 from scaloft_fi.cli.options import campaign_option, study_option
 from scaloft_fi.cli.verb import verb
-from scaloft_fi.console import say
-from scaloft_fi.inert import line
 
 
 @verb(
@@ -42,15 +40,8 @@ def merge_command(
 
     The run's own command, without --shard, then holds the gates over the whole and prints the tables; it flies nothing.
     """
-    from scaloft_fi.campaign.runs.merge import merge
     from scaloft_fi.campaign.store.flown_grid import study_of_all
-    from scaloft_fi.campaign.store.folder import campaign_folder
-    from scaloft_fi.views.runs.merged import MERGE, merge_values
+    from scaloft_fi.views.answers.merge import merge
 
     study = study_of_all(study_folder, [*sources, campaign])
-    folder = campaign_folder(study, campaign)
-    merged = merge(study, folder, [campaign_folder(study, source) for source in sources], same_platform=same_platform)
-    for warning in merged.warnings:
-        say(f"warning: {warning}")
-    told = line(f"{merged.added} flights added to {folder}, {merged.known} known already")
-    answer(MERGE, lambda: merge_values(folder, merged), style, lambda _: f"{told}\n")
+    answer(merge(study, campaign, sources, same_platform=same_platform), style)

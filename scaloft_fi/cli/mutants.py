@@ -10,11 +10,11 @@ import click
 
 from scaloft_fi.cli import names
 from scaloft_fi.cli.options import format_option, study_option
-from scaloft_fi.cli.own_study import check_own
 from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say, tell, tell_line
 from scaloft_fi.errors import InputError
 from scaloft_fi.terminal import width
+from scaloft_fi.views.own_study import check_own
 from scaloft_fi.views.tables.table import Format, csv_text, tabulated
 from scaloft_fi.views.tables.text import body_text
 

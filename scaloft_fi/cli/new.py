@@ -45,6 +45,7 @@ def new_command(folder: Path, plugin: bool, name: str | None, style: str) -> Non
     from scaloft_fi.sim.stacks import STACKS
     from scaloft_fi.templates import check_package_name, plugin_files, study_files, write_new
     from scaloft_fi.views.documents.beside import pointed, schema_files
+    from scaloft_fi.views.outputs.answer import Answer
     from scaloft_fi.views.runs.written import NEW, new_values
 
     if name is not None and not plugin:
@@ -61,7 +62,8 @@ def new_command(folder: Path, plugin: bool, name: str | None, style: str) -> Non
     write_new(folder, files)
     commands = _next(folder, plugin=plugin)
     told = f"{folder}: {what}.  Next:\n\n" + "".join(f"  {command}\n" for command in commands)
-    answer(NEW, lambda: new_values(folder, files, commands, plugin=plugin), style, lambda _: told)
+    values = new_values(folder, files, commands, plugin=plugin)
+    answer(Answer(NEW, lambda: values, told=lambda _: told), style)
 
 
 def _next(folder: Path, *, plugin: bool) -> tuple[str, ...]:

@@ -1,18 +1,12 @@
-"""Which study a verb works on when the user names none, and the refusal to write into a study of nobody."""
+"""Which study a verb works on when the user names none."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from scaloft_fi.console import say
-from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.folder import find_study, nearest_study
-
-if TYPE_CHECKING:
-    from scaloft_fi.study import Study
-
-REMEDY = "make a study of your own with `scaloft-fi new DIR`, or name one with --study"
+from scaloft_fi.views.own_study import REMEDY
 
 
 def tell_study(named: Path | None, *, quiet: bool) -> None:
@@ -23,13 +17,3 @@ def tell_study(named: Path | None, *, quiet: bool) -> None:
     """
     if named is None and not quiet and nearest_study() is None:
         say(f"study: {find_study()}, the reference study of this installation; there is none here: {REMEDY}")
-
-
-def check_own(study: Study, named: Path | None, path: Path) -> None:
-    """Refuse to write `path` into a study that the user neither named nor stands in, or that is the package's.
-
-    Raises:
-        InputError: as above.
-    """
-    if study.packaged or (named is None and nearest_study() is None):
-        raise InputError(f"{path} belongs to the reference study of this installation and is not written; {REMEDY}")

@@ -9,7 +9,6 @@ import click
 
 from scaloft_fi.cli.answer import answer, line_format_option
 from scaloft_fi.cli.files import check_writable, write
-from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import as_of_option, campaign_option, study_option
 from scaloft_fi.cli.verb import verb
 from scaloft_fi.inert import line
@@ -42,16 +41,17 @@ def report_command(
     check_writable(output)
     from scaloft_fi.campaign.store.folder import campaign_folder
     from scaloft_fi.study import Study
+    from scaloft_fi.views.outputs.answer import Answer
     from scaloft_fi.views.report.evidence import gather
     from scaloft_fi.views.report.page import page
     from scaloft_fi.views.report.written import REPORT
 
     study = Study.open(study_folder)
     evidence = gather(study, campaign, today)
-    told(evidence.study.finds)
     path = output or campaign_folder(study, campaign) / NAME
     content = page(evidence).encode()
     write(path, content)
     size = len(content)
-    told_as = line(f"report: {path} ({size / 1e6:.1f} MB)")
-    answer(REPORT, lambda: {"report": str(path), "bytes": size}, style, lambda _: f"{told_as}\n")
+    told = line(f"report: {path} ({size / 1e6:.1f} MB)")
+    values = {"report": str(path), "bytes": size}
+    answer(Answer(REPORT, lambda: values, told=lambda _: f"{told}\n", warnings=evidence.study.finds.warnings), style)

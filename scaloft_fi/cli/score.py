@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import click
 
 from scaloft_fi.cli.answer import answer, tables_option
-from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import (
     all_option,
     baseline_from_option,
@@ -25,10 +24,8 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.exit_codes import ExitCode
 
 if TYPE_CHECKING:
-    from scaloft_fi.analysis.scoring.grouping import By
     from scaloft_fi.views.outputs.output import Output
     from scaloft_fi.views.scored_campaign import ScoredCampaign
-    from scaloft_fi.views.tables.table import Format
 
 GROUPINGS = ("guideword", "parameter", "situation", "requirement", "axis")
 
@@ -120,8 +117,6 @@ def report(
     Raises:
         InputError: `--fail-under` where there is no pool to decide by.
     """
-    if scored.warning:
-        say(f"warning: {scored.warning}")
     if fail_under is not None and not scored.score.pooled:
         raise InputError(
             f"--fail-under={fail_under:g} needs a baseline pool: campaign {scored.campaign!r} has fewer than ten "
@@ -130,20 +125,9 @@ def report(
     from scaloft_fi.analysis.scoring.grouping import By
 
     by = By(grouping) if grouping else None
-    answer(
-        output,
-        lambda: scored.values(by),
-        style,
-        lambda how: _text(scored, by, how, everything=everything),
-        tables,
-    )
+    answer(scored.answer(output, by, everything=everything), style, tables)
     ratio = scored.score.mutation_score
     if fail_under is None or (ratio.value is not None and ratio.value >= fail_under):
         return 0
     say(f"mutation score {ratio} is below --fail-under {fail_under:g}")
     return ExitCode.BELOW
-
-
-def _text(scored: ScoredCampaign, by: By | None, how: Format, *, everything: bool) -> str:
-    told(scored.study.finds)
-    return scored.text(how, by=by, everything=everything)

@@ -24,10 +24,6 @@ from scaloft_fi.cli.verb import verb
 def status_command(study_folder: Path | None, campaign: str, style: str, tables_folder: Path | None) -> None:
     """Print how many flights a campaign holds, by status, and why those are stale that do not count any more."""
     from scaloft_fi.study import Study
-    from scaloft_fi.views.flights.status import STATUS, status_tables, status_values
-    from scaloft_fi.views.snapshot import snapshot
-    from scaloft_fi.views.tables.table import render
+    from scaloft_fi.views.answers.status import status
 
-    with snapshot(Study.open(study_folder), campaign) as now:
-        values = status_values(now)
-    answer(STATUS, lambda: values, style, lambda how: render(status_tables(values), how), tables_folder)
+    answer(status(Study.open(study_folder), campaign), style, tables_folder)

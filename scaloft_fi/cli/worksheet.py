@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
+from scaloft_fi.cli.answer import answer, tell_warnings
 from scaloft_fi.cli.files import check_writable, write
-from scaloft_fi.cli.finds import told
 from scaloft_fi.cli.options import FORMATS, campaign_option, study_option
 from scaloft_fi.cli.verb import verb
-from scaloft_fi.console import tell
-from scaloft_fi.terminal import PIPED
-
-if TYPE_CHECKING:
-    from scaloft_fi.views.worksheet.worksheet import SheetRow
 
 
 @verb(
@@ -49,34 +42,11 @@ def worksheet_command(study_folder: Path | None, campaign: str, style: str, outp
         raise click.UsageError("--format xlsx goes into a file: name it with --output")
     check_writable(output)
     from scaloft_fi.study import Study
-    from scaloft_fi.views.snapshot import snapshot
-    from scaloft_fi.views.worksheet.worksheet import worksheet
-    from scaloft_fi.views.worksheet.worksheet_text import to_text
+    from scaloft_fi.views.answers.worksheet import worksheet
 
-    study = Study.open(study_folder)
-    with snapshot(study, campaign) as now:
-        study = now.study
-        finds = told(study.finds)
-        rows = worksheet(study.matrix, now.outcomes, now.score, study.space, study.dispositions, finds, campaign)
-    if output is not None:
-        write(output, _content(rows, style))
-    elif style == "table":
-        tell(to_text(rows))
-    else:
-        tell(_content(rows, style))
-
-
-def _content(rows: Sequence[SheetRow], style: str) -> bytes:
-    if style == "xlsx":
-        from scaloft_fi.views.worksheet.spreadsheet import to_xlsx
-
-        return to_xlsx(rows)
-    if style == "json":
-        from scaloft_fi.views.worksheet.worksheet_record import WORKSHEET, worksheet_values
-
-        return WORKSHEET.json(worksheet_values(rows)).encode()
-    from scaloft_fi.views.worksheet.worksheet_text import to_csv, to_latex, to_markdown, to_text
-
-    if style == "table":
-        return to_text(rows, width=PIPED, marked=False).encode()
-    return {"markdown": to_markdown, "csv": to_csv, "latex": to_latex}[style](rows).encode()
+    sheet = worksheet(Study.open(study_folder), campaign)
+    if output is None:
+        answer(sheet, style)
+        return
+    tell_warnings(sheet)
+    write(output, sheet.content(style))

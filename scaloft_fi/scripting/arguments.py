@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from scaloft_fi.campaign.plan.choose import MOST_SEEDS
@@ -18,33 +18,29 @@ _OPTION = re.compile(r"(?<![\w-])--([a-z]+(?:-[a-z]+)*)")
 
 
 @contextmanager
-def in_python() -> Iterator[None]:
-    """In this context an error names arguments of Python, not options of the command line."""
+def in_python(**names: str) -> Iterator[None]:
+    """In this context an error names arguments of Python, not options of the command line.
+
+    Args:
+        names: arguments by option, where they are not those of `NAMES`.
+    """
     try:
         yield
     except ScaloftError as error:
-        error.args = (python_words(str(error)),)
+        error.args = (python_words(str(error), names),)
         raise
 
 
-def python_words(sentence: str) -> str:
+def python_words(sentence: str, names: Mapping[str, str] = NAMES) -> str:
     """A sentence with arguments instead of options; commands, which stand in backticks, keep their options.
 
-    >>> python_words("--baseline-seeds='x' must be N; see `run --seeds N`")
-    "baseline_seeds='x' must be N; see `run --seeds N`"
+    >>> python_words("--baseline-seeds='x' must be N; see `run --mutant ID`; another --mutant")
+    "baseline_seeds='x' must be N; see `run --mutant ID`; another mutants"
     """
+    known = {**NAMES, **names}
     parts = sentence.split("`")
-    parts[::2] = [_OPTION.sub(lambda found: argument(found[1]), part) for part in parts[::2]]
+    parts[::2] = [_OPTION.sub(lambda it: known.get(it[1], it[1].replace("-", "_")), part) for part in parts[::2]]
     return "`".join(parts)
-
-
-def argument(option: str) -> str:
-    """The argument of an option.
-
-    >>> argument("baseline-from"), argument("mutant")
-    ('baseline_from', 'mutants')
-    """
-    return NAMES.get(option, option.replace("-", "_"))
 
 
 def names(given: str | Sequence[str], name: str) -> tuple[str, ...]:

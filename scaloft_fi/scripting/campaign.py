@@ -1,33 +1,33 @@
-"""A campaign of an open study: what the verbs run, score, export, report, replay and status do, for scripts."""
+"""A campaign of an open study: what the verbs that fly for a campaign do, for scripts."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from scaloft_fi.errors import InputError
 from scaloft_fi.scripting.arguments import Seeds, in_python, names, number
 from scaloft_fi.scripting.arguments import seeds as seeds_of
 from scaloft_fi.scripting.flight import FlownFlight
+from scaloft_fi.scripting.held import HeldCampaign
 from scaloft_fi.scripting.progress import Told, progress_of
 from scaloft_fi.scripting.score import CampaignScore
-from scaloft_fi.views.columns import Columns
-from scaloft_fi.views.tables.html import html
 
 if TYPE_CHECKING:
+    from scaloft_fi.campaign.runs.options import RunOptions
     from scaloft_fi.campaign.workers.executor import Executor
-    from scaloft_fi.study import Study
-    from scaloft_fi.views.tables.table import Table
+    from scaloft_fi.views.outputs.answer import Answer
 
 MOST_JOBS = 1024
-REPORT_NAME = "report.html"
+MOST_SEED = 2**31 - 1
+LEAST_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True)
-class OpenCampaign:
+class OpenCampaign(HeldCampaign):
     """A campaign of a study, which need not exist yet.
 
     Each method reads study and campaign as they are when it is called.
@@ -41,14 +41,6 @@ class OpenCampaign:
     study_folder: Path
     name: str
     grid: str | None = None
-
-    @property
-    def folder(self) -> Path:
-        """Folder of the campaign."""
-        from scaloft_fi.campaign.store.folder import campaign_folder
-
-        with in_python():
-            return campaign_folder(self._study, self.name)
 
     def run(
         self,
@@ -130,66 +122,6 @@ class OpenCampaign:
             flown = fly(planned_run(study, request), campaign_folder(study, self.name), options, progress=shown)
             return CampaignScore(scored_run(flown, self.name))
 
-    def score(self, *, baseline_from: str | None = None) -> CampaignScore:
-        """Score the flights that the campaign holds, without flying.
-
-        Args:
-            baseline_from: name of a campaign whose baselines join the pool.
-
-        Raises:
-            InputError: there is no campaign, or it holds no flight that counts.
-        """
-        from scaloft_fi.views.scored_campaign import scored_campaign
-
-        with in_python():
-            return CampaignScore(scored_campaign(self._study, self.name, baseline_from))
-
-    def flights(self) -> Columns:
-        """The flights that count, one row each, with the columns of `scaloft-fi export`.
-
-        Raises:
-            InputError: there is no campaign, or it holds no flight that counts.
-        """
-        from scaloft_fi.views.exchange.gather import dossier
-        from scaloft_fi.views.flights.export import flight_columns
-
-        with in_python():
-            made = dossier(self._study, self.name)
-            return flight_columns(made.rows, made.columns)
-
-    def export(self, format: str = "json") -> bytes:  # noqa: A002 - the name of the option
-        """The campaign in a format of `scaloft-fi export`, as the bytes of a file.
-
-        Raises:
-            InputError: there is no such format or campaign, or the campaign holds no flight that counts.
-        """
-        from scaloft_fi.views.exchange import FORMATS
-        from scaloft_fi.views.exchange.gather import dossier
-
-        with in_python():
-            chosen = FORMATS[format]
-            return chosen.content(dossier(self._study, self.name))
-
-    def report(self, path: Path | str | None = None, *, today: date | None = None) -> Path:
-        """Write one HTML file that tells the whole campaign; returns its path.
-
-        Args:
-            path: path of the file; by default `report.html` in the folder of the campaign.
-            today: day by which dispositions expire; by default none is judged.
-
-        Raises:
-            InputError: there is no campaign, it holds no flight that counts, or the file cannot be written.
-        """
-        from scaloft_fi.output import write_named
-        from scaloft_fi.views.report.evidence import gather
-        from scaloft_fi.views.report.page import page
-
-        with in_python():
-            content = page(gather(self._study, self.name, today)).encode()
-            file = self.folder / REPORT_NAME if path is None else Path(path)
-            write_named(file, content, "path")
-            return file
-
     def replay(self, mutant: str, situation: str, seed: int = 0, *, same_platform: bool = False) -> FlownFlight:
         """Fly one flight again, in this process; its `comparison` says how it compares with that of the campaign.
 
@@ -211,27 +143,123 @@ class OpenCampaign:
             flown = fly_with_log(study, ready_to_fly(study, mutant, situation, seed, lambda _text: None))
             return FlownFlight(flown, compared(flown, self.name, same_platform=same_platform))
 
-    @property
-    def _study(self) -> Study:
-        from scaloft_fi.campaign.store.flown_grid import study_of
+    def margin(
+        self,
+        mutants: str | Sequence[str],
+        situations: str | Sequence[str] = (),
+        *,
+        seeds: Seeds = 1,
+        tolerance: float | None = None,
+        operability: bool = False,
+        jobs: int | None = None,
+        same_platform: bool = False,
+        progress: Told = False,
+    ) -> Answer:
+        """Find the smallest magnitude of each fault that is killed, by bisection; flies what the campaign lacks.
 
-        return study_of(self.study_folder, self.name, self.grid)
+        Args:
+            mutants: names of cells, or ids.
+            situations: keys, aliases or patterns; by default the whole grid.
+            seeds: seeds of the flights.
+            tolerance: width of the interval at which the search ends, in the magnitude's unit; by default a tenth of
+                the severe end's distance from no fault.
+            operability: whether violations of operability requirements kill, instead of those of safety requirements.
+            jobs: number of processes; by default the number of processors.
+            same_platform: whether only flights with the bits of this platform count.
+            progress: as for `run`, round by round.
 
-    def _status(self) -> Sequence[Table]:
-        from scaloft_fi.views.flights.status import status_tables, status_values
-        from scaloft_fi.views.snapshot import snapshot
-
-        with snapshot(self._study, self.name) as now:
-            return status_tables(status_values(now))
-
-    def _repr_html_(self) -> str:
-        from scaloft_fi.campaign.store.folder import STORE_NAME
-        from scaloft_fi.views.tables.table import Table
+        Raises:
+            GateError: a gate failed.
+            InputError: an argument is not allowed, a fault has no order, or the study cannot be flown.
+            Interrupted: the user stopped the search; every flight that ended is saved.
+        """
+        from scaloft_fi.views.answers.margin import margin
 
         with in_python():
-            if (self.folder / STORE_NAME).is_file():
-                return html(self._status())
-            return html((Table(f"Campaign {self.folder}", (), (), ("Nothing was flown here yet.",)),))
+            progress_of(progress)
+            return margin(
+                self._study,
+                self.name,
+                names(mutants, "mutants"),
+                _options(jobs, same_platform),
+                situations=names(situations, "situations"),
+                seeds=seeds_of(seeds, "seeds") or (),
+                tolerance=None if tolerance is None else number(tolerance, "tolerance", LEAST_TOLERANCE, 1e9),
+                operability=operability,
+                progress=lambda: progress_of(progress),
+            )
+
+    def seek(
+        self,
+        mutants: str | Sequence[str] = (),
+        *,
+        grid: str = "search",
+        into: str | None = None,
+        budget: str | None = None,
+        seed: int = 0,
+        jobs: int | None = None,
+        same_platform: bool = False,
+        progress: Told = False,
+    ) -> Answer:
+        """Find situations that would have shown mutants, and write them to the study's `sim/found.yaml`.
+
+        Args:
+            mutants: ids or patterns, or `baseline` for situations that break the unmutated drone; by default every
+                cell's default that this campaign does not detect and no found situation shows.
+            grid: name of the grid that is searched, with free axes.
+            into: name of the campaign that holds the flights of the search; by default that of the grid.
+            budget: a wall time such as `10m`, or a number of flights such as `2000flights`; by default none.
+            seed: seed of the search.
+            jobs: number of processes; by default the number of processors.
+            same_platform: whether only flights with the bits of this platform count.
+            progress: as for `run`.
+
+        Raises:
+            GateError: a gate failed.
+            InputError: an argument is not allowed, Optuna is missing, or the study cannot be flown or written.
+            Interrupted: the user stopped the search; flights and finds are saved.
+        """
+        from scaloft_fi.campaign.runs.seeking.flights import Allowance
+        from scaloft_fi.campaign.store.flown_grid import study_of
+        from scaloft_fi.views.answers.seek import Search, seek
+
+        with in_python(budget="budget"):
+            options, allowance = _options(jobs, same_platform), Allowance.parse(budget)
+            search = Search(
+                into or grid, options, int(number(seed, "seed", 0, MOST_SEED)), allowance, progress_of(progress)
+            )
+            study = study_of(self.study_folder, search.into, grid)
+            return seek(study, self.name, names(mutants, "mutants"), search, named=self.study_folder)
+
+    def merge(self, others: str | Sequence[str], *, same_platform: bool = False) -> Answer:
+        """Add the flights of other campaigns to this one, which need not exist.
+
+        Args:
+            others: names of the campaigns.
+            same_platform: whether a campaign of another platform is refused unless flights in both have equal digests.
+
+        Raises:
+            GateError: a flight has other digests on one platform, or other facts on two; nothing is written.
+            InputError: there is no such campaign, two have different grids, or the campaign cannot be written.
+        """
+        from scaloft_fi.campaign.store.flown_grid import study_of_all
+        from scaloft_fi.views.answers.merge import merge
+
+        with in_python():
+            sources = names(others, "others")
+            if not sources:
+                raise InputError("others=() must name a campaign")
+            study = study_of_all(self.study_folder, [*sources, self.name])
+            return merge(study, self.name, sources, same_platform=same_platform)
+
+
+def _options(jobs: int | None, same_platform: bool) -> RunOptions:
+    """Options of a search."""
+    from scaloft_fi.campaign.processes.start import cores
+    from scaloft_fi.campaign.runs.options import RunOptions
+
+    count = cores() if jobs is None else int(number(jobs, "jobs", 1, MOST_JOBS))
+    return RunOptions(jobs=count, executor=_executor("local", count, None, None), same_platform=same_platform)
 
 
 def _executor(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -113,7 +113,7 @@ class CampaignScore:
     @property
     def warnings(self) -> tuple[str, ...]:
         """What a reader must know beside the score, in sentences; often nothing."""
-        return tuple(self._warnings())
+        return self._scored.warnings
 
     def record(self, by: str | None = None) -> dict[str, Any]:
         """The score as plain JSON values: what `scaloft-fi score --format json` prints.
@@ -138,11 +138,6 @@ class CampaignScore:
         """
         with in_python():
             return self._scored.text(Format.TABLE, by=_by(by), everything=everything)
-
-    def _warnings(self) -> Iterator[str]:
-        if self._scored.warning:
-            yield self._scored.warning
-        yield from self._scored.study.finds.warnings
 
     def __str__(self) -> str:
         return self.text()

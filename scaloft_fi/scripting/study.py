@@ -18,6 +18,8 @@ from scaloft_fi.views.tables.table import Table
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from scaloft_fi.views.outputs.answer import Answer
+
 TEXT, TEXTS = ColumnType.TEXT, ColumnType.TEXTS
 MUTANT_COLUMNS = {
     **dict.fromkeys(("mutant", "guideword", "parameter", "magnitude", "seam", "operator"), TEXT),
@@ -197,6 +199,32 @@ class OpenStudy:
             one = study.grid.situation(situation) if situation else study.grid.situations[0]
             titles = ", ".join(study.grid.titles(one))
             return Figure(f"map of {one.key}", draw_plan(plan_of(study, one), title=one.key, subtitle=titles))
+
+    def judge(
+        self,
+        files: Path | str | Sequence[Path | str],
+        *,
+        record: Path | str | None = None,
+        situation: str | None = None,
+    ) -> Answer:
+        """What the study's requirements say of records of flights, from any drone or simulator.
+
+        Args:
+            files: the records.
+            record: a file that says where the signals stand in them; by default the study's `sim/record.yaml`, else the
+                mapping of the records that `replay --output` writes.
+            situation: the situation that was flown, which has a route and a time limit; None when it is not known.
+
+        Raises:
+            InputError: a file cannot be read, or there is no such situation.
+        """
+        from scaloft_fi.views.answers.judge import judge
+
+        with in_python():
+            listed = [files] if isinstance(files, Path | str) else files
+            return judge(
+                self.definition, [Path(one) for one in listed], None if record is None else Path(record), situation
+            )
 
     def check(self, *, fly: bool = False) -> Columns:
         """Check the whole study; one row for each finding, errors first, with its place and remedy.

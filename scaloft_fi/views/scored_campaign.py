@@ -20,6 +20,8 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.rulings import Rulings
 from scaloft_fi.study import Study
 from scaloft_fi.terminal import joined
+from scaloft_fi.views.outputs.answer import Answer
+from scaloft_fi.views.outputs.output import Output
 from scaloft_fi.views.runs.looks import look_record, look_table
 from scaloft_fi.views.runs.unflown import Unflown, unflown, unflown_tables
 from scaloft_fi.views.score.first_screen import first_screen, screen_text
@@ -66,6 +68,21 @@ class ScoredCampaign:
     def run(self) -> tuple[Table, ...]:
         """Tables about the run that flew: its looks, or what it left out."""
         return (*((look_table(self.looks),) if self.looks else ()), *unflown_tables(self.unflown))
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What a reader must know beside the score, in sentences; often nothing."""
+        return (*filter(None, [self.warning]), *self.study.finds.warnings)
+
+    def answer(self, form: Output, by: By | None = None, *, everything: bool = False) -> Answer:
+        """What `run` and `score` answer; the arguments are those of `text`, `form` is that of the JSON."""
+        return Answer(
+            form,
+            lambda: self.values(by),
+            lambda: (*self.screen(whole=False), *self.run),
+            told=lambda how: self.text(how, by=by, everything=everything),
+            warnings=self.warnings,
+        )
 
     def screen(self, *, whole: bool) -> tuple[Table, ...]:
         """The first screen as tables; `whole`: long groups are shown to their ends."""

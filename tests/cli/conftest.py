@@ -63,7 +63,7 @@ class Papers:
 
 
 @pytest.fixture(scope="session")
-def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A campaign of a detected mutant, a survivor and a control, over two situations."""
     folder = tmp_path_factory.mktemp("forms") / "campaign"
     with pytest.MonkeyPatch.context() as patch:
@@ -78,12 +78,12 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def told(campaign: Path) -> Callable[..., Result]:
+def told(folder: Path) -> Callable[..., Result]:
     """Call a verb on that campaign."""
 
     def telling(verb: str, *words: str) -> Result:
-        named = [str(campaign) if word == "CAMPAIGN" else word for word in words]
-        where = () if verb in NO_CAMPAIGN else ("--campaign", str(campaign))
+        named = [str(folder) if word == "CAMPAIGN" else word for word in words]
+        where = () if verb in NO_CAMPAIGN else ("--campaign", str(folder))
         asked = [verb, *named, "--study", str(STUDY), *where]
         return CliRunner().invoke(main, asked, catch_exceptions=False)
 

@@ -12,6 +12,7 @@ from forms import of_form, one_table
 from jsonschema import Draft202012Validator, ValidationError
 from refusal import sentence
 
+import scaloft_fi
 from scaloft_fi.cli.main import main
 from scaloft_fi.views.outputs.listed import output_of
 
@@ -50,8 +51,8 @@ def test_json_has_the_form_that_the_verb_declares(told: Call, words: tuple[str, 
     assert of_form(words[0], done.stdout)["version"] == output_of(words[0]).version
 
 
-def test_a_run_answers_in_the_form_of_the_score(campaign: Path, told: Call) -> None:
-    run = of_form("run", (campaign / "run.json").read_text(encoding="utf-8"))
+def test_a_run_answers_in_the_form_of_the_score(folder: Path, told: Call) -> None:
+    run = of_form("run", (folder / "run.json").read_text(encoding="utf-8"))
     assert run == json.loads(told("score", "--format", "json").stdout)
     assert [mutant["verdict"] for mutant in run["mutants"]] == ["detected", "not_detected"]
     assert [control["id"] for control in run["controls"]] == ["REVERSE-velcmd"]
@@ -66,8 +67,8 @@ def test_an_export_has_the_columns_of_its_form(told: Call) -> None:
         Draft202012Validator(output_of("export").schema).validate([{**rows[0], "rows": 1}])
 
 
-def test_what_is_merged_and_written_is_told(told: Call, campaign: Path, tmp_path: Path) -> None:
-    words = ["merge", str(campaign), "--study", str(STUDY), "--campaign", str(tmp_path / "whole"), "--format", "json"]
+def test_what_is_merged_and_written_is_told(told: Call, folder: Path, tmp_path: Path) -> None:
+    words = ["merge", str(folder), "--study", str(STUDY), "--campaign", str(tmp_path / "whole"), "--format", "json"]
     merged = of_form("merge", CliRunner().invoke(main, words, catch_exceptions=False).stdout)
     assert merged["added"] == of_form("status", told("status", "--format", "json").stdout)["counted"]
     page = tmp_path / "page.html"
@@ -83,6 +84,75 @@ def test_groups_of_every_kind_have_one_shape(told: Call) -> None:
         assert all((group["axis"] is None) == (group["value"] is None) == (by != "axis") for group in groups)
     assert {(group["axis"], group["value"]) for group in groups} >= {("H", "0"), ("H", "1")}
     assert of_form("score", told("score", "--format", "json").stdout)["groups"] == []
+
+
+@pytest.mark.parametrize(
+    ("words", "ask"),
+    [
+        (("status",), lambda campaign: campaign.status()),
+        (("coverage",), lambda campaign: campaign.coverage()),
+        (("worksheet",), lambda campaign: campaign.worksheet()),
+        (("dispositions",), lambda campaign: campaign.dispositions()),
+        (("diff", "CAMPAIGN", "CAMPAIGN"), lambda campaign: campaign.diff(campaign.name)),
+        (
+            ("kills", "MORE-goal", "--show", "survivors", "--situation", "T0O0W0D0H?"),
+            lambda campaign: campaign.kills("MORE-goal", "T0O0W0D0H?", show="survivors"),
+        ),
+    ],
+    ids=lambda one: one[0] if isinstance(one, tuple) else "",
+)
+def test_a_script_gets_what_the_verb_prints(
+    told: Call, folder: Path, words: tuple[str, ...], ask: Callable[[scaloft_fi.OpenCampaign], scaloft_fi.Answer]
+) -> None:
+    answer = ask(scaloft_fi.open(STUDY).campaign(str(folder)))
+    assert answer.record() == json.loads(told(*words, "--format", "json").stdout)
+    for style in ("table", "markdown", "latex", "csv"):
+        assert answer.text(style) == told(*words, "--format", style).stdout
+    assert "<table>" in answer._repr_html_()
+    assert {name: columns.rows for name, columns in answer.items()} == {
+        name: len(one_table(text)) for name, text in answer.csv().items() if name != "summary"
+    }
+
+
+def test_a_script_saves_the_worksheet_that_the_verb_writes(told: Call, folder: Path, tmp_path: Path) -> None:
+    sheet = scaloft_fi.open(STUDY).campaign(str(folder)).worksheet()
+    for end, style in ((".txt", "table"), (".xlsx", "xlsx")):
+        told("worksheet", "--format", style, "--output", f"{tmp_path}/verb{end}")
+        assert sheet.save(tmp_path / f"script{end}").read_bytes() == (tmp_path / f"verb{end}").read_bytes()
+    with pytest.raises(scaloft_fi.InputError, match=r"^path='sheet.ods' must end in \.txt, "):
+        sheet.save("sheet.ods")
+
+
+def test_a_script_merges(folder: Path, tmp_path: Path) -> None:
+    whole = scaloft_fi.open(STUDY).campaign(str(tmp_path / "whole"))
+    merged = whole.merge(str(folder))
+    assert (merged.summary["added"], merged.summary["known"]) == (whole.status().summary["counted"], 0)
+    assert str(merged) == f"{merged.summary['added']} flights added to {tmp_path}/whole, 0 known already\n"
+    assert "flights added" in merged._repr_html_()
+
+
+@pytest.mark.parametrize(
+    ("ask", "said"),
+    [
+        (lambda campaign: campaign.kills("LATE-humna"), "did you mean 'LATE-human'"),
+        (lambda campaign: campaign.kills(show="survivor"), "^show='survivor' must be one of .*'survivors'"),
+        (lambda campaign: campaign.diff("nowhere"), "no campaign was flown here"),
+        (lambda campaign: campaign.when("LATE-human"), "has no phases"),
+        (lambda campaign: campaign.margin("LATE-humna"), "did you mean 'LATE-human'"),
+        (lambda campaign: campaign.margin("LATE-human", tolerance=0), "^tolerance=0 must be"),
+        (lambda campaign: campaign.margin("LATE-human", seeds=0), "^seeds=0 must be"),
+        (lambda campaign: campaign.seek("LATE-human", budget="1"), "^budget='1' must be"),
+        (lambda campaign: campaign.seek("LATE-human", seed=-1), "^seed=-1 must be"),
+        (lambda campaign: campaign.seek("LATE-human", grid="serach"), "^grid=serach must be|^grid='serach' must be"),
+        (lambda campaign: campaign.seek(["baseline", "LATE-human"]), "must not stand beside 'baseline'"),
+        (lambda campaign: campaign.merge([]), "^others="),
+    ],
+)
+def test_a_script_that_asks_wrongly_gets_one_sentence(
+    folder: Path, ask: Callable[[scaloft_fi.OpenCampaign], object], said: str
+) -> None:
+    with pytest.raises(scaloft_fi.InputError, match=said):
+        ask(scaloft_fi.open(STUDY).campaign(str(folder)))
 
 
 @pytest.mark.parametrize("words", READERS, ids=" ".join)

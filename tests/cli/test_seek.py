@@ -14,6 +14,7 @@ from forms import of_form
 from reading import embedded
 from refusal import sentence
 
+import scaloft_fi
 from scaloft_fi.analysis.seeking.signature import Breach, Signature
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.runs.seeking.finds import saver
@@ -63,6 +64,9 @@ def test_a_find_is_printed_written_and_flown_beside_the_papers_situations(
     assert "Found: 1 of 1 mutants, 1 situations" in table
     assert f"shows-{LATE}: {find['situation']}: human, cruise speed" in table
     assert " 0 of them flown now; the search came to its end." in table
+    asked = scaloft_fi.open(copy).campaign("mine").seek("LATE-human", jobs=1)
+    assert asked.record() == told | {"flown": 0}
+    assert asked["finds_shows"]["mutant"].tolist() == [LATE]
 
 
 def test_a_score_over_the_papers_situations_alone_is_not_selected(sought: Result, call: Call, copy: Path) -> None:

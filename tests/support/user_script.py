@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any, assert_type
 
 from numpy.typing import NDArray
@@ -23,6 +24,11 @@ def best(folder: str) -> float:
     assert_type(score.mutation_score, scaloft_fi.Ratio)
     assert_type(score.mutation_score.value, float | None)
     assert_type(campaign.flights().rows, int)
+    kills = campaign.kills("LATE-human", show="survivors")
+    assert_type(kills, scaloft_fi.Answer)
+    assert_type(kills["survivors"], scaloft_fi.Columns)
+    assert_type(campaign.worksheet().save("sheet.xlsx"), Path)
+    assert_type(study.judge("flight.csv").warnings, tuple[str, ...])
     try:
         campaign.score(baseline_from="other")
     except scaloft_fi.InputError as error:

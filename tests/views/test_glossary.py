@@ -30,8 +30,7 @@ TOLD_BY_A_RUN = {
     "views/lists/listing.py: tuple(columns)": tuple(
         head for module in (axes, operators, seams, signals) for head in module.OVERVIEW
     ),
-    "views/outputs/csv_tables.py: (field.name for field in columns)": "keys of JSON, which the reference has",
-    "views/outputs/csv_tables.py: owner": "a key of JSON, which the reference has",
+    "views/outputs/csv_tables.py: flat.columns": "keys of JSON, which the reference has",
     "views/runs/unflown.py: header": ("parameter", "situation"),
     "views/score/first_screen.py: columns": tuple(
         column for columns in (*first_screen.COLUMNS.values(), first_screen.CONTROL_COLUMNS) for column in columns

@@ -47,21 +47,25 @@ def value_text(value: SheetValue) -> str:
 
 
 def to_text(rows: Sequence[SheetRow], *, width: int | None = None, marked: bool | None = None) -> str:
-    """For a terminal: the findings of each deviation, the finds where there are any, then the log.
+    """For a terminal: the tables of `sheet_tables`.
 
     Args:
         rows: of the worksheet.
         width: of the text, as of `render`.
         marked: whether it has colours, as of `render`.
     """
+    return render(sheet_tables(rows), Format.TABLE, width=width, marked=marked)
+
+
+def sheet_tables(rows: Sequence[SheetRow]) -> tuple[Table, ...]:
+    """The findings of each deviation, the finds where there are any, then the log."""
     sheet, log = parts(rows)
     found = [row for row in sheet if row.values["find"]]
-    tables = (
+    return (
         _table(TITLE, columns(IN_TERMINAL), sheet, (population(rows), "Every column: --format csv or xlsx.")),
         *([_table(FINDS_TITLE, columns(FINDS_KEYS), found)] if found else []),
         _table(LOG_TITLE, columns(LOG_KEYS), log),
     )
-    return render(tables, Format.TABLE, width=width, marked=marked)
 
 
 def _table(title: str, shown: Sequence[Column], rows: Sequence[SheetRow], notes: tuple[str, ...] = ()) -> Table:
