@@ -12,8 +12,11 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from scaloft_fi.source_cache import Meaning, SourceCache
+
 PACKAGE = __name__.partition(".")[0]
 _ROOT = Path(__file__).resolve().parents[1]
+_CACHE = SourceCache(Path(__file__).read_bytes())
 
 
 @dataclass(frozen=True)
@@ -54,14 +57,19 @@ def closure(entries: Iterable[str]) -> Mapping[str, Source]:
         ModuleNotFoundError: there is no such entry.
     """
     waiting = dict(pair for entry in entries for pair in _entry(entry))
+    seen = set(waiting)
     sources: dict[str, Source] = {}
     while waiting:
         name, path = waiting.popitem()
         sources[name] = source = read(path)
         for imported in _imported(name, source):
+            if imported in seen:
+                continue
+            seen.add(imported)
             own = _own(imported)
-            if own is not None and imported not in sources:
+            if own is not None:
                 waiting[imported] = own
+    _CACHE.save()
     return sources
 
 
@@ -111,12 +119,21 @@ def _absolute(name: str, package: str) -> str:
 
 def read(path: Path) -> Source:
     """Read a source file; equal bytes are parsed once."""
-    return _parsed(path, path.read_bytes())
+    content = path.read_bytes()
+    return Source(path, *_meaning(content, path))
 
 
 @lru_cache(maxsize=4096)
-def _parsed(path: Path, text: bytes) -> Source:
-    tree = ast.parse(text, path)
+def _meaning(content: bytes, path: Path) -> Meaning:
+    known = _CACHE.get(content)
+    if known is None:
+        known = _parsed(content, path)
+        _CACHE.put(content, known)
+    return known
+
+
+def _parsed(content: bytes, path: Path) -> Meaning:
+    tree = ast.parse(content, path)
     imports: list[str] = []
     blocks: list[Any] = [tree]
     while blocks:  # not `ast.walk`, which also visits every expression
@@ -130,7 +147,7 @@ def _parsed(path: Path, text: bytes) -> Source:
             imports += [module + alias.name for alias in block.names]
         names = ("orelse",) if _for_types_only(block) else _BLOCKS
         blocks += [inner for name in names for inner in getattr(block, name, ())]
-    return Source(path, hashlib.sha256(ast.dump(tree).encode()).hexdigest(), tuple(imports))
+    return hashlib.sha256(ast.dump(tree).encode()).hexdigest(), tuple(imports)
 
 
 _BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import random
 import shutil
 import sqlite3
 import subprocess
 import sys
 import time
-from collections import Counter
 from collections.abc import Sequence
 from contextlib import closing
 from pathlib import Path
@@ -17,7 +15,7 @@ from pathlib import Path
 from checkout import ROOT
 
 from kill.cluster import Cluster
-from kill.victims import STAGE, Marked
+from kill.victims import Marked
 from scaloft_fi.campaign.store.folder import STORE_NAME
 
 STUDY = ("hazop", "mutants", "sim")
@@ -78,10 +76,6 @@ class Campaign:
         """The export of the campaign."""
         return subprocess.run(self._export, cwd=ROOT, check=True, capture_output=True).stdout
 
-    def differing(self, expected: bytes, killed: Counter[str]) -> int:
-        """In how many ways more than the kills explain the campaign differs from the undisturbed one; 0 is right."""
-        return int(self.export() != expected)
-
 
 class Search(Campaign):
     """A search in a copy of the study of its own, without finds."""
@@ -103,11 +97,7 @@ class Search(Campaign):
 
 
 class Outside(Campaign):
-    """A campaign of the example whose planner runs in a process of its own.
-
-    A planner that is killed is a crash of the stack, hence a fact about the drone in that one flight.  So flights of
-    one situation and seed may differ for each planner that was killed; none may be missing or stand twice.
-    """
+    """A campaign of the example whose planner runs in a process of its own."""
 
     def __init__(self, folder: Path, words: Sequence[str], cluster: Cluster | None = None) -> None:
         study = folder.parent / "study"
@@ -115,15 +105,6 @@ class Outside(Campaign):
             make = ROOT / "examples" / "outside_planner" / "make_study.py"
             subprocess.run([sys.executable, str(make), str(study)], check=True, cwd=ROOT, env={"PYTHONPATH": str(ROOT)})
         super().__init__(folder, words, cluster, study)
-
-    def differing(self, expected: bytes, killed: Counter[str]) -> int:
-        """As many flights as are missing or doubled, and situations that differ beyond the killed planners."""
-        mine, calm = (json.loads(text) for text in (self.export(), expected))
-        keys, calm_keys = (Counter((r["mutant"], r["situation"], r["seed"]) for r in rows) for rows in (mine, calm))
-        if keys != calm_keys:
-            return (keys - calm_keys).total() + (calm_keys - keys).total()
-        places = {(row["situation"], row["seed"]) for row, was in zip(mine, calm, strict=True) if row != was}
-        return max(0, len(places) - killed[Path(STAGE).stem])
 
 
 def _call(*words: str, study: Path) -> list[str]:

@@ -108,7 +108,8 @@ class Exchange:
 
         Raises:
             OutsideError: the stages outside ended or hang.
-            BorderError: the border, or the guard of the processes, has died.
+            BorderError: the border, or the guard of the processes, has died, or a process was killed with SIGKILL,
+                which comes from the machine or a person, never from the drone.
         """
         for name, port in self._out:
             self.send(name, now_s, offered.get(port))
@@ -122,7 +123,7 @@ class Exchange:
                 self._complain(f"{now_s:.3f} s: {arrival.refused}")
             taken[port] = self.wire.cross(name, now_s, arrival.sample)
         if ended := self.processes.ended():
-            raise OutsideError(f"{ended}{self._said()}")
+            raise (BorderError if self.processes.killed else OutsideError)(f"{ended}{self._said()}")
         return taken
 
     def send(self, seam: str, now_s: float, sample: Any) -> None:

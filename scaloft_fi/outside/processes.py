@@ -50,6 +50,9 @@ class Processes:
         study: folder of the study.
         environment: what the border adds to their environment.
         folder: private to the flight; the end of their output is kept there.
+
+    Attributes:
+        killed: whether the first of them that has ended was ended by SIGKILL.
     """
 
     def __init__(self, commands: Sequence[Command], study: Path, environment: Mapping[str, str], folder: Path) -> None:
@@ -58,6 +61,7 @@ class Processes:
         self._guard: subprocess.Popen[bytes] | None = None
         self._news = b""
         self._ended = ""
+        self.killed = False
         self._spared: frozenset[int] = frozenset()
 
     def start(self) -> None:
@@ -126,6 +130,7 @@ class Processes:
             what, number, detail = line.decode(errors="replace").split(" ", 2)
             if what in ("failed", "ended") and not self._ended:
                 self._ended = f"{self._name(int(number))} {_how(what, detail)}"
+                self.killed = what == "ended" and int(detail) == -signal.SIGKILL
         self._news = b"\n".join([line for line in whole if line.startswith(b"started")] + [rest])
 
     def _name(self, number: int) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -34,6 +35,12 @@ class Mesh:
     def triangles(self) -> Array:
         """(F, 3, 3) corners of each triangle [m]."""
         return self.vertices[self.faces]
+
+    def encloses(self, point: Sequence[float]) -> bool:
+        """Whether `point` (3,) [m] is inside the closed surface."""
+        if not self.faces.size or (point < self.vertices.min(0)).any() or (point > self.vertices.max(0)).any():
+            return False
+        return abs(winding(self.triangles, point)) > 0.5
 
     def moved(self, offset: Sequence[float]) -> Mesh:
         """The mesh, translated by `offset` (3,) [m]."""
@@ -80,12 +87,14 @@ def lathe(profile: Sequence[tuple[float, float]], sides: int = ROUND_SIDES) -> M
     return Mesh(np.array(vertices), np.array(faces, np.int64))
 
 
+@lru_cache(maxsize=256)
 def cylinder(radius_m: float, height_m: float) -> Mesh:
     """Upright cylinder about the origin."""
     half = 0.5 * height_m
     return lathe(((0.0, -half), (radius_m, -half), (radius_m, half), (0.0, half)))
 
 
+@lru_cache(maxsize=256)
 def capsule(radius_m: float, height_m: float) -> Mesh:
     """Upright capsule about the origin; `height_m` includes the caps."""
     waist = max(0.5 * height_m - radius_m, 0.0)

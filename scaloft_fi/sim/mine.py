@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 from pathlib import Path
 from typing import NamedTuple
@@ -13,7 +14,7 @@ import numpy as np
 
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.mesh import Array, Faces, Mesh, heights_at, join, section, split_floor, winding
+from scaloft_fi.sim.mesh import Array, Faces, Mesh, heights_at, join, section, split_floor
 from scaloft_fi.sim.obj import FARTHEST_M, MeshLimits, read_obj
 from scaloft_fi.streams import generator
 
@@ -66,8 +67,19 @@ class Mine:
 
     def holds(self, point: Sequence[float]) -> bool:
         """Whether `point` (3,) [m, world] is in the open space of the mine."""
+        place = tuple(map(float, point))
+        if place not in self._held:
+            self._held[place] = self._holds(place)
+        return self._held[place]
+
+    @cached_property
+    def _held(self) -> dict[tuple[float, ...], bool]:
+        """What is known; every value of every axis is checked in the same mine with nearly the same waypoints."""
+        return {}
+
+    def _holds(self, point: Sequence[float]) -> bool:
         if not self.footprint:
-            return abs(winding(np.concatenate([self.wall.triangles, self.ground.triangles]), point)) > 0.5
+            return join([self.wall, self.ground]).encloses(point)
         x, y, z = point
         return 0.0 < z < self.height_m and inside(section(self.wall.triangles, z), x, y)
 

@@ -8,7 +8,6 @@ from typing import Any
 
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim import mesh
 
 ON_FLOOR_M = 0.05
 """Approximate height of a standing vehicle's centre [m]."""
@@ -48,7 +47,7 @@ def _obstructed(world: Any, name: str) -> str:
         if not world.mine.holds(point):
             return _ROCK
         for body in world.present:
-            if abs(mesh.winding(body.mesh.triangles, point)) > 0.5:
+            if body.mesh.encloses(point):
                 return f"open space, not inside {body.name!r}"
     return ""
 

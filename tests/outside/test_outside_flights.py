@@ -135,7 +135,7 @@ def test_placebo_outside_flies_as_the_baseline_and_a_late_person_is_shown(outsid
     ("fault", "sentence"),
     [
         ("print('no route'); sys.exit(3)", "faulty.py ended with code 3; its last lines: ready / no route"),
-        ("import os; os.kill(os.getpid(), 9)", "faulty.py was ended by SIGKILL; its last lines: ready"),
+        ("import os; os.kill(os.getpid(), 11)", "faulty.py was ended by SIGSEGV; its last lines: ready"),
         ("time.sleep(60)", "no answer on /cmd_vel for 5 ticks in a row, for 0.02 s each; its last lines: ready"),
         ("border._socket.close(); time.sleep(60)", "no answer on /cmd_vel for 5 ticks in a row"),
         ("order['turn_radps'] = float('nan')", "NaN is no number of JSON"),
@@ -154,6 +154,13 @@ def test_what_goes_wrong_outside_is_the_drones_with_a_sentence_and_its_last_word
     assert sentence in outcome.stack_error
     assert outcome.stack_error.startswith(("companion at 3.", "outside at 3."))
     assert outcome.ending in ("landed", "struck", "timed_out")
+
+
+@pytest.mark.flight
+def test_a_stack_that_is_killed_is_the_harness_and_is_flown_again(faulty: Callable[[str], Study]) -> None:
+    study = faulty("import os; os.kill(os.getpid(), 9)")
+    with pytest.raises(BorderError, match=r"^faulty\.py was ended by SIGKILL; its last lines: ready"):
+        flown(study)
 
 
 @pytest.mark.flight

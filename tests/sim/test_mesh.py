@@ -61,6 +61,7 @@ def test_the_winding_number_tells_inside_from_outside(size, point):
         return
     inside = bool((offset < 0).all())
     assert math.isclose(mesh.winding(mesh.box(size).triangles, point), float(inside), abs_tol=1e-6)
+    assert mesh.box(size).encloses(point) == inside
 
 
 def test_heights_are_those_where_the_upright_line_meets_the_surface():
