@@ -9,10 +9,16 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 from paper_flyer import Paper
+from papers import flight
 
+from scaloft_fi.campaign.plan.batch import Batch
+from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.cli.main import main
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.study import Study
 
 STUDY = Path(__file__).parents[2]
+NO_CAMPAIGN = ("mutants", "diff", "doctor", "signals", "seams", "operators", "axes", "map", "schema", "check", "judge")
 
 
 @pytest.fixture
@@ -40,3 +46,45 @@ def copy(tmp_path: Path) -> Path:
     for name in ("hazop", "mutants", "sim"):
         shutil.copytree(STUDY / name, tmp_path / "study" / name, ignore=shutil.ignore_patterns("found.yaml"))
     return tmp_path / "study"
+
+
+class Papers:
+    """A flyer without physics, whose flights are those of `papers`."""
+
+    def prepare(self, study: Study, say: Callable[[str], None]) -> None:
+        pass
+
+    def share(self, study: Study, batch: Batch, home: Callable[[Outcome], None]) -> None:
+        for each in batch.flights:
+            home(self(study, each))
+
+    def __call__(self, study: Study, flown: Flight, baseline: Outcome | None = None) -> Outcome:
+        return flight(study, flown.subject.id, flown.situation.key, flown.seed)
+
+
+@pytest.fixture(scope="session")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A campaign of a detected mutant, a survivor and a control, over two situations."""
+    folder = tmp_path_factory.mktemp("forms") / "campaign"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("scaloft_fi.campaign.runs.campaign.Physics", Papers)
+        words = ("--mutant", "LATE-human", "--mutant", "MORE-goal", "--mutant", "REVERSE-velcmd", "--situation")
+        where = ("--study", str(STUDY), "--campaign", str(folder))
+        asked = ("run", *words, "T0O0W0D0H?", "--seeds", "3", "--choose", "all", "--quiet", "--jobs", "1", *where)
+        done = CliRunner().invoke(main, [*asked, "--format", "json"], catch_exceptions=False)
+    assert done.exit_code == 0, done.output
+    (folder / "run.json").write_text(done.stdout, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture
+def told(folder: Path) -> Callable[..., Result]:
+    """Call a verb on that campaign."""
+
+    def telling(verb: str, *words: str) -> Result:
+        named = [str(folder) if word == "CAMPAIGN" else word for word in words]
+        where = () if verb in NO_CAMPAIGN else ("--campaign", str(folder))
+        asked = [verb, *named, "--study", str(STUDY), *where]
+        return CliRunner().invoke(main, asked, catch_exceptions=False)
+
+    return telling

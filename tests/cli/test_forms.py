@@ -10,15 +10,10 @@ import pytest
 from click.testing import CliRunner, Result
 from forms import of_form, one_table
 from jsonschema import Draft202012Validator, ValidationError
-from papers import flight
 from refusal import sentence
 
 import scaloft_fi
-from scaloft_fi.campaign.plan.batch import Batch
-from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.cli.main import main
-from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.study import Study
 from scaloft_fi.views.outputs.listed import output_of
 
 STUDY = Path(__file__).parents[2]
@@ -47,52 +42,6 @@ READERS: tuple[tuple[str, ...], ...] = (
     ("diff", "CAMPAIGN", "CAMPAIGN"),
     ("doctor", "--no-flight"),
 )
-
-
-class Papers:
-    """A flyer without physics, whose flights are those of `papers`."""
-
-    def prepare(self, study: Study, say: Callable[[str], None]) -> None:
-        pass
-
-    def share(self, study: Study, batch: Batch, home: Callable[[Outcome], None]) -> None:
-        for each in batch.flights:
-            home(self(study, each))
-
-    def __call__(self, study: Study, flown: Flight, baseline: Outcome | None = None) -> Outcome:
-        return flight(study, flown.subject.id, flown.situation.key, flown.seed)
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A campaign of a detected mutant, a survivor and a control, over two situations."""
-    folder = tmp_path_factory.mktemp("forms") / "campaign"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("scaloft_fi.campaign.runs.campaign.Physics", Papers)
-        words = ("--mutant", "LATE-human", "--mutant", "MORE-goal", "--mutant", "REVERSE-velcmd", "--situation")
-        where = ("--study", str(STUDY), "--campaign", str(folder))
-        asked = ("run", *words, "T0O0W0D0H?", "--seeds", "3", "--choose", "all", "--quiet", "--jobs", "1", *where)
-        done = CliRunner().invoke(main, [*asked, "--format", "json"], catch_exceptions=False)
-    assert done.exit_code == 0, done.output
-    (folder / "run.json").write_text(done.stdout, encoding="utf-8")
-    return folder
-
-
-@pytest.fixture
-def told(folder: Path) -> Call:
-    """Call a verb on that campaign."""
-
-    def telling(verb: str, *words: str) -> Result:
-        named = [str(folder) if word == "CAMPAIGN" else word for word in words]
-        campaign = (
-            ()
-            if verb in ("mutants", "diff", "doctor", "signals", "seams", "operators", "axes")
-            else ("--campaign", str(folder))
-        )
-        asked = [verb, *named, "--study", str(STUDY), *campaign]
-        return CliRunner().invoke(main, asked, catch_exceptions=False)
-
-    return telling
 
 
 @pytest.mark.parametrize("words", READERS, ids=" ".join)
