@@ -58,7 +58,12 @@ _values = st.one_of(
 ZEROS = {"a": [0.0, -0.0, 1.0, 0.0], "b": [-0.0, 0.0, -0.0, 0.0], "c": [-0.0, -0.0, 0.0, 2.0]}
 _A, _B, _C = map(Signal, NAMES)
 _NONE = Arithmetic("-", Window("once", _A, Interval(1, 2)), Window("once", _B, Interval(1, 2)))
-"""No number at the first sample: infinity less infinity."""
+"""No number at the first sample, nor the next at the last: infinity less infinity."""
+_NONE_LAST = Arithmetic(
+    "-",
+    Window("eventually", Logic("and", _A, _B), Interval(1, 2)),
+    Window("eventually", Logic("and", _A, _B), Interval(1, 2)),
+)
 EDGES: Mapping[str, Node] = {
     "equal zeros in a window of the past": Window("once", Logic("and", _A, _B), Interval(0, 2)),
     "equal zeros in a window of the future": Window("always", Logic("or", _B, _A), Interval(0, 2)),
@@ -72,6 +77,7 @@ EDGES: Mapping[str, Node] = {
     "no number in all the past": Window("once", _NONE),
     "no number in all the future": Window("always", _NONE),
     "no number held": Hold("since", _NONE, _B, Interval(0, 2)),
+    "no number held to the last": Hold("since", _NONE_LAST, _C, Interval(0, 2)),
     "no number until": Hold("until", _A, _NONE),
     "no number since": Hold("since", _A, _NONE, Interval(0, 2)),
     "a window before the flight": Window("historically", _A, Interval(4, 9)),

@@ -35,6 +35,7 @@ def test_a_text_in_brackets_has_the_tree_it_was_written_from(tree: Node) -> None
         ("a + b - c > 1", "((a + b) - c) > 1"),
         ("a - b - c > 1", "((a - b) - c) > 1"),
         ("not a > 1 and b or c", "((not (a > 1)) and b) or c"),
+        ("not a until b", "(not a) until b"),
         ("once a > 1 since b", "(once (a > 1)) since b"),
         ("a since b until c", "a since (b until c)"),
         ("a and b since c", "a and (b since c)"),
