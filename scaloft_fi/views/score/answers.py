@@ -19,8 +19,8 @@ from scaloft_fi.views.score.finds import effect, flies, next_find, words
 SHOWN, NOT_SHOWN, HOW_SURE, NEXT = NAMES = ("Shown", "Not shown", "How sure", "What next")
 
 
-class Answer(NamedTuple):
-    """One of the four: its name and the sentences."""
+class Line(NamedTuple):
+    """A line of the first screen, such as one of the four answers: its name and the sentences."""
 
     name: str
     text: str
@@ -48,7 +48,7 @@ class Asked(NamedTuple):
 
 def answers(
     scored: Score, roster: Roster, campaign: str = "default", finds: KnownFinds = NO_FINDS, grid: str = ""
-) -> tuple[Answer, ...]:
+) -> tuple[Line, ...]:
     """The four answers.
 
     Args:
@@ -61,7 +61,7 @@ def answers(
     faults = scored.counted or [mutant for mutant in scored.mutants if mutant.flown]
     sentences = (_shown, _not_shown, _how_sure, _next) if scored.pooled else (_seen, _unknown, _not_sure, _next)
     asked = Asked(scored, faults, campaign, frozenset(roster.defaults.values()), finds, grid)
-    return tuple(Answer(name, answer(asked)) for name, answer in zip(NAMES, sentences, strict=True))
+    return tuple(Line(name, answer(asked)) for name, answer in zip(NAMES, sentences, strict=True))
 
 
 def _shown(asked: Asked) -> str:

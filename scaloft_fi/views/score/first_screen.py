@@ -24,7 +24,7 @@ from scaloft_fi.judge.status import Status
 from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
 from scaloft_fi.terminal import PROSE, Marked, Style, coloured, styled
 from scaloft_fi.terminal import width as terminal_width
-from scaloft_fi.views.score.answers import Answer, answers
+from scaloft_fi.views.score.answers import Line, answers
 from scaloft_fi.views.score.finds import next_find
 from scaloft_fi.views.score.noise import noise_line
 from scaloft_fi.views.tables.meaning import commands
@@ -100,9 +100,9 @@ def first_screen(
         whole: whether groups are shown to their ends.
     """
     replies = answers(scored, roster, campaign, finds, space.grid)
-    lines = [Answer("Situations", coverage_line(covered)), Answer("Unmutated drone", baseline_line(scored.pool))]
+    lines = [Line("Situations", coverage_line(covered)), Line("Unmutated drone", baseline_line(scored.pool))]
     if noise:
-        lines.append(Answer("Noise", noise_line(noise)))
+        lines.append(Line("Noise", noise_line(noise)))
     counted = Counter(mutant.verdict for mutant in scored.counted)
     groups = []
     for verdict in Verdict:
