@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import sys
 from pathlib import Path
@@ -26,9 +27,23 @@ for number in HANGUP:
     signal.signal(number, signal.SIG_DFL)  # `nohup` has it ignored, and tests send it
 
 
+MEMORY, ROOM = Path("/dev/shm"), 4 << 30
+"""Where files are in memory on Linux, and how much room there has to be [bytes]."""
+
+
 def pytest_configure(config: pytest.Config) -> None:
-    """Keep the order of the files: pytest-xdist would begin with those of many tests, whatever they take."""
+    """Keep the order of the files, and temporary files in memory.
+
+    pytest-xdist would begin with the files of many tests, whatever they take.  On a disk, SQLite waits for it at each
+    flight that it saves.
+    """
     config.option.loadscopereorder = False
+    if _runs_programs(MEMORY) and shutil.disk_usage(MEMORY).free > ROOM:
+        os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))
+
+
+def _runs_programs(folder: Path) -> bool:
+    return os.access(folder, os.W_OK) and not os.statvfs(folder).f_flag & os.ST_NOEXEC
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

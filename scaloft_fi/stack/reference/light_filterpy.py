@@ -1,7 +1,7 @@
 """`filterpy` without `scipy.stats`, whose import takes as long as that of numba and which no flight of ours uses.
 
-filterpy imports `scipy.stats` for the likelihoods of its filters.  Here it gets a stand-in, which imports the module when
-one of its functions is called.
+filterpy imports `scipy.stats` for the likelihoods of its filters.  Here it gets a stand-in, which imports the module
+when one of its functions is called.
 """
 
 from __future__ import annotations
