@@ -12,8 +12,6 @@ from plugins import ROOT, call, install_project
 from shown_commands import GUIDES
 
 BLOCK = re.compile(r"^```(\w+) ?(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-FEW_SEEDS = ["--baseline-seeds", "2"]
-"""Whether a command runs shows in few flights."""
 EXAMPLES = """
 from scaloft_fi.api import check_operator, operators_of
 assert operators_of("clip") == ("clip", "fade")
@@ -62,7 +60,6 @@ def test_its_commands_run(guide: str, tmp_path: Path, study: Path) -> None:
     assert commands
     for command in commands:
         program, *words = shlex.split(command)
-        words += FEW_SEEDS if words[0] == "run" else []
         verb = ("-m", "scaloft_fi") if program == "scaloft-fi" else ()
         done = call(site, *verb, *words, cwd=study)
         assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
