@@ -71,7 +71,7 @@ def _yaw(signals: Signals, _: Known) -> Array:
 
 
 def _clearance(signals: Signals, known: Known) -> Array:
-    least: Array = np.min([signals[name] for name in _clearances(known)], axis=0)
+    least: Array = np.min(np.array([signals[name] for name in _clearances(known)], np.float64), axis=0)
     return least
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 import sys
+import warnings
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
@@ -46,6 +48,15 @@ class Flyer:
         for flight in batch.flights:
             home(self(study, flight))
 """
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _sockets() -> Iterator[None]:
+    """Sockets that Dask leaves to the garbage collector are collected here, not in a test of another file."""
+    yield
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResourceWarning)
+        gc.collect()
 
 
 @pytest.fixture(scope="module")
