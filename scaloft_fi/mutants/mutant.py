@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
 from scaloft_fi.errors import InputError, shown
@@ -50,8 +50,8 @@ class Mutant:
     def to_json(self) -> dict[str, Any]:
         """Plain data that JSON can hold; an infinite argument is the text `inf`, an empty event is left out."""
         arguments = {name: "inf" if value == math.inf else value for name, value in self.arguments.items()}
-        plain = asdict(self) | {"arguments": arguments}
-        return plain if self.event else {key: value for key, value in plain.items() if key != "event"}
+        names = (name for name in self.__dataclass_fields__ if name != "event" or self.event)
+        return {name: getattr(self, name) for name in names} | {"arguments": arguments}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Mutant:

@@ -115,33 +115,30 @@ def test_without_rclpy_a_sentence_says_how_to_get_it(monkeypatch: pytest.MonkeyP
         Ros2Border.need()
 
 
+FLIGHTS = (("baseline", KEY), ("LATE-human", KEY), ("baseline", "T0O0W0D0H0"))
+FLY = """
+import json, sys
+import scaloft_fi
+study = scaloft_fi.open(sys.argv[1])
+flights = [study.fly(mutant, situation) for mutant, situation in json.loads(sys.argv[2])]
+print(json.dumps([[flight.mutant, flight.situation, flight.ending, [*flight.violated]] for flight in flights]))
+"""
+
+
 @pytest.mark.flight
 def test_the_example_over_ros_2_agrees_with_the_same_planner_over_lines(python: str, tmp_path: Path) -> None:
-    rows = {}
+    facts = {}
     for border, interpreter in (("ros2", python), ("lines", sys.executable)):
         study = tmp_path / border
-        subprocess.run(
-            [sys.executable, ROOT / "examples" / "outside_planner" / "make_study.py", study, border], check=True
-        )
-        words = [
-            "run",
-            "--study",
-            study,
-            "--mutant",
-            "LATE-human",
-            "--situation",
-            "T0O0W0D0H1",
-            "--baseline-seeds",
-            "1",
-        ]
+        make = [sys.executable, ROOT / "examples" / "outside_planner" / "make_study.py", study, border]
+        subprocess.run(make, check=True)
         flown = subprocess.run(
-            [interpreter, "-m", "scaloft_fi", *words, "--jobs", "2", "--quiet"],
+            [interpreter, "-c", FLY, study, json.dumps(FLIGHTS)],
             cwd=ROOT, capture_output=True, text=True, timeout=LIMIT_S, check=False,
         )  # fmt: skip
         assert flown.returncode == 0, flown.stdout + flown.stderr
-        exported = [sys.executable, "-m", "scaloft_fi", "export", "--study", study, "--format", "json"]
-        listed = json.loads(subprocess.run(exported, cwd=ROOT, capture_output=True, text=True, check=True).stdout)
-        rows[border] = [[row[column] for column in ("mutant", "status", "ending")] for row in listed]
-    assert rows["ros2"] == rows["lines"]
-    assert ["LATE-human@3s", "revealed", "landed"] in rows["ros2"]
+        facts[border] = json.loads(flown.stdout)
+    assert facts["ros2"] == facts["lines"]
+    assert ["LATE-human@3s", KEY, "landed", ["SR2"]] in facts["ros2"]
+    assert ["baseline", KEY, "landed", []] in facts["ros2"]
     assert Study.open(tmp_path / "ros2").stack.deterministic is False
