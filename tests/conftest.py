@@ -27,6 +27,8 @@ for number in HANGUP:
     signal.signal(number, signal.SIG_DFL)  # `nohup` has it ignored, and tests send it
 
 
+FIRST = {"test_share.py": 0, "test_house_rules.py": 1}
+"""A file that compiles the kernels, and one that takes about as long without them."""
 MEMORY, ROOM = Path("/dev/shm"), 4 << 30
 """Where files are in memory on Linux, and how much room there has to be [bytes]."""
 
@@ -46,7 +48,19 @@ def _runs_programs(folder: Path) -> bool:
     return os.access(folder, os.W_OK) and not os.statvfs(folder).f_flag & os.ST_NOEXEC
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Files that fly come first: a file stays in one process, and a long one at the end would fly alone."""
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """`--release`: what takes too long for every change."""
+    parser.addoption("--release", action="store_true", help="also run the tests marked release, before a release")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out what is for a release, and run files that fly first: a long one at the end would fly alone.
+
+    A file stays in one process.  The first one compiles what all others load; the second has other work for that time.
+    """
+    if not config.option.release:
+        late = [item for item in items if item.get_closest_marker("release")]
+        config.hook.pytest_deselected(items=late)
+        items[:] = [item for item in items if item not in late]
     flying = {item.path for item in items if item.get_closest_marker("flight")}
-    items.sort(key=lambda item: item.path not in flying)
+    items.sort(key=lambda item: FIRST.get(item.path.name, len(FIRST) + (item.path not in flying)))

@@ -16,7 +16,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.sim.grids import load_grid
 from scaloft_fi.study import Study
 
-SEEDS = 150
+SEEDS, MANY = 50, 500
 OWN = ROOT / "examples" / "own_stack"
 
 
@@ -42,10 +42,11 @@ def meshed(folder: Path) -> Path:
 
 
 @pytest.mark.parametrize("name", ["reference", "meshed", "own"])
-def test_a_study_changed_by_chance_is_read_or_refused_in_one_sentence(tmp_path, name):
+@pytest.mark.parametrize("seeds", [SEEDS, pytest.param(MANY, marks=pytest.mark.release)])
+def test_a_study_changed_by_chance_is_read_or_refused_in_one_sentence(tmp_path, name, seeds):
     study = {"reference": ROOT, "own": OWN / "study"}.get(name) or meshed(tmp_path / name)
     install_project(tmp_path / "site", OWN)
-    done = call(tmp_path / "site", ROOT / "tests" / "support" / "fuzzing.py", study, "0", str(SEEDS), cwd=tmp_path)
+    done = call(tmp_path / "site", ROOT / "tests" / "support" / "fuzzing.py", study, "0", str(seeds), cwd=tmp_path)
     assert done.returncode == 0, done.stderr[-2000:]
     assert json.loads(done.stdout) == {}
 

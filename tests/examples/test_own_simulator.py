@@ -22,13 +22,15 @@ from scaloft_fi.study import Study
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples" / "own_simulator"
-FLIGHTS = (
-    "baseline/T1O0W0D1H0/0",
-    "PLACEBO/T0O0W0D0H1/0",
-    "LATE-human@3s/T0O0W0D0H1/0",
-    "REVERSE-velcmd/T0O0W0D0H0/0",
-)
-FEW_SEEDS = ["--baseline-seeds", "2"]
+VIOLATES = {
+    "baseline/T1O0W0D1H0/0": True,
+    "PLACEBO/T0O0W0D0H1/0": False,
+    "LATE-human@3s/T0O0W0D0H1/0": True,
+    "REVERSE-velcmd/T0O0W0D0H0/0": True,
+}
+FEW_FLIGHTS = ("PLACEBO/T0O0W0D0H1/0", "LATE-human@3s/T0O0W0D0H1/0")
+"""What the other form of the record is tried with."""
+FEW_SEEDS = ["--baseline-seeds", "1"]
 """Whether a command runs shows in few flights."""
 
 
@@ -40,7 +42,7 @@ def study(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
         from copy_study import copy_study
     finally:
         sys.path.remove(str(EXAMPLE))
-    folder = tmp_path_factory.mktemp("own") / "study"
+    folder = tmp_path_factory.mktemp(request.param) / "study"
     copy_study(folder, ROOT, request.param)
     return Study.open(folder)
 
@@ -59,19 +61,21 @@ def test_the_study_can_be_flown_and_nothing_in_it_counts_as_unmet(study: Study) 
 
 
 @pytest.fixture(scope="module")
-def ours() -> list[Outcome]:
-    return [_fly(Study.open(ROOT), name) for name in FLIGHTS]
+def ours() -> dict[str, Outcome]:
+    return {name: _fly(Study.open(ROOT), name) for name in VIOLATES}
 
 
 @pytest.mark.flight
-def test_its_verdicts_are_those_of_the_built_in_flyer(study: Study, ours: list[Outcome]) -> None:
-    theirs = [_fly(study, name) for name in FLIGHTS]
-    for one, other in zip(ours, theirs, strict=True):
+def test_its_verdicts_are_those_of_the_built_in_flyer(study: Study, ours: dict[str, Outcome]) -> None:
+    names = FEW_FLIGHTS if study.folder.parent.name.startswith("study_bag") else tuple(VIOLATES)
+    theirs = {name: _fly(study, name) for name in names}
+    for name, other in theirs.items():
+        one = ours[name]
         assert one.readings == other.readings
         assert one.violations == other.violations
         assert (one.ending, one.struck, one.realised) == (other.ending, other.struck, other.realised)
         assert (one.carried, one.altered, one.infected_at_s) == (other.carried, other.altered, other.infected_at_s)
-    assert [bool(outcome.first_violation) for outcome in theirs] == [True, False, True, True]
+        assert bool(other.first_violation) == VIOLATES[name]
 
 
 @pytest.mark.parametrize(
@@ -91,7 +95,7 @@ def test_the_documents_of_the_guides_can_be_read(
 
 
 @pytest.mark.flight
-@pytest.mark.parametrize("guide", ["judge", "own_simulator"])
+@pytest.mark.parametrize("guide", ["judge", pytest.param("own_simulator", marks=pytest.mark.release)])
 def test_the_commands_of_the_guides_run(guide: str, tmp_path: Path) -> None:
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     for name in ("hazop", "mutants", "sim"):

@@ -63,6 +63,7 @@ def test_the_matrix_and_the_operators_load_on_the_other_python_with_the_newest_l
 
 
 @pytest.mark.flight
+@pytest.mark.release
 def test_it_flies_as_published_with_the_oldest_libraries_that_it_declares(tmp_path: Path) -> None:
     if sys.version_info[:2] != (3, 11):
         pytest.skip("the oldest libraries have no wheels for this Python")

@@ -14,6 +14,8 @@ pytest.importorskip("pyarrow.parquet")
 
 ROOT = Path(__file__).parents[3]
 NUMBER, NUMBER_WIDE = 180, 24
+FEW, FEW_WIDE = 48, 8
+"""Flights in every run: the baselines of all situations, and the cheapest mutants."""
 FLAGS = "flags : fpu avx2 avx512f avx512cd avx512bw avx512dq avx512vl"
 
 
@@ -80,7 +82,15 @@ def test_kernels_are_asked_for_only_where_they_can_run(
 
 
 @pytest.mark.flight
-@pytest.mark.parametrize(("grid", "number"), [("paper", NUMBER), ("wide", NUMBER_WIDE)])
+@pytest.mark.parametrize(
+    ("grid", "number"),
+    [
+        ("paper", FEW),
+        ("wide", FEW_WIDE),
+        pytest.param("paper", NUMBER, marks=pytest.mark.release),
+        pytest.param("wide", NUMBER_WIDE, marks=pytest.mark.release),
+    ],
+)
 def test_published_flights_flown_again_are_the_published_ones(grid: str, number: int) -> None:
     words = [sys.executable, "benchmarks/reflown.py", "--grid", grid, "--sample", str(number), "--jobs", "1"]
     done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)

@@ -243,6 +243,7 @@ def test_a_fault_without_an_order_is_refused_in_a_sentence(study: Any, text: str
 
 
 @pytest.mark.flight
+@pytest.mark.release
 def test_the_margin_of_late_human_in_flight_lies_between_its_rungs(tmp_path: Path) -> None:
     """Delays of the detection beyond the time that SR2 allows violate it, delays within the drone's slack do not."""
     study = Study.open(Path(__file__).parents[3])

@@ -1,6 +1,7 @@
 """What the reference study must show: the baselines as calibrated, PLACEBO, and faults that infect.
 
-The faults are those of the published flights, of which a sample with every mutant is flown again by another test.
+Flights but PLACEBO's are the published ones, of which another test flies some again, every baseline with seed 0 among
+them.
 """
 
 from __future__ import annotations
@@ -31,15 +32,13 @@ def rows_of(folder, *words):
 
 
 @pytest.fixture(scope="module")
-def placebo_rows(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("placebo") / "c"
-    return rows_of(folder, "--mutant", "PLACEBO")
+def published():
+    return [row for row in published_flights.rows() if row["seed"] == 0]
 
 
 @pytest.fixture(scope="module")
-def default_rows():
-    rows = published_flights.rows()
-    return [row for row in rows if (row["situation"], row["seed"]) == ("T1O1W0D0H0", 0)]
+def default_rows(published):
+    return [row for row in published if row["situation"] == "T1O1W0D0H0"]
 
 
 def baselines(rows, axis_values):
@@ -48,22 +47,26 @@ def baselines(rows, axis_values):
     ]
 
 
-def test_placebo_is_the_baseline_bit_for_bit_in_all_32_situations(placebo_rows):
-    digests = {(row["mutant"], row["situation"]): row["digest"] for row in placebo_rows}
-    keys = {situation for _, situation in digests}
-    assert len(keys) == 32
+@pytest.mark.parametrize(
+    ("chosen", "number"), [(("--choose", "2-way"), 6), pytest.param((), 32, marks=pytest.mark.release)]
+)
+def test_placebo_is_the_baseline_bit_for_bit(chosen, number, tmp_path):
+    rows = rows_of(tmp_path / "c", "--mutant", "PLACEBO", *chosen)
+    digests = {(row["mutant"], row["situation"]): row["digest"] for row in rows if row["seed"] == 0}
+    keys = {situation for mutant, situation in digests if mutant == "PLACEBO"}
+    assert len(keys) == number
     for key in keys:
         assert digests["PLACEBO", key] == digests["baseline", key]
 
 
-def test_in_light_the_baselines_hold_sr1_and_sr2_and_finish(placebo_rows):
-    light = baselines(placebo_rows, ["D0"])
+def test_in_light_the_baselines_hold_sr1_and_sr2_and_finish(published):
+    light = baselines(published, ["D0"])
     assert len(light) == 16
     assert sum(row["violated"] != [] for row in light) <= 1, "all but a rare flight"
 
 
-def test_in_the_dark_turning_missions_strike_the_bar_and_straight_ones_do_not(placebo_rows):
-    turning, straight = baselines(placebo_rows, ["D1", "T1"]), baselines(placebo_rows, ["D1", "T0"])
+def test_in_the_dark_turning_missions_strike_the_bar_and_straight_ones_do_not(published):
+    turning, straight = baselines(published, ["D1", "T1"]), baselines(published, ["D1", "T0"])
     assert sum("SR1" in row["violated"] for row in turning) >= 6
     first = [row["struck"] for row in turning if row["violated"] == ["SR1"]]  # of others the row names SR2's moment
     assert first
@@ -71,8 +74,8 @@ def test_in_the_dark_turning_missions_strike_the_bar_and_straight_ones_do_not(pl
     assert all("SR1" not in row["violated"] for row in straight)
 
 
-def test_in_the_dark_a_person_makes_every_baseline_red_by_sr2(placebo_rows):
-    assert all("SR2" in row["violated"] for row in baselines(placebo_rows, ["D1", "H1"]))
+def test_in_the_dark_a_person_makes_every_baseline_red_by_sr2(published):
+    assert all("SR2" in row["violated"] for row in baselines(published, ["D1", "H1"]))
 
 
 def test_most_default_mutants_infect_and_fly_differently(default_rows):
