@@ -13,6 +13,7 @@ ROOT = Path(__file__).parents[3]
 pytestmark = pytest.mark.flight
 
 
+@pytest.mark.release
 def test_a_campaign_killed_and_resumed_exports_the_bytes_of_an_undisturbed_one() -> None:
     words = ("--kills", "1", "--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--baseline-seeds", "2")
     call = [sys.executable, "benchmarks/kill", "--json", *words]

@@ -80,10 +80,12 @@ def test_two_processes(one_process: str, tmp_path: Path) -> None:
     assert _flown(tmp_path / "c", "--jobs", "2") == one_process
 
 
+@pytest.mark.release
 def test_flights_that_are_flown_whole(one_process: str, tmp_path: Path) -> None:
     assert _flown(tmp_path / "c", "--jobs", "2", "--no-share") == one_process
 
 
+@pytest.mark.release
 def test_shards_that_are_merged(one_process: str, tmp_path: Path) -> None:
     for number in (1, 2):
         _flown(tmp_path / str(number), "--shard", f"{number}/2")
