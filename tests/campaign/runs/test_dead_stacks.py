@@ -57,7 +57,10 @@ RAISES = f"the stack raises without any fault: {BASELINE} (autopilot at 0.000 s:
 STANDS = f"the drone never leaves the ground without any fault: {BASELINE}"
 
 
-@pytest.mark.parametrize(("stack", "sentences"), [pytest.param("raising", [RAISES, STANDS], marks=pytest.mark.release), ("standing", [STANDS])])
+@pytest.mark.parametrize(
+    ("stack", "sentences"),
+    [pytest.param("raising", [RAISES, STANDS], marks=pytest.mark.release), ("standing", [STANDS])],
+)
 def test_a_stack_that_does_nothing_fails_its_gate_flown_and_resumed(
     site: Path, tmp_path: Path, stack: str, sentences: list[str]
 ) -> None:
