@@ -48,6 +48,7 @@ def _runs_programs(folder: Path) -> bool:
     return os.access(folder, os.W_OK) and not os.statvfs(folder).f_flag & os.ST_NOEXEC
 
 
+@pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
     """`-n auto`: one process more than processors, because many a test waits for other processes."""
     return cores() + 1
