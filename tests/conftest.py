@@ -12,7 +12,7 @@ import pytest
 from hypothesis import settings
 
 import scaloft_fi.mutants.reference  # noqa: F401 - a study that names the reference stack declares its operators so
-from scaloft_fi.campaign.processes.start import HANGUP, cores
+from scaloft_fi.campaign.processes.start import HANGUP
 
 collect_ignore = ["support/ros2_border.py"]
 """A program for a Python with ROS 2."""
@@ -46,12 +46,6 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def _runs_programs(folder: Path) -> bool:
     return os.access(folder, os.W_OK) and not os.statvfs(folder).f_flag & os.ST_NOEXEC
-
-
-@pytest.hookimpl(optionalhook=True)
-def pytest_xdist_auto_num_workers() -> int:
-    """`-n auto`: one process more than processors, because many a test waits for other processes."""
-    return cores() + 1
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
