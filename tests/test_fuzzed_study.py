@@ -16,7 +16,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.sim.grids import load_grid
 from scaloft_fi.study import Study
 
-SEEDS, MANY = 50, 500
+SEEDS, MANY = 150, 500
 OWN = ROOT / "examples" / "own_stack"
 
 

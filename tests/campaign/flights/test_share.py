@@ -60,7 +60,7 @@ def _mutants() -> st.SearchStrategy[list[Mutant]]:
 
 @pytest.mark.flight
 @pytest.mark.skipif(not CAN_FORK, reason="this platform flies every flight whole")
-@settings(max_examples=2, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@settings(max_examples=3, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(data=st.data(), key=st.sampled_from(SHORT), seed=st.integers(0, 3))
 def test_shared_flights_are_the_whole_flights_digest_for_digest_and_field_for_field(
     data: st.DataObject, key: str, seed: int

@@ -19,7 +19,7 @@ from scaloft_fi.campaign.store.folder import STORE_NAME
 ROOT = Path(__file__).parents[3]
 pytestmark = pytest.mark.flight
 
-MUTANTS = ("UNINTENDED-collision@20s",)
+MUTANTS = ("LATE-human", "UNINTENDED-collision@20s")
 SITUATIONS = ("T0O0W0D0H1", "T0O0W0D1H0")
 FLIGHTS = len(SITUATIONS) * (2 + len(MUTANTS))
 WORDS = (
