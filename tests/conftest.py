@@ -18,6 +18,7 @@ collect_ignore = ["support/ros2_border.py"]
 """A program for a Python with ROS 2."""
 
 sys.path.insert(0, str(Path(__file__).parent / "support"))
+from effort import EFFORT  # noqa: E402 - in `support`
 
 settings.register_profile("scaloft-fi", derandomize=True, deadline=None)
 settings.load_profile("scaloft-fi")
@@ -40,6 +41,7 @@ def pytest_configure(config: pytest.Config) -> None:
     flight that it saves.
     """
     config.option.loadscopereorder = False
+    EFFORT.release = config.option.release
     if _runs_programs(MEMORY) and shutil.disk_usage(MEMORY).free > ROOM:
         os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))
 
@@ -58,7 +60,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
     A file stays in one process.  The first one compiles what all others load; the second has other work for that time.
     """
-    if not config.option.release:
+    if not EFFORT.release:
         late = [item for item in items if item.get_closest_marker("release")]
         config.hook.pytest_deselected(items=late)
         items[:] = [item for item in items if item not in late]

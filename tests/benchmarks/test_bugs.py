@@ -82,16 +82,22 @@ def test_the_defect_of_a_bug_stands_in_exactly_one_stage() -> None:
         assert [stage.defect for stage in mended if hasattr(stage, "defect")] == [False]
 
 
+@pytest.fixture(scope="module")
+def free_flight(study: Study) -> Flight:
+    return Flight(None, study.grid.situation("T0O0W0D0H0"), 0)
+
+
+@pytest.fixture(scope="module")
+def flown_free(study: Study, free_flight: Flight) -> str:
+    """Digest of the reference stack."""
+    return fly_log(study, free_flight).digest
+
+
 @pytest.mark.flight
 @pytest.mark.parametrize("bug", BUGS, ids=lambda bug: bug.key)
-def test_with_its_defect_off_a_bug_flies_as_the_reference_stack(bug: Bug, study: Study, seen: Published) -> None:
+def test_with_its_defect_off_a_bug_flies_as_the_reference_stack(bug: Bug, free_flight: Flight, flown_free: str) -> None:
     declare()
-    situation = study.grid.situation("T0O0W0D0H0")
-    digests = [
-        fly_log(own, Flight(None, situation, 0)).digest
-        for own in (study, StackStudy(ROOT, stack_name=f"{bug.key}-mended"))
-    ]
-    assert digests[0] == digests[1]
+    assert fly_log(StackStudy(ROOT, stack_name=f"{bug.key}-mended"), free_flight).digest == flown_free
 
 
 @pytest.mark.flight

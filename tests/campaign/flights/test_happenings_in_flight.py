@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 import yaml
+from effort import usually
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -75,7 +76,7 @@ def _outcomes(study: Study, batches: list[Batch]) -> dict[str, Outcome]:
 
 
 @pytest.mark.skipif(not CAN_FORK, reason="this platform flies every flight whole")
-@settings(max_examples=3, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@settings(max_examples=usually(2, release=8), suppress_health_check=list(HealthCheck))
 @given(happenings=st.lists(kinds, max_size=2), walk=walks, mutants=st.sets(st.sampled_from(MUTANTS), min_size=2))
 def test_in_a_world_where_things_happen_sharing_replay_and_placebo_are_exact(
     folder: Path, happenings: list[dict[str, Any]], walk: dict[str, Any], mutants: set[str]

@@ -9,13 +9,14 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from effort import usually
 
 pytest.importorskip("pyarrow.parquet")
 
 ROOT = Path(__file__).parents[3]
-NUMBER, NUMBER_WIDE = 180, 24
-FEW, FEW_WIDE = 48, 8
-"""Flights in every run: the baselines of all situations, and the cheapest mutants."""
+NUMBER = 180
+FLOWN = {"paper": usually(48, release=NUMBER), "wide": usually(8, release=24)}
+"""Flights by grid; 48 are the baselines of all situations and the cheapest mutants."""
 FLAGS = "flags : fpu avx2 avx512f avx512cd avx512bw avx512dq avx512vl"
 
 
@@ -82,15 +83,7 @@ def test_kernels_are_asked_for_only_where_they_can_run(
 
 
 @pytest.mark.flight
-@pytest.mark.parametrize(
-    ("grid", "number"),
-    [
-        ("paper", FEW),
-        ("wide", FEW_WIDE),
-        pytest.param("paper", NUMBER, marks=pytest.mark.release),
-        pytest.param("wide", NUMBER_WIDE, marks=pytest.mark.release),
-    ],
-)
+@pytest.mark.parametrize(("grid", "number"), FLOWN.items())
 def test_published_flights_flown_again_are_the_published_ones(grid: str, number: int) -> None:
     words = [sys.executable, "benchmarks/reflown.py", "--grid", grid, "--sample", str(number), "--jobs", "1"]
     done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import published_flights
 import pytest
+from effort import usually
 
 from scaloft_fi.mutants.derive import defaults, expected_of
 from scaloft_fi.study import Study
@@ -47,10 +48,8 @@ def baselines(rows, axis_values):
     ]
 
 
-@pytest.mark.parametrize(
-    ("chosen", "number"), [(("--choose", "2-way"), 6), pytest.param((), 32, marks=pytest.mark.release)]
-)
-def test_placebo_is_the_baseline_bit_for_bit(chosen, number, tmp_path):
+def test_placebo_is_the_baseline_bit_for_bit(tmp_path):
+    chosen, number = usually((("--choose", "2-way"), 6), release=((), 32))
     rows = rows_of(tmp_path / "c", "--mutant", "PLACEBO", *chosen)
     digests = {(row["mutant"], row["situation"]): row["digest"] for row in rows if row["seed"] == 0}
     keys = {situation for mutant, situation in digests if mutant == "PLACEBO"}
