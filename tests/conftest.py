@@ -18,10 +18,8 @@ collect_ignore = ["support/ros2_border.py"]
 """A program for a Python with ROS 2."""
 
 sys.path.insert(0, str(Path(__file__).parent / "support"))
-from effort import EFFORT  # noqa: E402 - in `support`
+from effort import EFFORT, usually  # noqa: E402 - in `support`
 
-settings.register_profile("scaloft-fi", derandomize=True, deadline=None)
-settings.load_profile("scaloft-fi")
 for name in ("COLUMNS", "FORCE_COLOR", "CLICOLOR_FORCE"):
     os.environ.pop(name, None)  # texts are as wide and as plain as where no terminal is
 for number in HANGUP:
@@ -42,6 +40,8 @@ def pytest_configure(config: pytest.Config) -> None:
     """
     config.option.loadscopereorder = False
     EFFORT.release = config.option.release
+    settings.register_profile("scaloft-fi", derandomize=True, deadline=None, max_examples=usually(40, release=200))
+    settings.load_profile("scaloft-fi")
     if _runs_programs(MEMORY) and shutil.disk_usage(MEMORY).free > ROOM:
         os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import Result
+from effort import usually
 from refusal import sentence
 
 from scaloft_fi.sim.load import SimConfig
@@ -76,7 +77,7 @@ def large(copy: Path) -> Path:
     return copy
 
 
-@pytest.mark.parametrize("how", ["2-way", "random:50"])
+@pytest.mark.parametrize("how", usually(["2-way"], release=["2-way", "random:50"]))
 def test_a_large_grid_is_sampled_and_scored_without_making_every_world(
     call: Call, large: Path, monkeypatch: pytest.MonkeyPatch, how: str
 ) -> None:

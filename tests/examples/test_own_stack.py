@@ -90,6 +90,7 @@ def test_its_seams_are_its_own(site: Path, study: Path) -> None:
     assert not seams & {seam.name for seam in SEAMS}
 
 
+@pytest.mark.release
 @pytest.mark.flight
 def test_it_keeps_its_contract(site: Path, study: Path) -> None:
     code = f"from scaloft_fi.api import check_stack; print(check_stack('.', situation={SITUATION!r}))"
