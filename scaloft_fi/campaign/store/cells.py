@@ -7,6 +7,7 @@ import math
 import os
 import sqlite3
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
 from typing import Any, NoReturn
 
 from scaloft_fi.errors import InputError
@@ -202,12 +203,14 @@ def chunks(connection: sqlite3.Connection, table: str, query: str) -> Iterator[l
     Raises:
         TooLargeError: there are more rows than `most_flights`.
     """
-    cursor, read, most = connection.execute(query), 0, most_flights()
-    while rows := cursor.fetchmany(CHUNK):
-        read += len(rows)
-        if read > most:
-            raise TooLargeError(table)
-        yield rows
+    read, most = 0, most_flights()
+    # a query that is left open, as when a row of it cannot be read, keeps the file open when the connection is closed
+    with closing(connection.execute(query)) as cursor:
+        while rows := cursor.fetchmany(CHUNK):
+            read += len(rows)
+            if read > most:
+                raise TooLargeError(table)
+            yield rows
 
 
 def decoded(text: str) -> Any:
