@@ -1,8 +1,11 @@
 from __future__ import annotations
 
+import sqlite3
 import tempfile
+from contextlib import closing
 from pathlib import Path
 
+import pytest
 from builders import campaigns, outcome, seeded
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -11,6 +14,7 @@ from scaloft_fi.campaign.store.origin import Origin
 from scaloft_fi.campaign.store.selection import Flown
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.store.tables import Planned
+from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 
 M = "LATE-human@3s"
@@ -46,3 +50,15 @@ def test_whether_flights_stand_is_asked_once_of_what_they_were_made_from(tmp_pat
         assert [(o.digest, o.seed) for o in store.standing(stands)] == [("u", 0), ("u", 1), (M, 7)]
         assert [flight.origin for flight in asked] == [numbers[one], numbers[other], None]
         assert store.flights()[-1] == Flown("k", M, HERE, 7, None)
+
+
+def test_a_store_with_a_row_that_cannot_be_read_is_closed_while_the_error_is_still_looked_at(tmp_path: Path) -> None:
+    path = tmp_path / "s.sqlite"
+    with Store(path) as store:
+        store.put_all((str(seed), outcome(M, seed=seed)) for seed in range(3))
+    with closing(sqlite3.connect(path)) as connection:
+        connection.execute("UPDATE outcomes SET digest = CAST(X'FFFE' AS TEXT) WHERE seed = 1")
+        connection.commit()
+    with pytest.raises(InputError, match=r"id 2: digest="), Store(path, create=False) as store:
+        store.keyed()
+    assert [one.name for one in tmp_path.iterdir()] == [path.name]
