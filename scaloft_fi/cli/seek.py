@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import click
-from click.core import ParameterSource
 
 from scaloft_fi.cli import names
 from scaloft_fi.cli.answer import answer, tables_option
@@ -19,7 +18,6 @@ from scaloft_fi.cli.options import (
     warnings_option,
 )
 from scaloft_fi.cli.verb import verb
-from scaloft_fi.errors import InputError
 
 
 @verb(
@@ -108,29 +106,10 @@ def seek_command(
     from scaloft_fi.campaign.progress.progress import Progress, Silence
     from scaloft_fi.campaign.runs.options import RunOptions
     from scaloft_fi.campaign.runs.seeking.flights import Allowance
-    from scaloft_fi.campaign.store.flown_grid import study_of
-    from scaloft_fi.views.answers.seek import Search, seek
+    from scaloft_fi.views.answers.seek import Search, seek, study_to_search
 
     options = RunOptions(jobs=jobs or cores(), warnings=warnings, same_platform=same_platform, command=typed())
     progress = Silence() if quiet else Progress()
     search = Search(into or grid, options, seed, Allowance.parse(budget), progress)
-    _check_there(study_folder, grid)
-    study = study_of(study_folder, search.into, grid)
+    study = study_to_search(study_folder, grid, search.into)
     answer(seek(study, campaign, mutants, search, named=study_folder), style, tables_folder)
-
-
-def _check_there(folder: Path | None, grid: str) -> None:
-    """Refuse the grid that is searched by default where the study has none of its name.
-
-    Raises:
-        InputError: as above.
-    """
-    from scaloft_fi.hazop.folder import find_study
-    from scaloft_fi.sim.grids import grid_names
-
-    source = click.get_current_context().get_parameter_source("grid")
-    if source is ParameterSource.DEFAULT and grid not in (there := grid_names(find_study(folder) / "sim")):
-        raise InputError(
-            f"the study has no grid {grid!r}, which is searched by default: write sim/grids/{grid}.yaml, as "
-            f"docs/seek.md says, or name another grid, such as --grid {there[0]}"
-        )

@@ -220,15 +220,14 @@ class OpenCampaign(HeldCampaign):
             Interrupted: the user stopped the search; flights and finds are saved.
         """
         from scaloft_fi.campaign.runs.seeking.flights import Allowance
-        from scaloft_fi.campaign.store.flown_grid import study_of
-        from scaloft_fi.views.answers.seek import Search, seek
+        from scaloft_fi.views.answers.seek import Search, seek, study_to_search
 
         with in_python(budget="budget"):
             options, allowance = _options(jobs, same_platform), Allowance.parse(budget)
             search = Search(
                 into or grid, options, int(number(seed, "seed", 0, MOST_SEED)), allowance, progress_of(progress)
             )
-            study = study_of(self.study_folder, search.into, grid)
+            study = study_to_search(self.study_folder, grid, search.into)
             return seek(study, self.name, names(mutants, "mutants"), search, named=self.study_folder)
 
     def merge(self, others: str | Sequence[str], *, same_platform: bool = False) -> Answer:

@@ -195,3 +195,15 @@ def test_without_optuna_a_sentence_names_what_to_install(
     monkeypatch.setitem(sys.modules, "optuna", None)
     refused = sentence(call("seek", "LATE-human", study=copy))
     assert refused == "error: seek needs optuna: pip install 'scaloft-fi[seek]'"
+
+
+def test_a_study_without_the_grid_that_is_searched_by_default_is_told_to_write_one_or_to_name_another(
+    call: Call, copy: Path, tmp_path: Path
+) -> None:
+    (copy / "sim" / "grids" / "search.yaml").unlink()
+    said = sentence(call("seek", "baseline", study=copy))
+    assert said.endswith(
+        "write sim/grids/search.yaml, as docs/seek.md says, or name another grid, such as --grid paper"
+    )
+    with pytest.raises(scaloft_fi.InputError, match=r"as docs/seek\.md says, or .*, such as grid paper$"):
+        scaloft_fi.open(copy).campaign(f"{tmp_path}/c").seek("baseline")

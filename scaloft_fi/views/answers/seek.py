@@ -15,14 +15,16 @@ from scaloft_fi.campaign.runs.seeking.flights import Allowance
 from scaloft_fi.campaign.runs.seeking.proposals import require_optuna
 from scaloft_fi.campaign.runs.seeking.seek import seek as seek_mutants
 from scaloft_fi.campaign.runs.seeking.sought import Unnamed, anew, interrupted
+from scaloft_fi.campaign.store.flown_grid import study_of
 from scaloft_fi.campaign.store.folder import campaign_folder
 from scaloft_fi.errors import InputError
+from scaloft_fi.hazop.folder import find_study
 from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.sim.claims import claims_of
 from scaloft_fi.sim.found import FILE
-from scaloft_fi.sim.grids import own_name
+from scaloft_fi.sim.grids import grid_names, own_name
 from scaloft_fi.study import Study
 from scaloft_fi.views.outputs.answer import Answer
 from scaloft_fi.views.own_study import check_own
@@ -30,6 +32,9 @@ from scaloft_fi.views.runs.breaks import breaks_table
 from scaloft_fi.views.runs.seek import seek_tables
 from scaloft_fi.views.runs.seek_record import SEEK, breaks_values, seek_values
 from scaloft_fi.views.snapshot import snapshot
+
+SEARCHED = "search"
+"""The grid that is searched by default."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +54,25 @@ class Search:
     seed: int
     allowance: Allowance
     progress: Progress
+
+
+def study_to_search(folder: Path | None, grid: str, into: str) -> Study:
+    """The study with the grid that is searched.
+
+    Args:
+        folder: the study, as for `Study.open`.
+        grid: name of the grid.
+        into: name of the campaign that holds the flights of the search.
+
+    Raises:
+        InputError: there is no such study or grid, or the campaign was flown over another grid.
+    """
+    if grid == SEARCHED and grid not in (there := grid_names(find_study(folder) / "sim")):
+        raise InputError(
+            f"the study has no grid {grid!r}, which is searched by default: write sim/grids/{grid}.yaml, as "
+            f"docs/seek.md says, or name another grid, such as --grid {there[0]}"
+        )
+    return study_of(folder, into, grid)
 
 
 def seek(study: Study, campaign: str, mutants: Sequence[str], search: Search, named: Path | None = None) -> Answer:
