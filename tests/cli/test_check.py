@@ -33,8 +33,9 @@ def test_a_sound_study_ends_with_0_and_says_what_was_checked(call: Call, small: 
     assert done.exit_code == 0
     assert done.stdout.startswith(f"{small / 'hazop' / 'matrix'}: note: no cell of the matrix has a fault at 1 of ")
     assert "32 situations, all built with 40 pairs of values" in done.stdout
-    assert "not checked: `scaloft-fi check --fly` flies once" in " ".join(done.stdout.split())
-    assert f"{small}: no errors, 1 note." in done.stdout
+    told = " ".join(done.stdout.split())  # lines break elsewhere where a folder has a longer name
+    assert "not checked: `scaloft-fi check --fly` flies once" in told
+    assert f"{small}: no errors, 1 note." in told
 
 
 def test_an_error_ends_with_2_and_stands_on_a_line_with_its_place_before_the_notes(call: Call, small: Path) -> None:
