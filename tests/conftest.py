@@ -1,14 +1,14 @@
-"""Makes the helpers in `support` importable; Hypothesis draws the same examples in every run, at any speed."""
+"""Settings of all tests: Hypothesis draws the same examples in every run, at any speed."""
 
 from __future__ import annotations
 
 import os
 import shutil
 import signal
-import sys
 from pathlib import Path
 
 import pytest
+from effort import EFFORT, usually
 from hypothesis import settings
 
 import scaloft_fi.mutants.reference  # noqa: F401 - a study that names the reference stack declares its operators so
@@ -16,9 +16,6 @@ from scaloft_fi.campaign.processes.start import HANGUP
 
 collect_ignore = ["support/ros2_border.py"]
 """A program for a Python with ROS 2."""
-
-sys.path.insert(0, str(Path(__file__).parent / "support"))
-from effort import EFFORT, usually  # noqa: E402 - in `support`
 
 for name in ("COLUMNS", "FORCE_COLOR", "CLICOLOR_FORCE"):
     os.environ.pop(name, None)  # texts are as wide and as plain as where no terminal is
@@ -40,7 +37,7 @@ def pytest_configure(config: pytest.Config) -> None:
     """
     config.option.loadscopereorder = False
     EFFORT.release = config.option.release
-    settings.register_profile("scaloft-fi", derandomize=True, deadline=None, max_examples=usually(40, release=200))
+    settings.register_profile("scaloft-fi", derandomize=True, deadline=None, max_examples=usually(100, release=200))
     settings.load_profile("scaloft-fi")
     if _runs_programs(MEMORY) and shutil.disk_usage(MEMORY).free > ROOM:
         os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))
