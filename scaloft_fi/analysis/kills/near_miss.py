@@ -60,15 +60,15 @@ def _held(reading: Reading) -> bool:
     return reading.compliance is Compliance.HELD
 
 
-def off_path_m(flight: JudgedFlight) -> float:
+def off_path_m(flight: JudgedFlight) -> float | None:
     """How far the flight was off its baseline's path at the most [m]: second by second, to the nearest point of it.
 
-    Time does not enter: a flight that goes the same way later is not off it.  0 without trajectories.
+    Time does not enter: a flight that goes the same way later is not off it.  None without both trajectories.
     """
     flown = unpack_track(flight.outcome.track)[::_A_SECOND]
     path = unpack_track(flight.baseline.track) if flight.baseline else []
     if not flown or not path:
-        return 0.0
+        return None
     import numpy as np
 
     points, others = (np.array([[row[_X], row[_Y], row[_Z]] for row in rows]) for rows in (flown, path))

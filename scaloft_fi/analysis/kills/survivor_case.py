@@ -129,9 +129,10 @@ class Case:
         return max(lost, key=lambda loss: loss.share, default=None)
 
     @cached_property
-    def off_path_m(self) -> float:
-        """How far a flight that put it to the test was off its baseline's path at the most [m]."""
-        return max((off_path_m(flight) for flight in self.tested if flight.status is Status.SURVIVED), default=0.0)
+    def off_path_m(self) -> float | None:
+        """How far a flight that put it to the test was off its baseline's path at the most [m]; None if not known."""
+        ways = (off_path_m(flight) for flight in self.tested if flight.status is Status.SURVIVED)
+        return max((way_m for way_m in ways if way_m is not None), default=None)
 
     @property
     def infected_where(self) -> str:

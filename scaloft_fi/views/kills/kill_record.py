@@ -221,7 +221,10 @@ KILLS = Output(
                             ),
                             "it cannot be measured",
                         ),
-                        "off_path_m": number("how far it was off its baseline's path at the most", "m"),
+                        "off_path_m": optional(
+                            number("how far it was off its baseline's path at the most", "m"),
+                            "no flight that put it to the test has a trajectory",
+                        ),
                         "find": text("name of the find that is to be flown; empty without one"),
                     },
                 ),

@@ -55,6 +55,13 @@ def only_unsteady(case: Case) -> str:
     return f"{violate(len(revealing))}, but only where that is not steady: {'; '.join(unsteady)}." if unsteady else ""
 
 
+def path(case: Case) -> str:
+    """How far it takes the drone off its path."""
+    if case.off_path_m is None:
+        return "how far it takes the drone off its path is not known: no flight has a trajectory."
+    return f"it takes the drone at most {case.off_path_m:.2f} m off its path."
+
+
 def violate(flights: int) -> str:
     """How many flights violate a safety requirement, each beside its own baseline."""
     if flights == 1:

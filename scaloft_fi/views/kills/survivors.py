@@ -87,7 +87,7 @@ class Survivor:
         why: the facts that say so, and what to do, in a few sentences.
         loss: where it lost most of a baseline's margin in a steady pair; None where it cannot be measured.
         off_path_m: how far it was off its baseline's path at the most, over flights that put it to the test and have a
-            trajectory [m].
+            trajectory [m]; None without such a flight.
         find: name of the find that is to be flown; empty without one.
     """
 
@@ -97,7 +97,7 @@ class Survivor:
     next: Next
     why: str
     loss: Loss | None = None
-    off_path_m: float = 0.0
+    off_path_m: float | None = None
     find: str = ""
 
 
@@ -255,11 +255,10 @@ def _not_revealed(case: Case) -> Survivor:
         return _say(
             case, Next.SITUATION, near, lucky, f"{words.no_more(case)}: a situation with less room may show it."
         )
-    if case.off_path_m >= ASTRAY_M:
+    if case.off_path_m is not None and case.off_path_m >= ASTRAY_M:
         astray = f"it takes the drone {case.off_path_m:.2f} m off its path, and no requirement detects it."
         return _say(case, Next.ORACLE, astray, SILENT, lucky, words.margin(case))
-    small = f"it takes the drone at most {case.off_path_m:.2f} m off its path." if case.off_path_m else ""
     if case.background.stronger:
-        return _say(case, Next.MAGNITUDE, small, lucky, words.margin(case), words.larger(case))
+        return _say(case, Next.MAGNITUDE, words.path(case), lucky, words.margin(case), words.larger(case))
     missing = f"{words.no_more(case)}: a situation is missing in which what it changes matters."
-    return _say(case, Next.SITUATION, small, lucky, words.margin(case), missing)
+    return _say(case, Next.SITUATION, words.path(case), lucky, words.margin(case), missing)

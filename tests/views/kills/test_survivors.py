@@ -262,6 +262,17 @@ def test_far_off_its_path_with_whole_margins_asks_for_an_oracle() -> None:
     assert "at most 0.30 m off its path. No margin fell." in near.why
 
 
+def test_how_far_a_flight_without_a_trajectory_was_off_its_path_is_not_known() -> None:
+    untracked = thrice(LATE, HUMAN)
+    for flights in ([*POOL, *untracked], [*POOL, along(untracked[0], 0.3), *untracked[1:]]):
+        found = told(flights)
+        assert found.off_path_m is None
+        assert found.why.startswith("How far it takes the drone off its path is not known: no flight has a trajectory.")
+    on_it = told([along(POOL[0], 0.0), *POOL[1:], along(untracked[0], 0.0), *untracked[1:]])
+    assert on_it.off_path_m == 0
+    assert on_it.why.startswith("It takes the drone at most 0.00 m off its path.")
+
+
 @settings(deadline=None, max_examples=40)
 @given(st.one_of(campaigns(), seeded()))
 def test_every_mutant_is_detected_or_told_once_in_the_order_of_the_stages(outcomes: list[Outcome]) -> None:
