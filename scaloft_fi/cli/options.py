@@ -15,6 +15,7 @@ from click.core import ParameterSource
 
 from scaloft_fi.cli import names
 from scaloft_fi.cli.own_study import tell_study
+from scaloft_fi.defaults import CAMPAIGN
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -47,7 +48,7 @@ def campaign_option(function: F) -> F:
     return click.option(
         "--campaign",
         shell_complete=names.campaigns,
-        default="default",
+        default=CAMPAIGN,
         show_default=True,
         metavar="NAME",
         help="A folder in the study's results/campaigns/; a NAME with a / is the path of a folder.",

@@ -18,6 +18,7 @@ from scaloft_fi.cli.options import (
     warnings_option,
 )
 from scaloft_fi.cli.verb import verb
+from scaloft_fi.defaults import SEARCHED
 
 
 @verb(
@@ -42,7 +43,7 @@ from scaloft_fi.cli.verb import verb
 @click.option(
     "--grid",
     shell_complete=names.grids,
-    default="search",
+    default=SEARCHED,
     show_default=True,
     metavar="NAME",
     help="The grid that is searched: a file in the study's sim/grids/, with free axes.",

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from scaloft_fi.defaults import SEARCHED
 from scaloft_fi.errors import InputError
 from scaloft_fi.scripting.arguments import Seeds, in_python, names, number
 from scaloft_fi.scripting.arguments import seeds as seeds_of
@@ -193,7 +194,7 @@ class OpenCampaign(HeldCampaign):
         self,
         mutants: str | Sequence[str] = (),
         *,
-        grid: str = "search",
+        grid: str = SEARCHED,
         into: str | None = None,
         budget: str | None = None,
         seed: int = 0,
@@ -206,7 +207,7 @@ class OpenCampaign(HeldCampaign):
         Args:
             mutants: ids or patterns, or `baseline` for situations that break the unmutated drone; by default every
                 cell's default that this campaign does not detect and no found situation shows.
-            grid: name of the grid that is searched, with free axes.
+            grid: name of the grid that is searched, with free axes; by default `search`.
             into: name of the campaign that holds the flights of the search; by default that of the grid.
             budget: a wall time such as `10m`, or a number of flights such as `2000flights`; by default none.
             seed: seed of the search.

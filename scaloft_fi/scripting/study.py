@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.scripting.arguments import in_python
 from scaloft_fi.scripting.campaign import OpenCampaign
 from scaloft_fi.scripting.figure import Figure
@@ -32,8 +33,6 @@ FINDING_COLUMNS = {
     **dict.fromkeys(("what", "situation", "remedy"), TEXT),
 }
 REQUIREMENT_COLUMNS = dict.fromkeys(("requirement", "kind", "formula", "unit", "title"), TEXT)
-DEFAULT = "default"
-"""Name of a campaign over the study's own grid, where the user names none."""
 
 
 def open_study(study: Path | str | None = None, grid: str | None = None) -> OpenStudy:
@@ -161,7 +160,7 @@ class OpenStudy:
         from scaloft_fi.campaign.store.flown_grid import study_of
 
         with in_python():
-            chosen = name if name is not None else self.grid or DEFAULT
+            chosen = name if name is not None else self.grid or CAMPAIGN
             study_of(self.folder, chosen, self.grid)
             return OpenCampaign(self.folder, chosen, self.grid)
 

@@ -7,9 +7,10 @@ from typing import Any
 
 from scaloft_fi.analysis.disposition import Disposition, Judged, Standing
 from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.views.outputs.output import Output
 from scaloft_fi.views.outputs.shape import flag, listing, optional, record, text, texts
-from scaloft_fi.views.score.commands import DEFAULT, in_campaign
+from scaloft_fi.views.score.commands import in_campaign
 from scaloft_fi.views.tables.table import Table
 
 _NOBODY = "nobody has accepted it"
@@ -72,7 +73,7 @@ def complaint(judged: Judged) -> str:
     return f"{judged.mutant} survives in {', '.join(new)}, which its disposition does not name ({known.place})"
 
 
-def disposition_table(judged: Sequence[Judged], found: Collection[str] = (), campaign: str = DEFAULT) -> Table:
+def disposition_table(judged: Sequence[Judged], found: Collection[str] = (), campaign: str = CAMPAIGN) -> Table:
     """Every survivor and every disposition, a row each.
 
     Args:

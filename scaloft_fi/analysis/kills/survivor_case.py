@@ -14,6 +14,7 @@ from scaloft_fi.analysis.kills.near_miss import Loss, losses, off_path_m
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.judge.flights import JudgedFlight, flights_of
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
@@ -32,7 +33,7 @@ class Campaign:
     carrying: Mapping[str, frozenset[str]]
     """Per seam the situations where it carried a sample in some flight."""
     units: Mapping[str, str]
-    name: str = "default"
+    name: str = CAMPAIGN
 
     @classmethod
     def of(

@@ -17,6 +17,7 @@ from scaloft_fi.campaign.runs.seeking.seek import seek as seek_mutants
 from scaloft_fi.campaign.runs.seeking.sought import Unnamed, anew, interrupted
 from scaloft_fi.campaign.store.flown_grid import study_of
 from scaloft_fi.campaign.store.folder import campaign_folder
+from scaloft_fi.defaults import SEARCHED
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.folder import find_study
 from scaloft_fi.judge.outcome import BASELINE
@@ -32,9 +33,6 @@ from scaloft_fi.views.runs.breaks import breaks_table
 from scaloft_fi.views.runs.seek import seek_tables
 from scaloft_fi.views.runs.seek_record import SEEK, breaks_values, seek_values
 from scaloft_fi.views.snapshot import snapshot
-
-SEARCHED = "search"
-"""The grid that is searched by default."""
 
 
 @dataclass(frozen=True)

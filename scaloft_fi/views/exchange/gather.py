@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
+from scaloft_fi.defaults import SEARCHED
 from scaloft_fi.reading import is_there, read_text
 from scaloft_fi.sim.grids import FOLDER
 from scaloft_fi.study import Study
 from scaloft_fi.version import __version__
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.snapshot import snapshot
-
-SEARCHED = "search"
-"""The grid that `seek` searches when none is named."""
 
 
 def dossier(study: Study, campaign: str) -> Dossier:

@@ -19,12 +19,13 @@ from scaloft_fi.analysis.kills.survivor_case import Campaign, Case
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.pool import LEAST, State
 from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Requirement
 from scaloft_fi.judge.status import Status
 from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
 from scaloft_fi.views.kills import survivor_words as words
-from scaloft_fi.views.score.commands import DEFAULT, in_campaign
+from scaloft_fi.views.score.commands import in_campaign
 from scaloft_fi.views.score.finds import facts, flies, flown_in_vain, next_find
 
 NEAR = 0.5
@@ -107,7 +108,7 @@ def survivors(
     matrix: KillMatrix,
     backgrounds: Mapping[str, Background],
     units: Mapping[str, str] | None = None,
-    name: str = DEFAULT,
+    name: str = CAMPAIGN,
     finds: KnownFinds = NO_FINDS,
 ) -> tuple[Survivor, ...]:
     """Every mutant that is not detected, by stage, then in the matrix's order; controls are left out.

@@ -12,6 +12,7 @@ from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.pool import LEAST
 from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
 from scaloft_fi.views.score.commands import command, in_campaign
 from scaloft_fi.views.score.finds import effect, flies, next_find, words
@@ -47,7 +48,7 @@ class Asked(NamedTuple):
 
 
 def answers(
-    scored: Score, roster: Roster, campaign: str = "default", finds: KnownFinds = NO_FINDS, grid: str = ""
+    scored: Score, roster: Roster, campaign: str = CAMPAIGN, finds: KnownFinds = NO_FINDS, grid: str = ""
 ) -> tuple[Line, ...]:
     """The four answers.
 

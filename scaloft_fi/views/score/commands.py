@@ -6,10 +6,9 @@ import shlex
 from collections.abc import Collection, Sequence
 
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.sim.situation import Situation
 
-DEFAULT = "default"
-"""Name of the campaign of commands that name none."""
 MOST_NAMED = 4
 """Of more mutants than these a command leaves out the names where `run` flies the same without."""
 
@@ -20,7 +19,7 @@ def in_campaign(campaign: str) -> str:
     >>> in_campaign("wide"), in_campaign("default"), in_campaign("a b")
     (' --campaign wide', '', " --campaign 'a b'")
     """
-    return f" --campaign {shlex.quote(campaign)}" if campaign != DEFAULT else ""
+    return f" --campaign {shlex.quote(campaign)}" if campaign != CAMPAIGN else ""
 
 
 def command(

@@ -17,6 +17,7 @@ from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.situations.coverage import Coverage
+from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.inert import line
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
@@ -81,7 +82,7 @@ def first_screen(
     covered: Coverage,
     background: Callable[[str], Background | None],
     *,
-    campaign: str = "default",
+    campaign: str = CAMPAIGN,
     finds: KnownFinds = NO_FINDS,
     noise: Sequence[Noise] = (),
     whole: bool = False,

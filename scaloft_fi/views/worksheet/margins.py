@@ -10,12 +10,13 @@ from scaloft_fi.analysis.scoring.detection import LARGER, Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.tried import PhasedFault, Reaction, Tried, detection_of, phased_fault
+from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.hazop.cell import Cell, CellStatus, Fault
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.name import parse
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Requirement
-from scaloft_fi.views.score.commands import DEFAULT, in_campaign
+from scaloft_fi.views.score.commands import in_campaign
 from scaloft_fi.views.tables.table import Table
 from scaloft_fi.views.worksheet.margin_text import UNKNOWN, magnitude_text, margin_text
 
@@ -45,7 +46,7 @@ def margin_tables(
     by_fault: Mapping[PhasedFault, Sequence[Margin]],
     requirements: Sequence[Requirement],
     seeds: int,
-    campaign: str = DEFAULT,
+    campaign: str = CAMPAIGN,
     grid: str = "",
 ) -> tuple[Table, ...]:
     """A table for each fault: a row for each situation, the smallest margin and the requirements' limits below.

@@ -15,6 +15,7 @@ from scaloft_fi.analysis.disposition import Disposition
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.hazop.cell import Cell, CellStatus
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.parameter import Parameter
@@ -24,7 +25,6 @@ from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.derive import default_of
 from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
 from scaloft_fi.views.dispositions import acceptance
-from scaloft_fi.views.score.commands import DEFAULT
 from scaloft_fi.views.score.finds import effect, flies, next_find, words
 from scaloft_fi.views.score.verdict import NO_POOL, would_decide
 from scaloft_fi.views.worksheet.margin_record import cell_margin_values
@@ -132,7 +132,7 @@ def worksheet(
     space: Space,
     dispositions: Sequence[Disposition] = (),
     finds: KnownFinds = NO_FINDS,
-    campaign: str = DEFAULT,
+    campaign: str = CAMPAIGN,
 ) -> tuple[SheetRow, ...]:
     """The sheet, in the order of the matrix: credible cells, controls, and those that are not meaningful.
 
