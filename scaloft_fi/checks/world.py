@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,9 @@ from scaloft_fi.sim.placement import misplaced
 from scaloft_fi.sim.sensors import read_sensors
 from scaloft_fi.sim.vehicle import read_vehicle
 from scaloft_fi.sim.world import World, assembled, read_body, read_light, read_mission, read_waypoint
+
+MOST_TIMES, LEAST_WAY_M = 10.0, 10.0
+"""A mesh more than this many times as large, in every direction, as the way is long, or as this [m], is told of."""
 
 
 def check_world(path: Path, findings: Findings) -> World | None:
@@ -44,6 +48,7 @@ def check_world(path: Path, findings: Findings) -> World | None:
         document = load(path)
         world, happenings = assembled(document, mine)
         if findings.all_of(misplaced(world, document)):
+            check_size(world, document, findings)
             check_happenings(world, happenings)
             return world
     return None
@@ -63,6 +68,20 @@ def check_mesh(mine: Item, findings: Findings) -> None:
     """
     for flaw in flaws_of(mine):
         findings.add(finding_of(str(flaw), Severity.ERROR if flaw.grave else Severity.NOTE))
+
+
+def check_size(world: World, item: Item, findings: Findings) -> None:
+    """A note for a mesh so large beside the route that it may be in another unit."""
+    mesh = item.need("mine").get("mesh")
+    low, high = world.mine.extents
+    places = [place[:2] for place in world.waypoints.values()]
+    way_m = max(math.dist(one, other) for one in places for other in places)
+    if mesh is not None and min(high - low) > MOST_TIMES * max(way_m, LEAST_WAY_M):
+        findings.note(
+            mesh.place,
+            f"the mine reaches from {world.mine.reach} m, and no two waypoints are more than {way_m:.3g} m apart",
+            "`scale_m` is metres per unit of the file, such as 0.001 for millimetres",
+        )
 
 
 def check_vehicle(folder: Path, findings: Findings) -> None:

@@ -19,6 +19,10 @@ WELD_DIGITS = 6
 LEAST_AREA_M2 = 1e-10
 MOST_PIECES = 200
 """Closed surfaces that are compared with the outer one."""
+MOST_FACES = 64
+"""Faces of such a surface that are looked at, spread over it."""
+MOST_BEYOND = 0.25
+"""Share of its area that may lie beyond the outer one."""
 _TURN = "turn them around, as `recalculate normals` of a 3D program does"
 
 
@@ -116,9 +120,20 @@ def _swollen(triangles: Array, lines: Faces, path: Path, surface: _Surface) -> I
     alike[[shell, *surface.open_pieces]] = False
     for piece in np.flatnonzero(alike)[:MOST_PIECES]:
         own = surface.piece == piece
-        if abs(winding(upright[surface.piece == shell], upright[own][0].mean(axis=0))) > 0.5:
+        if _lies_within(upright[own], upright[surface.piece == shell]):
             sentence = f"this closed surface of {int(own.sum())} faces lies within another and is wound like it"
             yield Flaw(f"{path}:{lines[own][0]}", f"{sentence}, so the space in it counts as open", _TURN, grave=True)
+
+
+def _lies_within(piece: Array, shell: Array) -> bool:
+    """Whether a surface lies within a shell but for faces on the shell or a little beyond: a pillar on the floor.
+
+    A room that is joined to another one by letting the two overlap lies beyond it with most of its surface.
+    """
+    looked_at = piece[:: -(-len(piece) // MOST_FACES)]
+    depths = np.abs([winding(shell, face.mean(axis=0)) for face in looked_at])
+    areas = np.linalg.norm(np.cross(looked_at[:, 1] - looked_at[:, 0], looked_at[:, 2] - looked_at[:, 0]), axis=1)
+    return bool(depths.max() > 0.75 and areas[depths < 0.25].sum() <= MOST_BEYOND * areas.sum())
 
 
 @dataclass(frozen=True)

@@ -65,6 +65,18 @@ class Mine:
     footprint: tuple[Ring, ...]
     height_m: float
 
+    @cached_property
+    def extents(self) -> Array:
+        """(2, 3) lowest and highest corner of the box around walls and floor [m, world]."""
+        corners = np.concatenate([self.wall.triangles.reshape(-1, 3), self.ground.triangles.reshape(-1, 3)])
+        return np.stack([corners.min(axis=0), corners.max(axis=0)])
+
+    @property
+    def reach(self) -> str:
+        """As in: x -4 to 8, y -2 to 6, z 0 to 4."""
+        low, high = ([float(f"{value:.3g}") for value in corner] for corner in self.extents)
+        return ", ".join(f"{axis} {least:g} to {most:g}" for axis, least, most in zip("xyz", low, high, strict=True))
+
     def holds(self, point: Sequence[float]) -> bool:
         """Whether `point` (3,) [m, world] is in the open space of the mine."""
         place = tuple(map(float, point))

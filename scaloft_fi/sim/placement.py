@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 from scaloft_fi.document import Item
@@ -26,14 +27,14 @@ def misplaced(world: Any, item: Item) -> Iterator[InputError]:
     places = {"home": home, **item.need("waypoints").mapping()}
     if not abs(world.floor_m) < 0.1:  # where the stack takes off
         actual = "there is none" if math.isnan(world.floor_m) else f"it is at z={world.floor_m:.2f} m"
-        yield InputError(f"{home.place}: home={list(world.mission.home)!r} must have the floor at z=0, but {actual}")
+        sentence = f"home={list(world.mission.home)!r} must have the floor at z=0, but {actual}"
+        yield InputError(f"{home.place}: {sentence}; the mine reaches from {world.mine.reach} m{_scaled(world)}")
         del places["home"]
-    flaws = None
+    flaws = cache(lambda: _mesh_flaws(item))
     for name, place in places.items():
         why = _obstructed(world, name)
         if why == _ROCK:
-            flaws = _mesh_flaws(item) if flaws is None else flaws
-            why += flaws
+            why += _beyond(world, name) or flaws()
         if why:
             yield InputError(f"{place.place}: {name}={list(world.waypoints[name][:2])!r} must be in {why}")
 
@@ -50,6 +51,20 @@ def _obstructed(world: Any, name: str) -> str:
             if body.mesh.encloses(point):
                 return f"open space, not inside {body.name!r}"
     return ""
+
+
+def _beyond(world: Any, name: str) -> str:
+    """How far the mine reaches, where the waypoint is outside the box around it; else ""."""
+    low, high = world.mine.extents
+    point = world.waypoints[name]
+    if all(least <= value <= most for least, value, most in zip(low, point, high, strict=True)):
+        return ""
+    return f"; the mine reaches from {world.mine.reach} m{_scaled(world)}"
+
+
+def _scaled(world: Any) -> str:
+    """What a mesh of another program often lacks; "" for an extruded mine."""
+    return "" if world.mine.footprint else ": z must be up, and `scale_m` is metres per unit of the file"
 
 
 def _mesh_flaws(item: Item) -> str:

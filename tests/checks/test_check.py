@@ -172,8 +172,8 @@ ROOM = box((10.0, 20.0, 3.0)).moved((0.0, 8.0, 1.5))
 """A closed room around the route, wound outwards."""
 
 
-def _room(copy: Path, faces: list[tuple[int, int, int]]) -> None:
-    lines = [f"v {x:g} {y:g} {z:g}" for x, y, z in ROOM.vertices]
+def _room(copy: Path, faces: list[tuple[int, int, int]], unit_m: float = 1.0) -> None:
+    lines = [f"v {x:g} {y:g} {z:g}" for x, y, z in ROOM.vertices / unit_m]
     lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
     (copy / "sim" / "room.obj").write_text("\n".join([*lines, ""]))
     world = copy / "sim" / "world.yaml"
@@ -215,6 +215,25 @@ def test_a_hole_and_a_face_without_area_are_notes(copy: Path) -> None:
     hole, empty = sorted(_in_mesh(copy), key=len, reverse=True)
     assert "note: the surface has holes: 3 edges have no second face" in hole
     assert empty.startswith("20: note: 1 of 12 faces is without area")
+
+
+def test_a_room_in_millimetres_is_noted(copy: Path) -> None:
+    _room(copy, ROOM.faces.tolist(), unit_m=0.001)
+    found = [finding for finding in check_study(copy).findings if "the mine reaches" in finding.what]
+    assert [finding.severity for finding in found] == [Severity.NOTE]
+    assert "from x -5000 to 5000, y -2000 to 18000, z 0 to 3000 m, and no two waypoints" in found[0].what
+    assert found[0].remedy == "`scale_m` is metres per unit of the file, such as 0.001 for millimetres"
+    world = copy / "sim" / "world.yaml"
+    _edit(world, "mesh: room.obj", "mesh: room.obj\n  scale_m: 0.001")
+    assert errors(check_study(copy)) == []
+    assert not [finding for finding in check_study(copy).findings if "the mine reaches" in finding.what]
+
+
+def test_a_waypoint_beyond_the_mine_is_told_how_far_the_mine_reaches(copy: Path) -> None:
+    _room(copy, ROOM.faces.tolist(), unit_m=100.0)
+    caused = [error for error in errors(check_study(copy)) if "must be in the open space" in error]
+    assert caused
+    assert all("; the mine reaches from x -0.05 to 0.05, y -0.02 to 0.18, z 0 to 0.03 m: z must" in e for e in caused)
 
 
 def test_nothing_in_the_study_is_written(copy: Path) -> None:

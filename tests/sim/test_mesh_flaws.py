@@ -53,6 +53,23 @@ def test_a_pillar_is_wound_against_the_room_around_it() -> None:
     assert "lies within another and is wound like it" in flaw.sentence
 
 
+@pytest.mark.parametrize(("low_m", "high_m"), [(0.0, 1.0), (-0.05, 1.0), (0.0, 3.0), (-0.05, 3.05)])
+def test_a_pillar_that_touches_floor_or_roof_or_enters_them_is_told_too(low_m: float, high_m: float) -> None:
+    pillar = box((0.5, 0.5, high_m - low_m)).triangles
+    moved = pillar + np.array([0.4, 0.3, ROOM[:, :, 2].min() + low_m - pillar[:, :, 2].min()])
+    assert flaws(ROOM, turned(moved)) == []
+    (flaw,) = flaws(ROOM, moved)
+    assert (flaw.grave, flaw.place) == (True, "room.obj:112")
+
+
+@pytest.mark.parametrize("share_beyond", [0.4, 0.5, 0.9])
+def test_a_second_room_that_overlaps_the_first_may_be_wound_as_it_is(share_beyond: float) -> None:
+    alcove = box((1.0, 1.0, 1.0)).triangles
+    east_m = ROOM[:, :, 0].max() - alcove[:, :, 0].max() + share_beyond
+    height_m = ROOM[:, :, 2].min() - alcove[:, :, 2].min() + 0.5
+    assert flaws(ROOM, alcove + np.array([east_m, 0.0, height_m])) == []
+
+
 def test_a_second_room_beside_the_first_may_be_wound_as_it_is() -> None:
     assert flaws(ROOM, ROOM + np.array([10.0, 0.0, 0.0])) == []
 

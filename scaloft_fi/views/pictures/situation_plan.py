@@ -27,6 +27,14 @@ MAP = Output(
         "values": texts("the values of its axes, in words"),
         "nominal_s": number("time of the nominal flight", "s"),
         "limit_s": number("time limit of a flight", "s"),
+        "mine": record(
+            "the box around walls and floor",
+            {
+                f"{end}_{axis}_m": number(f"{word} of it, {way}", "m")
+                for end, word in (("least", "lowest"), ("most", "highest"))
+                for axis, way in (("x", "east"), ("y", "north"), ("z", "height"))
+            },
+        ),
         "places": listing(
             "home, then the waypoints in order; it lands at the last one",
             record("a place", {"place": text("its name"), "x_m": _X, "y_m": _Y, "z_m": _Z}),
@@ -100,6 +108,11 @@ def map_values(study: Study, situation: Situation) -> dict[str, Any]:
         "values": list(study.grid.titles(situation)),
         "nominal_s": scenario.nominal_s,
         "limit_s": scenario.t_max_s,
+        "mine": {
+            f"{end}_{axis}_m": value
+            for end, corner in zip(("least", "most"), world.mine.extents.tolist(), strict=True)
+            for axis, value in zip("xyz", corner, strict=True)
+        },
         "places": [{"place": name, "x_m": x, "y_m": y, "z_m": z} for name, (x, y, z) in _stops(scenario)],
         "bodies": [
             dict(zip(("body", "role", "x_m", "y_m", "z_m"), (body.name, body.role, *body.centre), strict=True))
@@ -131,6 +144,7 @@ def map_table(study: Study, situation: Situation) -> Table:
     plan = plan_of(study, situation)
     rows = [
         ("situation", ", ".join(study.grid.titles(situation))),
+        ("mine [m]", world.mine.reach),
         ("route [m]", legs),
         ("bodies [m]", bodies or "none"),
         *(("happens", happens.words) for happens in plan.happenings),

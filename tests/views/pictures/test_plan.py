@@ -75,6 +75,9 @@ def test_the_values_fit_the_declared_form() -> None:
     values = map_values(study, study.grid.situation("T1O0W0D2H2C0V0P0B0G0"))
     Draft202012Validator(MAP.schema).validate({"version": MAP.version, **values})
     assert values["places"][1] == {"place": "corner", "x_m": 0.0, "y_m": 7.0, "z_m": 1.65}
+    low, high = ([values["mine"][f"{end}_{axis}_m"] for axis in "xyz"] for end in ("least", "most"))
+    for place in values["places"]:
+        assert all(low[i] < place[f"{axis}_m"] < high[i] for i, axis in enumerate("xyz"))
 
 
 def _run(*args: str | Path) -> int:
