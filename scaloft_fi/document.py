@@ -142,8 +142,12 @@ class Item:
         self._taken.add(key)
         return self.mapping().get(key)
 
-    def need(self, key: str) -> Item:
+    def need(self, key: str, meaning: str = "") -> Item:
         """The entry of a mapping under `key`.
+
+        Args:
+            key: the key.
+            meaning: what it is to hold, for those who left it out.
 
         Raises:
             InputError: there is none.
@@ -153,7 +157,7 @@ class Item:
             entries = self.mapping()
             for near in difflib.get_close_matches(key, sorted(entries.keys() - self._taken)[:MOST], n=1, cutoff=0.75):
                 raise InputError(f"{entries[near].place}: unknown key {near!r} in {self.name}; did you mean {key!r}?")
-            raise InputError(f"{self.place}: {self.name} lacks the key {key!r}")
+            raise InputError(f"{self.place}: {self.name} lacks the key {key!r}{f': {meaning}' if meaning else ''}")
         return entry
 
     def close(self) -> None:

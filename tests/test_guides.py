@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from plugins import ROOT, call, install_project
-from shown_commands import GUIDES
+from shown_commands import GUIDES, update
 
 BLOCK = re.compile(r"^```(\w+) ?(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 EXAMPLES = """
@@ -28,11 +28,6 @@ def study(tmp_path: Path) -> Path:
     return folder
 
 
-def _entries(text: str) -> dict[str, str]:
-    """The top-level entries of a YAML file, each as it stands, by key."""
-    return {entry.split(":")[0]: f"{entry.rstrip()}\n" for entry in re.split(r"^(?=\w+:)", text, flags=re.MULTILINE)}
-
-
 def _follow(guide: str, tmp_path: Path, study: Path) -> tuple[Path, list[str]]:
     """Do what the guide says up to its commands; returns the folder with its package installed, and the commands."""
     project, commands = tmp_path / "project", list[str]()
@@ -41,7 +36,7 @@ def _follow(guide: str, tmp_path: Path, study: Path) -> tuple[Path, list[str]]:
         if language == "console":
             commands += [line.removeprefix("$ ") for line in text.splitlines()]
         elif how == "update":
-            (study / name).write_text("".join((_entries((study / name).read_text()) | _entries(text)).values()))
+            update(study / name, text)
         else:
             assert how == "file", f"a block of {guide}.md says not where it goes"
             path = (study if language == "yaml" else project) / name

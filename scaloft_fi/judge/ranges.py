@@ -43,6 +43,7 @@ TRUTH: Ranges = {
     "light": SHARE,
     "obstacle_pixels": NEVER_BELOW_0,
     "waypoint_wall_m": (*CLEARANCE, (FAR_M, FAR_M)),
+    "mass_kg": NEVER_BELOW_0,
     "takeoff_charge": SHARE,
     "haze_per_m": NEVER_BELOW_0,
 }

@@ -78,7 +78,7 @@ def read_distribution(item: Item, low: float, high: float) -> Distribution:
     Raises:
         InputError: the distribution is unknown, lacks a number, or leaves nothing between the ends.
     """
-    shape_item = item.need("distribution")
+    shape_item = item.need("distribution", f"one of {', '.join(Shape)}")
     shape = Shape(shape_item.choice(tuple(Shape)))
     if shape is Shape.LOG_UNIFORM and low <= 0.0:
         raise item.need("from").error("> 0, because the distribution is log-uniform")

@@ -63,6 +63,12 @@ def signal(name: str, unit: str, meaning: str, *, most: float = math.inf) -> Cal
     return declare
 
 
+@signal("mass_kg", "kg", "mass of the vehicle, payload included")
+def _mass_kg(scenario: Any) -> Measure:
+    mass_kg: float = scenario.vehicle.mass_kg
+    return lambda _state: mass_kg
+
+
 @signal("takeoff_charge", "", "state of charge of the battery at take-off, 0..1", most=1.0)
 def _takeoff_charge(scenario: Any) -> Measure:
     charge: float = scenario.sensors.battery.charge

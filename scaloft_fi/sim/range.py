@@ -120,7 +120,7 @@ def read_range(item: Item) -> Range:
     edges = _edges(distribution, bins)
     if any(above <= below for below, above in pairwise(edges)):
         raise bins_item.error(f"less: two ends of bins are equal at {DIGITS} significant digits")
-    benign_item = item.need("benign")
+    benign_item = item.need("benign", "the number of a situation in which the axis is 0")
     benign = short(benign_item)
     if not low <= benign <= high:
         raise benign_item.error(f"{number_text(low)} to {number_text(high)}, within the range")

@@ -16,6 +16,9 @@ from scaloft_fi.sim.range import Range, number_text, read_range
 MOST_VALUES = 200
 """Most values of an axis; the world of each is read with the study."""
 
+MET = "a formula over signals that says when a flight has met the value, as in eventually(light <= 0.05)"
+"""What `realised` is, for those who left it out."""
+
 AXIS_ID = re.compile(r"[A-Z][a-z]*")
 _DRAWN = r"=(-?[0-9]+(?:\.[0-9]+)?(?:e-?[0-9]{1,3})?)"
 _LEVEL = re.compile(rf"([A-Z][a-z]*)(?:([0-9]{{1,9}})(?:{_DRAWN})?|{_DRAWN})")
@@ -156,7 +159,7 @@ def read_axis(name: str, item: Item) -> Axis:
     else:
         if (values := item.get("values")) is not None:
             raise InputError(f"{values.place}: axis {name!r} must have either 'values' or 'range', not both")
-        range_, realised = read_range(range_item), item.need("realised")
+        range_, realised = read_range(range_item), item.need("realised", MET)
         realised.text()
         bins = tuple(
             _of_number(range_, realised, bin_, range_.middle(bin_), range_.title(bin_)) for bin_ in sorted(range_.ids)
@@ -174,10 +177,10 @@ def _values(name: str, values_item: Item) -> tuple[AxisValue, ...]:
         if number != len(values):
             raise number_item.error(f"{len(values)}: ids count from 0, the benign value")
         changes, realised = entry.get("set"), entry.get("realised")
-        if (realised is None) != (number == 0):
-            raise InputError(
-                f"{entry.place}: value {name}{number} must {'not ' if number == 0 else ''}have the key 'realised'"
-            )
+        if number == 0 and realised is not None:
+            raise InputError(f"{realised.place}: value {name}0 must not have the key 'realised': it changes nothing")
+        if number != 0 and realised is None:
+            raise InputError(f"{entry.place}: value {name}{number} lacks the key 'realised': {MET}")
         values.append(
             AxisValue(
                 id=number,

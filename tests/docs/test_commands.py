@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from click.exceptions import Exit
 from plugins import ROOT, call
-from shown_commands import GUIDES, Shown, named_commands, shown_commands, stray_commands
+from shown_commands import GUIDES, Shown, named_commands, shown_commands, stray_commands, update
 
 from scaloft_fi.cli.verbs import VERBS, command_of
 
@@ -20,7 +20,8 @@ RUN_BY_GUIDES = {f"{name}.md" for name in GUIDES}
 WHOLE = {"tutorial.md"}
 """The page that `tests/docs/test_tutorial.py` follows from its first command to its last."""
 PAGES = ("axis.md", "ci.md", "hazop_workshop.md", "judge.md")
-"""The pages whose commands are run here, in their order, each in a copy of the reference study."""
+"""The pages whose commands are run here, in their order, each in the reference study without its further grids."""
+BLOCK = re.compile(r"^```yaml (file|update)=(\S+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LONG = "it flies for minutes to hours"
 ELSEWHERE = {
     "README.md": ".ci/run runs the second command word for word, and with it what the first one does",
@@ -83,11 +84,12 @@ def _of(page: str) -> Mapping[str, str]:
 @pytest.mark.parametrize("page", PAGES)
 def test_its_commands_print_what_it_shows(page: str, tmp_path: Path) -> None:
     for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(ROOT / name, tmp_path / name)
-    for name, text in re.findall(
-        r"^```yaml file=(\S+)\n(.*?)^```$", (ROOT / "docs" / page).read_text(), re.MULTILINE | re.DOTALL
-    ):
-        (tmp_path / name).write_text(text)
+        shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("grids", "found.yaml"))
+    for how, name, text in BLOCK.findall((ROOT / "docs" / page).read_text()):
+        if how == "file":
+            (tmp_path / name).write_text(text)
+        else:
+            update(tmp_path / name, text)
     commands = _of(page)
     assert commands
     for command, shown in commands.items():

@@ -127,7 +127,8 @@ BAD = [
         "reflectivity=1.05 must be",
     ),
     ("set: mission.cruise_mps\n      from: 0.4", "set: vehicle.mass_kg\n      from: 0", "mass_kg=0.0 must be >= 1e-06"),
-    ("    realised: eventually(speed_mps >= 0.8 * number)\n", "", "C lacks the key 'realised'"),
+    ("    realised: eventually(speed_mps >= 0.8 * number)\n", "", "C lacks the key 'realised': a formula"),
+    ("      distribution: uniform\n", "", "range lacks the key 'distribution': one of uniform, log-uniform"),
     (
         "    realised:",
         "    values: [{id: 0, title: a}]\n    realised:",

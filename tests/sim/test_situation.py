@@ -37,7 +37,11 @@ def test_every_predicate_is_a_formula_over_the_log(config):
 BAD = [
     ("    category: mine structure\n", "", "lacks the key 'category'"),
     ("- {id: 0, title: straight}", "- {id: 1, title: straight}", "id=1 must be 0: ids count from 0"),
-    ("realised: eventually(x_m < -1)\n", "\n", "value T1 must have the key 'realised'"),
+    (
+        "realised: eventually(x_m < -1)\n",
+        "\n",
+        "value T1 lacks the key 'realised': a formula over signals that says when",
+    ),
     ("- {id: 0, title: straight}", "- {id: 0, title: straight, realised: light > 0}", "value T0 must not have the key"),
     (
         "- {id: 0, title: straight}",

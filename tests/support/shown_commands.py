@@ -75,3 +75,13 @@ def _is_marked(path: Path, text: str) -> bool:
 
 def _prose(text: str) -> str:
     return _BLOCK.sub("", text)
+
+
+def update(path: Path, text: str) -> None:
+    """Put the top-level entries of `text` into a YAML file, in place of those with the same key."""
+    path.write_text("".join((_entries(path.read_text()) | _entries(text)).values()))
+
+
+def _entries(text: str) -> dict[str, str]:
+    """The top-level entries of a YAML file, each as it stands, by key."""
+    return {entry.split(":")[0]: f"{entry.rstrip()}\n" for entry in re.split(r"^(?=\w+:)", text, flags=re.MULTILINE)}

@@ -27,6 +27,10 @@ class Samples(Protocol):
 Signals = Mapping[str, Samples]
 """Samples by name of the signal, all of the same length, 20 Hz."""
 
+SHORT = 3
+"""Words as short as `abs` are near to many names of signals."""
+LISTED = "; `scaloft-fi signals` lists those there are"
+
 
 @dataclass(frozen=True)
 class Formula:
@@ -53,7 +57,8 @@ class Formula:
         used = [token for token in tokens if is_name(token)]
         for name in used:
             if name not in signals:
-                raise FormulaError(f"names the unknown signal {name!r}{did_you_mean(name, [*signals, *WORDS])}")
+                near = did_you_mean(name, [*signals, *(word for word in WORDS if len(word) > SHORT)])
+                raise FormulaError(f"names the unknown signal {name!r}{near or LISTED}")
         if not used:
             raise FormulaError("reads no signal")
         spaced = " ".join(tokens)

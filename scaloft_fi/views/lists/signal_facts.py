@@ -62,6 +62,7 @@ FACTS: Mapping[str, SignalFact] = {
         "eventually(waypoint_wall_m <= 0.5)",
         f"{FAR_M:g} farther than 0.5 m from every waypoint but home",
     ),
+    "mass_kg": SignalFact("always(mass_kg > 1.7)"),
     "takeoff_charge": SignalFact("eventually(takeoff_charge < 0.3)"),
     "wind_x_mps": SignalFact("eventually(abs(NAME) > 1)"),
     "wind_y_mps": SignalFact("eventually(abs(NAME) > 1)"),
