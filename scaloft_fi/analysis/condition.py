@@ -177,10 +177,10 @@ def _fewest(space: Space, primes: Sequence[Term], on: Sequence[Point]) -> list[T
 
 def term_text(space: Space, term: Term) -> str:
     """`human & light`: the axes in reverse order of the grid read best, the person before the light."""
-    words = []
+    factors = []
     for axis in reversed(range(len(space.axes))):
         allowed = [value for value in space.values[axis] if value in term[axis]]
         if len(allowed) < len(space.values[axis]):
-            names = [space.word(axis, value) for value in allowed]
-            words.append(names[0] if len(names) == 1 else "(" + " or ".join(names) + ")")
-    return " & ".join(words)
+            factors.append([space.word(axis, value) for value in allowed])
+    alone = len(factors) == 1
+    return " & ".join(" or ".join(names) if alone or len(names) == 1 else f"({' or '.join(names)})" for names in factors)

@@ -60,7 +60,7 @@ def test_a_point_is_all_its_values() -> None:
 def test_an_axis_of_three_values_names_those_that_kill() -> None:
     keys = [key for key, _ in THREE.points]
     dim_or_dark = [key for key in keys if key[1] in "12"]
-    assert condition(THREE, dim_or_dark, [key for key in keys if key not in dim_or_dark]) == "(dim or dark)"
+    assert condition(THREE, dim_or_dark, [key for key in keys if key not in dim_or_dark]) == "dim or dark"
     assert condition(THREE, ["L2F1"], [key for key in keys if key != "L2F1"]) == "wet & dark"
 
 
