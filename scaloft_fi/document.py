@@ -6,6 +6,7 @@ import difflib
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,9 @@ KEY = 200
 """Most characters of a key."""
 MOST = 1_000
 """Most entries of a list or mapping of which each entry costs time or memory in every flight."""
+
+KEPT = 1 << 16
+"""Documents of at most so many characters are parsed once for as long as they are used."""
 
 _TOO_DEEP = f"the file must be nested at most {DEPTH} deep"
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -178,19 +182,57 @@ def load(path: Path) -> Item:
         InputError: the file cannot be read, is not YAML, repeats a key, has a tag, or exceeds a limit.
     """
     text = read_text(path)
+    read = _parsed_once if len(text) <= KEPT else _parsed
+    try:
+        return _placed(read(text, path.name), path)
+    except _FlawError as flaw:
+        raise InputError(f"{path}:{flaw.line}: {flaw}") from flaw
+
+
+class _FlawError(Exception):
+    """What is wrong with a document, at a line."""
+
+    def __init__(self, line: int, sentence: str) -> None:
+        super().__init__(sentence)
+        self.line = line
+
+
+def _parsed(text: str, name: str) -> Item:
+    """The item of a document, in no folder yet.
+
+    Args:
+        text: the document.
+        name: its file's name.
+
+    Raises:
+        _FlawError: the document is not YAML, or not of the kind that `load` allows.
+    """
     loader = _LOADER(text)
     try:
-        return _Document(loader, path).item()
+        return _Document(loader, name).item()
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
         line = mark.line + 1 if mark else 1
         if error.problem and "nesting depth" in error.problem:  # libyaml has a limit too, and reads ahead of its events
-            raise InputError(f"{path}:{line}: {_TOO_DEEP}") from error
-        raise InputError(f"{path}:{line}: not valid YAML: {error.problem}") from error
+            raise _FlawError(line, _TOO_DEEP) from error
+        raise _FlawError(line, f"not valid YAML: {error.problem}") from error
     except yaml.YAMLError as error:
-        raise InputError(f"{path}:1: not valid YAML: {' '.join(str(error).split())}") from error
+        raise _FlawError(1, f"not valid YAML: {' '.join(str(error).split())}") from error
     finally:
         loader.dispose()
+
+
+_parsed_once = lru_cache(maxsize=128)(_parsed)
+
+
+def _placed(item: Item, path: Path) -> Item:
+    """The item at a path; a copy, because an item notes which of its keys are known."""
+    value = item.value
+    if isinstance(value, dict):
+        value = {key: _placed(entry, path) for key, entry in value.items()}
+    elif isinstance(value, tuple):
+        value = tuple(_placed(entry, path) for entry in value)
+    return Item(path, item.line, item.name, value)
 
 
 class _Document:
@@ -199,9 +241,9 @@ class _Document:
     Aliases are allowed: an alias stands for a copy of the anchored value, and the copies count against `ITEMS`.
     """
 
-    def __init__(self, loader: Any, path: Path) -> None:
+    def __init__(self, loader: Any, name: str) -> None:
         self._loader = loader
-        self._path = path
+        self._path = Path(name)
         self._left = ITEMS
         self._anchors: dict[str, Item | None] = {}
         """The value of each anchor; None while the value is being read."""
@@ -211,7 +253,7 @@ class _Document:
         next_event = self._loader.get_event
         next_event()  # the start of the stream
         if isinstance(next_event(), yaml.StreamEndEvent):
-            raise InputError(f"{self._path}:1: the file is empty")
+            raise _FlawError(1, "the file is empty")
         item = self._read(next_event(), self._path.name, 0, 0)
         next_event()  # the end of the document
         if not isinstance(event := next_event(), yaml.StreamEndEvent):
@@ -297,8 +339,8 @@ class _Document:
         if depth > DEPTH:
             raise self._error(event, _TOO_DEEP)
 
-    def _error(self, event: Any, sentence: str) -> InputError:
-        return InputError(f"{self._path}:{_line(event)}: {sentence}")
+    def _error(self, event: Any, sentence: str) -> _FlawError:
+        return _FlawError(_line(event), sentence)
 
 
 def _line(event: Any) -> int:

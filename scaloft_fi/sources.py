@@ -56,27 +56,56 @@ def closure(entries: Iterable[str]) -> Mapping[str, Source]:
     Raises:
         ModuleNotFoundError: there is no such entry.
     """
-    waiting = dict(pair for entry in entries for pair in _entry(entry))
+    files = _Files()
+    waiting = dict(pair for entry in entries for pair in _entry(entry, files))
     seen = set(waiting)
     sources: dict[str, Source] = {}
     while waiting:
         name, path = waiting.popitem()
         sources[name] = source = read(path)
-        for imported in _imported(name, source):
+        for imported in _imported(name, source.path.name == "__init__.py", source.imports):
             if imported in seen:
                 continue
             seen.add(imported)
-            own = _own(imported)
+            own = files.of(imported)
             if own is not None:
                 waiting[imported] = own
     _CACHE.save()
     return sources
 
 
-def _entry(name: str) -> Iterator[tuple[str, Path]]:
+class _Files:
+    """The source files of this package; each folder is listed once."""
+
+    def __init__(self) -> None:
+        self._listed: dict[str, frozenset[str]] = {}
+        """The names in the folder of a package."""
+
+    def of(self, name: str) -> Path | None:
+        """The source of a module; None when `name` is no module of this package."""
+        package, _, last = name.rpartition(".")
+        if package.partition(".")[0] != PACKAGE:
+            return None
+        there = self._in(package)
+        if f"{last}.py" in there:
+            return _folder(package) / f"{last}.py"
+        return _folder(name) / "__init__.py" if last in there and "__init__.py" in self._in(name) else None
+
+    def _in(self, package: str) -> frozenset[str]:
+        if package not in self._listed:
+            folder = _folder(package)
+            self._listed[package] = frozenset(one.name for one in folder.iterdir()) if folder.is_dir() else frozenset()
+        return self._listed[package]
+
+
+def _folder(package: str) -> Path:
+    return _ROOT.joinpath(*package.split("."))
+
+
+def _entry(name: str, files: _Files) -> Iterator[tuple[str, Path]]:
     top = name.partition(".")[0]
     if top == PACKAGE:
-        path = _own(name)
+        path = files.of(name)
         if path is None:
             raise ModuleNotFoundError(f"no module named {name!r}")
         yield name, path
@@ -91,22 +120,12 @@ def _entry(name: str) -> Iterator[tuple[str, Path]]:
         yield top, Path(spec.origin)
 
 
-def _own(name: str) -> Path | None:
-    """The source of a module of this package; None when `name` is no such module."""
-    top, *parts = name.split(".")
-    if top != PACKAGE or not parts:
-        return None
-    path = _ROOT.joinpath(top, *parts)
-    return next((one for one in (path.with_suffix(".py"), path / "__init__.py") if one.is_file()), None)
-
-
-def _imported(name: str, source: Source) -> Iterator[str]:
+@lru_cache(maxsize=4096)
+def _imported(name: str, is_package: bool, imports: tuple[str, ...]) -> tuple[str, ...]:
     """The names that a module imports, and their parent packages, whose `__init__` runs first."""
-    package = name if source.path.name == "__init__.py" else name.rpartition(".")[0]
-    for imported in (name, *source.imports):
-        parts = _absolute(imported, package).split(".")
-        for end in range(1, len(parts) + 1):
-            yield ".".join(parts[:end])
+    package = name if is_package else name.rpartition(".")[0]
+    absolute = (_absolute(imported, package).split(".") for imported in (name, *imports))
+    return tuple(dict.fromkeys(".".join(parts[:end]) for parts in absolute for end in range(1, len(parts) + 1)))
 
 
 def _absolute(name: str, package: str) -> str:

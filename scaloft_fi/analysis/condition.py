@@ -183,4 +183,6 @@ def term_text(space: Space, term: Term) -> str:
         if len(allowed) < len(space.values[axis]):
             factors.append([space.word(axis, value) for value in allowed])
     alone = len(factors) == 1
-    return " & ".join(" or ".join(names) if alone or len(names) == 1 else f"({' or '.join(names)})" for names in factors)
+    return " & ".join(
+        " or ".join(names) if alone or len(names) == 1 else f"({' or '.join(names)})" for names in factors
+    )

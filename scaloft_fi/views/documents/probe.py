@@ -45,7 +45,7 @@ class Probe(Item):
         """Answer with an entry, which is optional."""
         return self.notes.keys.setdefault(key, Probe(key))
 
-    def need(self, key: str) -> Item:
+    def need(self, key: str, meaning: str = "") -> Item:
         """Answer with an entry, which is needed."""
         self.notes.needed.add(key)
         return self.notes.keys.setdefault(key, Probe(key))
