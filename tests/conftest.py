@@ -5,9 +5,12 @@ from __future__ import annotations
 import os
 import shutil
 import signal
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
+from browsing import NAMES
 from effort import EFFORT, usually
 from hypothesis import settings
 
@@ -41,6 +44,22 @@ def pytest_configure(config: pytest.Config) -> None:
     settings.load_profile("scaloft-fi")
     if _runs_programs(MEMORY) and shutil.disk_usage(MEMORY).free > ROOM:
         os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """A Chromium for the whole process: Playwright starts once in it."""
+    found = next((path for path in map(shutil.which, NAMES) if path), None)
+    if found is None:
+        reason = f"no browser: none of {', '.join(NAMES)} on the path"
+        if os.environ.get("SCALOFT_FI_BROWSER") == "required":
+            pytest.fail(reason)
+        pytest.skip(reason)
+    sync = pytest.importorskip("playwright.sync_api")
+    with sync.sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=found, args=["--no-sandbox", "--disable-gpu"])
+        yield chromium
+        chromium.close()
 
 
 def _runs_programs(folder: Path) -> bool:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -15,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browsing import NAMES
 from printed import printed_enumerations
 
 from scaloft_fi.cli.verbs import VERBS, command_of
@@ -154,21 +152,13 @@ def test_the_reference_has_every_document_of_a_study(site: Path) -> None:
     assert [one.files for one in DOCUMENTS.values() if f"<code>{one.files}</code>" not in text] == []
 
 
-def test_search_answers_where_the_site_is_opened_from_disk(site: Path) -> None:
-    sync_api = pytest.importorskip("playwright.sync_api")
-    with sync_api.sync_playwright() as started:
-        path = next((found for name in NAMES if (found := shutil.which(name))), None)
-        if path is None:
-            if os.environ.get("SCALOFT_FI_BROWSER") == "required":
-                pytest.fail("no Chromium is installed")
-            pytest.skip("no Chromium is installed")
-        browser = started.chromium.launch(executable_path=path, args=["--no-sandbox"])
-        page = browser.new_page()
+def test_search_answers_where_the_site_is_opened_from_disk(site: Path, browser: Any) -> None:
+    with browser.new_context() as context:
+        page = context.new_page()
         asked: list[str] = []
         page.on("request", lambda request: asked.append(request.url))
         page.goto((site / "index.html").as_uri())
         page.locator("[data-md-component=search-query]").click()
         page.keyboard.type("subsumed by")
         page.locator(".md-search-result__link[href*='glossary.html']").first.wait_for()
-        browser.close()
     assert [url for url in asked if not url.startswith(("file:", "data:", "blob:", "about:"))] == []

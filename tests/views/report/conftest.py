@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -10,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browsing import NAMES, Opened, Visit
+from browsing import Opened, Visit
 from papers import HOSTILE, STUDY, campaign, evidence_of
 
 from scaloft_fi.document import load
@@ -99,21 +98,6 @@ def text(evidence: Evidence) -> str:
 def hostile_text(hostile: Evidence) -> str:
     """The page of the hostile study."""
     return page(hostile)
-
-
-@pytest.fixture(scope="session")
-def browser() -> Iterator[Any]:
-    found = next((path for path in map(shutil.which, NAMES) if path), None)
-    if found is None:
-        reason = f"no browser: none of {', '.join(NAMES)} on the path"
-        if os.environ.get("SCALOFT_FI_BROWSER") == "required":
-            pytest.fail(reason)
-        pytest.skip(reason)
-    sync = pytest.importorskip("playwright.sync_api")
-    with sync.sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=found, args=["--no-sandbox", "--disable-gpu"])
-        yield chromium
-        chromium.close()
 
 
 @pytest.fixture(scope="session")
