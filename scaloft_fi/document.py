@@ -227,12 +227,16 @@ _parsed_once = lru_cache(maxsize=128)(_parsed)
 
 def _placed(item: Item, path: Path) -> Item:
     """The item at a path; a copy, because an item notes which of its keys are known."""
-    value = item.value
-    if isinstance(value, dict):
-        value = {key: _placed(entry, path) for key, entry in value.items()}
-    elif isinstance(value, tuple):
-        value = tuple(_placed(entry, path) for entry in value)
-    return Item(path, item.line, item.name, value)
+
+    def copy(item: Item) -> Item:
+        value = item.value
+        if isinstance(value, dict):
+            value = {key: copy(entry) for key, entry in value.items()}
+        elif isinstance(value, tuple):
+            value = tuple([copy(entry) for entry in value])
+        return Item(path, item.line, item.name, value)
+
+    return copy(item)
 
 
 class _Document:

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from pathlib import PurePath
+from pathlib import Path, PurePath
 from typing import Any
 
 import pytest
@@ -68,14 +68,14 @@ def asking() -> Iterator[Asked]:
     """Note what loaders ask of every document that is loaded meanwhile."""
     asked = Asked()
     with pytest.MonkeyPatch.context() as patch:
-        whole = document._Document.item
+        whole = document._placed
 
-        def item(self: Any) -> Item:
-            found = whole(self)
-            asked.documents[str(found.path)] = asked.register(found)
+        def placed(item: Item, path: Path) -> Item:
+            found = whole(item, path)
+            asked.documents[str(path)] = asked.register(found)
             return found
 
-        patch.setattr(document._Document, "item", item)
+        patch.setattr(document, "_placed", placed)
         for how, note in NOTES.items():
             patch.setattr(Item, how, _noting(asked, how, getattr(Item, how), note))
         yield asked

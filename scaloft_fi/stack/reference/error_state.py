@@ -9,13 +9,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.linalg.lapack import dgesv
 
 from scaloft_fi.stack.fields import Array
 from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.rates import TICK_S
 from scaloft_fi.stack.reference.covariance import MEASURED, SIZE, carried, corrected, innovation
-from scaloft_fi.stack.reference.light_filterpy import KalmanFilter
+from scaloft_fi.stack.reference.light_filterpy import KalmanFilter, dgesv
 
 _IDENTITY = np.eye(len(MEASURED))
 
