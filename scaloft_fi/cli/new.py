@@ -76,4 +76,5 @@ def _next(folder: Path, *, plugin: bool) -> tuple[str, ...]:
             f"scaloft-fi schema --study {study} --write {schemas}",
             f"scaloft-fi run --study {study}",
         )
-    return f"cd {here}", "scaloft-fi check", "scaloft-fi run"
+    there = () if folder.resolve() == Path.cwd() else (f"cd {here}",)
+    return *there, "scaloft-fi check", "scaloft-fi run"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from inspect import cleandoc
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import click
@@ -103,6 +104,18 @@ class Verb(click.Command):
         super().__init__(*words, **named)
         self.examples = tuple(Example(*each) for each in examples)
         self._sections = sections or {}
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Parse; click forgets of some errors at which verb they happened."""
+        given = tuple(args)
+        try:
+            return super().parse_args(ctx, args)
+        except click.UsageError as error:
+            error.ctx = error.ctx or ctx
+            folder = next((word for word in given if Path(word).is_dir()), None)
+            if folder is not None and error.message.startswith("Got unexpected extra argument"):
+                error.message = f"{error.message.rstrip('.')}; a study is named by --study {folder}"
+            raise
 
     def sections(self, ctx: click.Context) -> list[tuple[str, list[tuple[str, str]]]]:
         """The options with what they mean, under their headings; those that are named in no section come last."""

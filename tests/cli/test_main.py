@@ -56,6 +56,18 @@ def test_an_unknown_verb_names_the_nearest() -> None:
     assert err == "error: scaloft-fi: no verb 'matrx'; did you mean 'matrix'?; see scaloft-fi --help\n"
 
 
+def test_an_option_without_its_value_names_the_verb() -> None:
+    code, out, err = _call("run", "--mutant")
+    assert (code, out) == (2, "")
+    assert err == "error: scaloft-fi run: option '--mutant' requires an argument; see scaloft-fi run --help\n"
+
+
+def test_a_study_that_is_named_like_an_argument_is_told_its_option(tmp_path: Path) -> None:
+    code, _, err = _call("check", str(tmp_path))
+    assert code == 2
+    assert f"unexpected extra argument ({tmp_path}); a study is named by --study {tmp_path}; see" in err
+
+
 def test_an_unknown_option_is_one_sentence() -> None:
     code, _, err = _call("run", "--mutants", "LATE-human")
     assert code == 2

@@ -148,6 +148,17 @@ def test_it_prints_the_next_commands(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert [words[0] for words in commands[1:]] == ["scaloft-fi", "scaloft-fi"]
 
 
+def test_where_one_stands_already_there_is_no_way_to_go(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run("new", ".") == 0
+    assert [line.split()[1] for line in capsys.readouterr().out.splitlines() if line.startswith("  ")] == [
+        "check",
+        "run",
+    ]
+
+
 @pytest.mark.parametrize("options", [(), ("--plugin", "--name", "fine")])
 def test_a_folder_that_is_not_empty_is_refused_and_left(
     options: tuple[str, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -59,7 +59,7 @@ def test_below_the_asked_score_the_exit_code_is_3(call: Call) -> None:
 
 
 def test_a_campaign_without_a_flight_that_counts_has_no_score(call: Call, tmp_path: Path, copy: Path) -> None:
-    assert "no campaign was flown here" in sentence(call("score"))
+    assert "no campaign was flown here; `scaloft-fi run` flies one" in sentence(call("score"))
     assert list(tmp_path.iterdir()) == [copy]
     words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--quiet")
     assert call("run", *words, study=copy).exit_code == 0

@@ -77,5 +77,6 @@ def existing(folder: Path) -> Path:
     store = folder / STORE_NAME
     if not store.is_file():
         others = [entry.parent.name for entry in folder.parent.glob(f"*/{STORE_NAME}")]
-        raise InputError(f"{folder}: no campaign was flown here{did_you_mean(folder.name, others)}")
+        hint = did_you_mean(folder.name, others) or "; `scaloft-fi run` flies one"
+        raise InputError(f"{folder}: no campaign was flown here{hint}")
     return store
