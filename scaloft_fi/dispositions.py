@@ -8,9 +8,10 @@ from datetime import date
 from pathlib import Path
 
 from scaloft_fi.analysis.disposition import Disposition
-from scaloft_fi.document import Item, load
+from scaloft_fi.document import load
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.item import Item
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.output import write_whole
 from scaloft_fi.reading import is_there, read_text

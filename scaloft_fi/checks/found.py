@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from scaloft_fi.checks.finding import Findings
 from scaloft_fi.dispositions import read_disposition
-from scaloft_fi.document import Item, load
+from scaloft_fi.document import load
+from scaloft_fi.item import Item
 from scaloft_fi.reading import is_there
 from scaloft_fi.sim.found import FILE
 

@@ -18,7 +18,7 @@ from click.shell_completion import CompletionItem
 from scaloft_fi.cli import in_sources
 
 if TYPE_CHECKING:
-    from scaloft_fi.document import Item
+    from scaloft_fi.item import Item
 
 MOST = 256
 """Most names that are offered at once; the next letters choose among the others."""

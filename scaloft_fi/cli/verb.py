@@ -114,7 +114,8 @@ class Verb(click.Command):
             error.ctx = error.ctx or ctx
             folder = next((word for word in given if Path(word).is_dir()), None)
             if folder is not None and error.message.startswith("Got unexpected extra argument"):
-                error.message = f"{error.message.rstrip('.')}; a study is named by --study {folder}"
+                sentence = f"{error.message.rstrip('.')}; a study is named by --study {folder}"
+                raise click.UsageError(sentence, ctx) from error
             raise
 
     def sections(self, ctx: click.Context) -> list[tuple[str, list[tuple[str, str]]]]:

@@ -9,8 +9,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath
 from typing import Any
 
-from scaloft_fi.document import LARGEST, MOST, Item, load
+from scaloft_fi.document import load
 from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.item import LARGEST, MOST, Item
 from scaloft_fi.mutants.mutant import EVERY_SEAM
 from scaloft_fi.outside.border import BORDERS
 from scaloft_fi.outside.ports import PORTS

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from scaloft_fi.document import Item, load
+from scaloft_fi.document import load
 from scaloft_fi.errors import InputError
+from scaloft_fi.item import Item
 from scaloft_fi.reading import is_there
 
 FILE = "found.yaml"

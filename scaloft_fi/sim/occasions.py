@@ -17,8 +17,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
-from scaloft_fi.document import Item
 from scaloft_fi.hazop.name import names_event
+from scaloft_fi.item import Item
 from scaloft_fi.sim.events import Strike
 from scaloft_fi.sim.roles import ROLES, Role
 from scaloft_fi.sim.signals import CLEARANCE_CAP_M, clearance_name

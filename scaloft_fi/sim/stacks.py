@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
+from scaloft_fi.item import Item
 from scaloft_fi.registry import Registry
 from scaloft_fi.stack.config import ConfigError, build
 from scaloft_fi.stack.declaration import Declaration

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
-from scaloft_fi.document import Item
+from scaloft_fi.item import Item
 from scaloft_fi.sim.contact import Contact
 from scaloft_fi.sim.happenings import Surroundings
 from scaloft_fi.sim.raster import View, look
