@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from scaloft_fi.campaign.plan.choose import MOST_SEEDS
@@ -49,7 +49,8 @@ def names(given: str | Sequence[str], name: str) -> tuple[str, ...]:
     Raises:
         InputError: there is something else.
     """
-    listed = (given,) if isinstance(given, str) else tuple(given)
+    several: object = given  # whatever a script gives
+    listed = tuple(several) if isinstance(several, Iterable) and not isinstance(several, str) else (given,)
     for one in listed:
         if not isinstance(one, str):
             raise InputError(f"{name}={one!r} must be a text, or a sequence of texts")

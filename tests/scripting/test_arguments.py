@@ -20,6 +20,8 @@ def test_one_text_is_one_name() -> None:
     assert names(["a", "b"], "mutants") == ("a", "b")
     with pytest.raises(InputError, match="mutants=3 must be a text"):
         names(["a", 3], "mutants")  # type: ignore[list-item]
+    with pytest.raises(InputError, match="mutants=3 must be a text"):
+        names(3, "mutants")  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("bad", [-0.1, 1.1, float("nan"), "1", True])
