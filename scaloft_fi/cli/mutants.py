@@ -61,7 +61,8 @@ def mutants_command(
 ) -> None:
     """List, derive, or prove current the catalogue of mutants.
 
-    PATTERN is a cell's name (its default mutant), an id, or a pattern with *, ? or [ over all ids.
+    PATTERN is a cell's name (its default mutant), an id, or a pattern with *, ? or [ over names and ids:
+    `LATE-human*` is the whole ladder, `*-human` the default of every cell of `human`.
     """
     if write and check:
         raise click.UsageError("--write and --check exclude each other")

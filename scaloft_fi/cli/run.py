@@ -53,7 +53,7 @@ from scaloft_fi.errors import InputError
     multiple=True,
     shell_complete=names.mutants,
     metavar="ID|GLOB",
-    help="A cell's name (its default), an id, or a pattern over the catalogue (repeatable).  "
+    help="A cell's name (its default), an id, or a pattern over names and ids (repeatable).  "
     "[default: every cell's default and the controls]",
 )
 @click.option(

@@ -9,7 +9,7 @@ from fnmatch import fnmatchcase
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.name import parse
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.derive import default_of, realise
 from scaloft_fi.mutants.mutant import Mutant
 
 _GLOB = re.compile(r"[*?\[]")
@@ -18,8 +18,9 @@ _GLOB = re.compile(r"[*?\[]")
 def select(patterns: Iterable[str], matrix: Matrix, catalogue: Sequence[Mutant]) -> tuple[Mutant, ...]:
     """The mutants that `patterns` select, without repeats, in the order of the patterns.
 
-    A pattern with `*`, `?` or `[` matches ids of the catalogue; a bare cell name stands for the cell's default; any
-    other id is realised from the matrix, also when its magnitude or phase is not in the catalogue.
+    A bare cell name stands for the cell's default.  A pattern with `*`, `?` or `[` matches ids of the catalogue and
+    names of cells: `LATE-human*` is the whole ladder, `*-human` the defaults of every cell of `human`.  Any other id is
+    realised from the matrix, also when its magnitude or phase is not in the catalogue.
 
     Raises:
         InputError: a pattern matches nothing, or an id is not allowed; it names the nearest id.
@@ -33,7 +34,8 @@ def select(patterns: Iterable[str], matrix: Matrix, catalogue: Sequence[Mutant])
 
 def _selected(pattern: str, matrix: Matrix, catalogue: Sequence[Mutant]) -> Iterable[Mutant]:
     if _GLOB.search(pattern):
-        matching = [mutant for mutant in catalogue if fnmatchcase(mutant.id, pattern)]
+        named = {default_of(cell).id for cell in matrix if cell.faults and fnmatchcase(cell.name, pattern)}
+        matching = [mutant for mutant in catalogue if mutant.id in named or fnmatchcase(mutant.id, pattern)]
         if not matching:
             raise InputError(f"no mutant matches {pattern!r}{_nearest(pattern, catalogue)}")
         return matching

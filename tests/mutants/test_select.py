@@ -6,7 +6,7 @@ import pytest
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.mutants.derive import derive
+from scaloft_fi.mutants.derive import default_of, derive
 from scaloft_fi.mutants.select import select
 
 
@@ -26,6 +26,13 @@ def test_a_pattern_is_the_whole_ladder_with_its_phases(matrix: Matrix) -> None:
         for phase in ("", "#5s", "#10s", "#15s", "#sight", "#obstacle", "#waypoint", "#person", "#recoil", "#mode")
     ]
     assert ids(matrix, "UNINTENDED-collision@20s#*s") == [f"UNINTENDED-collision@20s#{p}s" for p in (5, 10, 15)]
+
+
+def test_a_pattern_of_cell_names_is_their_defaults(matrix: Matrix) -> None:
+    human = [default_of(cell).id for cell in matrix if cell.parameter == "human" and cell.faults]
+    assert len(human) > 5
+    assert ids(matrix, "*-human") == human
+    assert ids(matrix, "LATE-huma?") == ["LATE-human@3s"]
 
 
 def test_the_unit_picks_the_operator_where_a_cell_has_two(matrix: Matrix) -> None:
