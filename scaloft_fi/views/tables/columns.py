@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from functools import cache, lru_cache
 from itertools import accumulate
 
+from scaloft_fi.wrapping import kept_together
+
 GAP = 2
 """Between two columns [characters]."""
 
@@ -70,5 +72,5 @@ def _lines(cell: str, width: int) -> int:
 @lru_cache(maxsize=100_000)
 def _words(cell: str) -> tuple[tuple[int, ...], int]:
     """Where each word of a cell ends, with the blank behind it, and the length of the longest one."""
-    lengths = list(map(len, cell.split()))
+    lengths = list(map(len, kept_together(cell).split()))
     return tuple(accumulate(length + 1 for length in lengths)), max(lengths, default=0)

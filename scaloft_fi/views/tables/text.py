@@ -7,12 +7,11 @@ at last each row becomes a record, a line for each of its values.  Ids, paths an
 from __future__ import annotations
 
 from collections.abc import Sequence
-from textwrap import wrap
 
 from scaloft_fi.terminal import PROSE, Style, styled
 from scaloft_fi.views.tables.columns import height, limits
 from scaloft_fi.views.tables.meaning import commands, style_of
-from scaloft_fi.wrapping import wrapped
+from scaloft_fi.wrapping import broken, wrapped
 
 INDENT = "  "
 Cells = Sequence[Sequence[str]]
@@ -72,7 +71,7 @@ def _columns(headers: Sequence[str], rows: Cells, widths: Sequence[int], *, mark
 
 
 def _cell(cell: str, width: int, *, marked: bool) -> str:
-    lines = [cell] if len(cell) <= width else wrap(cell, width, break_on_hyphens=False, break_long_words=False)
+    lines = [cell] if len(cell) <= width else broken(cell, width)
     meaning = style_of(cell) if marked else None
     return "\n".join(styled(line, meaning) for line in lines) if meaning else "\n".join(lines)
 
