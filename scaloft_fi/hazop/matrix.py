@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.cell import Cell, CellStatus
@@ -45,7 +46,11 @@ class Matrix:
         return len(self.cells)
 
     def __contains__(self, name: object) -> bool:
-        return any(cell.name == name for cell in self)
+        return name in self._by_name
+
+    @cached_property
+    def _by_name(self) -> Mapping[str, Cell]:
+        return {cell.name: cell for cell in self}
 
     def cell(self, name: str) -> Cell:
         """Find the cell called `GUIDEWORD-parameter`.
@@ -53,10 +58,9 @@ class Matrix:
         Raises:
             InputError: there is none; it says which is the nearest.
         """
-        for cell in self:
-            if cell.name == name:
-                return cell
-        names = {known.name.casefold(): known.name for known in self}
+        if name in self._by_name:
+            return self._by_name[name]
+        names = {known.casefold(): known for known in self._by_name}
         hint = did_you_mean(names.get(name.casefold(), name), names.values())
         raise InputError(f"no cell {name!r}{hint}")
 

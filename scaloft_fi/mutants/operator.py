@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -152,8 +151,10 @@ class Operator:
             if name not in self.arguments:
                 known = did_you_mean(name, self.arguments)
                 raise OperatorError(name, f"operator {self.name!r} has no argument {name!r}{known}")
-            with self._errors_about(name):
+            try:
                 checked[name] = self.arguments[name].check(value, message)
+            except InputError as error:
+                raise self._error(name, error) from None
         missing = [name for name, argument in self.arguments.items() if argument.required and name not in checked]
         if missing:
             raise OperatorError("operator", f"operator {self.name!r} lacks the argument {missing[0]!r}")
@@ -166,15 +167,13 @@ class Operator:
             raise OperatorError("component", f"operator {self.name!r}: field={field!r} has no components x, y, z")
         for name, argument in self.arguments.items():
             if argument.of_field:
-                with self._errors_about(name):
+                try:
                     checked[name] = check_against_field(message, field, checked[name])
+                except InputError as error:
+                    raise self._error(name, error) from None
 
-    @contextmanager
-    def _errors_about(self, argument: str) -> Iterator[None]:
-        try:
-            yield
-        except InputError as error:
-            raise OperatorError(argument, f"operator {self.name!r}: {error}") from None
+    def _error(self, argument: str, error: InputError) -> OperatorError:
+        return OperatorError(argument, f"operator {self.name!r}: {error}")
 
     def tap(self, context: TapContext, arguments: Mapping[str, Value]) -> Tap:
         """A fresh tap with checked `arguments`."""
