@@ -78,9 +78,10 @@ def check_size(world: World, item: Item, findings: Findings) -> None:
     places = [place[:2] for place in world.waypoints.values()]
     way_m = max(math.dist(one, other) for one in places for other in places)
     if mesh is not None and min(high - low) > MOST_TIMES * max(way_m, LEAST_WAY_M):
+        mine = world.mine.extents_text
         findings.note(
             mesh.place,
-            f"the mine reaches from {world.mine.reach} m, and no two waypoints are more than {way_m:.3g} m apart",
+            f"the mine reaches from {mine} m, and no two waypoints are more than {way_m:.3g} m apart",
             "`scale_m` is metres per unit of the file, such as 0.001 for millimetres",
         )
 

@@ -72,7 +72,7 @@ class Mine:
         return np.stack([corners.min(axis=0), corners.max(axis=0)])
 
     @property
-    def reach(self) -> str:
+    def extents_text(self) -> str:
         """As in: x -4 to 8, y -2 to 6, z 0 to 4."""
         low, high = ([float(f"{value:.3g}") for value in corner] for corner in self.extents)
         return ", ".join(f"{axis} {least:g} to {most:g}" for axis, least, most in zip("xyz", low, high, strict=True))

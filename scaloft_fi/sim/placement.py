@@ -28,7 +28,7 @@ def misplaced(world: Any, item: Item) -> Iterator[InputError]:
     if not abs(world.floor_m) < 0.1:  # where the stack takes off
         actual = "there is none" if math.isnan(world.floor_m) else f"it is at z={world.floor_m:.2f} m"
         sentence = f"home={list(world.mission.home)!r} must have the floor at z=0, but {actual}"
-        yield InputError(f"{home.place}: {sentence}; the mine reaches from {world.mine.reach} m{_scaled(world)}")
+        yield InputError(f"{home.place}: {sentence}; the mine reaches from {world.mine.extents_text} m{_scaled(world)}")
         del places["home"]
     flaws = cache(lambda: _mesh_flaws(item))
     for name, place in places.items():
@@ -59,7 +59,7 @@ def _beyond(world: Any, name: str) -> str:
     point = world.waypoints[name]
     if all(least <= value <= most for least, value, most in zip(low, point, high, strict=True)):
         return ""
-    return f"; the mine reaches from {world.mine.reach} m{_scaled(world)}"
+    return f"; the mine reaches from {world.mine.extents_text} m{_scaled(world)}"
 
 
 def _scaled(world: Any) -> str:

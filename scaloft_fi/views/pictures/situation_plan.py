@@ -144,7 +144,7 @@ def map_table(study: Study, situation: Situation) -> Table:
     plan = plan_of(study, situation)
     rows = [
         ("situation", ", ".join(study.grid.titles(situation))),
-        ("mine [m]", world.mine.reach),
+        ("mine [m]", world.mine.extents_text),
         ("route [m]", legs),
         ("bodies [m]", bodies or "none"),
         *(("happens", happens.words) for happens in plan.happenings),
