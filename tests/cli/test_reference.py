@@ -34,4 +34,4 @@ def test_every_option_and_example_of_a_verb_stands_in_its_part(name: str, refere
 
 
 def test_marks_of_markdown_in_a_help_are_literal(reference: str) -> None:
-    assert r"a pattern with \*, ? or \[ over all ids" in reference
+    assert r"a pattern with \*, ? or \[ over names and ids" in reference
