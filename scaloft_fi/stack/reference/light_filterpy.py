@@ -13,7 +13,8 @@ from importlib import import_module
 from types import ModuleType
 from typing import Any
 
-LATE = ("scipy.stats", "scipy.ndimage", "numpy.f2py")
+LATE = ("scipy.stats", "scipy.ndimage", "scipy.ndimage.filters", "scipy.ndimage.interpolation", "numpy.f2py")
+"""The last two of `scipy.ndimage` are where filterpy 1.4.5 looks for what newer ones find in it."""
 
 
 class _Late:
