@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import pytest
 
@@ -159,3 +160,16 @@ def test_a_setting_may_allow_what_never_ends_or_is_larger(read):
     document = read("far: .inf\nhuge: 1.0e+10\n")
     assert document.need("far").number(infinite=True) == math.inf
     assert document.need("huge").number(most=1e12) == 1e10
+
+
+def test_the_same_text_read_again_knows_no_key_yet_and_has_its_own_place(tmp_path: Path) -> None:
+    first, second = tmp_path / "one" / "a.yaml", tmp_path / "two" / "a.yaml"
+    for path in (first, second):
+        path.parent.mkdir()
+        path.write_text("size: {height: 1}\n")
+    load(first).need("size").get("height")
+    for path in (first, second):
+        again = load(path)
+        assert again.need("size").place == f"{path}:1"
+        with pytest.raises(InputError, match="unknown key 'height'"):
+            again.need("size").close()

@@ -74,10 +74,12 @@ def check_mesh(mine: Item, findings: Findings) -> None:
 def check_size(world: World, item: Item, findings: Findings) -> None:
     """A note for a mesh so large beside the route that it may be in another unit."""
     mesh = item.need("mine").get("mesh")
+    if mesh is None:
+        return
     low, high = world.mine.extents
     places = [place[:2] for place in world.waypoints.values()]
     way_m = max(math.dist(one, other) for one in places for other in places)
-    if mesh is not None and min(high - low) > MOST_TIMES * max(way_m, LEAST_WAY_M):
+    if min(high - low) > MOST_TIMES * max(way_m, LEAST_WAY_M):
         mine = world.mine.extents_text
         findings.note(
             mesh.place,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -11,7 +13,11 @@ from scaloft_fi.sim.log import FlightLog
 from scaloft_fi.sim.measures import SIGNALS, signal
 from scaloft_fi.sim.signals import signal_names, truth_signals
 from scaloft_fi.sim.world import read_world
+from scaloft_fi.study import Study
 from tests.sim.conftest import SIM
+
+OURS = {name: SIGNALS[name] for name in ("mass_kg", "takeoff_charge")}
+"""Those of the package."""
 
 
 @pytest.fixture(autouse=True)
@@ -31,6 +37,15 @@ def test_a_signal_is_recorded_where_the_world_asks_for_it_and_nowhere_else(tmp_p
     assert world_with(tmp_path, "").signals == ()
     assert "height_m" in signal_names(["wall"], (), ["height_m"])
     assert "height_m" not in [one.name for one in truth_signals(["wall"])]
+
+
+def test_mass_and_charge_are_those_of_the_scenario():
+    study = Study.open(SIM.parent)
+    heavy = study.scenario(study.grid.situations[0])
+    heavy = replace(heavy, vehicle=replace(heavy.vehicle, mass_kg=2.25))
+    state = np.zeros(13)
+    assert OURS["mass_kg"].make(heavy)(state) == 2.25
+    assert OURS["takeoff_charge"].make(heavy)(state) == heavy.sensors.battery.charge
 
 
 def test_its_measure_is_made_from_the_scenario_and_reads_the_true_state():

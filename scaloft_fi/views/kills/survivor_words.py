@@ -58,7 +58,7 @@ def only_unsteady(case: Case) -> str:
 def path(case: Case) -> str:
     """How far it takes the drone off its path."""
     if case.off_path_m is None:
-        return "how far off its path it flies is not known: no trajectory."
+        return "how far the drone flies off its path is not known: no trajectory."
     return f"it takes the drone at most {case.off_path_m:.2f} m off its path."
 
 

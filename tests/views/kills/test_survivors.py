@@ -267,7 +267,7 @@ def test_how_far_a_flight_without_a_trajectory_was_off_its_path_is_not_known() -
     for flights in ([*POOL, *untracked], [*POOL, along(untracked[0], 0.3), *untracked[1:]]):
         found = told(flights)
         assert found.off_path_m is None
-        assert found.why.startswith("How far off its path it flies is not known: no trajectory.")
+        assert found.why.startswith("How far the drone flies off its path is not known: no trajectory.")
     on_it = told([along(POOL[0], 0.0), *POOL[1:], along(untracked[0], 0.0), *untracked[1:]])
     assert on_it.off_path_m == 0
     assert on_it.why.startswith("It takes the drone at most 0.00 m off its path.")
