@@ -29,7 +29,7 @@ from pathlib import Path
 from published_outcomes import Row, outcomes, rows_of
 from reference import call
 from reflown import own_s
-from wide_plan import PARAMETERS, PLAN, halves
+from wide_plan import AGAIN, PARAMETERS, PLAN, halves
 
 from scaloft_fi.analysis.kills.background import backgrounds
 from scaloft_fi.analysis.kills.kill_matrix import kill_matrix
@@ -264,7 +264,7 @@ def page(flights: Path) -> str:
     alone = by_one_seed(own, rows[0]), by_one_seed(further, rows[1])
     redrawn = by_chance(own, rows[0]), by_chance(further, rows[1])
     told = results(paper, wide, own.roster.defaults, alone, redrawn, whys_of(further, wide))
-    return f"{PLAN}\n{CHOSEN}{told}"
+    return f"{PLAN}\n{CHOSEN}\n{AGAIN}{told}"
 
 
 if __name__ == "__main__":

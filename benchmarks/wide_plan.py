@@ -11,8 +11,8 @@ PARAMETERS = ("goal", "collision", "pose", "waypoint", "battery")
 
 PLAN = f"""# The wide grid beside the paper's grid
 
-Question, halves and rules were written down, and committed without the section *Flown*, before a mutant was flown in
-the wide grid.  Made by `python benchmarks/wide.py`.
+Made by `python benchmarks/wide.py`.  Question, halves and rules were written before a mutant was flown in the wide
+grid, but the history of the repository does not show it: plan, grid and flights first appear in one commit.
 
 **The question.**  The paper's grid is static and slow: 32 situations, one speed, two lights, a person who stands.  Do
 situations with other speeds, lights, obstacles, persons, with wind, drift and a low battery show faults that the
@@ -43,6 +43,24 @@ of the wide grid is committed; afterwards that file does not change.
    unmutated drone mostly holds SR1 and SR2, and nothing of the stack was changed.
 
 All of it is reported, whatever it shows.
+"""
+
+AGAIN = """## Told again
+
+The rules above take ten of the twenty baseline seeds that were flown, and the choosing half had one seed of three.  An
+audit of the published flights found that seeds 0-9 are a lucky pool.  These rules were committed, in a commit of their
+own, before the two missing seeds of the choosing half were flown.
+
+1. The choosing half is flown with seeds 1 and 2 in the same 43 situations, so that both halves have three seeds.  Its
+   first seed was known, and its verdicts were; it stays the *selected* half.
+2. The headline is the verdict with all twenty baseline seeds as the pool: *detected*, and beside it *firm*: detected
+   still when any one seed is left out of the mutant's three and, separately, any one out of the twenty.  Pair states
+   and the gate's allowance stay those of the full pool.
+3. Beside it stand, for both halves: the pool of seeds 0-9 (what was published), the pool of seeds 10-19, and the mean
+   and range over 300 pools of ten drawn at random, the same in every situation.
+4. Named are the mutants whose verdict changes between seeds 0-9 and all twenty, the pairs that are steady in seeds 0-9
+   and not in all twenty, and the situations where the unmutated drone violates OP1 in more than one flight of ten.
+5. The paper's grid stands beside it by the same rules: three seeds, its first twenty baseline seeds.
 """
 
 
