@@ -149,7 +149,8 @@ class _Now:
             return "flown for reasons that were not kept"
         if then.platform:
             return f"flown on a platform with other digests: {then.platform}"
-        words = {**_PARTS, "mutant": f"mutant {flight.mutant}"}
+        mutant = self._mutants[flight.mutant]
+        words = {**_PARTS, "mutant": f"mutant {flight.mutant}", "operator": f"operator {mutant and mutant.operator}"}
         return f"{' and '.join(words[part] for part in then.changed(now))} changed"
 
     def _origin(self, mutant: str, situation: str) -> Origin | str:
@@ -173,4 +174,4 @@ _PARTS = {
     "situation": "what the situation sets",
     "realised": "how the situation's values come true",
 }
-"""Names of the parts of an origin for messages; a mutant is named by its id."""
+"""Names of the parts of an origin for messages; a mutant and an operator have names of their own."""
