@@ -29,6 +29,7 @@ from scaloft_fi.views.score.score_form import SCORE
 from scaloft_fi.views.score.score_record import score_json
 from scaloft_fi.views.score.tables import group_table, tables_behind
 from scaloft_fi.views.snapshot import snapshot
+from scaloft_fi.views.stale import NONE, Stale
 from scaloft_fi.views.tables.table import Format, Table, render
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ class ScoredCampaign:
         score: the score.
         noise: noise of a stack that is not deterministic; else empty.
         warning: what a reader must know of the platforms of the flights; "" where there is nothing.
+        stale: the flights of the campaign that no longer count.
         looks: looks of the run that flew, where it was sequential.
         unflown: what the run that flew left out.
     """
@@ -56,6 +58,7 @@ class ScoredCampaign:
     score: Score
     noise: tuple[Noise, ...] = ()
     warning: str = ""
+    stale: Stale = NONE
     looks: tuple[Look, ...] = ()
     unflown: tuple[Unflown, ...] = ()
 
@@ -72,7 +75,7 @@ class ScoredCampaign:
     @property
     def warnings(self) -> tuple[str, ...]:
         """What a reader must know beside the score, in sentences; often nothing."""
-        return (*filter(None, [self.warning]), *self.study.finds.warnings)
+        return (*filter(None, [self.warning]), *self.stale.sentences, *self.study.finds.warnings)
 
     def answer(self, form: Output, by: By | None = None, *, everything: bool = False) -> Answer:
         """What `run` and `score` answer; the arguments are those of `text`, `form` is that of the JSON."""
@@ -133,6 +136,7 @@ class ScoredCampaign:
             noise=self.noise,
             looks=[look_record(look) for look in self.looks],
             unflown=plain(self.unflown),
+            stale=self.stale,
         )
 
     def _background(self, mutant: str) -> Background | None:
@@ -152,14 +156,14 @@ def scored_campaign(study: Study, campaign: str, baseline_from: str | None = Non
     """
     with snapshot(study, campaign) as now:
         study, rulings, spending, warning = now.study, now.rulings, now.spending, now.platform_warning
-        noise = _noise(study, now.outcomes)
+        noise, stale = _noise(study, now.outcomes), now.stale
     others: Iterable[Outcome] = ()
     if baseline_from:
         flown = rulings.situations
         listed = study.space.holding(flown).situations
         others = borrowed(study, baseline_from, [key for key, _ in listed if key in flown])
     score = score_of(rulings, study.roster, study.space, spending, others)
-    return ScoredCampaign(study, campaign, rulings, score, noise, warning)
+    return ScoredCampaign(study, campaign, rulings, score, noise, warning, stale)
 
 
 def scored_run(flown: Flown, campaign: str) -> ScoredCampaign:
@@ -169,7 +173,10 @@ def scored_run(flown: Flown, campaign: str) -> ScoredCampaign:
     score = score_of(flown.rulings, study.roster, study.space, report.spending, planned.others)
     left = () if planned.request.sequential else unflown(planned.plan, report.left)
     noise = _noise(study, report.outcomes)
-    return ScoredCampaign(study, campaign, flown.rulings, score, noise, report.mixture, tuple(flown.looks), left)
+    with snapshot(study, campaign) as now:
+        stale = now.stale
+    looks = tuple(flown.looks)
+    return ScoredCampaign(study, campaign, flown.rulings, score, noise, report.mixture, stale, looks, left)
 
 
 def _noise(study: Study, outcomes: Iterable[Outcome]) -> tuple[Noise, ...]:

@@ -25,13 +25,14 @@ from scaloft_fi.views.outputs.shape import (
     texts,
 )
 from scaloft_fi.views.score.score_form import VERDICTS
+from scaloft_fi.views.stale import KEYS as STALE
 
 _MUTANT = text("id of the mutant")
 _STATES = [*(status.value for status in Status), NOT_FLOWN]
 _NOT_ASKED = "not asked for"
 KILLS = Output(
     "kills",
-    "1.0",
+    "1.1",
     "where mutants are killed, which situations are needed, and what would change the rest",
     {
         "values": listing(
@@ -231,6 +232,7 @@ KILLS = Output(
             ),
             _NOT_ASKED,
         ),
+        **STALE,
     },
     rows="mutants",
 )

@@ -24,6 +24,7 @@ from scaloft_fi.views.outputs.shape import (
     text,
     texts,
 )
+from scaloft_fi.views.stale import KEYS as STALE
 
 VERDICTS = [verdict.value for verdict in Verdict]
 SITUATION = text("key of the situation")
@@ -103,7 +104,7 @@ def _mutants(about: str) -> Shape:
 
 SCORE = Output(
     "score",
-    "3.0",
+    "3.1",
     "which faults the requirements would have shown",
     {
         "alpha": number("accepted chance that a fault which does nothing is called detected (0..1)"),
@@ -212,6 +213,7 @@ SCORE = Output(
                 },
             ),
         ),
+        **STALE,
     },
     rows="mutants",
 )

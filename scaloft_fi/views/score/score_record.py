@@ -13,6 +13,7 @@ from scaloft_fi.analysis.scoring.mutant_score import Kill, Moment, MutantScore
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.situations.coverage import Coverage
 from scaloft_fi.views.coverage.coverage_record import coverage_record
+from scaloft_fi.views.stale import NONE, Stale
 
 RATIOS = ("exercised", "infected", "tested", "mutation_score", "operability")
 
@@ -26,6 +27,7 @@ def score_json(
     noise: Sequence[Noise] = (),
     looks: Sequence[Mapping[str, Any]] = (),
     unflown: Sequence[Mapping[str, Any]] = (),
+    stale: Stale = NONE,
 ) -> dict[str, Any]:
     """Plain JSON values of the form `SCORE`.
 
@@ -37,6 +39,7 @@ def score_json(
         noise: of a stack that is not deterministic.
         looks: of a sequential run, as plain JSON values.
         unflown: what a run left out, as plain JSON values.
+        stale: the flights of the campaign that no longer count.
     """
     return {
         "alpha": scored.alpha,
@@ -55,6 +58,7 @@ def score_json(
         "noise": plain(noise),
         "looks": list(looks),
         "unflown": list(unflown),
+        **stale.values,
     }
 
 
