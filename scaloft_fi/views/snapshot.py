@@ -21,7 +21,8 @@ from scaloft_fi.campaign.store.tracks import with_tracks
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.rulings import Rulings, rulings_of
 from scaloft_fi.study import Study
-from scaloft_fi.views.stale import Stale, stale_of
+from scaloft_fi.views.again import stale_of
+from scaloft_fi.views.stale import Stale
 
 
 @dataclass(frozen=True)
@@ -71,7 +72,7 @@ class Snapshot:
     @cached_property
     def stale(self) -> Stale:
         """The stored flights that no longer count and were not flown again."""
-        return stale_of(self)
+        return stale_of(self.study, self.store, self.now, self.name)
 
     @cached_property
     def latest(self) -> tuple[Outcome, ...]:
