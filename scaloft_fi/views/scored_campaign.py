@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from datetime import date
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from scaloft_fi.analysis.disposition import Accepted, accepted_survivors
 from scaloft_fi.analysis.kills.background import Background, backgrounds
 from scaloft_fi.analysis.noise import Noise, noise_of
 from scaloft_fi.analysis.plain import plain
@@ -48,6 +50,7 @@ class ScoredCampaign:
         noise: noise of a stack that is not deterministic; else empty.
         warning: what a reader must know of the platforms of the flights; "" where there is nothing.
         stale: the flights of the campaign that no longer count.
+        accepted: the survivors that somebody accepted.
         looks: looks of the run that flew, where it was sequential.
         unflown: what the run that flew left out.
     """
@@ -59,6 +62,7 @@ class ScoredCampaign:
     noise: tuple[Noise, ...] = ()
     warning: str = ""
     stale: Stale = NONE
+    accepted: tuple[Accepted, ...] = ()
     looks: tuple[Look, ...] = ()
     unflown: tuple[Unflown, ...] = ()
 
@@ -98,6 +102,7 @@ class ScoredCampaign:
             campaign=self.campaign,
             finds=self.study.finds,
             noise=self.noise,
+            accepted=self.accepted,
             whole=whole,
         )
 
@@ -136,6 +141,7 @@ class ScoredCampaign:
             noise=self.noise,
             looks=[look_record(look) for look in self.looks],
             unflown=plain(self.unflown),
+            accepted=self.accepted,
             stale=self.stale,
         )
 
@@ -143,13 +149,16 @@ class ScoredCampaign:
         return backgrounds(self.study.matrix, [mutant])[mutant]
 
 
-def scored_campaign(study: Study, campaign: str, baseline_from: str | None = None) -> ScoredCampaign:
+def scored_campaign(
+    study: Study, campaign: str, baseline_from: str | None = None, today: date | None = None
+) -> ScoredCampaign:
     """Score the flights that a campaign holds.
 
     Args:
         study: the study, with any of its grids.
         campaign: name of the campaign.
         baseline_from: name of a campaign whose baselines join the pool.
+        today: the day by which dispositions expire; by default the system's date.
 
     Raises:
         InputError: a campaign does not exist, holds no flight that counts, or cannot lend its baselines.
@@ -163,7 +172,7 @@ def scored_campaign(study: Study, campaign: str, baseline_from: str | None = Non
         listed = study.space.holding(flown).situations
         others = borrowed(study, baseline_from, [key for key, _ in listed if key in flown])
     score = score_of(rulings, study.roster, study.space, spending, others)
-    return ScoredCampaign(study, campaign, rulings, score, noise, warning, stale)
+    return ScoredCampaign(study, campaign, rulings, score, noise, warning, stale, _accepted(study, score, today))
 
 
 def scored_run(flown: Flown, campaign: str) -> ScoredCampaign:
@@ -175,8 +184,12 @@ def scored_run(flown: Flown, campaign: str) -> ScoredCampaign:
     noise = _noise(study, report.outcomes)
     with snapshot(study, campaign) as now:
         stale = now.stale
-    looks = tuple(flown.looks)
-    return ScoredCampaign(study, campaign, flown.rulings, score, noise, report.mixture, stale, looks, left)
+    accepted, looks = _accepted(study, score, None), tuple(flown.looks)
+    return ScoredCampaign(study, campaign, flown.rulings, score, noise, report.mixture, stale, accepted, looks, left)
+
+
+def _accepted(study: Study, score: Score, today: date | None) -> tuple[Accepted, ...]:
+    return accepted_survivors(score, study.roster, study.dispositions, today or date.today())  # noqa: DTZ011 - the user's own day
 
 
 def _noise(study: Study, outcomes: Iterable[Outcome]) -> tuple[Noise, ...]:

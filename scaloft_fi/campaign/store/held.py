@@ -82,6 +82,8 @@ def held_in(study: Study, store: Store, folder: Path) -> Held:
 
 def stale_in(now: Now, store: Store) -> StaleFlights:
     """The flights of an open store that no longer count and were not flown again."""
+    if all(flight.origin is not None and now.stands(flight) for flight in store.flights(one_each=True)):
+        return StaleFlights()
     lost = {flight[1:4]: flight for flight in now.lost(store.flights())}.values()
     flown = [flight for flight in lost if not isinstance(now.origin(flight.mutant, flight.situation), str)]
     return StaleFlights(_counted(map(now.why, lost)), tuple(flown))

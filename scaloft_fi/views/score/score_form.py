@@ -24,6 +24,7 @@ from scaloft_fi.views.outputs.shape import (
     text,
     texts,
 )
+from scaloft_fi.views.score.accepted import SHAPE as ACCEPTED
 from scaloft_fi.views.stale import KEYS as STALE
 
 VERDICTS = [verdict.value for verdict in Verdict]
@@ -116,6 +117,7 @@ SCORE = Output(
                 "infected": ratio("mutants that changed a sample, of those flown"),
                 "tested": ratio("mutants put to the test, of those flown"),
                 "mutation_score": ratio("mutants detected by safety requirements, of those flown"),
+                "without_accepted": ratio("the same, of those flown that are no accepted survivors"),
                 "operability": ratio("mutants detected by operability requirements, of those flown"),
             },
         ),
@@ -213,6 +215,7 @@ SCORE = Output(
                 },
             ),
         ),
+        "accepted": ACCEPTED,
         **STALE,
     },
     rows="mutants",
