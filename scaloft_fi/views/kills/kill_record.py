@@ -10,7 +10,7 @@ from scaloft_fi.analysis.kills.kill_matrix import NOT_FLOWN, KillMatrix
 from scaloft_fi.analysis.kills.subsumption import Redundancy, Subsumption
 from scaloft_fi.analysis.plain import by_field, plain
 from scaloft_fi.judge.status import Status
-from scaloft_fi.views.kills.survivors import Next, Stage
+from scaloft_fi.views.kills.survivors import Stage
 from scaloft_fi.views.outputs.output import Output
 from scaloft_fi.views.outputs.shape import (
     by_name,
@@ -24,6 +24,7 @@ from scaloft_fi.views.outputs.shape import (
     text,
     texts,
 )
+from scaloft_fi.views.score.next_step import Next
 from scaloft_fi.views.score.score_form import VERDICTS
 from scaloft_fi.views.stale import KEYS as STALE
 

@@ -13,7 +13,8 @@ from scaloft_fi.analysis.kills.subsumption import Redundancy, Subsumption
 from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.judge.space import Space
-from scaloft_fi.views.kills.survivors import Next, Stage, Survivor
+from scaloft_fi.views.kills.survivors import Stage, Survivor
+from scaloft_fi.views.score.next_step import Next
 from scaloft_fi.views.tables.table import Table, TableCell
 
 COUNTED = (

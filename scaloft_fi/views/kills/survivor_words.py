@@ -8,7 +8,7 @@ from scaloft_fi.analysis.kills.survivor_case import Case
 from scaloft_fi.analysis.scoring.pool import State
 from scaloft_fi.sim.found import Find
 from scaloft_fi.views.score.commands import in_campaign
-from scaloft_fi.views.score.verdict import next_command, would_decide
+from scaloft_fi.views.score.verdict import flies_seeds, would_decide
 
 NAMED = 3
 """How many situations a sentence names before it counts the rest."""
@@ -40,7 +40,7 @@ def seeds(case: Case) -> str:
     rate = "At that rate" if case.score.seen_in else "If every flight violated,"
     if case.score.safety.needed is None:
         return f"{rate} {decides} would decide: add a situation where it shows more often."
-    flies = next_command(case.score, case.lacking, case.campaign.name, case.campaign.space.grid)
+    flies = flies_seeds(case.score, case.campaign.name, case.campaign.space.grid)
     return f"{rate} {decides} would decide: `{flies}`."
 
 

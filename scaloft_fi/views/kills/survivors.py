@@ -27,6 +27,7 @@ from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
 from scaloft_fi.views.kills import survivor_words as words
 from scaloft_fi.views.score.commands import in_campaign
 from scaloft_fi.views.score.finds import facts, flies, flown_in_vain, next_find
+from scaloft_fi.views.score.next_step import Next, infecting, next_steps
 
 NEAR = 0.5
 """A flight that lost half its baseline's margin is a near miss: a somewhat larger fault may be detected."""
@@ -56,24 +57,6 @@ _STAGE = dict.fromkeys(Status, Stage.REVEAL) | {
     Status.NOT_INFECTED: Stage.INFECT,
     Status.MASKED: Stage.PROPAGATE,
 }
-
-
-class Next(StrEnum):
-    """What would make a survivor say something."""
-
-    REPEAT = "repeat"
-    FIND = "find"
-    """The situation that a search found for it, which is to be flown."""
-    POOL = "pool"
-    """The baselines that are lacking to decide."""
-    SEEDS = "seeds"
-    SITUATION = "situation"
-    MAGNITUDE = "magnitude"
-    ORACLE = "oracle"
-    OPERABILITY = "operability"
-    """Nothing: an operability requirement detects it, and its cell puts no other at risk."""
-    EXPECTED = "expected"
-    """The study declares, with a reason, that it alters nothing in this grid."""
 
 
 @dataclass(frozen=True)
@@ -124,7 +107,7 @@ def survivors(
     """
     campaign = Campaign.of(outcomes, scored, matrix, backgrounds, units or {}, name)
     cases = [Case(campaign, row, backgrounds[row.id]) for row in matrix.mutants if row.verdict is not Verdict.DETECTED]
-    told = [_told(case, finds) for case in cases]
+    told = [_told(case, scored, finds) for case in cases]
     return tuple(sorted(told, key=lambda survivor: list(Stage).index(survivor.stage)))
 
 
@@ -138,120 +121,121 @@ def _say(case: Case, next_: Next, *sentences: str) -> Survivor:
     return Survivor(case.row.id, case.row.verdict, _STAGE[case.row.status], next_, why, case.loss, case.off_path_m)
 
 
-def _told(case: Case, finds: KnownFinds) -> Survivor:
+def _told(case: Case, scored: Score, finds: KnownFinds) -> Survivor:
     """The survivor: its find is to be flown, or what its flights say."""
     find = next_find(case.score, finds)
     if find is not None:
         command = flies(find, case.row.id, finds, case.campaign.name, case.campaign.space.grid)
         return replace(_say(case, Next.FIND, facts(find, case.row.id), f"`{command}` flies it."), find=find.name)
-    survivor = _judge(case)
+    first, *others = next_steps(case.score, scored, case.background)
+    survivor = _not_shown(case) if others else _judge(case, scored, first)
     vain = flown_in_vain(case.score, finds)
     return replace(survivor, why=f"{survivor.why} {words.in_vain(case, vain)}") if vain else survivor
 
 
-def _judge(case: Case) -> Survivor:
+def _judge(case: Case, scored: Score, step: Next) -> Survivor:
+    """The survivor whose score asks for one step."""
     stage = _STAGE[case.row.status]
     if stage is Stage.HARNESS:
-        return _say(case, Next.REPEAT, "no flight of it counts: fly it again.")
-    if case.background.expected and not case.infected:
-        return _say(case, Next.EXPECTED, f"declared beforehand: {case.background.expected}.")
+        return _say(case, step, "no flight of it counts: fly it again.")
+    if step is Next.EXPECTED:
+        return _say(case, step, f"declared beforehand: {case.background.expected}.")
     if stage is Stage.REACH:
-        return _not_reached(case)
+        return _not_reached(case, step)
     if stage is Stage.INFECT:
-        return _not_infected(case)
-    if case.lacking:
-        return _not_pooled(case)
+        return _not_infected(case, scored, step)
+    if step is Next.POOL:
+        return _not_pooled(case, step)
     if case.row.verdict is Verdict.NOT_TESTED:
-        return _nowhere_steady(case)
+        return _nowhere_steady(case, step)
     if stage is Stage.PROPAGATE:
-        return _masked(case)
+        return _masked(case, step)
     if case.row.verdict is Verdict.UNDECIDED:
-        return _say(
-            case, Next.SEEDS if case.score.safety.needed else Next.SITUATION, words.rates(case), words.seeds(case)
-        )
-    return _not_revealed(case)
+        return _say(case, step, words.rates(case), words.seeds(case))
+    if case.score.operability.detected:
+        return _operable(case, step)
+    return _say(case, step, words.untested(case), words.only_unsteady(case), words.margin(case))
 
 
-def _not_reached(case: Case) -> Survivor:
+def _not_reached(case: Case, step: Next) -> Survivor:
     seam, campaign = case.background.seam, case.campaign
     missed = campaign.carrying.get(seam, frozenset()) - case.flown
     if missed:
         first = min(missed, key=campaign.space.rank)
-        return _say(case, Next.SITUATION, f"the seam `{seam}` carries samples where it was not flown: fly {first}.")
+        return _say(case, step, f"the seam `{seam}` carries samples where it was not flown: fly {first}.")
     return _say(
         case,
-        Next.SITUATION,
+        step,
         f"the seam `{seam}` carried no sample in {words.situations(len(case.flown))} flown; {words.left(case)}",
     )
 
 
-def _not_infected(case: Case) -> Survivor:
-    scores, stronger = case.campaign.scores, case.background.stronger
-    infecting = [id_ for id_ in stronger if id_ in scores and scores[id_].infected]
-    if infecting:
-        return _say(case, Next.MAGNITUDE, f"it changes no sample, {infecting[0]} does: too small to be seen.")
+def _not_infected(case: Case, scored: Score, step: Next) -> Survivor:
+    if step is Next.MAGNITUDE:
+        stronger, *_ = infecting(scored, case.background.stronger)
+        return _say(case, step, f"it changes no sample, {stronger} does: too small to be seen.")
     reached = {result.situation for result in case.score.results if result.reached}
     where = words.in_(case.campaign.where(reached.__contains__, case.flown))
     carries = f"the seam `{case.background.seam}` carries samples {where}, none of which the fault changes;"
-    return _say(case, Next.SITUATION, f"{carries} {words.left(case)}")
+    return _say(case, step, f"{carries} {words.left(case)}")
 
 
-def _not_pooled(case: Case) -> Survivor:
+def _not_pooled(case: Case, step: Next) -> Survivor:
     flies = f"`scaloft-fi run{in_campaign(case.campaign.name)} --mutant {case.row.id}` flies them."
     return _say(
         case,
-        Next.POOL,
+        step,
         f"{words.violate(sum(bool(flight.revealed) for flight in case.flights))}.",
         f"A verdict takes {LEAST} baselines in each situation where it infects, and {len(case.lacking)} of "
         f"{len(case.infected)} have fewer: {flies}",
     )
 
 
-def _nowhere_steady(case: Case) -> Survivor:
+def _nowhere_steady(case: Case, step: Next) -> Survivor:
     states = {name: case.campaign.states(name, case.infected) for name in case.campaign.safety}
     present = set().union(*states.values())
     listed = "; ".join(f"{name} is {words.states_in_words(counts)}" for name, counts in states.items())
     mend = ", or mend the unmutated drone there" if present & {State.RED, State.UNSTEADY} else ""
     return _say(
         case,
-        Next.SITUATION,
+        step,
         f"it infects {words.in_(case.infected_where)}, and no safety requirement is steady there: "
         f"{listed or 'the study has none'}.",
         f"Add a situation where it infects and a safety requirement is steady{mend}.",
     )
 
 
-def _masked(case: Case) -> Survivor:
+def _masked(case: Case, step: Next) -> Survivor:
     masked = f"it changes samples {words.in_(case.infected_where)}, and the drone flies the same to the bit."
-    if case.background.stronger:
-        return _say(case, Next.MAGNITUDE, masked, words.larger(case), words.seeds(case))
+    if step is Next.MAGNITUDE:
+        return _say(case, step, masked, words.larger(case), words.seeds(case))
     missing = "A situation is missing where the drone acts on what the fault changes."
-    return _say(case, Next.SITUATION, masked, missing, words.seeds(case))
+    return _say(case, step, masked, missing, words.seeds(case))
 
 
-def _not_revealed(case: Case) -> Survivor:
-    lucky = words.only_unsteady(case)
-    if case.score.operability.detected:
-        tests = [result for result in case.score.results if result.steady_operability]
-        killing = sum(bool(result.operability_kills) for result in tests)
-        safety = [name for name in case.background.at_risk if name in case.campaign.safety]
-        by = words.listed(case.score.operability.by)
-        return _say(
-            case,
-            Next.ORACLE if safety else Next.OPERABILITY,
-            f"by {by} it is detected, and killed in {killing} of {words.situations(len(tests))} where {by} is steady; "
-            "no safety requirement detects it.",
-            f"Its cell puts {words.listed(safety) or 'none'} at risk.",
-            SILENT if safety else "Operability has a score of its own.",
-            lucky,
-            words.margin(case),
-        )
-    untested = words.untested(case)
-    if untested:
-        return _say(case, Next.SITUATION, untested, lucky, words.margin(case))
+def _operable(case: Case, step: Next) -> Survivor:
+    tests = [result for result in case.score.results if result.steady_operability]
+    killing = sum(bool(result.operability_kills) for result in tests)
+    safety = [name for name in case.background.at_risk if name in case.campaign.safety]
+    by = words.listed(case.score.operability.by)
+    return _say(
+        case,
+        step,
+        f"by {by} it is detected, and killed in {killing} of {words.situations(len(tests))} where {by} is steady; "
+        "no safety requirement detects it.",
+        f"Its cell puts {words.listed(safety) or 'none'} at risk.",
+        SILENT if safety else "Operability has a score of its own.",
+        words.only_unsteady(case),
+        words.margin(case),
+    )
+
+
+def _not_shown(case: Case) -> Survivor:
+    """The survivor that was put to the test by what its cell puts at risk: margins and paths say what to change."""
+    lucky, stronger = words.only_unsteady(case), case.background.stronger
     if case.loss is not None and case.loss.share >= NEAR:
         near = f"near miss: {words.margin(case)}"
-        if case.background.stronger:
+        if stronger:
             return _say(case, Next.MAGNITUDE, near, lucky, words.larger(case))
         return _say(
             case, Next.SITUATION, near, lucky, f"{words.no_more(case)}: a situation with less room may show it."
@@ -259,7 +243,7 @@ def _not_revealed(case: Case) -> Survivor:
     if case.off_path_m is not None and case.off_path_m >= ASTRAY_M:
         astray = f"it takes the drone {case.off_path_m:.2f} m off its path, and no requirement detects it."
         return _say(case, Next.ORACLE, astray, SILENT, lucky, words.margin(case))
-    if case.background.stronger:
+    if stronger:
         return _say(case, Next.MAGNITUDE, words.path(case), lucky, words.margin(case), words.larger(case))
     missing = f"{words.no_more(case)}: a situation is missing in which what it changes matters."
     return _say(case, Next.SITUATION, words.path(case), lucky, words.margin(case), missing)

@@ -13,7 +13,7 @@ from scaloft_fi.analysis.disposition import Accepted
 from scaloft_fi.analysis.kills.background import Background
 from scaloft_fi.analysis.noise import Noise
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.analysis.scoring.detection import LARGER, Verdict
+from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.analysis.scoring.score import Score
@@ -28,7 +28,7 @@ from scaloft_fi.terminal import PROSE, Marked, Style, coloured, styled
 from scaloft_fi.terminal import width as terminal_width
 from scaloft_fi.views.score.accepted import accepted_line
 from scaloft_fi.views.score.answers import Line, answers
-from scaloft_fi.views.score.finds import next_find
+from scaloft_fi.views.score.next_step import SHORT, Next, next_steps, short_step
 from scaloft_fi.views.score.noise import noise_line
 from scaloft_fi.views.tables.meaning import commands
 from scaloft_fi.views.tables.table import Format, Table, render
@@ -52,13 +52,14 @@ CONTROL_COLUMNS = ("shows itself by", "effect")
 LEGEND = (
     (
         "killed in: situations where most flights of a detected fault violate a requirement, of those that put it to "
-        "the test: where it changes samples and nine in ten unmutated flights hold the requirement."
+        "the test: where it changes samples and nine in ten unmutated flights hold the requirement; no kill: violations "
+        "here and there, in most flights of no situation."
     ),
     "by: the same per requirement.  where: `mixed`: see `scaloft-fi kills ID`.",
     "first: earliest such violation [s from take-off].",
     "next: seeds that decide (`run --mutant ID --seeds N`; anew: its own campaign); detected: `margin`.",
 )
-ITS_FIND = "fly its find"
+NO_KILL = "no kill"
 WITH_FIND = (
     *LEGEND[:-1],
     "next: `run --mutant ID --seeds N` (anew: its own campaign); find: `kills ID --show survivors`.",
@@ -117,11 +118,13 @@ def first_screen(
         if verdict is Verdict.DETECTED:
             members.sort(key=lambda mutant: -len(mutant.killing))
         shown = _shown(members, whole=whole)
-        facts = [_facts(mutant, space, background(mutant.subject.id), finds) for mutant in shown]
+        facts = [_facts(mutant, scored, space, background(mutant.subject.id), finds) for mutant in shown]
         rows = [(one["mutant"], *(one[column] for column in COLUMNS[verdict])) for one in facts]
         title = f"{verdict.words.capitalize()}: {len(members)}"
         if counted[verdict] != len(members):
             title += f", of which {counted[verdict]} count in the score"
+        same = sum(mutant.without_effect for mutant in members) if verdict is Verdict.UNDECIDED else 0
+        title += f"; {same} {'fly' if same > 1 else 'flies'} the same to the bit" if same else ""
         groups.append(_group(title, COLUMNS[verdict], rows, len(members)))
     controls = [_control(mutant) for mutant in _shown(scored.controls, whole=whole)]
     showing = sum(map(_shows, scored.controls))
@@ -129,7 +132,7 @@ def first_screen(
     groups.append(_group(title, CONTROL_COLUMNS, controls, len(scored.controls)))
     groups = [group for group in groups if group.rows]
     if groups:
-        found = any(row[-1] == ITS_FIND for group in groups for row in group.rows)
+        found = any(row[-1] == SHORT[Next.FIND] for group in groups for row in group.rows)
         groups[-1] = replace(groups[-1], notes=(*groups[-1].notes, "", *(WITH_FIND if found else LEGEND)))
     return (
         Table(TITLE, ("question", "answer"), tuple(replies)),
@@ -203,12 +206,14 @@ def _group(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...]], 
     return Table(title, ("mutant", *columns), tuple(rows), notes, tuple(each for each in SPARE if each in columns))
 
 
-def _facts(mutant: MutantScore, space: Space, background: Background | None, finds: KnownFinds) -> dict[str, str]:
+def _facts(
+    mutant: MutantScore, scored: Score, space: Space, background: Background | None, finds: KnownFinds
+) -> dict[str, str]:
     where = mutant.condition(space)
     seen = Counter(name for result in mutant.results for name in result.seen)
     return {
         "mutant": mutant.subject.id,
-        "killed in": mutant.kill_rate.short,
+        "killed in": mutant.kill_rate.short if mutant.kills else NO_KILL,
         "by": ", ".join(f"{name} {ratio.short}" for name, ratio in mutant.requirements if name in mutant.safety.p)
         or ", ".join(mutant.safety.by),
         "seen": ", ".join(f"{name} in {count}/{mutant.kill_rate.whole}" for name, count in seen.items()),
@@ -216,7 +221,7 @@ def _facts(mutant: MutantScore, space: Space, background: Background | None, fin
         "where": where if len(where) <= WIDEST else "mixed",
         "first": f"{mutant.first.t_s:.1f}" if mutant.first else "",
         "effect": effect(mutant),
-        "next": ITS_FIND if next_find(mutant, finds) else _next(mutant, background),
+        "next": short_step(mutant, next_steps(mutant, scored, background, finds), background),
     }
 
 
@@ -256,17 +261,3 @@ def _broken(mutant: MutantScore) -> str:
     if mutant.detected:
         return "no contact"
     return f"breaks {', '.join(mutant.operability.by)}" if mutant.operability.detected else ""
-
-
-def _next(mutant: MutantScore, background: Background | None) -> str:
-    if mutant.verdict is Verdict.UNDECIDED:
-        if mutant.safety.needed is None:
-            return f"more than {LARGER[-1]} seeds" if mutant.tested else "a baseline pool"
-        return f"--seeds {mutant.safety.needed}" + ", anew" * mutant.safety.anew
-    if background is not None and background.expected and not mutant.infected:
-        return "nothing: expected"
-    if mutant.verdict is Verdict.NOT_TESTED:
-        return "another situation"
-    if background is not None and background.stronger:
-        return f"try {background.stronger[0]}"
-    return "an oracle or situation"

@@ -67,14 +67,19 @@ def next_command(
     find = next_find(mutant, finds)
     if find is not None:
         return flies(find, mutant.subject.id, finds, campaign, grid)
-    safety, seeds = mutant.safety, max((result.flown for result in mutant.results), default=1)
     if mutant.verdict is Verdict.UNDECIDED and lacks_pool(mutant, lacking):
-        return command(campaign, [mutant], seeds)
-    if safety.needed:
-        if not safety.anew:
-            return command(campaign, [mutant], safety.needed)
-        return command("ANOTHER", [mutant], safety.needed, grid=grid)
+        return command(campaign, [mutant], max((result.flown for result in mutant.results), default=1))
+    if mutant.safety.needed and not mutant.without_effect:
+        return flies_seeds(mutant, campaign, grid)
     return f"scaloft-fi kills{in_campaign(campaign)} {mutant.subject.id} --show survivors"
+
+
+def flies_seeds(mutant: MutantScore, campaign: str, grid: str = "") -> str:
+    """The command that flies as many seeds as would decide an undecided mutant; the arguments of `next_command`."""
+    safety = mutant.safety
+    if not safety.anew:
+        return command(campaign, [mutant], safety.needed or 1)
+    return command("ANOTHER", [mutant], safety.needed or 1, grid=grid)
 
 
 def lacks_pool(mutant: MutantScore, lacking: Collection[str]) -> bool:
@@ -102,7 +107,8 @@ def _undecided(mutant: MutantScore, lacking: Collection[str]) -> str:
         p = f"p = {min(mutant.safety.p.values()):.2g}"
         return f"it violates {names} in {rate}, which chance may explain ({p}); {decides}, if this goes on"
     if mutant.tested:
-        nothing = f"nothing seen in {_tests(mutant)}"
+        same = "; samples changed, no flight did" if mutant.without_effect else ""
+        nothing = f"nothing seen in {_tests(mutant)}{same}"
         if lacks_pool(mutant, lacking):
             return f"{nothing}, and others have too few baseline flights to tell; {decides}"
         return f"{nothing}, with too few flights to tell; {decides}"

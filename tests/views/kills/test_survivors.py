@@ -19,7 +19,8 @@ from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.track import TRACK_COLUMNS, pack_track
 from scaloft_fi.sim.found import Find
 from scaloft_fi.study import Study
-from scaloft_fi.views.kills.survivors import Next, Stage, Survivor, survivors
+from scaloft_fi.views.kills.survivors import Stage, Survivor, survivors
+from scaloft_fi.views.score.next_step import Next
 
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
 HUMAN, NOBODY, DARK = "T0O0W0D0H1", "T0O0W0D0H0", "T1O0W0D1H0"
