@@ -153,4 +153,4 @@ def _tables(results: Mapping[str, Any], matrix: KillMatrix, *, short: bool) -> l
     }
     shown = [made[name](result) for name, result in results.items() if result or name != "redundancies"]
     told = shown[:-1] if "survivors" in results else shown
-    return [*tables.with_scattered(told, matrix), *shown[len(told) :]]
+    return [*tables.with_detected(told, matrix), *shown[len(told) :]]

@@ -13,6 +13,7 @@ from scaloft_fi.analysis.kills.background import Background
 from scaloft_fi.analysis.noise import Noise
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.detection import LARGER, Verdict
+from scaloft_fi.analysis.scoring.firmness import Firmness
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.analysis.scoring.score import Score
@@ -38,7 +39,7 @@ WIDEST = 24
 """Longest condition that a row shows."""
 TITLE = "Would your tests have shown it?"
 COLUMNS = {
-    Verdict.DETECTED: ("killed in", "by", "where", "first", "effect"),
+    Verdict.DETECTED: ("killed in", "firm", "by", "where", "first", "effect"),
     Verdict.UNDECIDED: ("seen", "where", "first", "effect", "next"),
     Verdict.NOT_DETECTED: ("tested in", "effect", "next"),
     Verdict.NOT_TESTED: ("effect", "next"),
@@ -53,6 +54,7 @@ LEGEND = (
         "the test: where it changes samples and nine in ten unmutated flights hold the requirement."
     ),
     "by: the same per requirement.  where: `mixed`: see `scaloft-fi kills ID`.",
+    "firm: still detected whichever one seed is left out; pool: one seed of its own, so only of the pool's.",
     "first: earliest such violation [s from take-off].",
     "next: seeds that decide (`run --mutant ID --seeds N`; anew: its own campaign); detected: `margin`.",
 )
@@ -64,6 +66,12 @@ WITH_FIND = (
 """The legend where a row tells of a find."""
 NAMES_BESIDE = 70
 """A narrower terminal has the name of an answer above it, not beside it [characters]."""
+FIRM = {
+    Firmness.FIRM: "yes",
+    Firmness.FIRM_BY_POOL: "pool",
+    Firmness.HANGS: "no",
+    Firmness.TOO_FEW: "too few seeds",
+}
 _STOPPED = {
     Status.INVALID: "the harness failed",
     Status.NOT_REACHED: "its seam carries nothing",
@@ -203,6 +211,7 @@ def _facts(mutant: MutantScore, space: Space, background: Background | None, fin
     return {
         "mutant": mutant.subject.id,
         "killed in": mutant.kill_rate.short,
+        "firm": FIRM[mutant.firmness] if mutant.firmness else "",
         "by": ", ".join(f"{name} {ratio.short}" for name, ratio in mutant.requirements if name in mutant.safety.p)
         or ", ".join(mutant.safety.by),
         "seen": ", ".join(f"{name} in {count}/{mutant.kill_rate.whole}" for name, count in seen.items()),

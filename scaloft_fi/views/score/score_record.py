@@ -14,7 +14,7 @@ from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.situations.coverage import Coverage
 from scaloft_fi.views.coverage.coverage_record import coverage_record
 
-RATIOS = ("exercised", "infected", "tested", "mutation_score", "operability")
+RATIOS = ("exercised", "infected", "tested", "mutation_score", "firm", "operability")
 
 
 def score_json(
@@ -44,6 +44,14 @@ def score_json(
         "ratios": {name: plain(getattr(scored, name)) for name in RATIOS},
         "expected_false": scored.expected_false,
         "redraw": plain(scored.redraw),
+        "composition": {
+            "behaviours": plain(scored.behaviours),
+            "without_kill": [mutant.subject.id for mutant in scored.without_kill],
+            "trivial": [mutant.subject.id for mutant in scored.trivial],
+            "without_effect": [
+                {"id": mutant.subject.id, "acted": plain(mutant.acted)} for mutant in scored.without_effect
+            ],
+        },
         "mutants": [_mutant(mutant) for mutant in scored.mutants],
         "controls": [_mutant(mutant) for mutant in scored.controls],
         "pairs": plain(scored.pool.pairs.values()),
@@ -66,6 +74,7 @@ def _mutant(mutant: MutantScore) -> dict[str, Any]:
         "magnitude": mutant.subject.magnitude,
         "status": mutant.status.value,
         "verdict": mutant.verdict.value,
+        "firm": mutant.firmness.value if mutant.firmness else None,
         "p": dict(mutant.safety.p),
         "kill_rate": plain(mutant.kill_rate),
         "kill_rate_flown": plain(mutant.kill_rate_flown),
