@@ -63,9 +63,9 @@ class KillRow:
         counted: whether the ratios count it: the default mutant of a credible cell.
         status: the furthest stage that a flight reached.
         verdict: on the mutant.
-        firmness: what remains of it when one seed is left out; None where the mutant is not detected.
         kill_rate: situations with a kill, of those that put it to the test.
         entries: in the grid's order; a situation that the grid does not have is left out.
+        firmness: what remains of the verdict when one seed is left out; None where the mutant is not detected.
     """
 
     subject: Subject
@@ -73,9 +73,9 @@ class KillRow:
     counted: bool
     status: Status
     verdict: Verdict
-    firmness: Firmness | None
     kill_rate: Ratio
     entries: tuple[Entry, ...]
+    firmness: Firmness | None = None
 
     @property
     def id(self) -> str:
@@ -177,9 +177,9 @@ def _row(mutant: MutantScore, kind: str, roster: Roster, space: Space) -> KillRo
         counted=kind == "mutant" and roster.counts(mutant.subject),
         status=mutant.status,
         verdict=mutant.verdict,
-        firmness=mutant.firmness,
         kill_rate=mutant.kill_rate,
         entries=tuple(_entry(key, results.get(key)) for key, _ in space.situations),
+        firmness=mutant.firmness,
     )
 
 

@@ -34,7 +34,7 @@ def with_detected(shown: Sequence[Table], matrix: KillMatrix) -> list[Table]:
         return []
     known = [row for row in matrix.mutants if row.firmness]
     firm = sum(row.firmness.firm for row in known if row.firmness)
-    notes = [f"{len(known)} mutants are detected, {firm} of them firmly: whichever one seed is left out."]
+    notes = [f"Detected mutants: {len(known)}, of them {firm} firmly: whichever one seed is left out."]
     if matrix.not_firm:
         notes[0] += f"  Not firm: {', '.join(matrix.not_firm)}."
     if matrix.scattered:

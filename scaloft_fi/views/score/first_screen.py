@@ -53,9 +53,8 @@ LEGEND = (
         "killed in: situations where most flights of a detected fault violate a requirement, of those that put it to "
         "the test: where it changes samples and nine in ten unmutated flights hold the requirement."
     ),
-    "by: the same per requirement.  where: `mixed`: see `scaloft-fi kills ID`.",
-    "firm: still detected whichever one seed is left out; pool: one seed of its own, so only of the pool's.",
-    "first: earliest such violation [s from take-off].",
+    "firm: detected whichever one seed is left out; pool: of the baseline's alone.  by: per requirement.",
+    "where: `mixed`: see `scaloft-fi kills ID`.  first: earliest such violation [s from take-off].",
     "next: seeds that decide (`run --mutant ID --seeds N`; anew: its own campaign); detected: `margin`.",
 )
 ITS_FIND = "fly its find"
