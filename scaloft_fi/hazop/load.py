@@ -16,9 +16,9 @@ from scaloft_fi.document import load
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.cell import PERIODS, Cell, CellStatus, Expected, Fault, Magnitude, Rung, Value
 from scaloft_fi.hazop.guideword import Guideword
+from scaloft_fi.hazop.ladder import Worse, worse
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.parameter import Parameter
-from scaloft_fi.hazop.severity import Worse, worse
 from scaloft_fi.item import Item
 from scaloft_fi.reading import is_there
 

@@ -7,8 +7,8 @@ from typing import Any
 
 from scaloft_fi.analysis.scoring.detection import ALPHA, MOST_ALPHA
 from scaloft_fi.hazop.cell import PERIODS
+from scaloft_fi.hazop.ladder import Worse
 from scaloft_fi.hazop.load import MOST_ENTRIES
-from scaloft_fi.hazop.severity import Worse
 from scaloft_fi.mutants.argument import Argument
 from scaloft_fi.mutants.operator import Operator
 from scaloft_fi.views.documents.build import (
@@ -131,7 +131,7 @@ def _magnitude() -> Schema:
         {
             "argument": text("the operator's argument that the magnitude sets", "delay_s"),
             "ladder": listed(
-                "the magnitudes in the catalogue, from mild to severe, all numbers or all names",
+                "the magnitudes in the catalogue, from mild to strong, all numbers or all names",
                 rung,
                 least=1,
                 most=MOST_ENTRIES,

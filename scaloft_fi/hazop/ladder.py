@@ -1,4 +1,4 @@
-"""The direction in which a ladder gets worse, and its neutral magnitude: the search for a margin needs both."""
+"""The order of a ladder of magnitudes, and its neutral magnitude: the search for a margin needs both."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Worse(StrEnum):
 
 
 def worse(magnitude: Magnitude) -> Worse:
-    """The direction that the study declares; without one, the direction of the ladder, which runs from mild to severe.
+    """The direction that the study declares; without one, the direction of the ladder, which runs from mild to strong.
 
     >>> worse(Magnitude("delay_s", "s", (0.5, 1.0), 1.0)), worse(Magnitude("axis", "", ("x", "y"), "x"))
     (<Worse.LARGER: 'larger'>, <Worse.UNORDERED: 'unordered'>)
@@ -28,9 +28,9 @@ def worse(magnitude: Magnitude) -> Worse:
     numbers = [rung for rung in magnitude.ladder if not isinstance(rung, str)]
     if len(numbers) < 2 or len(numbers) < len(magnitude.ladder):
         return Worse.UNORDERED
-    if all(milder < severer for milder, severer in pairwise(numbers)):
+    if all(milder < stronger for milder, stronger in pairwise(numbers)):
         return Worse.LARGER
-    return Worse.SMALLER if all(milder > severer for milder, severer in pairwise(numbers)) else Worse.UNORDERED
+    return Worse.SMALLER if all(milder > stronger for milder, stronger in pairwise(numbers)) else Worse.UNORDERED
 
 
 def neutral(magnitude: Magnitude) -> float | None:
@@ -56,8 +56,8 @@ def neutral(magnitude: Magnitude) -> float | None:
     return 100.0 if magnitude.unit == "%" else None
 
 
-def mild_to_severe(magnitude: Magnitude) -> tuple[float, ...]:
-    """The ladder from mild to severe; empty when the ladder has no order."""
+def mild_to_strong(magnitude: Magnitude) -> tuple[float, ...]:
+    """The ladder from mild to strong; empty when the ladder has no order."""
     direction = worse(magnitude)
     numbers = (rung for rung in magnitude.ladder if not isinstance(rung, str))
     return () if direction is Worse.UNORDERED else tuple(sorted(numbers, reverse=direction is Worse.SMALLER))
