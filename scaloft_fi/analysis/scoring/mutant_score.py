@@ -12,6 +12,7 @@ from scaloft_fi.analysis.condition import condition
 from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.scoring.detection import Detection, Sample, Spending, Verdict, detect
 from scaloft_fi.analysis.scoring.pool import Pool
+from scaloft_fi.hazop.severity import SeverityClass
 from scaloft_fi.judge.outcome import Subject
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.rulings import Ruled, Situations
@@ -99,6 +100,7 @@ class MutantScore:
         kills: by safety requirements, in the grid's order; operability_kills: by operability requirements.
         first: the earliest violation in a kill; of a mutant without one the earliest in a pair that tests it.
         statuses: flights of each status.
+        severity: class of its cell; None where the cell has none.  It enters no ratio.
     """
 
     subject: Subject
@@ -110,6 +112,7 @@ class MutantScore:
     operability_kills: tuple[Kill, ...]
     first: Moment | None
     statuses: tuple[tuple[Status, int], ...]
+    severity: SeverityClass | None = None
 
     @property
     def verdict(self) -> Verdict:

@@ -24,14 +24,14 @@ from scaloft_fi.views.outputs.shape import (
     text,
     texts,
 )
-from scaloft_fi.views.score.score_form import VERDICTS
+from scaloft_fi.views.score.score_form import SEVERITY, VERDICTS
 
 _MUTANT = text("id of the mutant")
 _STATES = [*(status.value for status in Status), NOT_FLOWN]
 _NOT_ASKED = "not asked for"
 KILLS = Output(
     "kills",
-    "1.0",
+    "1.1",
     "where mutants are killed, which situations are needed, and what would change the rest",
     {
         "values": listing(
@@ -198,7 +198,7 @@ KILLS = Output(
         ),
         "survivors": optional(
             listing(
-                "the mutants that are not detected",
+                "the mutants that are not detected, those of the worst class of severity first",
                 record(
                     "a mutant",
                     {
@@ -226,6 +226,7 @@ KILLS = Output(
                             "no flight that put it to the test has a trajectory",
                         ),
                         "find": text("name of the find that is to be flown; empty without one"),
+                        "severity": SEVERITY,
                     },
                 ),
             ),

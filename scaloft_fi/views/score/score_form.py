@@ -28,6 +28,7 @@ from scaloft_fi.views.outputs.shape import (
 VERDICTS = [verdict.value for verdict in Verdict]
 SITUATION = text("key of the situation")
 REQUIREMENT = text("name of the requirement")
+SEVERITY = optional(text("class of severity of its cell, one of the study's own; in no ratio"), "it has none")
 P = by_name(
     "by requirement, the chance of as many violations if the fault did nothing (exact test, Holm's adjustment)",
     number("p (0..1)"),
@@ -76,6 +77,7 @@ def _mutants(about: str) -> Shape:
                 "guideword": text("its guideword"),
                 "parameter": text("its parameter"),
                 "magnitude": text("its magnitude with the unit, as in the id; empty where the cell has no ladder"),
+                "severity": SEVERITY,
                 "status": text("the furthest stage that a flight reached", [status.value for status in Status]),
                 "verdict": text("of all its flights, by safety requirements", VERDICTS),
                 "p": P,
@@ -103,7 +105,7 @@ def _mutants(about: str) -> Shape:
 
 SCORE = Output(
     "score",
-    "3.0",
+    "3.1",
     "which faults the requirements would have shown",
     {
         "alpha": number("accepted chance that a fault which does nothing is called detected (0..1)"),
@@ -161,7 +163,10 @@ SCORE = Output(
                 "a part",
                 {
                     "by": text("what the parts are", [by.value for by in By]),
-                    "name": text("of the part: a guideword, a parameter, a key, a requirement, an axis with its value"),
+                    "name": text(
+                        "of the part: a guideword, a parameter, a class of severity (worst first, `no class` last), a "
+                        "key, a requirement, an axis with its value"
+                    ),
                     "axis": optional(text("id of the axis"), "not by axis"),
                     "value": optional(text("id of the axis's value, as in keys of situations"), "not by axis"),
                     "tested": ratio(
