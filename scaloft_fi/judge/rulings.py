@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from hashlib import sha256
 from operator import itemgetter
 from typing import NamedTuple
 
@@ -39,11 +40,13 @@ class Rulings:
         baselines: outcomes of the drone without a fault.
         mutants: flights by mutant (PLACEBO included).
         draws: situations and seeds with a valid flight of a mutant.
+        behaviours: by id of the mutant a digest of all its valid flights; equal ones flew the same everywhere.
     """
 
     baselines: tuple[Outcome, ...]
     mutants: Mapping[Subject, Situations]
     draws: frozenset[tuple[str, int]]
+    behaviours: Mapping[str, str]
 
     @property
     def situations(self) -> set[str]:
@@ -61,15 +64,19 @@ def rulings_of(outcomes: Iterable[Outcome]) -> Rulings:
     counted = {(baseline.situation, baseline.seed): counting(baseline) for baseline in baselines}
     subjects = {outcome.subject.id: outcome.subject for outcome in flown}
     flights = defaultdict[tuple[str, str], list[Ruled]](list)
+    digests = defaultdict[str, list[str]](list)
     for outcome in flown:
         ruling = rule(outcome, counted.get((outcome.situation, outcome.seed)))
         violations = () if ruling is INVALID else outcome.violations
         flights[outcome.subject.id, outcome.situation].append(Ruled(outcome.seed, ruling, violations))
+        if not outcome.invalid:
+            digests[outcome.subject.id].append(f"{outcome.situation}/{outcome.seed} {outcome.digest}")
     mutants = defaultdict[Subject, dict[str, Sequence[Ruled]]](dict)
     for (mutant, situation), ruled in flights.items():
         mutants[subjects[mutant]][situation] = sorted(ruled, key=_seed)
     draws = frozenset((outcome.situation, outcome.seed) for outcome in flown if not outcome.invalid)
-    return Rulings(tuple(baselines), dict(mutants), draws)
+    behaviours = {mutant: sha256("\n".join(sorted(own)).encode()).hexdigest() for mutant, own in digests.items()}
+    return Rulings(tuple(baselines), dict(mutants), draws, behaviours)
 
 
 _seed = itemgetter(0)

@@ -29,7 +29,7 @@ from enum import StrEnum
 from functools import cached_property
 
 from scaloft_fi.analysis.scoring.pool import Pool, State
-from scaloft_fi.analysis.scoring.stratified import Stratum, p_value
+from scaloft_fi.analysis.scoring.stratified import GATE, Stratum, p_value
 from scaloft_fi.judge.requirement import Kind
 
 ALPHA = 0.01
@@ -93,15 +93,27 @@ class Sample:
         situation: key.
         violated: per flight that counts, the requirements it violates.
         infected: whether the fault changed a sample in any.
+        seeds: of these flights; empty where nobody asks for them.
     """
 
     situation: str
     violated: tuple[tuple[str, ...], ...]
     infected: bool
+    seeds: tuple[int, ...] = ()
 
     def at(self, look: int) -> Sample:
         """The first flights alone; whether they are infected is asked of all."""
-        return self if look >= len(self.violated) else Sample(self.situation, self.violated[:look], self.infected)
+        if look >= len(self.violated):
+            return self
+        return Sample(self.situation, self.violated[:look], self.infected, self.seeds[:look])
+
+    def without(self, seed: int) -> Sample:
+        """The flights with other seeds; whether they are infected is asked of all."""
+        kept = [place for place, own in enumerate(self.seeds) if own != seed]
+        if len(kept) == len(self.seeds):
+            return self
+        violated, seeds = (tuple(column[place] for place in kept) for column in (self.violated, self.seeds))
+        return Sample(self.situation, violated, self.infected, seeds)
 
     @cached_property
     def counts(self) -> Mapping[str, int]:
@@ -164,21 +176,30 @@ def detect(mutant: str, samples: Sequence[Sample], pool: Pool, spending: Spendin
         return Detection(Verdict.UNDECIDED if lacking else Verdict.NOT_TESTED, p, (), flown, share)
     for seeds, share in spending.looks(mutant, flown):
         p = adjusted([sample.at(seeds) for sample in samples], pool, names)
-        by = tuple(name for name in names if _reaches(p[name], share))
+        by = tuple(name for name in names if reaches(p[name], share))
         if by:
             return Detection(Verdict.DETECTED, p, by, seeds, share)
     seen = any(sample.count(name) for sample in tested for name in pool.steady(sample.situation, kind))
-    able = _reaches(min(adjusted(_at_worst(tested, pool, kind), pool, names).values()), share)
+    able = reaches(min(adjusted(at_worst(tested, pool, kind), pool, names).values()), share)
     if able and not seen and not lacking:
         return Detection(Verdict.NOT_DETECTED, p, (), seeds, share)
-    needed, anew = _needed(tested if seen else _at_worst(tested, pool, kind), pool, names, spending.alpha)
+    needed, anew = _needed(tested if seen else at_worst(tested, pool, kind), pool, names, spending.alpha)
     return Detection(Verdict.UNDECIDED, p, (), seeds, share, needed, anew)
 
 
-def adjusted(samples: Iterable[Sample], pool: Pool, names: Sequence[str]) -> dict[str, float]:
-    """The p of each requirement, adjusted by Holm over all of them."""
+def adjusted(
+    samples: Iterable[Sample], pool: Pool, names: Sequence[str], left_out: int | None = None
+) -> dict[str, float]:
+    """The p of each requirement, adjusted by Holm over all of them.
+
+    Args:
+        samples: one per situation flown.
+        pool: what they are compared with.
+        names: the requirements.
+        left_out: a seed whose flights leave the pool; states of pairs and the gate stay those of the whole pool.
+    """
     listed = list(samples)
-    raw = {name: p_value(_strata(listed, pool, name)) for name in names}
+    raw = {name: p_value(_strata(listed, pool, name, left_out)) for name in names}
     by_name, largest = {}, 0.0
     for number, name in enumerate(sorted(names, key=lambda name: raw[name])):
         largest = max(largest, min(1.0, (len(names) - number) * raw[name]))
@@ -186,18 +207,22 @@ def adjusted(samples: Iterable[Sample], pool: Pool, names: Sequence[str]) -> dic
     return {name: by_name[name] for name in names}
 
 
-def _strata(samples: Iterable[Sample], pool: Pool, name: str) -> Iterable[Stratum]:
+def _strata(samples: Iterable[Sample], pool: Pool, name: str, left_out: int | None) -> Iterable[Stratum]:
+    gone = pool.by_seed.get(left_out, {}) if left_out is not None else {}
     for sample in samples:
         pair = pool.pairs.get((sample.situation, name))
         if pair is not None and pair.tests:
-            yield Stratum(sample.count(name), len(sample.violated), pair.violated, pair.judged)
+            violated, judged = gone.get((sample.situation, name), (0, 0))
+            own, most = (sample.count(name), len(sample.violated)), pair.judged // GATE
+            yield Stratum(*own, pair.violated - violated, pair.judged - judged, most)
 
 
-def _reaches(p: float, share: float) -> bool:
+def reaches(p: float, share: float) -> bool:
+    """Whether p is at most this share of alpha, but for rounding."""
     return p <= share * (1 + ROUNDING)
 
 
-def _at_worst(tested: Iterable[Sample], pool: Pool, kind: Kind) -> list[Sample]:
+def at_worst(tested: Iterable[Sample], pool: Pool, kind: Kind) -> list[Sample]:
     """The same flights if each violated every requirement that is steady in its situation."""
     return [Sample(s.situation, (pool.steady(s.situation, kind),) * len(s.violated), s.infected) for s in tested]
 
@@ -223,4 +248,4 @@ def _decides(samples: Sequence[Sample], pool: Pool, names: Sequence[str], seeds:
                 judged = max(pair.judged, seeds)
                 yield Stratum(expected, seeds, (2 * pair.violated * judged + pair.judged) // (2 * pair.judged), judged)
 
-    return _reaches(len(names) * min(p_value(strata(name)) for name in names), share)
+    return reaches(len(names) * min(p_value(strata(name)) for name in names), share)

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from scaloft_fi.analysis.condition import condition
 from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.scoring.detection import Detection, Sample, Spending, Verdict, detect
+from scaloft_fi.analysis.scoring.firmness import Firmness, firmness
 from scaloft_fi.analysis.scoring.pool import Pool
 from scaloft_fi.hazop.severity import SeverityClass
 from scaloft_fi.judge.outcome import Subject
@@ -18,6 +19,11 @@ from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.rulings import Ruled, Situations
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import INVALID, Status, furthest
+
+MOST_KILLED = 0.9
+"""A detected mutant that is killed in this share of the situations that put it to the test is trivial."""
+EARLY_S = 5.0
+"""So is one that a kill shows within this time of take-off [s]."""
 
 
 class Moment(NamedTuple):
@@ -100,6 +106,7 @@ class MutantScore:
         kills: by safety requirements, in the grid's order; operability_kills: by operability requirements.
         first: the earliest violation in a kill; of a mutant without one the earliest in a pair that tests it.
         statuses: flights of each status.
+        firmness: what remains of the verdict when one seed is left out; None where it is not detected.
         severity: class of its cell; None where the cell has none.  It enters no ratio.
     """
 
@@ -112,6 +119,7 @@ class MutantScore:
     operability_kills: tuple[Kill, ...]
     first: Moment | None
     statuses: tuple[tuple[Status, int], ...]
+    firmness: Firmness | None = None
     severity: SeverityClass | None = None
 
     @property
@@ -123,6 +131,38 @@ class MutantScore:
     def detected(self) -> bool:
         """Whether the tests would have shown the fault by a safety requirement."""
         return self.safety.detected
+
+    @property
+    def firm(self) -> bool:
+        """Whether it is detected, and stays so without any one seed."""
+        return self.firmness is not None and self.firmness.firm
+
+    @property
+    def killed_broadly(self) -> bool:
+        """Whether nearly all situations that put it to the test kill it."""
+        rate = self.kill_rate
+        return self.detected and rate.part >= MOST_KILLED * rate.whole > 0
+
+    @property
+    def killed_early(self) -> bool:
+        """Whether a kill shows it right after take-off."""
+        return any(kill.first.t_s <= EARLY_S for kill in self.kills)
+
+    @property
+    def trivial(self) -> bool:
+        """Whether it is detected where any test would do: in nearly all situations, or right after take-off."""
+        return self.killed_broadly or self.killed_early
+
+    @property
+    def without_effect(self) -> bool:
+        """Whether each of its flights equals the baseline's to the bit."""
+        return self.flown and self.status.stage <= Status.MASKED.stage
+
+    @property
+    def acted(self) -> Ratio:
+        """Flights in which it changed a sample, of those that count."""
+        counts = [(status.infected, count) for status, count in self.statuses if status is not Status.INVALID]
+        return Ratio(sum(count for infected, count in counts if infected), sum(count for _, count in counts))
 
     @property
     def flown(self) -> bool:
@@ -210,12 +250,14 @@ def mutant_score(subject: Subject, situations: Situations, space: Space, pool: P
         operability_kills=tuple(_kill(r, name, flown[r.situation]) for r in results for name in r.operability_kills),
         first=min(seen, key=lambda moment: (moment.t_s, space.rank(moment.situation), moment.seed), default=None),
         statuses=tuple((status, statuses[status]) for status in Status if statuses[status]),
+        firmness=firmness(subject.id, samples, pool, spending, Kind.SAFETY) if safety.detected else None,
     )
 
 
 def _sample(situation: str, flights: Sequence[Ruled]) -> Sample:
     infected = any(ruling.status.infected for ruling in {one.ruling for one in flights})
-    return Sample(situation, tuple([one.ruling.violated for one in flights]), infected)
+    violated, seeds = tuple([one.ruling.violated for one in flights]), tuple([one.seed for one in flights])
+    return Sample(situation, violated, infected, seeds)
 
 
 def _result(sample: Sample, flights: Sequence[Ruled], pool: Pool, detected: bool, operability_detected: bool) -> Result:

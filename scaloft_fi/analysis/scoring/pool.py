@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
 from typing import Any
@@ -87,14 +87,17 @@ class Pool:
 
     Attributes:
         pairs: by situation and requirement, requirements in the study's order; none of kind `reported`.
+        by_seed: what each seed adds to `violated` and `judged` of the pairs in which it was flown.
     """
 
     pairs: Mapping[tuple[str, str], Pair]
+    by_seed: Mapping[int, Mapping[tuple[str, str], tuple[int, int]]] = field(default_factory=dict)
 
     @classmethod
     def of(cls, baselines: Iterable[Outcome]) -> Pool:
         """The pool of baseline flights; invalid ones and flights of mutants say nothing."""
         counts: dict[tuple[str, str], list[int]] = {}
+        by_seed: dict[int, dict[tuple[str, str], tuple[int, int]]] = {}
         kinds: dict[str, Kind] = {}
         for outcome in baselines:
             if outcome.subject.id != BASELINE or outcome.invalid:
@@ -108,7 +111,10 @@ class Pool:
                 tally[1] += reading.violated
                 tally[2] += reading.open
                 tally[3] += reading.violated or reading.triggered > 0
-        return cls({place: Pair(*place, kinds[place[1]], *tally) for place, tally in counts.items()})
+                place = outcome.situation, reading.requirement
+                by_seed.setdefault(outcome.seed, {})[place] = int(reading.violated), int(not reading.open)
+        pairs = {place: Pair(*place, kinds[place[1]], *tally) for place, tally in counts.items()}
+        return cls(pairs, by_seed)
 
     @cached_property
     def states(self) -> Mapping[tuple[str, str], State]:

@@ -37,6 +37,7 @@ class Score:
         lacking: situations where a mutant, controls left out, infects and the pool has too few flights, in order.
         pooled: whether there is a pool to decide by where mutants infect; without one there are only observations.
         selected: the situations flown that a search found because of verdicts; a score that uses them is selected.
+        behaviours: the counted mutants that are detected, those whose flights all equal each other's together.
     """
 
     alpha: float
@@ -54,6 +55,27 @@ class Score:
     lacking: tuple[str, ...]
     pooled: bool
     selected: tuple[str, ...] = ()
+    behaviours: tuple[tuple[str, ...], ...] = ()
+
+    @property
+    def firm(self) -> Ratio:
+        """Mutants detected whichever seed is left out, of those that `mutation_score` counts."""
+        return Ratio(sum(mutant.firm for mutant in self.counted) if self.pooled else 0, self.mutation_score.whole)
+
+    @property
+    def without_kill(self) -> tuple[MutantScore, ...]:
+        """Counted mutants that are detected, and killed in no situation."""
+        return tuple(mutant for mutant in self.counted if mutant.detected and not mutant.kills)
+
+    @property
+    def trivial(self) -> tuple[MutantScore, ...]:
+        """Counted mutants that are detected where any test would do."""
+        return tuple(mutant for mutant in self.counted if mutant.trivial)
+
+    @property
+    def without_effect(self) -> tuple[MutantScore, ...]:
+        """Counted mutants whose flights all equal the baseline's to the bit."""
+        return tuple(mutant for mutant in self.counted if mutant.without_effect)
 
     @property
     def expected_false(self) -> float:
@@ -123,4 +145,14 @@ def score_of(
         lacking=tuple(sorted(infected - pool.flown, key=space.rank)),
         pooled=pooled,
         selected=tuple(sorted(space.selected & rulings.situations, key=space.rank)),
+        behaviours=_behaviours(counted, rulings),
     )
+
+
+def _behaviours(counted: Iterable[MutantScore], rulings: Rulings) -> tuple[tuple[str, ...], ...]:
+    """The detected among the counted mutants, grouped by equal flights, in order."""
+    groups: dict[str, list[str]] = {}
+    for mutant in counted:
+        if mutant.detected:
+            groups.setdefault(rulings.behaviours[mutant.subject.id], []).append(mutant.subject.id)
+    return tuple(map(tuple, groups.values()))

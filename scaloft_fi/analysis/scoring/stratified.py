@@ -23,12 +23,17 @@ GATE = 10
 
 
 class Stratum(NamedTuple):
-    """A situation: the subject violates in k of n flights, the pool in b of m."""
+    """A situation: the subject violates in k of n flights, the pool in b of m.
+
+    Attributes:
+        most: violating pool flights up to which the situation contributes; a tenth of m where none is given.
+    """
 
     k: int
     n: int
     b: int
     m: int
+    most: int | None = None
 
 
 def p_value(strata: Iterable[Stratum]) -> float:
@@ -44,23 +49,24 @@ def p_value(strata: Iterable[Stratum]) -> float:
     """
     observed = 0
     margins = []
-    for k, n, b, m in strata:
+    for k, n, b, m, given in strata:
         if not (0 <= k <= n and 0 <= b <= m):
             raise ValueError(f"{k} of {n} against {b} of {m} is no stratum")
         if k + b:  # a situation without a violation contributes nothing, whatever else happens
-            observed += k if b * GATE <= m else 0
-            margins.append((n, m, k + b))
+            most = m // GATE if given is None else given
+            observed += k if b <= most else 0
+            margins.append((n, m, k + b, most))
     if observed == 0:
         return 1.0
     return min(1.0, float(_tails(tuple(sorted(margins)))[observed]))
 
 
 @lru_cache(maxsize=8192)
-def _tails(margins: tuple[tuple[int, int, int], ...]) -> NDArray[np.float64]:
-    """Chance of a sum of at least 0, 1, 2, ... over strata with these (n, m, t)."""
+def _tails(margins: tuple[tuple[int, int, int, int], ...]) -> NDArray[np.float64]:
+    """Chance of a sum of at least 0, 1, 2, ... over strata with these (n, m, t, most)."""
     chances = np.ones(1)
-    for n, m, t in margins:
-        entries = _contributions(n, m, t)
+    for n, m, t, most in margins:
+        entries = _contributions(n, m, t, most)
         wider = np.zeros(len(chances) + entries[-1][0])
         for contribution, chance in entries:
             wider[contribution : contribution + len(chances)] += chance * chances
@@ -69,11 +75,11 @@ def _tails(margins: tuple[tuple[int, int, int], ...]) -> NDArray[np.float64]:
 
 
 @lru_cache(maxsize=8192)
-def _contributions(n: int, m: int, t: int) -> tuple[tuple[int, float], ...]:
+def _contributions(n: int, m: int, t: int, most: int) -> tuple[tuple[int, float], ...]:
     """What a stratum may contribute, each with its chance, least first."""
     ways = math.comb(n + m, t)
     weights: dict[int, int] = {}
     for k in range(max(0, t - m), min(n, t) + 1):
-        contribution = k if (t - k) * GATE <= m else 0
+        contribution = k if t - k <= most else 0
         weights[contribution] = weights.get(contribution, 0) + math.comb(n, k) * math.comb(m, t - k)
     return tuple((contribution, weights[contribution] / ways) for contribution in sorted(weights))
