@@ -107,7 +107,7 @@ class Study(Setup):
         credible = [cell for cell in self.matrix if cell.status is CellStatus.CREDIBLE]
         controls = frozenset(cell.name for cell in self.matrix if cell.status is CellStatus.CONTROL)
         defaults = {cell.name: default_of(cell).id for cell in credible}
-        return Roster(defaults, controls, tuple(mutant.id for mutant in self.catalogue))
+        return Roster(defaults, controls, tuple(mutant.id for mutant in self.catalogue), self.matrix.severities)
 
     @cached_property
     def alpha(self) -> float:

@@ -159,7 +159,7 @@ meaning: What the value beside it says.
 message: The type of the samples of a seam, with named fields.
 minimal | minimal mutants | minimal so far: Mutants that no other mutant subsumes: who kills these kills all.
 mixed: No short condition describes the situations with a kill; `scaloft-fi kills ID` lists them.
-monotone: A severer magnitude is killed wherever a milder one is.
+monotone: A stronger magnitude is killed wherever a milder one is.
 mutant | mutants: A drone with one fault: a cell, an operator, a magnitude and a time.
 mutants killed, of those put to the test: Mutants killed in the situation / mutants that it puts to the test.
 mutation score | mutation_score: Default mutants that safety requirements detect / default mutants flown.
@@ -285,7 +285,7 @@ subsumed by: The mutants directly above: whoever kills one of them kills this on
 subsumption | subsumes: One mutant subsumes another when the other is killed wherever the first is.
 suite | smallest set of situations: The fewest situations that keep every kill.
 survive | survived | survives: Status of a flight: it changed, and no safety requirement is violated.  In the table of
-  margins: the severest magnitude that survives, below those that are killed.
+  margins: the strongest magnitude that survives, below those that are killed.
 survives in: Number of situations that put the mutant to the test and do not kill it.
 survivor | survivors: A mutant that is not detected.
 t-way | t_way: Combinations of values of t axes; 2-way 100 %: every two values of different axes were flown together.

@@ -13,6 +13,7 @@ from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.scoring.detection import Detection, Sample, Spending, Verdict, detect
 from scaloft_fi.analysis.scoring.firmness import Firmness, firmness
 from scaloft_fi.analysis.scoring.pool import Pool
+from scaloft_fi.hazop.severity import SeverityClass
 from scaloft_fi.judge.outcome import Subject
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.rulings import Ruled, Situations
@@ -106,6 +107,7 @@ class MutantScore:
         first: the earliest violation in a kill; of a mutant without one the earliest in a pair that tests it.
         statuses: flights of each status.
         firmness: what remains of the verdict when one seed is left out; None where it is not detected.
+        severity: class of its cell; None where the cell has none.  It enters no ratio.
     """
 
     subject: Subject
@@ -118,6 +120,7 @@ class MutantScore:
     first: Moment | None
     statuses: tuple[tuple[Status, int], ...]
     firmness: Firmness | None = None
+    severity: SeverityClass | None = None
 
     @property
     def verdict(self) -> Verdict:

@@ -24,7 +24,7 @@ from scaloft_fi.views.outputs.shape import (
     text,
     texts,
 )
-from scaloft_fi.views.score.score_form import FIRM, VERDICTS
+from scaloft_fi.views.score.score_form import FIRM, SEVERITY, VERDICTS
 
 _MUTANT = text("id of the mutant")
 _STATES = [*(status.value for status in Status), NOT_FLOWN]
@@ -199,7 +199,7 @@ KILLS = Output(
         ),
         "survivors": optional(
             listing(
-                "the mutants that are not detected",
+                "the mutants that are not detected, those of the worst class of severity first",
                 record(
                     "a mutant",
                     {
@@ -227,6 +227,7 @@ KILLS = Output(
                             "no flight that put it to the test has a trajectory",
                         ),
                         "find": text("name of the find that is to be flown; empty without one"),
+                        "severity": SEVERITY,
                     },
                 ),
             ),

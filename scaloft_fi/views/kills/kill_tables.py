@@ -179,8 +179,17 @@ def redundancy_table(listed: Sequence[Redundancy]) -> Table:
 
 def survivor_table(listed: Sequence[Survivor]) -> Table:
     """Every survivor with the next thing to do."""
-    rows = tuple((one.mutant, one.verdict.words, one.stage.value, one.next.value, one.why) for one in listed)
-    return Table("Survivors", ("mutant", "verdict", "stopped at", "next", "why"), rows, (_STOPPED, _STEADY, _WAY))
+    classed = any(one.severity for one in listed)
+    rows = tuple(
+        (
+            one.mutant,
+            *([one.severity or ""] if classed else []),
+            *(one.verdict.words, one.stage.value, one.next.value, one.why),
+        )
+        for one in listed
+    )
+    headers = ("mutant", *(["severity"] if classed else []), "verdict", "stopped at", "next", "why")
+    return Table("Survivors", headers, rows, (_STOPPED, _STEADY, _WAY))
 
 
 def survivor_summary(listed: Sequence[Survivor]) -> Table:

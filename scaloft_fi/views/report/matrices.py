@@ -21,7 +21,7 @@ from scaloft_fi.judge.rulings import Ruled, Rulings, Situations
 from scaloft_fi.judge.space import Space
 from scaloft_fi.views.report.certainty import certainty
 from scaloft_fi.views.report.karnaugh import terms
-from scaloft_fi.views.report.severity import searched
+from scaloft_fi.views.report.ladder import searched
 from scaloft_fi.views.report.signs import Sign, opening, seen_in, shown_by, sign_of
 
 if TYPE_CHECKING:

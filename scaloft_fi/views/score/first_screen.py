@@ -19,6 +19,7 @@ from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.situations.coverage import Coverage
 from scaloft_fi.defaults import CAMPAIGN
+from scaloft_fi.hazop.severity import class_of, worst_first
 from scaloft_fi.inert import line
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
@@ -45,6 +46,8 @@ COLUMNS = {
     Verdict.NOT_TESTED: ("effect", "next"),
 }
 """The columns of each group of mutants."""
+SEVERITY = "severity"
+"""Column of the groups of survivors in a study with classes; the worst class stands first."""
 SPARE = ("where", "by", "seen", "first")
 """The columns that a narrow terminal does without, in the order in which they are left out."""
 CONTROL_COLUMNS = ("shows itself by", "effect")
@@ -117,13 +120,18 @@ def first_screen(
         members = [mutant for mutant in scored.mutants if mutant.flown and mutant.verdict is verdict]
         if verdict is Verdict.DETECTED:
             members.sort(key=lambda mutant: -len(mutant.killing))
+        else:
+            members = worst_first(members, lambda mutant: mutant.severity)
+        columns = COLUMNS[verdict]
+        if verdict is not Verdict.DETECTED and any(mutant.severity for mutant in members):
+            columns = (SEVERITY, *columns)
         shown = _shown(members, whole=whole)
         facts = [_facts(mutant, space, background(mutant.subject.id), finds) for mutant in shown]
-        rows = [(one["mutant"], *(one[column] for column in COLUMNS[verdict])) for one in facts]
+        rows = [(one["mutant"], *(one[column] for column in columns)) for one in facts]
         title = f"{verdict.words.capitalize()}: {len(members)}"
         if counted[verdict] != len(members):
             title += f", of which {counted[verdict]} count in the score"
-        groups.append(_group(title, COLUMNS[verdict], rows, len(members)))
+        groups.append(_group(title, columns, rows, len(members)))
     controls = [_control(mutant) for mutant in _shown(scored.controls, whole=whole)]
     showing = sum(map(_shows, scored.controls))
     title = f"Controls, in no ratio: {showing} of {len(scored.controls)} show that faults reach the drone"
@@ -209,6 +217,7 @@ def _facts(mutant: MutantScore, space: Space, background: Background | None, fin
     seen = Counter(name for result in mutant.results for name in result.seen)
     return {
         "mutant": mutant.subject.id,
+        SEVERITY: class_of(mutant.severity),
         "killed in": mutant.kill_rate.short,
         "firm": FIRM[mutant.firmness] if mutant.firmness else "",
         "by": ", ".join(f"{name} {ratio.short}" for name, ratio in mutant.requirements if name in mutant.safety.p)

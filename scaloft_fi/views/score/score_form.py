@@ -33,6 +33,7 @@ FIRM = optional(
 )
 SITUATION = text("key of the situation")
 REQUIREMENT = text("name of the requirement")
+SEVERITY = optional(text("class of severity of its cell, one of the study's own; in no ratio"), "it has none")
 P = by_name(
     "by requirement, the chance of as many violations if the fault did nothing (exact test, Holm's adjustment)",
     number("p (0..1)"),
@@ -81,6 +82,7 @@ def _mutants(about: str) -> Shape:
                 "guideword": text("its guideword"),
                 "parameter": text("its parameter"),
                 "magnitude": text("its magnitude with the unit, as in the id; empty where the cell has no ladder"),
+                "severity": SEVERITY,
                 "status": text("the furthest stage that a flight reached", [status.value for status in Status]),
                 "verdict": text("of all its flights, by safety requirements", VERDICTS),
                 "firm": FIRM,
@@ -191,7 +193,10 @@ SCORE = Output(
                 "a part",
                 {
                     "by": text("what the parts are", [by.value for by in By]),
-                    "name": text("of the part: a guideword, a parameter, a key, a requirement, an axis with its value"),
+                    "name": text(
+                        "of the part: a guideword, a parameter, a class of severity (worst first, `no class` last), a "
+                        "key, a requirement, an axis with its value"
+                    ),
                     "axis": optional(text("id of the axis"), "not by axis"),
                     "value": optional(text("id of the axis's value, as in keys of situations"), "not by axis"),
                     "tested": ratio(

@@ -12,6 +12,7 @@ from scaloft_fi.analysis.scoring.grouping import Group
 from scaloft_fi.analysis.scoring.mutant_score import Kill, Moment, MutantScore
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.situations.coverage import Coverage
+from scaloft_fi.hazop.severity import class_of
 from scaloft_fi.views.coverage.coverage_record import coverage_record
 
 RATIOS = ("exercised", "infected", "tested", "mutation_score", "firm", "operability")
@@ -72,6 +73,7 @@ def _mutant(mutant: MutantScore) -> dict[str, Any]:
         "guideword": mutant.subject.guideword,
         "parameter": mutant.subject.parameter,
         "magnitude": mutant.subject.magnitude,
+        "severity": class_of(mutant.severity) or None,
         "status": mutant.status.value,
         "verdict": mutant.verdict.value,
         "firm": mutant.firmness.value if mutant.firmness else None,

@@ -195,7 +195,7 @@ def requirement_table(tallied: Sequence[Tally]) -> Table:
 def group_table(scored: Score, by: By, space: Space) -> Table:
     """The score of each part."""
     rows = tuple((group.name, str(group.tested), str(group.flown)) for group in groups(scored, by, space))
-    mutants = by in (By.GUIDEWORD, By.PARAMETER, By.REQUIREMENT)
+    mutants = by in (By.GUIDEWORD, By.PARAMETER, By.SEVERITY, By.REQUIREMENT)
     what = "detected" if mutants else "with a kill"
     of = "mutants in situations" if by is By.AXIS else "mutants"
     notes = (f"Default mutants of credible cells: {of} {what}, of those put to the test there, and of those flown.",)

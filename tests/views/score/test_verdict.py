@@ -46,7 +46,7 @@ def line(*flights: Outcome) -> str:
 
 def test_a_detected_mutant_is_killed_in_situations_by_requirements() -> None:
     said = line(*pool(HERE, THERE), *flown(HERE, violating=3), *flown(THERE))
-    assert said == "detected: killed in 1 of 2 situations that test it (SR2 in 1 of 2); too few seeds to say"
+    assert said == "detected: killed in 1 of 2 situations that test it (SR2 in 1 of 2); hangs on a seed"
 
 
 def test_a_detected_mutant_without_a_kill_says_by_what_it_is_detected() -> None:
