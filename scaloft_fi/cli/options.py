@@ -138,7 +138,8 @@ def today_option(function: F) -> F:
         "--today",
         callback=_day,
         metavar="YYYY-MM-DD",
-        help="The day by which dispositions expire; no score depends on it.  [default: the system's date]",
+        help="The day by which dispositions expire; the mutation score does not depend on it.  [default: the system's "
+        "date]",
     )(function)
 
 

@@ -77,7 +77,7 @@ def score_command(
     from scaloft_fi.views.score.score_form import SCORE
     from scaloft_fi.views.scored_campaign import scored_campaign
 
-    scored = scored_campaign(Study.open(study_folder), campaign, baseline_from)
+    scored = scored_campaign(Study.open(study_folder), campaign, baseline_from, today)
     code = report(
         scored,
         SCORE,

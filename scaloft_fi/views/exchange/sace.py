@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
+from scaloft_fi.analysis.disposition import judge
 from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.scoring.baseline import Tally, findings, tallies
 from scaloft_fi.analysis.scoring.detection import Verdict
@@ -45,6 +46,7 @@ def verification_log(dossier: Dossier) -> tuple[Table, ...]:
         _cases(dossier),
         _required(dossier),
         _by_requirement(dossier),
+        *_accepted(dossier),
         _domain(dossier),
         _scenarios(dossier),
         _edges(dossier),
@@ -119,6 +121,18 @@ def _by_requirement(dossier: Dossier) -> Table:
         else f"No verdicts: {NO_POOL}.",
     )
     return Table("Sufficiency of coverage (1): safety requirements", headers, rows, notes)
+
+
+def _accepted(dossier: Dossier) -> tuple[Table, ...]:
+    """The survivors that somebody accepted, and acceptances that do not hold; no table where there are none."""
+    rows = tuple(
+        (one.mutant, one.state.value, known.owner, known.reason, known.expires.isoformat())
+        for one in judge(dossier.score, dossier.roster, dossier.dispositions, dossier.today)
+        if (known := one.disposition) is not None and dossier.score.pooled
+    )
+    notes = (f"Without accepted survivors the tests detect {dossier.without_accepted} of the mutants flown.",)
+    headers = ("mutant", "state", "owner", "reason", "expires")
+    return (Table("Accepted survivors", headers, rows, notes),) if rows else ()
 
 
 def _detected_by(dossier: Dossier, requirement: str) -> Ratio:

@@ -15,7 +15,7 @@ from scaloft_fi.views.tables.table import Format, Table, render
 def summary(dossier: Dossier) -> str:
     """The page."""
     mutants = [_of(dossier, verdict) for verdict in Verdict if dossier.of(verdict)]
-    return render((_ratios(dossier), *mutants, _findings(dossier)), Format.MARKDOWN)
+    return render((_ratios(dossier), *mutants, *_accepted(dossier), _findings(dossier)), Format.MARKDOWN)
 
 
 def _ratios(dossier: Dossier) -> Table:
@@ -32,6 +32,7 @@ def _ratios(dossier: Dossier) -> Table:
     rows = (
         ("mutation score", str(scored.mutation_score), "mutants detected by safety requirements, of those flown"),
         ("firm", str(scored.firm), "mutants detected whichever one seed is left out, of those flown"),
+        *_without_accepted(dossier),
         ("tested", str(scored.tested), "mutants put to the test, of those flown"),
         ("operability", str(scored.operability), "mutants detected by operability requirements, of those flown"),
         exercised,
@@ -47,6 +48,18 @@ def _ratios(dossier: Dossier) -> Table:
         "flights violate that requirement."
     )
     return Table(title, headers, rows, (detected, killed))
+
+
+def _without_accepted(dossier: Dossier) -> list[tuple[str, str, str]]:
+    if not dossier.accepted:
+        return []
+    return [("without accepted", str(dossier.without_accepted), "the same, of those that are no accepted survivors")]
+
+
+def _accepted(dossier: Dossier) -> tuple[Table, ...]:
+    """The survivors that somebody accepted; no table where there are none."""
+    rows = tuple((id_, known.owner, known.reason, known.expires.isoformat()) for id_, known in dossier.accepted.items())
+    return (Table(f"{len(rows)} accepted survivors", ("mutant", "owner", "reason", "expires"), rows),) if rows else ()
 
 
 def _of(dossier: Dossier, verdict: Verdict) -> Table:

@@ -25,6 +25,7 @@ from scaloft_fi.views.outputs.shape import (
     texts,
 )
 from scaloft_fi.views.score.score_form import FIRM, SEVERITY, VERDICTS
+from scaloft_fi.views.stale import KEYS as STALE
 
 _MUTANT = text("id of the mutant")
 _STATES = [*(status.value for status in Status), NOT_FLOWN]
@@ -233,6 +234,7 @@ KILLS = Output(
             ),
             _NOT_ASKED,
         ),
+        **STALE,
     },
     rows="mutants",
 )

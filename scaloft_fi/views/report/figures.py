@@ -69,7 +69,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "grid": space.grid,
         "seeds": sorted({seed for _, seed in rulings.draws}),
         "flights": len(outcomes),
-        "stale": evidence.stale,
+        "stale": list(evidence.stale.sentences),
         "owed": evidence.owed,
         "fingerprint": dict(evidence.fingerprint or {}),
         "answers": plain(answers(scored, roster, evidence.campaign, study.finds, space.grid)),

@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from scaloft_fi.analysis.disposition import Accepted
 from scaloft_fi.analysis.kills.background import Background
 from scaloft_fi.analysis.noise import Noise
 from scaloft_fi.analysis.roster import Roster
@@ -27,6 +28,7 @@ from scaloft_fi.judge.status import Status
 from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
 from scaloft_fi.terminal import PROSE, Marked, Style, coloured, styled
 from scaloft_fi.terminal import width as terminal_width
+from scaloft_fi.views.score.accepted import accepted_line
 from scaloft_fi.views.score.answers import Line, answers
 from scaloft_fi.views.score.finds import next_find
 from scaloft_fi.views.score.noise import noise_line
@@ -95,6 +97,7 @@ def first_screen(
     campaign: str = CAMPAIGN,
     finds: KnownFinds = NO_FINDS,
     noise: Sequence[Noise] = (),
+    accepted: Sequence[Accepted] = (),
     whole: bool = False,
 ) -> tuple[Table, ...]:
     """The screen as tables: the answers, a table a group, and the two lines.
@@ -108,10 +111,13 @@ def first_screen(
         campaign: its name, for the commands.
         finds: of the study.
         noise: of a stack that is not deterministic.
+        accepted: the survivors that somebody accepted.
         whole: whether groups are shown to their ends.
     """
     replies = answers(scored, roster, campaign, finds, space.grid)
     lines = [Line("Situations", coverage_line(covered)), Line("Unmutated drone", baseline_line(scored.pool))]
+    if accepted:
+        lines.append(Line("Accepted", accepted_line(scored, accepted)))
     if noise:
         lines.append(Line("Noise", noise_line(noise)))
     counted = Counter(mutant.verdict for mutant in scored.counted)

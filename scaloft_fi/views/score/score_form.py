@@ -25,6 +25,8 @@ from scaloft_fi.views.outputs.shape import (
     text,
     texts,
 )
+from scaloft_fi.views.score.accepted import SHAPE as ACCEPTED
+from scaloft_fi.views.stale import KEYS as STALE
 
 VERDICTS = [verdict.value for verdict in Verdict]
 FIRM = optional(
@@ -124,6 +126,7 @@ SCORE = Output(
                 "tested": ratio("mutants put to the test, of those flown"),
                 "mutation_score": ratio("mutants detected by safety requirements, of those flown"),
                 "firm": ratio("mutants detected whichever one seed is left out, of those flown"),
+                "without_accepted": ratio("the same, of those flown that are no accepted survivors"),
                 "operability": ratio("mutants detected by operability requirements, of those flown"),
             },
         ),
@@ -247,6 +250,8 @@ SCORE = Output(
                 },
             ),
         ),
+        "accepted": ACCEPTED,
+        **STALE,
     },
     rows="mutants",
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from scaloft_fi.analysis.disposition import Accepted, score_without
 from scaloft_fi.analysis.noise import Noise
 from scaloft_fi.analysis.plain import plain
 from scaloft_fi.analysis.scoring.detection import Detection
@@ -14,6 +15,8 @@ from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.situations.coverage import Coverage
 from scaloft_fi.hazop.severity import class_of
 from scaloft_fi.views.coverage.coverage_record import coverage_record
+from scaloft_fi.views.score.accepted import accepted_values
+from scaloft_fi.views.stale import NONE, Stale
 
 RATIOS = ("exercised", "infected", "tested", "mutation_score", "firm", "operability")
 
@@ -27,6 +30,8 @@ def score_json(
     noise: Sequence[Noise] = (),
     looks: Sequence[Mapping[str, Any]] = (),
     unflown: Sequence[Mapping[str, Any]] = (),
+    accepted: Sequence[Accepted] = (),
+    stale: Stale = NONE,
 ) -> dict[str, Any]:
     """Plain JSON values of the form `SCORE`.
 
@@ -38,11 +43,14 @@ def score_json(
         noise: of a stack that is not deterministic.
         looks: of a sequential run, as plain JSON values.
         unflown: what a run left out, as plain JSON values.
+        accepted: the survivors that somebody accepted.
+        stale: the flights of the campaign that no longer count.
     """
     return {
         "alpha": scored.alpha,
         "pooled": scored.pooled,
-        "ratios": {name: plain(getattr(scored, name)) for name in RATIOS},
+        "ratios": {name: plain(getattr(scored, name)) for name in RATIOS}
+        | {"without_accepted": plain(score_without(scored, accepted))},
         "expected_false": scored.expected_false,
         "redraw": plain(scored.redraw),
         "composition": {
@@ -64,6 +72,8 @@ def score_json(
         "noise": plain(noise),
         "looks": list(looks),
         "unflown": list(unflown),
+        "accepted": accepted_values(accepted),
+        **stale.values,
     }
 
 

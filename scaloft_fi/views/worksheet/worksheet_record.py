@@ -23,6 +23,7 @@ from scaloft_fi.views.outputs.shape import (
     texts,
 )
 from scaloft_fi.views.score.score_form import FIRM, VERDICTS, P
+from scaloft_fi.views.stale import KEYS as STALE
 from scaloft_fi.views.worksheet.margin_record import CELL_MARGINS
 from scaloft_fi.views.worksheet.matrix_record import CELL, cell_values
 from scaloft_fi.views.worksheet.worksheet import TEAM, SheetRow, p_of
@@ -87,7 +88,8 @@ WORKSHEET = Output(
                     ),
                 },
             ),
-        )
+        ),
+        **STALE,
     },
     rows="rows",
 )

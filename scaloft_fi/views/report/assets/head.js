@@ -8,6 +8,7 @@ function masthead() {
     h("h1", {}, `${DATA.study}: campaign ${DATA.campaign}`),
     DATA.gates.failed && h("p", { class: "notice", role: "alert" }, h("b", {}, "These figures may not be believed. "), DATA.gates.failed),
     DATA.owed > 0 && h("p", { class: "notice" }, `${plural(DATA.owed, "planned flight")} of this campaign ${DATA.owed === 1 ? "is" : "are"} missing: the run was not finished.`),
+    DATA.stale.map((text) => h("p", { class: "notice" }, withCode(`${text}.`))),
     h("p", { class: "answer" }, withCode(sentence(answer.text))),
     DATA.pooled && fateBar(),
     h("dl", { class: "answers" },
