@@ -152,7 +152,7 @@ def scored_campaign(study: Study, campaign: str, baseline_from: str | None = Non
     """
     with snapshot(study, campaign) as now:
         study, rulings, spending, warning = now.study, now.rulings, now.spending, now.platform_warning
-        noise = _noise(study, now.outcomes)
+        noise, campaign = _noise(study, now.outcomes), now.name
     others: Iterable[Outcome] = ()
     if baseline_from:
         flown = rulings.situations

@@ -79,5 +79,5 @@ def worksheet(study: Study, campaign: str) -> Worksheet:
     """
     with snapshot(study, campaign) as now:
         study, finds = now.study, now.study.finds
-        rows = filled_back(study.matrix, now.outcomes, now.score, study.space, study.dispositions, finds, campaign)
+        rows = filled_back(study.matrix, now.outcomes, now.score, study.space, study.dispositions, finds, now.name)
     return Worksheet(rows, finds.warnings)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -41,6 +41,7 @@ class Dossier:
         finds: of the study.
         deterministic: whether flights of its stack repeat their bits.
         searchable: whether `seek` can search it.
+        archive: reads the files of the campaign's archive, by their paths.
     """
 
     study: str
@@ -58,6 +59,7 @@ class Dossier:
     finds: KnownFinds = NO_FINDS
     deterministic: bool = True
     searchable: bool = True
+    archive: Callable[[], Mapping[str, bytes]] = dict
 
     @cached_property
     def score(self) -> Score:

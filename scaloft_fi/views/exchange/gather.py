@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
+from pathlib import Path
+
 from scaloft_fi.defaults import SEARCHED
 from scaloft_fi.reading import is_there, read_text
 from scaloft_fi.sim.grids import FOLDER
 from scaloft_fi.study import Study
 from scaloft_fi.version import __version__
+from scaloft_fi.views.exchange.archive import archive_files
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.snapshot import snapshot
 
@@ -22,8 +26,8 @@ def dossier(study: Study, campaign: str) -> Dossier:
         outcomes, platform, spending = now.outcomes, now.platform, now.spending
     item, cells = study.grid.item, sorted((study.folder / "hazop").rglob("*.yaml"))
     return Dossier(
-        study=study.folder.resolve().name,
-        campaign=now.folder.name,
+        study=study.name,
+        campaign=Path(now.name).name,
         version=__version__,
         platform=platform,
         matrix=study.matrix,
@@ -36,5 +40,6 @@ def dossier(study: Study, campaign: str) -> Dossier:
         grid_file=item.path.relative_to(study.folder).as_posix() if item else "",
         finds=study.finds,
         deterministic=study.stack.deterministic,
+        archive=partial(archive_files, study, campaign),
         searchable=not study.packaged and is_there(study.folder / "sim" / FOLDER / f"{SEARCHED}.yaml"),
     )

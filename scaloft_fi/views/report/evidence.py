@@ -19,7 +19,7 @@ class Evidence:
 
     Attributes:
         study: what was flown.
-        campaign: its name, as `--campaign` takes it.
+        campaign: its name, for commands.
         outcomes: those that the study still stands for, with their tracks.
         stale, owed: flights that it has outgrown; flights planned and not flown.
         fingerprint: of the platform that flew them, by name.
@@ -47,7 +47,7 @@ def gather(study: Study, campaign: str, today: date | None = None) -> Evidence:
         known = now.held.current or nothing_to_show(now.store, now.folder)
         return Evidence(
             study=now.study,
-            campaign=campaign,
+            campaign=now.name,
             outcomes=now.with_tracks(known, {outcome.mutant for outcome in known}),
             stale=now.held.stale,
             owed=now.held.owed,
