@@ -14,7 +14,6 @@ from scaloft_fi.console import say, tell
 from scaloft_fi.errors import InputError
 from scaloft_fi.registry import load_plugins
 
-
 ARCHIVE, ZIP = "archive", ".zip"
 """The format of several files; the end of the name of one that holds them all."""
 

@@ -51,8 +51,7 @@ def campaign_option(function: F) -> F:
         default=CAMPAIGN,
         show_default=True,
         metavar="NAME",
-        help="A folder in the study's results/campaigns/; a NAME with a / or that ends in .zip is the path of a folder or an "
-        "archive.",
+        help="A folder in the study's results/campaigns/; a NAME with a / or .zip is the path of a folder or archive.",
     )(function)
 
 

@@ -15,7 +15,6 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
-from operator import itemgetter
 from pathlib import Path
 from typing import NoReturn
 
@@ -32,6 +31,7 @@ from scaloft_fi.campaign.store.tables import Planned
 from scaloft_fi.errors import InputError, shown
 from scaloft_fi.hazop.folder import FOLDERS
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.reading import FILE_BYTES, MIB, digest, is_file, is_folder, opened, read_bytes
 from scaloft_fi.study import Study
 
@@ -51,6 +51,8 @@ class Manifest:
         study, campaign: names at the time of archiving.
         platform: fingerprint of the platform that flew first.
         notes: notes of the campaign's store.
+        requirements: kind of each requirement by which the flights were judged, by its name.
+        axes: the axes of their situations.
         files: SHA-256 of every other file, by its path in the archive.
     """
 
@@ -58,6 +60,8 @@ class Manifest:
     campaign: str
     platform: Mapping[str, str]
     notes: Mapping[str, str]
+    requirements: Mapping[str, str]
+    axes: tuple[str, ...]
     files: Mapping[str, str]
 
     @classmethod
@@ -72,17 +76,13 @@ class Manifest:
             version = content.pop("archive")
             if version != VERSION:
                 raise InputError(f"{path}: archive={shown(version)} must be {VERSION}: another version wrote it")
-            made = cls(**content)
-            texts = (made.study, made.campaign, *_texts(made.platform), *_texts(made.notes), *_texts(made.files))
-            "".join(texts)
+            made = cls(**{**content, "axes": tuple(content["axes"])})
+            named = (made.platform, made.notes, made.requirements, made.files)
+            "".join((made.study, made.campaign, *made.axes, *(text for each in named for text in each.values())))
+            _ = [Kind(kind) for kind in made.requirements.values()]
         except (ValueError, TypeError, KeyError, AttributeError) as error:
             raise InputError(f"{path}: the file must be as `export --format archive` writes it") from error
         return made
-
-
-def _texts(entries: Mapping[str, str]) -> Iterator[str]:
-    for name, text in entries.items():
-        yield from (name, text)
 
 
 class Archive(Store):
@@ -139,16 +139,14 @@ class Archive(Store):
         return digest(self._folder / MANIFEST)
 
     @cached_property
-    def _flown(self) -> list[tuple[Flown, Outcome]]:
-        """The flights, ordered by mutant, situation, seed."""
-        path, keys, names = self.place / OUTCOMES, _KeysNow(self.study), set[str]()
-        listed = read_outcomes(path, self._content(OUTCOMES), self.study)
-        listed.sort(key=lambda one: (one.mutant, one.situation, one.seed))
-        for one in listed:
-            if one.name in names:
-                raise InputError(f"{path}: {one.name} occurs twice")
-            names.add(one.name)
-        return [(Flown(keys(one), one.mutant, one.situation, one.seed, None), one) for one in listed]
+    def _flown(self) -> Mapping[str, tuple[Flown, Outcome]]:
+        """The flights by key, ordered by mutant, situation, seed."""
+        path, keys, said = self.place / OUTCOMES, _KeysNow(self.study), self.manifest
+        listed = read_outcomes(path, self._content(OUTCOMES), tuple(said.requirements.items()), said.axes)
+        flown = {(one.mutant, one.situation, one.seed): one for one in listed}
+        if len(flown) < len(listed):
+            raise InputError(f"{path}: a flight occurs twice")
+        return {(key := keys(flown[name])): (Flown(key, *name, None), flown[name]) for name in sorted(flown)}
 
     @cached_property
     def _trajectories(self) -> Trajectories | None:
@@ -172,26 +170,27 @@ class Archive(Store):
 
     def rows(self, keys: Iterable[str] | None = None) -> Iterator[tuple[str, Outcome]]:
         """Yield every outcome, or those with `keys`, with key and track, ordered by key."""
-        for key, outcome in sorted(self.keyed(keys), key=itemgetter(0)):
+        for key in sorted(self._flown if keys is None else self._flown.keys() & set(keys)):
+            outcome = self._flown[key][1]
             track = self._trajectories.of(outcome.digest) if self._trajectories and not outcome.invalid else b""
             yield key, replace(outcome, track=track)
 
     def known(self, keys: Iterable[str]) -> set[str]:
         """The `keys` with a valid outcome."""
-        return {flight.key for flight, outcome in self._flown if not outcome.invalid}.intersection(keys)
+        return {flight.key for flight, outcome in self._flown.values() if not outcome.invalid}.intersection(keys)
 
     def flights(self) -> list[Flown]:
         """The flights, ordered by mutant, situation, seed."""
-        return [flight for flight, _ in self._flown]
+        return [flight for flight, _ in self._flown.values()]
 
     def keyed(self, keys: Iterable[str] | None = None) -> list[tuple[str, Outcome]]:
         """All outcomes, or those with `keys`, each with its key, in the order of `outcomes`."""
-        wanted = None if keys is None else set(keys)
-        return [(flight.key, one) for flight, one in self._flown if wanted is None or flight.key in wanted]
+        wanted = self._flown if keys is None else self._flown.keys() & set(keys)
+        return [(key, self._flown[key][1]) for key in self._flown if key in wanted]
 
     def standing(self, stands: Stands) -> tuple[Outcome, ...]:
         """The outcomes of the current flights, without their tracks, ordered by mutant, situation, seed."""
-        return tuple(outcome for flight, outcome in self._flown if stands(flight))
+        return tuple(outcome for flight, outcome in self._flown.values() if stands(flight))
 
     def origins(self) -> dict[int, Origin]:
         """None: why a flight would be stale is not asked of a record."""

@@ -4,27 +4,27 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from itertools import chain
 from operator import attrgetter
 from pathlib import Path
 from sys import intern
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from scaloft_fi.campaign.store.cells import MOST_SEED, BadCellError, Check, labels, numbers, texts, wholes
 from scaloft_fi.campaign.store.parquet import FLOATS, NUMBER, NUMBERS, TEXT, TEXTS, WHOLE, WHOLES, read_columns
 from scaloft_fi.errors import InputError
+from scaloft_fi.hazop.name import parse
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.judge.track import TRACK_COLUMNS
-from scaloft_fi.mutants.derive import realise
-from scaloft_fi.mutants.mutant import PLACEBO
-from scaloft_fi.study import Study
-
-if TYPE_CHECKING:
-    import pyarrow
 
 RHO = "rho_"
 """Beginning of the names of the columns of robustness."""
+
+
+_LEVEL = 1
+"""Level of compression of a track that is unpacked at once."""
 
 
 class Extra(NamedTuple):
@@ -87,33 +87,36 @@ TRACK_TYPES: Mapping[str, str] = {"digest": TEXT, **dict.fromkeys(TRACK_COLUMNS,
 """The columns of the trajectories: the digest of the flights that flew it, and the samples of each signal."""
 
 
-def read_outcomes(path: Path, content: bytes, study: Study) -> list[Outcome]:
+@lru_cache(maxsize=2)
+def read_outcomes(
+    path: Path, content: bytes, requirements: tuple[tuple[str, str], ...], axes: tuple[str, ...]
+) -> tuple[Outcome, ...]:
     """The outcomes in a file, without trajectories; where a flight did not test a requirement, rho is 0.
+
+    A page of many tables reads an archive many times, so the last ones are kept.
 
     Args:
         path: path of the file, for messages.
         content: its bytes.
-        study: what was flown.
+        requirements: name and kind of each requirement by which the flights were judged.
+        axes: the axes of their situations.
 
     Raises:
-        InputError: pyarrow is not installed, the file is damaged or holds what no store holds, or the study lacks a
-            requirement.
+        InputError: pyarrow is not installed, or the file is damaged or holds what no store holds.
     """
-    table = read_columns(path, content, {name: kind for name, (kind, _) in _CHECKS.items()}, RHO)
+    rhos = dict.fromkeys((RHO + name for name, _ in requirements), NUMBER)
+    table = read_columns(path, content, {name: kind for name, (kind, _) in _CHECKS.items()} | rhos)
     columns = {name: table.column(name).to_pylist() for name in table.column_names}
+    kinds = {name: Kind(kind) for name, kind in requirements}
     try:
-        _check(columns)
+        _check(columns, kinds)
     except BadCellError as error:
         raise InputError(f"{path}: column {error.column} must be {error.allowed}") from error
-    kinds = {requirement.name: requirement.kind for requirement in study.requirements}
-    rhos = {name.removeprefix(RHO): name for name in columns if name.startswith(RHO)}
-    if unknown := [name for name in rhos if name not in kinds]:
-        raise InputError(f"{path}: the flights were judged by {unknown[0]!r}, which the study does not have")
-    read = _Rows({name: (column, kinds[name]) for name, column in rhos.items()}, study)
-    return [read(dict(zip(columns, row, strict=True))) for row in zip(*columns.values(), strict=True)]
+    read = _Rows(kinds, axes)
+    return tuple(read(dict(zip(columns, row, strict=True))) for row in zip(*columns.values(), strict=True))
 
 
-def _check(columns: Mapping[str, Sequence[Any]]) -> None:
+def _check(columns: Mapping[str, Sequence[Any]], kinds: Mapping[str, Kind]) -> None:
     """Refuse what no store holds.
 
     Raises:
@@ -130,19 +133,20 @@ def _check(columns: Mapping[str, Sequence[Any]]) -> None:
     for name, other in _ALONG.items():
         if list(map(len, columns[name])) != list(map(len, columns[other])):
             raise BadCellError(name, f"as long as {other}")
+    if not kinds.keys() >= set(chain.from_iterable(columns["violated"])):
+        raise BadCellError("violated", f"names of {', '.join(kinds)}")
 
 
 class _Rows:
     """Makes outcomes of rows.
 
     Args:
-        requirements: by name the column of the robustness, and the kind.
-        study: what was flown.
+        kinds: kind of each requirement, by its name.
+        axes: the axes of the situations.
     """
 
-    def __init__(self, requirements: Mapping[str, tuple[str, Kind]], study: Study) -> None:
-        self._requirements, self._study = requirements, study
-        self._kinds = {name: kind for name, (_, kind) in requirements.items()}
+    def __init__(self, kinds: Mapping[str, Kind], axes: Sequence[str]) -> None:
+        self._kinds, self._axes = kinds, axes
         self._subjects: dict[str, Subject] = {}
 
     def __call__(self, row: Mapping[str, Any]) -> Outcome:
@@ -154,14 +158,14 @@ class _Rows:
             Reading(
                 name,
                 kind,
-                row[column] or 0.0,
+                row[RHO + name] or 0.0,
                 at.get(name),
                 episodes.get(name, 0),
                 open=name not in at and name not in row["held"],
             )
-            for name, (column, kind) in self._requirements.items()
+            for name, kind in self._kinds.items()
         ]
-        came_true = ((axis, axis in row["realised"]) for axis in self._study.space.axes)
+        came_true = ((axis, axis in row["realised"]) for axis in self._axes)
         return Outcome(
             subject=self._subject(row["mutant"]),
             situation=intern(row["situation"]),
@@ -184,15 +188,14 @@ class _Rows:
             realised=tuple(came_true) if baseline and not invalid else (),
         )
 
-    def _subject(self, mutant: str) -> Subject:
-        """The subject of an id; of a mutant that is not in the study any more only the id is known."""
-        if mutant not in self._subjects:
+    def _subject(self, id_: str) -> Subject:
+        if id_ not in self._subjects:
             try:
-                known = None if mutant in (BASELINE, PLACEBO.id) else realise(self._study.matrix, mutant)
-            except InputError:
-                known = None
-            self._subjects[mutant] = Subject.of(known) if known else Subject(mutant)
-        return self._subjects[mutant]
+                name = parse(id_)
+                self._subjects[id_] = Subject(id_, name.guideword, name.parameter, name.magnitude)
+            except InputError:  # the baseline and PLACEBO
+                self._subjects[id_] = Subject(id_)
+        return self._subjects[id_]
 
 
 class Trajectories:
@@ -207,13 +210,16 @@ class Trajectories:
     """
 
     def __init__(self, path: Path, content: bytes) -> None:
+        import numpy as np
+
         table = read_columns(path, content, TRACK_TYPES).combine_chunks()
         self._rows = {digest: row for row, digest in enumerate(table.column("digest").to_pylist())}
-        lists = [_lists(table, name) for name in TRACK_COLUMNS]
-        if any(column.null_count or not column.offsets.equals(lists[0].offsets) for column in lists):
-            raise InputError(f"{path}: the columns of a trajectory must be of equal length")
-        self._offsets = lists[0].offsets.to_pylist() if lists else []
-        self._values = [column.values.to_numpy(zero_copy_only=False) for column in lists]
+        lists = [table.column(name).combine_chunks() for name in TRACK_COLUMNS]
+        if any(one.null_count or one.values.null_count or not one.offsets.equals(lists[0].offsets) for one in lists):
+            raise InputError(f"{path}: the columns of a trajectory must be numbers and of equal length")
+        self._ends = lists[0].offsets.to_pylist()
+        # Arrow's own way to an array imports pandas, which takes a second
+        self._values = [np.frombuffer(one.values.buffers()[1] or b"", np.float32)[one.values.offset :] for one in lists]
 
     def of(self, digest: str) -> bytes:
         """The packed track of the flights with a digest; empty without one."""
@@ -222,18 +228,6 @@ class Trajectories:
         row = self._rows.get(digest)
         if row is None or not digest:
             return b""
-        start, end = self._offsets[row], self._offsets[row + 1]
+        start, end = self._ends[row], self._ends[row + 1]
         samples = np.column_stack([values[start:end] for values in self._values]).astype(np.float32)
         return zlib.compress(samples.tobytes(), _LEVEL)
-
-
-_LEVEL = 1
-"""Level of compression of a track that is unpacked at once."""
-
-
-def _lists(table: pyarrow.Table, name: str) -> Any:
-    """The only chunk of a column of lists."""
-    import pyarrow
-
-    column = table.column(name)
-    return column.chunk(0) if column.num_chunks else pyarrow.array([], column.type)

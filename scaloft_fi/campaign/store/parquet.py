@@ -21,14 +21,13 @@ _SHOWN = 200
 """Characters of Arrow's own message that a message shows."""
 
 
-def read_columns(path: Path, content: bytes, types: Mapping[str, str], numbers: str = "") -> pyarrow.Table:
-    """Columns of a file, in the order of the file.
+def read_columns(path: Path, content: bytes, types: Mapping[str, str]) -> pyarrow.Table:
+    """Columns of a file.
 
     Args:
         path: path of the file, for messages.
         content: its bytes.
         types: the type of each column that is needed; others are not read.
-        numbers: columns of numbers whose names begin so are read too; empty for none.
 
     Raises:
         InputError: pyarrow is not installed, or the file is damaged, lacks a column or is too large.
@@ -42,20 +41,19 @@ def read_columns(path: Path, content: bytes, types: Mapping[str, str], numbers: 
     try:
         file = pyarrow.parquet.ParquetFile(pyarrow.BufferReader(content))
         there = {field.name: _named(field.type) for field in file.schema_arrow}
-        wanted = {**types, **{name: NUMBER for name in there if numbers and name.startswith(numbers)}}
-        for name, kind in wanted.items():
+        for name, kind in types.items():
             if there.get(name) != kind:
                 raise ValueError(f"column {name!r} must be {kind}" + f", and is {there[name]}" * (name in there))
         groups = (file.metadata.row_group(number) for number in range(file.metadata.num_row_groups))
         if file.metadata.num_rows > most or sum(group.total_byte_size for group in groups) > most * MOST_ROW_BYTES:
             raise TooLargeError(path.name)
         parts, size = [], 0
-        for part in file.iter_batches(CHUNK, columns=list(wanted)):
+        for part in file.iter_batches(CHUNK, columns=list(types)):
             parts.append(part)
             size += part.nbytes
             if size > most * MOST_ROW_BYTES:  # a value that is repeated is larger than its file says
                 raise TooLargeError(path.name)
-        return pyarrow.Table.from_batches(parts, pyarrow.schema(file.schema_arrow.field(name) for name in wanted))
+        return pyarrow.Table.from_batches(parts, pyarrow.schema(file.schema_arrow.field(name) for name in types))
     except TooLargeError as error:
         raise InputError(f"{path}: {error}") from error
     except (pyarrow.ArrowException, OSError, ValueError) as error:

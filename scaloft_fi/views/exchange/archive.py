@@ -9,9 +9,9 @@ import hashlib
 import io
 import json
 import zipfile
-from collections.abc import Mapping, Sequence
+from array import array
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from scaloft_fi.campaign.store.archive import OUTCOMES, TRACKS, VERSION, study_files
 from scaloft_fi.campaign.store.archived import EXTRA
@@ -28,10 +28,6 @@ from scaloft_fi.views.exchange.parquet import parquet_file
 from scaloft_fi.views.flights.export import column_type, columns, export_rows, ordered
 from scaloft_fi.views.snapshot import Snapshot, snapshot
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
 EPOCH = (1980, 1, 1, 0, 0, 0)
 """Date of every file: the earliest that ZIP knows."""
 _TYPES = {TEXT: ColumnType.TEXT, WHOLES: ColumnType.WHOLES, NUMBERS: ColumnType.NUMBERS}
@@ -39,7 +35,7 @@ _TYPES = {TEXT: ColumnType.TEXT, WHOLES: ColumnType.WHOLES, NUMBERS: ColumnType.
 
 
 @export_format("archive", "all flights with their study, in a new folder or a .zip (extra: parquet)", text=False)
-def archive(dossier: Dossier) -> bytes:
+def whole(dossier: Dossier) -> bytes:
     """The ZIP file of a campaign."""
     return zipped(dossier.archive())
 
@@ -60,20 +56,27 @@ def unzipped(content: bytes) -> dict[str, bytes]:
         return {name: source.read(name) for name in source.namelist()}
 
 
-def archive_files(study: Study, campaign: str, *, documents: bool = True) -> dict[str, bytes]:
+def archive_files(
+    study: Study,
+    campaign: str,
+    *,
+    documents: bool = True,
+    kept: Callable[[bytes], array[float]] = track_values,
+) -> dict[str, bytes]:
     """The files of the archive of a campaign, by their paths: `campaign.json` first.
 
     Args:
         study: the study, with any of its grids.
         campaign: name of the campaign.
         documents: whether the study is in it.
+        kept: the values of `TRACK_COLUMNS` that are kept of a packed track, row by row.
 
     Raises:
         InputError: there is no campaign, it holds no flight that counts, or pyarrow is not installed.
     """
     with snapshot(study, campaign) as now:
         study = now.study
-        files = {OUTCOMES: outcome_file(now.outcomes, study), TRACKS: _tracks(now)}
+        files = {OUTCOMES: outcome_file(now.outcomes, study), TRACKS: _tracks(now, kept)}
         platform, notes = now.store.meta(), now.store.notes()
         campaign = Path(now.name).name
     if documents:
@@ -84,6 +87,8 @@ def archive_files(study: Study, campaign: str, *, documents: bool = True) -> dic
         "campaign": campaign,
         "platform": platform,
         "notes": notes,
+        "requirements": {one.name: one.kind.value for one in study.requirements},
+        "axes": list(study.space.axes),
         "files": {name: hashlib.sha256(file).hexdigest() for name, file in files.items()},
     }
     return {MANIFEST: (json.dumps(content, indent=1) + "\n").encode(), **files}
@@ -104,10 +109,8 @@ def outcome_file(outcomes: Sequence[Outcome], study: Study) -> bytes:
     return parquet_file(Columns("Flights", types, (row | extra for row, extra in zip(rows, more, strict=True))).arrow())
 
 
-def _tracks(now: Snapshot) -> bytes:
+def _tracks(now: Snapshot, kept: Callable[[bytes], array[float]]) -> bytes:
     """The trajectories of the flights, of flights with equal digests one."""
-    import numpy as np
-
     # flights that begin alike stand beside each other, which makes the file small
     alike = sorted(now.outcomes, key=lambda one: (one.situation, one.seed, one.mutant != BASELINE, one.mutant))
     first: dict[str, Outcome] = {}
@@ -115,14 +118,14 @@ def _tracks(now: Snapshot) -> bytes:
         if outcome.digest:
             first.setdefault(outcome.digest, outcome)
     flown = now.with_tracks(first.values(), {outcome.mutant for outcome in first.values()})
-    return track_file({one.digest: np.array(track_values(one.track), np.float32) for one in flown if one.track})
+    return track_file({one.digest: kept(one.track) for one in flown if one.track})
 
 
-def track_file(tracks: Mapping[str, NDArray[np.float32]]) -> bytes:
+def track_file(tracks: Mapping[str, array[float]]) -> bytes:
     """A file of trajectories.
 
     Args:
-        tracks: by digest of a flight the values of `TRACK_COLUMNS`, row by row, (T * columns,).
+        tracks: by digest of a flight the values of `TRACK_COLUMNS`, row by row, as single floats.
 
     Raises:
         InputError: pyarrow is not installed.
