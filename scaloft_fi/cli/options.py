@@ -27,7 +27,7 @@ def study_option(function: F) -> F:
 
     @wraps(function)
     def told(*args: Any, study_folder: Path | None, **options: Any) -> Any:
-        tell_study(study_folder, quiet=options.get("quiet", False))
+        tell_study(study_folder, quiet=options.get("quiet", False), campaign=options.get("campaign", ""))
         return function(*args, study_folder=study_folder, **options)
 
     return cast(F, _study_option(told))
@@ -51,7 +51,7 @@ def campaign_option(function: F) -> F:
         default=CAMPAIGN,
         show_default=True,
         metavar="NAME",
-        help="A folder in the study's results/campaigns/; a NAME with a / is the path of a folder.",
+        help="A folder in the study's results/campaigns/; a NAME with a / or .zip is the path of a folder or archive.",
     )(function)
 
 

@@ -13,6 +13,7 @@ alike: Of the flights that confirm a break, those that break in the same way, fl
 alpha: The chance that a mutant which does nothing is called detected: 0.01 unless the campaign spends less.
 altered | samples altered: Number of samples that the fault changed in a flight.
 answer: The sentence that answers the question beside it.
+archive: A campaign's record as one folder or ZIP file, with its study; every verb that reads opens it as a campaign.
 arguments: The settings of the operator that makes the fault.
 asks: The versions that scaloft-fi asks for.
 at most %: Share of the killed mutants whose kill order is this or less.

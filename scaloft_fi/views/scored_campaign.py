@@ -165,7 +165,7 @@ def scored_campaign(
     """
     with snapshot(study, campaign) as now:
         study, rulings, spending, warning = now.study, now.rulings, now.spending, now.platform_warning
-        noise, stale = _noise(study, now.outcomes), now.stale
+        noise, stale, campaign = _noise(study, now.outcomes), now.stale, now.name
     others: Iterable[Outcome] = ()
     if baseline_from:
         flown = rulings.situations

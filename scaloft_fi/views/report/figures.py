@@ -64,7 +64,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
     return {
         "schema": SCHEMA,
         "version": __version__,
-        "study": study.folder.resolve().name,
+        "study": study.name,
         "campaign": evidence.campaign,
         "grid": space.grid,
         "seeds": sorted({seed for _, seed in rulings.draws}),
