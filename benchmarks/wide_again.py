@@ -145,5 +145,6 @@ def _failing(wide: Grid) -> Iterator[str]:
     pairs = [pair for pair in wide.pool(ALL).pairs.values() if pair.kind is Kind.OPERABILITY]
     failing = {pair.situation for pair in pairs if 10 * pair.violated > pair.flights}
     kept = [one for one in wide.scores(ALL).values() if one.detected and any(key not in failing for key in one.killing)]
-    yield f"The unmutated drone violates OP1 in over a tenth of its flights in {len(failing)} of {len(pairs)} situations:"
-    yield f"{', '.join(sorted(failing)) or 'none'}.  Killed in some other situation: {len(kept)} of the detected."
+    yield f"The unmutated drone violates OP1 in over a tenth of its flights in {len(failing)} of {len(pairs)}"
+    yield f"situations: {', '.join(sorted(failing)) or 'none'}."
+    yield f"Killed in some other situation: {len(kept)} of the detected."
