@@ -3,10 +3,10 @@
     python benchmarks/reference.py [--fly] [--picture]
 
 `results/published/reference/` is an archive of the campaign: `campaign.json`, `outcomes.parquet`, `tracks.parquet`.
-Everything else there is made from these three and from the study, and a test makes it again.  `--fly` flies every cell's
-default mutant, the controls and PLACEBO in all situations and searches the margin of LATE-human on seed 0, in the
-campaign `reference`, where stored flights are not flown again; then it writes the three files anew.  `--picture` takes a
-picture of the report: that needs `chromium` on the path and the packages of the extra `test`.
+Everything else there is made from these three and from the study, and a test makes it again.  `--fly` flies every
+cell's default mutant, the controls and PLACEBO in all situations and searches the margin of LATE-human on seed 0, in
+the campaign `reference`, where stored flights are not flown again; then it writes the three files anew.  `--picture`
+takes a picture of the report: that needs `chromium` on the path and the packages of the extra `test`.
 """
 
 from __future__ import annotations

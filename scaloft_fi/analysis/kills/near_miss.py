@@ -69,7 +69,8 @@ def off_path_m(flight: JudgedFlight) -> float | None:
         return None
     import numpy as np
 
-    apart_s = flown[1][_T] - flown[0][_T] if len(flown) > 1 else 0.0  # a published track may be thinner than a stored one
+    # a published track may be thinner than a stored one
+    apart_s = flown[1][_T] - flown[0][_T] if len(flown) > 1 else 0.0
     each = max(1, round(1 / apart_s)) if apart_s > 0 else 1
     points, others = (np.array([[row[_X], row[_Y], row[_Z]] for row in rows]) for rows in (flown[::each], path))
     apart = np.linalg.norm(points[:, None, :] - others[None, :, :], axis=2)

@@ -7,7 +7,9 @@ study that it is opened with, such as the published campaign of this repository.
 
 from __future__ import annotations
 
+import atexit
 import hashlib
+import shutil
 import tempfile
 import zipfile
 import zlib
@@ -32,7 +34,7 @@ from scaloft_fi.errors import InputError, shown
 from scaloft_fi.hazop.folder import FOLDERS
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.reading import FILE_BYTES, MIB, digest, is_file, is_folder, opened, read_bytes
+from scaloft_fi.reading import FILE_BYTES, is_file, is_folder, opened, read_bytes
 from scaloft_fi.study import Study
 
 OUTCOMES, TRACKS = "outcomes.parquet", "tracks.parquet"
@@ -40,7 +42,8 @@ VERSION = 1
 """Version of the files; an archive of another version is refused."""
 MOST_FILES = 10_000
 """Greatest number of files of an archive."""
-MANIFEST_BYTES = 64 * MIB
+_SHOWN = 200
+"""Characters of another module's message that a message shows."""
 
 
 @dataclass(frozen=True)
@@ -65,14 +68,14 @@ class Manifest:
     files: Mapping[str, str]
 
     @classmethod
-    def read(cls, path: Path) -> Manifest:
-        """Read the file.
+    def read(cls, text: bytes, path: Path) -> Manifest:
+        """Read the text of the file at `path`.
 
         Raises:
-            InputError: the file cannot be read, or says something else.
+            InputError: the text says something else.
         """
         try:
-            content = decoded(read_bytes(path, MANIFEST_BYTES).decode())
+            content = decoded(text.decode())
             version = content.pop("archive")
             if version != VERSION:
                 raise InputError(f"{path}: archive={shown(version)} must be {VERSION}: another version wrote it")
@@ -103,7 +106,8 @@ class Archive(Store):
 
     def __init__(self, place: Path, study: Study) -> None:
         self.place, self.path, self._folder = place, place / MANIFEST, _folder_of(place)
-        self.manifest = Manifest.read(self._folder / MANIFEST)
+        self._text = self._bytes(MANIFEST)
+        self.manifest = Manifest.read(self._text, self.path)
         documents = [name for name in self.manifest.files if name.partition("/")[0] in FOLDERS]
         if documents:
             self._check(documents)
@@ -116,8 +120,12 @@ class Archive(Store):
         for name in sorted(there.symmetric_difference(documents)):
             raise self._changed(name)
         for name in documents:
-            if digest(self._folder / name) != self.manifest.files[name]:
-                raise self._changed(name)
+            self._content(name)
+
+    def _bytes(self, name: str) -> bytes:
+        if not is_file(self._folder / name):
+            raise InputError(f"{self.place}: the archive has no {name}")
+        return read_bytes(self._folder / name)
 
     def _changed(self, name: str) -> InputError:
         return InputError(f"{self.place}: {name} is not what was archived; an archive is a record, and is not edited")
@@ -128,7 +136,7 @@ class Archive(Store):
         Raises:
             InputError: the file cannot be read, or has other bytes.
         """
-        content = read_bytes(self._folder / name)
+        content = self._bytes(name)
         if hashlib.sha256(content).hexdigest() != self.manifest.files.get(name):
             raise self._changed(name)
         return content
@@ -136,7 +144,7 @@ class Archive(Store):
     @cached_property
     def digest(self) -> str:
         """SHA-256 of `campaign.json`, and so of all that it lists: what a paper cites."""
-        return digest(self._folder / MANIFEST)
+        return hashlib.sha256(self._text).hexdigest()
 
     @cached_property
     def _flown(self) -> Mapping[str, tuple[Flown, Outcome]]:
@@ -210,6 +218,7 @@ class _KeysNow:
 
     def __init__(self, study: Study) -> None:
         self._study, self._keys = study, Keys(study)
+        _ = study.grid, study.matrix  # read here, so that an error in them is raised
         self._flights: dict[tuple[str, str], Flight | None] = {}
 
     def __call__(self, outcome: Outcome) -> str:
@@ -234,42 +243,59 @@ def _folder_of(place: Path) -> Path:
     if is_folder(place):
         return place
     state = place.stat()
-    return Path(_unpacked(place.resolve(), state.st_mtime_ns, state.st_size).name)
+    return _unpacked(place.resolve(), state.st_mtime_ns, state.st_size)
 
 
 @cache
-def _unpacked(path: Path, _changed_ns: int, _size: int) -> tempfile.TemporaryDirectory[str]:
+def _unpacked(path: Path, _changed_ns: int, _size: int) -> Path:
     """A folder with the files of a ZIP file.
 
     Raises:
         InputError: the file is damaged, too large, or has a file that no archive has.
     """
-    folder = tempfile.TemporaryDirectory(prefix="scaloft-fi-archive-")
-    left, refusal = FILE_BYTES, f"{path}: the file is no archive that `export --format archive` wrote"
+    folder = Path(tempfile.mkdtemp(prefix="scaloft-fi-archive-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
     try:
-        with opened(path) as file, zipfile.ZipFile(file) as archive:
-            entries = [entry for entry in archive.infolist() if not entry.is_dir()]
-            if len(entries) > MOST_FILES or sum(entry.file_size for entry in entries) > left:
-                raise InputError(f"{path}: the archive has more than {MOST_FILES} files or {FILE_BYTES:,} bytes")
-            for entry in entries:
-                target = _target(Path(folder.name), entry.filename)
-                if target is None:
-                    raise InputError(f"{refusal}: it has a file {shown(entry.filename)}")
-                target.parent.mkdir(parents=True, exist_ok=True)
-                with archive.open(entry) as source:
-                    content = source.read(left + 1)
-                left -= len(content)
-                if left < 0:  # a file is larger than the list of files says
-                    raise InputError(f"{path}: the archive has more than {FILE_BYTES:,} bytes")
-                target.write_bytes(content)
+        _unpack(path, folder)
     except (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError, OSError, ValueError) as error:
-        raise InputError(f"{refusal}: {ascii(str(error))[1:-1][:200]}") from error
+        own = ascii(str(error))[1:-1][:_SHOWN]
+        raise InputError(f"{path}: the file is no archive that `export --format archive` wrote: {own}") from error
     return folder
 
 
-def _target(folder: Path, name: str) -> Path | None:
-    """The place of a file of an archive; None for one that no archive has."""
+def _unpack(path: Path, folder: Path) -> None:
+    """Write the files of a ZIP file into a folder.
+
+    Raises:
+        InputError: the archive is too large.
+        ValueError: it has a file that no archive has.
+    """
+    left = FILE_BYTES
+    too_large = InputError(f"{path}: the archive has more than {MOST_FILES} files or {FILE_BYTES:,} bytes")
+    with opened(path) as file, zipfile.ZipFile(file) as archive:
+        entries = [entry for entry in archive.infolist() if not entry.is_dir()]
+        if len(entries) > MOST_FILES or sum(entry.file_size for entry in entries) > left:
+            raise too_large
+        for entry in entries:
+            target = _target(folder, entry.filename)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            with archive.open(entry) as source:
+                content = source.read(left + 1)
+            left -= len(content)
+            if left < 0:  # a file is larger than the list of files says
+                raise too_large
+            target.write_bytes(content)
+
+
+def _target(folder: Path, name: str) -> Path:
+    """The place of a file of an archive.
+
+    Raises:
+        ValueError: no archive has a file of this name.
+    """
     parts = name.split("/")
     plain = all(part not in ("", ".", "..") and not set(part) & set("\\:\0") for part in parts)
     known = name in (MANIFEST, OUTCOMES, TRACKS) if len(parts) == 1 else parts[0] in FOLDERS
-    return folder.joinpath(*parts) if plain and known else None
+    if not (plain and known):
+        raise ValueError(f"it has a file {shown(name)}")
+    return folder.joinpath(*parts)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import chain
 from operator import attrgetter
 from pathlib import Path
@@ -34,15 +34,19 @@ class Extra(NamedTuple):
     value: Callable[[Outcome], Any]
 
 
+def _places(axis: str, outcome: Outcome) -> list[float]:
+    """A coordinate of each violation, in the order of the readings."""
+    place = {violation.requirement: getattr(violation, axis) for violation in outcome.violations}
+    return [place.get(reading.requirement, 0.0) for reading in outcome.readings if reading.violated]
+
+
 EXTRA: Mapping[str, Extra] = {
     "invalid": Extra(TEXT, attrgetter("invalid")),
     "ended_by": Extra(TEXT, attrgetter("struck")),
     "stack_error": Extra(TEXT, attrgetter("stack_error")),
     "perceived_digest": Extra(TEXT, attrgetter("perceived_digest")),
     "episodes": Extra(WHOLES, lambda one: [reading.triggered for reading in one.readings if reading.triggered]),
-    "violation_x": Extra(NUMBERS, lambda one: [violation.x for violation in one.violations]),
-    "violation_y": Extra(NUMBERS, lambda one: [violation.y for violation in one.violations]),
-    "violation_z": Extra(NUMBERS, lambda one: [violation.z for violation in one.violations]),
+    **{f"violation_{axis}": Extra(NUMBERS, partial(_places, axis)) for axis in "xyz"},
 }
 """Why the harness failed; the body of the contact that ended the flight; the exception of the stack; the digest of its
 beliefs; for each of `triggered` the number of episodes; for each of `violated` the place [m, world]."""

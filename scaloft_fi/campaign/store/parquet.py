@@ -43,7 +43,7 @@ def read_columns(path: Path, content: bytes, types: Mapping[str, str]) -> pyarro
         there = {field.name: _named(field.type) for field in file.schema_arrow}
         for name, kind in types.items():
             if there.get(name) != kind:
-                raise ValueError(f"column {name!r} must be {kind}" + f", and is {there[name]}" * (name in there))
+                raise ValueError(f"column {name!r} must be {kind}, and is {there.get(name, 'missing')}")
         groups = (file.metadata.row_group(number) for number in range(file.metadata.num_row_groups))
         if file.metadata.num_rows > most or sum(group.total_byte_size for group in groups) > most * MOST_ROW_BYTES:
             raise TooLargeError(path.name)
