@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from datetime import date
 from pathlib import Path
 
 import click
 
 from scaloft_fi.cli import names
 from scaloft_fi.cli.files import check_folder, check_writable, make_folder, write
-from scaloft_fi.cli.options import campaign_option, study_option
+from scaloft_fi.cli.options import campaign_option, study_option, today_option
 from scaloft_fi.cli.verb import Verb, verb
 from scaloft_fi.console import say, tell
 from scaloft_fi.errors import InputError
@@ -50,11 +51,14 @@ class ExportCommand(Verb):
     metavar="NAME",
     help="One of the formats listed below.",
 )
+@today_option
 @click.option("--output", type=click.Path(path_type=Path), metavar="FILE", help="Write there instead of printing.")
-def export_command(study_folder: Path | None, campaign: str, style: str, output: Path | None) -> None:
+def export_command(
+    study_folder: Path | None, campaign: str, style: str, today: date | None, output: Path | None
+) -> None:
     """Print one row per flight, ordered by mutant, situation and seed, or the campaign in another tool's format.
 
-    Facts of the simulation only: no clock, host or worker is in it.
+    Facts of the simulation only: no clock, host or worker is in it; the day decides which survivors are accepted.
     """
     if style == ARCHIVE and output is not None and output.suffix != ZIP:
         _check_new(output)
@@ -69,7 +73,7 @@ def export_command(study_folder: Path | None, campaign: str, style: str, output:
     chosen = FORMATS[style]
     if output is None and not chosen.text:
         raise InputError(f"--format={style!r} is no text: give --output FILE")
-    made = dossier(study, campaign)
+    made = dossier(study, campaign, today)
     for warning in made.finds.warnings:
         say(f"warning: {warning}")
     content = chosen.content(made)

@@ -57,5 +57,6 @@ def report_command(
     write(path, content)
     size = len(content)
     told = line(f"report: {path} ({size / 1e6:.1f} MB)")
-    values = {"report": str(path), "bytes": size}
-    answer(Answer(REPORT, lambda: values, told=lambda _: f"{told}\n", warnings=evidence.study.finds.warnings), style)
+    values = {"report": str(path), "bytes": size, **evidence.stale.values}
+    warnings = (*evidence.stale.sentences, *evidence.study.finds.warnings)
+    answer(Answer(REPORT, lambda: values, told=lambda _: f"{told}\n", warnings=warnings), style)

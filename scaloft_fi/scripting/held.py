@@ -45,11 +45,12 @@ class HeldCampaign:
         with in_python():
             return campaign_folder(self._study, self.name)
 
-    def score(self, *, baseline_from: str | None = None) -> CampaignScore:
+    def score(self, *, baseline_from: str | None = None, today: date | None = None) -> CampaignScore:
         """Score the flights that the campaign holds, without flying.
 
         Args:
             baseline_from: name of a campaign whose baselines join the pool.
+            today: day by which dispositions expire; by default the system's date.
 
         Raises:
             InputError: there is no campaign, or it holds no flight that counts.
@@ -57,7 +58,7 @@ class HeldCampaign:
         from scaloft_fi.views.scored_campaign import scored_campaign
 
         with in_python():
-            return CampaignScore(scored_campaign(self._study, self.name, baseline_from))
+            return CampaignScore(scored_campaign(self._study, self.name, baseline_from, today))
 
     def flights(self) -> Columns:
         """The flights that count, one row each, with the columns of `scaloft-fi export`.
@@ -72,8 +73,17 @@ class HeldCampaign:
             made = dossier(self._study, self.name)
             return flight_columns(made.rows, made.columns)
 
-    def export(self, format: str = "json") -> bytes:  # noqa: A002 - the name of the option
+    def export(
+        self,
+        format: str = "json",  # noqa: A002 - the name of the option
+        *,
+        today: date | None = None,
+    ) -> bytes:
         """The campaign in a format of `scaloft-fi export`, as the bytes of a file.
+
+        Args:
+            format: name of the format.
+            today: day by which dispositions expire; by default the system's date.
 
         Raises:
             InputError: there is no such format or campaign, or the campaign holds no flight that counts.
@@ -83,7 +93,7 @@ class HeldCampaign:
 
         with in_python():
             chosen = FORMATS[format]
-            return chosen.content(dossier(self._study, self.name))
+            return chosen.content(dossier(self._study, self.name, today))
 
     def report(self, path: Path | str | None = None, *, today: date | None = None) -> Path:
         """Write one HTML file that tells the whole campaign; returns its path.

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from datetime import date
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from scaloft_fi.analysis.disposition import Accepted, accepted_survivors
 from scaloft_fi.analysis.kills.background import Background, backgrounds
 from scaloft_fi.analysis.noise import Noise, noise_of
 from scaloft_fi.analysis.plain import plain
@@ -29,6 +31,7 @@ from scaloft_fi.views.score.score_form import SCORE
 from scaloft_fi.views.score.score_record import score_json
 from scaloft_fi.views.score.tables import group_table, tables_behind
 from scaloft_fi.views.snapshot import snapshot
+from scaloft_fi.views.stale import NONE, Stale
 from scaloft_fi.views.tables.table import Format, Table, render
 
 if TYPE_CHECKING:
@@ -46,6 +49,8 @@ class ScoredCampaign:
         score: the score.
         noise: noise of a stack that is not deterministic; else empty.
         warning: what a reader must know of the platforms of the flights; "" where there is nothing.
+        stale: the flights of the campaign that no longer count.
+        accepted: the survivors that somebody accepted.
         looks: looks of the run that flew, where it was sequential.
         unflown: what the run that flew left out.
     """
@@ -56,6 +61,8 @@ class ScoredCampaign:
     score: Score
     noise: tuple[Noise, ...] = ()
     warning: str = ""
+    stale: Stale = NONE
+    accepted: tuple[Accepted, ...] = ()
     looks: tuple[Look, ...] = ()
     unflown: tuple[Unflown, ...] = ()
 
@@ -72,7 +79,7 @@ class ScoredCampaign:
     @property
     def warnings(self) -> tuple[str, ...]:
         """What a reader must know beside the score, in sentences; often nothing."""
-        return (*filter(None, [self.warning]), *self.study.finds.warnings)
+        return (*filter(None, [self.warning]), *self.stale.sentences, *self.study.finds.warnings)
 
     def answer(self, form: Output, by: By | None = None, *, everything: bool = False) -> Answer:
         """What `run` and `score` answer; the arguments are those of `text`, `form` is that of the JSON."""
@@ -95,6 +102,7 @@ class ScoredCampaign:
             campaign=self.campaign,
             finds=self.study.finds,
             noise=self.noise,
+            accepted=self.accepted,
             whole=whole,
         )
 
@@ -133,33 +141,38 @@ class ScoredCampaign:
             noise=self.noise,
             looks=[look_record(look) for look in self.looks],
             unflown=plain(self.unflown),
+            accepted=self.accepted,
+            stale=self.stale,
         )
 
     def _background(self, mutant: str) -> Background | None:
         return backgrounds(self.study.matrix, [mutant])[mutant]
 
 
-def scored_campaign(study: Study, campaign: str, baseline_from: str | None = None) -> ScoredCampaign:
+def scored_campaign(
+    study: Study, campaign: str, baseline_from: str | None = None, today: date | None = None
+) -> ScoredCampaign:
     """Score the flights that a campaign holds.
 
     Args:
         study: the study, with any of its grids.
         campaign: name of the campaign.
         baseline_from: name of a campaign whose baselines join the pool.
+        today: the day by which dispositions expire; by default the system's date.
 
     Raises:
         InputError: a campaign does not exist, holds no flight that counts, or cannot lend its baselines.
     """
     with snapshot(study, campaign) as now:
         study, rulings, spending, warning = now.study, now.rulings, now.spending, now.platform_warning
-        noise, campaign = _noise(study, now.outcomes), now.name
+        noise, stale, campaign = _noise(study, now.outcomes), now.stale, now.name
     others: Iterable[Outcome] = ()
     if baseline_from:
         flown = rulings.situations
         listed = study.space.holding(flown).situations
         others = borrowed(study, baseline_from, [key for key, _ in listed if key in flown])
     score = score_of(rulings, study.roster, study.space, spending, others)
-    return ScoredCampaign(study, campaign, rulings, score, noise, warning)
+    return ScoredCampaign(study, campaign, rulings, score, noise, warning, stale, _accepted(study, score, today))
 
 
 def scored_run(flown: Flown, campaign: str) -> ScoredCampaign:
@@ -169,7 +182,14 @@ def scored_run(flown: Flown, campaign: str) -> ScoredCampaign:
     score = score_of(flown.rulings, study.roster, study.space, report.spending, planned.others)
     left = () if planned.request.sequential else unflown(planned.plan, report.left)
     noise = _noise(study, report.outcomes)
-    return ScoredCampaign(study, campaign, flown.rulings, score, noise, report.mixture, tuple(flown.looks), left)
+    with snapshot(study, campaign) as now:
+        stale = now.stale
+    accepted, looks = _accepted(study, score, None), tuple(flown.looks)
+    return ScoredCampaign(study, campaign, flown.rulings, score, noise, report.mixture, stale, accepted, looks, left)
+
+
+def _accepted(study: Study, score: Score, today: date | None) -> tuple[Accepted, ...]:
+    return accepted_survivors(score, study.roster, study.dispositions, today or date.today())  # noqa: DTZ011 - the user's own day
 
 
 def _noise(study: Study, outcomes: Iterable[Outcome]) -> tuple[Noise, ...]:

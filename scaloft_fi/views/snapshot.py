@@ -15,13 +15,15 @@ from scaloft_fi.campaign.runs.spending import spending_of
 from scaloft_fi.campaign.store.archive import Archive
 from scaloft_fi.campaign.store.flown_grid import opened
 from scaloft_fi.campaign.store.folder import campaign_folder
-from scaloft_fi.campaign.store.held import Held, current_in, held_in, latest_in, nothing_to_show
+from scaloft_fi.campaign.store.held import Held, Now, held_in, latest_in, nothing_to_show
 from scaloft_fi.campaign.store.platforms import Platforms, warning_for
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.store.tracks import with_tracks
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.rulings import Rulings, rulings_of
 from scaloft_fi.study import Study
+from scaloft_fi.views.again import stale_of
+from scaloft_fi.views.stale import Stale
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,12 @@ class Snapshot:
         Raises:
             InputError: there are none.
         """
-        return current_in(self.study, self.store) or nothing_to_show(self.store, self.folder)
+        return self.store.standing(self.now.stands) or nothing_to_show(self.store, self.folder)
+
+    @cached_property
+    def now(self) -> Now:
+        """The study as it is now, beside which stored flights count or are stale."""
+        return Now(self.study, self.store)
 
     @cached_property
     def rulings(self) -> Rulings:
@@ -67,6 +74,11 @@ class Snapshot:
     def held(self) -> Held:
         """The same outcomes, of which there may be none, beside what is stale and what is planned and not flown."""
         return held_in(self.study, self.store, self.folder)
+
+    @cached_property
+    def stale(self) -> Stale:
+        """The stored flights that no longer count and were not flown again."""
+        return stale_of(self.study, self.store, self.now, self.name)
 
     @cached_property
     def latest(self) -> tuple[Outcome, ...]:

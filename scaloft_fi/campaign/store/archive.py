@@ -187,7 +187,7 @@ class Archive(Store):
         """The `keys` with a valid outcome."""
         return {flight.key for flight, outcome in self._flown.values() if not outcome.invalid}.intersection(keys)
 
-    def flights(self) -> list[Flown]:
+    def flights(self, *, one_each: bool = False) -> list[Flown]:
         """The flights, ordered by mutant, situation, seed."""
         return [flight for flight, _ in self._flown.values()]
 

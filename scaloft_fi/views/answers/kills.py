@@ -61,16 +61,16 @@ def kills(
     wanted = show or tuple(PARTS)
     with snapshot(study, campaign) as now:
         study = now.study
-        matrix = _chosen(now, mutants)
+        matrix, stale = _chosen(now, mutants), now.stale
         cases = _survivors(now, matrix) if "survivors" in wanted else ()
     chosen = [situation.key for situation in study.grid.select(situations)] if situations else []
     results = _results(matrix, _graph(matrix, by_requirement), cases, wanted, chosen)
     return Answer(
         KILLS,
-        lambda: kill_values(matrix, results),
+        lambda: kill_values(matrix, results) | stale.values,
         lambda: _tables(results, matrix, short=not show),
         rows=PARTS[show[0]] if len(show) == 1 else "",
-        warnings=study.finds.warnings if "survivors" in wanted else (),
+        warnings=(*stale.sentences, *(study.finds.warnings if "survivors" in wanted else ())),
     )
 
 
@@ -153,4 +153,4 @@ def _tables(results: Mapping[str, Any], matrix: KillMatrix, *, short: bool) -> l
     }
     shown = [made[name](result) for name, result in results.items() if result or name != "redundancies"]
     told = shown[:-1] if "survivors" in results else shown
-    return [*tables.with_scattered(told, matrix), *shown[len(told) :]]
+    return [*tables.with_detected(told, matrix), *shown[len(told) :]]

@@ -44,7 +44,7 @@ def margin(
         situations: keys, aliases or patterns; by default the whole grid, or what the grid chooses.
         seeds: seeds of the flights.
         tolerance: the width of the interval at which the search ends, in the unit of the magnitude; by default a tenth
-            of the severe end's distance from no fault.
+            of the strong end's distance from no fault.
         operability: whether violations of operability requirements kill, instead of those of safety requirements.
         progress: makes the progress display of a round.
 

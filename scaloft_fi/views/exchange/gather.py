@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import date
 from functools import partial
 from pathlib import Path
 
@@ -15,8 +16,13 @@ from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.snapshot import snapshot
 
 
-def dossier(study: Study, campaign: str) -> Dossier:
+def dossier(study: Study, campaign: str, today: date | None = None) -> Dossier:
     """The dossier of a campaign.
+
+    Args:
+        study: the study, with any of its grids.
+        campaign: name of the campaign.
+        today: the day by which dispositions expire; by default the system's date.
 
     Raises:
         InputError: there is no campaign, or it holds no outcome that counts.
@@ -42,4 +48,6 @@ def dossier(study: Study, campaign: str) -> Dossier:
         deterministic=study.stack.deterministic,
         archive=partial(archive_files, study, campaign),
         searchable=not study.packaged and is_there(study.folder / "sim" / FOLDER / f"{SEARCHED}.yaml"),
+        dispositions=study.dispositions,
+        today=today or date.today(),  # noqa: DTZ011 - the user's own day
     )

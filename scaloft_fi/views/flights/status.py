@@ -15,7 +15,6 @@ from scaloft_fi.views.outputs.shape import by_name, count, listing, optional, re
 from scaloft_fi.views.snapshot import Snapshot
 from scaloft_fi.views.tables.table import Table
 
-AGAIN = "The same `run` flies them again; no flight log is kept from which they could be judged anew."
 _WORDS = {WAITING: "waiting for their baseline"}
 BASELINE_STATUSES = ("held", "violated", Status.INVALID.value)
 
@@ -30,7 +29,9 @@ STATUS = Output(
         "grid": text("name of the grid that was flown"),
         "counted": count("flights that count"),
         "owed": count("flights that are planned and not flown"),
-        "stale": count("flights that do not count any more"),
+        "stale": count("stored outcomes that do not count any more"),
+        "flown_again": count("of these, those whose flight was flown again since"),
+        "command": optional(text("what flies the others again"), "there are none that the study still has"),
         "subjects": count("subjects flown: the baseline, PLACEBO, mutants"),
         "situations": count("situations flown"),
         "platforms": optional(text("how the flights divide over platforms"), "all of one platform"),
@@ -78,6 +79,8 @@ def status_values(now: Snapshot) -> dict[str, Any]:
         "counted": len(flown),
         "owed": held.owed,
         "stale": held.stale,
+        "flown_again": held.flown_again,
+        "command": now.stale.command or None,
         "subjects": len({outcome.mutant for outcome in flown}),
         "situations": len({outcome.situation for outcome in flown}),
         "platforms": now.mixture or None,
@@ -105,6 +108,7 @@ def status_tables(values: dict[str, Any]) -> tuple[Table, ...]:
             ("all", values["counted"]),
             ("planned, not flown", values["owed"]),
             ("stale, not counted", values["stale"]),
+            *([("flown again since", values["flown_again"])] if values["flown_again"] else []),
         ),
         (
             f"{values['subjects']} subjects in {values['situations']} situations.",
@@ -113,7 +117,9 @@ def status_tables(values: dict[str, Any]) -> tuple[Table, ...]:
         ),
     )
     reasons = tuple((one["why"], one["flights"]) for one in values["reasons"])
-    stale = Table("Stale flights", ("why", "number"), reasons, (AGAIN,))
+    again = f"`{values['command']}` flies them again; no flight log is kept from which they could be judged anew."
+    notes = (again,) if values["command"] else ()
+    stale = Table("Stale flights", ("why", "number"), reasons, notes)
     return (table, stale) if values["stale"] else (table,)
 
 
