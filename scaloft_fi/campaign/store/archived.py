@@ -154,6 +154,7 @@ class Rows:
         self._subjects: dict[str, Subject] = {}
 
     def __call__(self, row: Mapping[str, Any]) -> Outcome:
+        """The outcome of a row with the columns of `_CHECKS` and, for each requirement, its robustness."""
         invalid, baseline = row["invalid"], row["mutant"] == BASELINE
         at = dict(zip(row["violated"], row["violation_times_s"], strict=True))
         episodes = dict(zip(row["triggered"], row["episodes"], strict=True))
