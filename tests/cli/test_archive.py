@@ -26,7 +26,7 @@ READS = (
     ("dispositions", "--format", "json", "--today", "2027-01-31"),
     ("matrix", "--margins", "--format", "json"),
     *(("export", "--format", name) for name in sorted(FORMATS) if FORMATS[name].text),
-    ("report", "--output", "OUT", "--format", "json"),
+    ("report", "--output", "OUT"),
 )
 
 

@@ -116,7 +116,7 @@ def read_outcomes(
         _check(columns, kinds)
     except BadCellError as error:
         raise InputError(f"{path}: column {error.column} must be {error.allowed}") from error
-    read = _Rows(kinds, axes)
+    read = Rows(kinds, axes)
     return tuple(read(dict(zip(columns, row, strict=True))) for row in zip(*columns.values(), strict=True))
 
 
@@ -141,7 +141,7 @@ def _check(columns: Mapping[str, Sequence[Any]], kinds: Mapping[str, Kind]) -> N
         raise BadCellError("violated", f"names of {', '.join(kinds)}")
 
 
-class _Rows:
+class Rows:
     """Makes outcomes of rows.
 
     Args:
@@ -154,6 +154,7 @@ class _Rows:
         self._subjects: dict[str, Subject] = {}
 
     def __call__(self, row: Mapping[str, Any]) -> Outcome:
+        """The outcome of a row with the columns of `_CHECKS` and, for each requirement, its robustness."""
         invalid, baseline = row["invalid"], row["mutant"] == BASELINE
         at = dict(zip(row["violated"], row["violation_times_s"], strict=True))
         episodes = dict(zip(row["triggered"], row["episodes"], strict=True))
