@@ -82,11 +82,13 @@ def _headline(paper: Grid, wide: Grid, judging: Collection[str]) -> Iterator[str
     every = wide.study.roster.defaults.values()
     halves = {"judging": judging, "choosing (selected)": set(every) - set(judging), "all (half selected)": every}
     for name, half in halves.items():
-        counts = [
-            f"{sum(test(scores[id_]) for id_ in half if id_ in scores)} of {len(half)}"
-            for scores in scored
-            for test in (lambda score: score.detected, lambda score: score.firm)
-        ]
+        counts = []
+        for scores in scored:
+            own = [scores[id_] for id_ in half if id_ in scores]
+            counts += [
+                f"{sum(one.detected for one in own)} of {len(half)}",
+                f"{sum(one.firm for one in own)} of {len(half)}",
+            ]
         yield f"| {name} | {' | '.join(counts)} |"
     hangs = [id_ for id_ in every if scored[1][id_].detected and not scored[1][id_].firm]
     yield ""
