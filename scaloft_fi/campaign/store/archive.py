@@ -270,21 +270,15 @@ def _unpack(path: Path, folder: Path) -> None:
         InputError: the archive is too large.
         ValueError: it has a file that no archive has.
     """
-    left = FILE_BYTES
-    too_large = InputError(f"{path}: the archive has more than {MOST_FILES} files or {FILE_BYTES:,} bytes")
     with opened(path) as file, zipfile.ZipFile(file) as archive:
         entries = [entry for entry in archive.infolist() if not entry.is_dir()]
-        if len(entries) > MOST_FILES or sum(entry.file_size for entry in entries) > left:
-            raise too_large
+        # no more is read of a file than the list of files says
+        if len(entries) > MOST_FILES or sum(entry.file_size for entry in entries) > FILE_BYTES:
+            raise InputError(f"{path}: the archive has more than {MOST_FILES} files or {FILE_BYTES:,} bytes")
         for entry in entries:
             target = _target(folder, entry.filename)
             target.parent.mkdir(parents=True, exist_ok=True)
-            with archive.open(entry) as source:
-                content = source.read(left + 1)
-            left -= len(content)
-            if left < 0:  # a file is larger than the list of files says
-                raise too_large
-            target.write_bytes(content)
+            target.write_bytes(archive.read(entry))
 
 
 def _target(folder: Path, name: str) -> Path:
