@@ -91,7 +91,7 @@ files: The files of a study that a document is, `*` for any name.
 find | finds: A situation that a search found for a survivor and that fresh seeds confirmed.
 finding | findings: What the campaign says about a thing; above all, what the unmutated drone itself does wrong.
   Of `check`: what it found in the study, an error or a note.
-firm: A detected mutant that stays detected when any one seed is left out of its own flights and, separately, any one
+firm | firm_by_pool: A detected mutant that stays detected when any one seed is left out of its own flights and, separately, any one
   out of the baseline pool.  With one seed of its own it is firm by the pool alone.
 first: The earliest violation that counts: its time [s from take-off], and in the long table its place and what was
   struck.
@@ -107,13 +107,13 @@ gate: A check of the test bench before any score, such as PLACEBO equal to the b
   is 4.
 grid | the grid: All situations: every combination of the values of the axes.
 guideword: A word such as NO, MORE or LATE that asks how a parameter could deviate.
+hangs on a seed | hangs_on_a_seed: A detected mutant that is not detected any more when some one seed is left out.
 happening: What changes around the drone during a flight: light, wind, dust, a person who walks.
 harmless: Samples passed at this magnitude and none was changed, where another magnitude changes some: it survives.
 harness: The test bench: simulator, workers, store.  Stopped at harness: no flight of the mutant counts.
 held: Of a requirement: the flight did not violate it.  Of a baseline flight: it violates no safety requirement.
 Holm: The adjustment of p for several safety requirements.
 how much: How much of the study `check` looked at.
-hangs on a seed: A detected mutant that is not detected any more when some one seed is left out.
 how sure: How many mutants would be called detected if none had any effect, and how many flights the answer rests on.
 Hz: How often a seam is polled each second.
 id: The canonical name of a mutant: `GUIDEWORD-parameter@magnitude#phase`.
@@ -294,9 +294,11 @@ threshold: The magnitude from which a fault is killed; see margin.
 timed_out: Ending: the drone was still flying at the time limit.
 times triggered: Episodes in which the requirement's condition came true.
 title: A name for people.
+too few seeds to say | too few seeds | too_few_seeds: Without some seed the flights of a detected mutant that remain
+  could not be detected, whatever they show.
+triggered: The requirement's condition came true, so that the flight tests it.
 trivial: A detected mutant that is killed in nine tenths of the situations that put it to the test, or within 5 s of
   take-off: any test would show it.
-triggered: The requirement's condition came true, so that the flight tests it.
 uncovered: A survivor survives in a situation that its disposition does not name: the ratchet fails.
 undecided: Verdict: violations were seen, or too few flights were flown to decide; the row says how many seeds would.
 unit: The unit of a number.
