@@ -91,8 +91,8 @@ files: The files of a study that a document is, `*` for any name.
 find | finds: A situation that a search found for a survivor and that fresh seeds confirmed.
 finding | findings: What the campaign says about a thing; above all, what the unmutated drone itself does wrong.
   Of `check`: what it found in the study, an error or a note.
-firm | firm_by_pool: A detected mutant that stays detected when any one seed is left out of its own flights and, separately, any one
-  out of the baseline pool.  With one seed of its own it is firm by the pool alone.
+firm | firm_by_pool: A detected mutant that stays detected when any one seed is left out of its own flights and,
+  separately, any one out of the baseline pool.  With one seed of its own it is firm by the pool alone.
 first: The earliest violation that counts: its time [s from take-off], and in the long table its place and what was
   struck.
 flies it | flies_find: The command that flies the find.
