@@ -49,7 +49,10 @@ class Study(Setup):
 
     Attributes:
         folder: holds `hazop/`, `mutants/` and `sim/`.
+        archived_name: the name that an archive tells; empty for a study that is named like its folder.
     """
+
+    archived_name: str = ""
 
     @classmethod
     def open(cls, folder: Path | str | None = None, grid: str | None = None) -> Study:
@@ -70,6 +73,11 @@ class Study(Setup):
         if grid not in names:
             raise InputError(f"--grid={shown(grid)} must be the name of a grid of the study{did_you_mean(grid, names)}")
         return cls(found, grid if grid != names[0] else None)
+
+    @property
+    def name(self) -> str:
+        """The name of the study."""
+        return self.archived_name or self.folder.resolve().name
 
     @property
     def packaged(self) -> bool:
@@ -107,7 +115,7 @@ class Study(Setup):
         credible = [cell for cell in self.matrix if cell.status is CellStatus.CREDIBLE]
         controls = frozenset(cell.name for cell in self.matrix if cell.status is CellStatus.CONTROL)
         defaults = {cell.name: default_of(cell).id for cell in credible}
-        return Roster(defaults, controls, tuple(mutant.id for mutant in self.catalogue))
+        return Roster(defaults, controls, tuple(mutant.id for mutant in self.catalogue), self.matrix.severities)
 
     @cached_property
     def alpha(self) -> float:

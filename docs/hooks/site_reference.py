@@ -14,6 +14,7 @@ import scaloft_fi.mutants.reference
 from scaloft_fi import api
 from scaloft_fi.analysis.disposition import Standing
 from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.scoring.firmness import Firmness
 from scaloft_fi.analysis.scoring.grouping import By
 from scaloft_fi.analysis.scoring.pool import State
 from scaloft_fi.analysis.tried import Reaction
@@ -28,7 +29,8 @@ from scaloft_fi.study import Study
 from scaloft_fi.views.exchange.format import FORMATS
 from scaloft_fi.views.flights.export import BASIS, HEAD, TAIL
 from scaloft_fi.views.glossary import TERMS, term
-from scaloft_fi.views.kills.survivors import Next, Stage
+from scaloft_fi.views.kills.survivors import Stage
+from scaloft_fi.views.score.next_step import Next
 from scaloft_fi.views.lists.listing import Listing, shown
 from scaloft_fi.views.lists.operators import operator_list
 from scaloft_fi.views.lists.seams import seam_list
@@ -49,6 +51,7 @@ VALUES: tuple[tuple[str, str, type[StrEnum]], ...] = (
         Status,
     ),
     ("Verdict on a mutant", "All flights of a mutant together, beside the baseline pools.", Verdict),
+    ("Firmness of a detected mutant", "What remains of the verdict when any one seed is left out.", Firmness),
     ("Where a survivor stopped", "The stage that its fault did not pass.", Stage),
     ("What to do next about a survivor", "The change that could show it.", Next),
     (

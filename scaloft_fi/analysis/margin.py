@@ -13,18 +13,18 @@ from dataclasses import dataclass
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.tried import FAILING, PhasedFault, Reaction, Tried, tried_in
 from scaloft_fi.hazop.cell import CellStatus, Magnitude
+from scaloft_fi.hazop.ladder import Worse, neutral, worse
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.hazop.severity import Worse, neutral, worse
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
 
 RELATIVE = 0.1
-"""An interval no wider than a tenth of its severe end counts as one number, and is what a search ends at."""
+"""An interval no wider than a tenth of its strong end counts as one number, and is what a search ends at."""
 
 
 @dataclass(frozen=True)
 class Scale:
-    """The magnitudes of a fault in the order of their severity.
+    """The magnitudes of a fault in the order of their strength.
 
     Attributes:
         unit: of the magnitudes.
@@ -44,12 +44,12 @@ class Scale:
             return None
         return cls(magnitude.unit, 1 if direction is Worse.LARGER else -1, neutral(magnitude))
 
-    def severity(self, magnitude: float) -> float:
-        """Sort key: mild before severe."""
+    def strength(self, magnitude: float) -> float:
+        """Sort key: mild before strong."""
         return self.sign * magnitude
 
     def close(self, survives: float, kills: float) -> bool:
-        """Whether the interval is narrow beside the severe end's distance from no fault at all."""
+        """Whether the interval is narrow beside the strong end's distance from no fault at all."""
         size = abs(kills - self.neutral) if self.neutral is not None else abs(kills)
         return math.isfinite(kills) and abs(kills - survives) <= RELATIVE * size * (1 + 1e-9)
 
@@ -60,11 +60,11 @@ class Margin:
 
     Attributes:
         scale: of its magnitudes.
-        survives: the severest magnitude below `end` that survives; None where none is known.
+        survives: the strongest magnitude below `end` that survives; None where none is known.
         kills: the mildest magnitude that is killed; None where none is.
         seen: the mildest magnitude, below `kills`, of which most flights violate without a verdict; None without one.
         again: magnitudes that survive although a milder one is killed or seen: the response is not monotone.
-        tried: every magnitude flown, mild to severe.
+        tried: every magnitude flown, mild to strong.
         situations: keys of those it holds in.
         shown: whether any magnitude was killed, seen or put to the test; else nothing is known of the threshold.
     """
@@ -80,7 +80,7 @@ class Margin:
 
     @property
     def end(self) -> float | None:
-        """The mildest magnitude that is killed or seen: what a search takes for the severe end of the interval."""
+        """The mildest magnitude that is killed or seen: what a search takes for the strong end of the interval."""
         return self.kills if self.seen is None else self.seen
 
     @property
@@ -91,18 +91,18 @@ class Margin:
 
 def margin_of(scale: Scale, tried: Iterable[Tried], situation: str = "") -> Margin:
     """What the flights of one situation say of the threshold there."""
-    entries = sorted(tried, key=lambda entry: scale.severity(entry.magnitude))
+    entries = sorted(tried, key=lambda entry: scale.strength(entry.magnitude))
     failing = [entry for entry in entries if entry.reaction in FAILING]
     kills = next((entry.magnitude for entry in failing if entry.reaction is Reaction.KILLED), None)
     end = failing[0].magnitude if failing else None
     survived = [entry.magnitude for entry in entries if entry.reaction in (Reaction.SURVIVED, Reaction.HARMLESS)]
-    milder = [m for m in survived if end is None or scale.severity(m) < scale.severity(end)]
+    milder = [m for m in survived if end is None or scale.strength(m) < scale.strength(end)]
     return Margin(
         scale,
         survives=milder[-1] if milder else None,
         kills=kills,
         seen=None if end == kills else end,
-        again=() if end is None else tuple(m for m in survived if scale.severity(m) > scale.severity(end)),
+        again=() if end is None else tuple(m for m in survived if scale.strength(m) > scale.strength(end)),
         tried=tuple(entries),
         situations=(situation,) if situation else (),
         shown=bool(failing) or any(entry.reaction is Reaction.SURVIVED for entry in entries),
@@ -119,20 +119,20 @@ def lowest(margins: Iterable[Margin]) -> Margin | None:
     if not known:
         return None
     scale = known[0].scale
-    kills = min((m.kills for m in known if m.kills is not None), key=scale.severity, default=None)
-    seen = min((m.seen for m in known if m.seen is not None), key=scale.severity, default=None)
-    if seen is not None and kills is not None and scale.severity(seen) >= scale.severity(kills):
+    kills = min((m.kills for m in known if m.kills is not None), key=scale.strength, default=None)
+    seen = min((m.seen for m in known if m.seen is not None), key=scale.strength, default=None)
+    if seen is not None and kills is not None and scale.strength(seen) >= scale.strength(kills):
         seen = None
     floors = [m.survives for m in known]
     survives = None
     if None not in floors:
-        survives = min((floor for floor in floors if floor is not None), key=scale.severity)
+        survives = min((floor for floor in floors if floor is not None), key=scale.strength)
     return Margin(
         scale,
         survives,
         kills,
         seen,
-        tuple(sorted({m for margin in known for m in margin.again}, key=scale.severity)),
+        tuple(sorted({m for margin in known for m in margin.again}, key=scale.strength)),
         situations=tuple(key for margin in known for key in margin.situations),
     )
 

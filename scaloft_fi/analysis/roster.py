@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from scaloft_fi.hazop.cell import CellStatus
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.name import cell_of
+from scaloft_fi.hazop.severity import SeverityClass
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Subject
 
 
@@ -20,11 +21,13 @@ class Roster:
         defaults: per credible cell (`LATE-human`), the canonical id of its default mutant.
         controls: names of the control cells.
         ids: the canonical ids in the catalogue's order.
+        severities: class of each cell that has one, by the cell's name.
     """
 
     defaults: Mapping[str, str]
     controls: frozenset[str]
     ids: tuple[str, ...]
+    severities: Mapping[str, SeverityClass] = field(default_factory=dict)
 
     @classmethod
     def of(cls, matrix: Matrix, ids: Iterable[str]) -> Roster:
@@ -34,6 +37,7 @@ class Roster:
             defaults={cell.name: id_ for cell, id_ in cells if cell.status is CellStatus.CREDIBLE},
             controls=frozenset(cell.name for cell, _ in cells if cell.status is CellStatus.CONTROL),
             ids=tuple(ids),
+            severities=matrix.severities,
         )
 
     @cached_property
@@ -59,6 +63,10 @@ class Roster:
     def is_control(self, subject: Subject) -> bool:
         """Whether the subject is made from a control cell."""
         return cell_of(subject.id) in self.controls
+
+    def severity(self, id_: str) -> SeverityClass | None:
+        """The class of the cell that a mutant is made from; None where it has none."""
+        return self.severities.get(cell_of(id_))
 
     def rank(self, id_: str) -> tuple[int, int, int, str]:
         """Sort key: the baseline, PLACEBO, the catalogue; a magnitude off the ladder stands after its cell's."""

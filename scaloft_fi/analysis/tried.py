@@ -36,7 +36,7 @@ class Reaction(StrEnum):
 
 
 FAILING = (Reaction.KILLED, Reaction.SEEN)
-"""What a search takes for the severe side of the threshold."""
+"""What a search takes for the strong side of the threshold."""
 
 
 @dataclass(frozen=True)

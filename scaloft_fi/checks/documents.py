@@ -15,7 +15,7 @@ from scaloft_fi.sim.grids import is_grid_name
 from scaloft_fi.sim.load import DOCUMENTS
 
 NEEDED = {"hazop": ("guidewords", "parameters"), "sim": (*DOCUMENTS, "requirements")}
-OPTIONAL = {"hazop": ("score", "dispositions"), "sim": ("sources", Path(FOUND).stem, "flyer", "record")}
+OPTIONAL = {"hazop": ("score", "severities", "dispositions"), "sim": ("sources", Path(FOUND).stem, "flyer", "record")}
 
 
 def check_documents(folder: Path, findings: Findings) -> int:

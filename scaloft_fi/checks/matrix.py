@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -14,6 +14,7 @@ from scaloft_fi.hazop.guideword import Guideword
 from scaloft_fi.hazop.load import SHEETS, load_guidewords, load_parameters, misnamed_cells, misnamed_sheets, read_cell
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.parameter import Parameter
+from scaloft_fi.hazop.severity import SEVERITIES, SeverityClass, load_severities
 from scaloft_fi.mutants.derive import derive
 from scaloft_fi.reading import is_there
 
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from scaloft_fi.study import Study
 
 NAMED = 5
-"""Seams that a note names."""
+"""Seams or cells that a note names."""
 
 
 @dataclass(frozen=True)
@@ -62,10 +63,17 @@ def check_matrix(study: Study, stack: Declaration | None, kinds: Mapping[str, st
         places = {name: item.place for name, item in load(path).mapping().items()}
         parameters = tuple(Parameter(name, name, "", "", "") for name in places)
         parameters, places = load_parameters(path)
+    classes: tuple[SeverityClass, ...] = ()
+    with findings.collecting():
+        path = hazop / SEVERITIES
+        names = load(path).mapping() if is_there(path) else {}
+        classes = tuple(SeverityClass(rank, name, name, "") for rank, name in enumerate(names))
+        classes = load_severities(path)
     if not words or not parameters:
         return MatrixCheck()
     findings.all_of(misnamed_sheets(hazop / SHEETS, places))
-    cells = [cell for one in parameters for cell in _cells(study, one, words, stack, findings)]
+    read = [pair for one in parameters for pair in _cells(study, one, words, stack, classes, findings)]
+    cells = [cell for cell, _ in read]
     for cell in cells:
         _check_requirements(cell, kinds, findings)
         if stack is not None:
@@ -74,6 +82,7 @@ def check_matrix(study: Study, stack: Declaration | None, kinds: Mapping[str, st
     if whole or len(cells) == len(words) * len(parameters):
         _check_controls(study, cells, stack, findings)
         _check_seams(study, cells, stack, findings)
+        _check_severities(study, classes, read, findings)
     if not whole or stack is None:
         return MatrixCheck(tuple(cells))
     matrix: Matrix | None = None
@@ -88,8 +97,13 @@ def check_matrix(study: Study, stack: Declaration | None, kinds: Mapping[str, st
 
 
 def _cells(
-    study: Study, parameter: Parameter, words: Iterable[Guideword], stack: Declaration | None, findings: Findings
-) -> Iterator[Cell]:
+    study: Study,
+    parameter: Parameter,
+    words: Iterable[Guideword],
+    stack: Declaration | None,
+    classes: tuple[SeverityClass, ...],
+    findings: Findings,
+) -> Iterator[tuple[Cell, SeverityClass | None]]:
     path, ids = study.folder / "hazop" / SHEETS / f"{parameter.id}.yaml", [word.id for word in words]
     if not is_there(path):
         return
@@ -97,7 +111,7 @@ def _cells(
         sheet, seams = load(path), stack.by_name if stack else None
         if not findings.all_of(misnamed_cells(sheet, ids)):
             ids = [word for word in ids if word in sheet.mapping()]  # a blank cell may be the one that is misnamed
-        yield from findings.each(lambda word: read_cell(sheet, word, parameter.id, seams), ids)
+        yield from findings.each(lambda word: read_cell(sheet, word, parameter.id, seams, classes), ids)
 
 
 def _check_requirements(cell: Cell, kinds: Mapping[str, str], findings: Findings) -> None:
@@ -147,7 +161,25 @@ def _check_seams(study: Study, cells: Iterable[Cell], stack: Declaration | None,
     seams = list(stack.by_name) if stack else []
     idle = [name for name in seams if name not in used]
     if idle:
-        some = ", ".join(idle[:NAMED]) + (f" and {len(idle) - NAMED} more" if len(idle) > NAMED else "")
-        what = f"no cell of the matrix has a fault at {len(idle)} of the stack's {len(seams)} seams: {some}"
+        what = f"no cell of the matrix has a fault at {len(idle)} of the stack's {len(seams)} seams: {_some(idle)}"
         remedy = "ask the guidewords of what they carry, or leave them out on purpose; `scaloft-fi seams` counts cells"
         findings.add(Finding(Severity.NOTE, str(study.folder / "hazop" / SHEETS), None, what, remedy))
+
+
+def _check_severities(
+    study: Study,
+    classes: Iterable[SeverityClass],
+    read: Iterable[tuple[Cell, SeverityClass | None]],
+    findings: Findings,
+) -> None:
+    """Name the credible cells without a class, where the study has classes."""
+    lacking = [cell.name for cell, severity in read if cell.status is CellStatus.CREDIBLE and severity is None]
+    names = [one.id for one in classes]
+    if names and lacking:
+        what = f"severity is missing in {len(lacking)} credible cells: {_some(lacking)}"
+        remedy = f"give each a class, `severity: {names[0]}` or another of {SEVERITIES}; without one it stands last"
+        findings.add(Finding(Severity.NOTE, str(study.folder / "hazop" / SEVERITIES), None, what, remedy))
+
+
+def _some(names: Sequence[str]) -> str:
+    return ", ".join(names[:NAMED]) + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")

@@ -8,12 +8,15 @@ from pathlib import Path
 import click
 
 from scaloft_fi.cli import names
-from scaloft_fi.cli.files import check_writable, write
+from scaloft_fi.cli.files import check_folder, check_writable, make_folder, write
 from scaloft_fi.cli.options import campaign_option, study_option, today_option
 from scaloft_fi.cli.verb import Verb, verb
 from scaloft_fi.console import say, tell
 from scaloft_fi.errors import InputError
 from scaloft_fi.registry import load_plugins
+
+ARCHIVE, ZIP = "archive", ".zip"
+"""The format of several files; the end of the name of one that holds them all."""
 
 
 class ExportCommand(Verb):
@@ -33,7 +36,7 @@ class ExportCommand(Verb):
     examples=(
         ("Write one row per flight for pandas", "scaloft-fi export --format parquet --output flights.parquet"),
         ("Give what is not detected to a code host", "scaloft-fi export --format sarif --output scaloft.sarif"),
-        ("Put a summary on the page of a CI job", "scaloft-fi export --format markdown"),
+        ("Keep a campaign with its study for a paper", "scaloft-fi export --format archive --output campaign.zip"),
     ),
     cls=ExportCommand,
 )
@@ -57,9 +60,13 @@ def export_command(
 
     Facts of the simulation only: no clock, host or worker is in it; the day decides which survivors are accepted.
     """
-    check_writable(output)
+    if style == ARCHIVE and output is not None and output.suffix != ZIP:
+        _check_new(output)
+    else:
+        check_writable(output)
     from scaloft_fi.study import Study
     from scaloft_fi.views.exchange import FORMATS
+    from scaloft_fi.views.exchange.archive import unzipped
     from scaloft_fi.views.exchange.gather import dossier
 
     study = Study.open(study_folder)
@@ -72,5 +79,20 @@ def export_command(
     content = chosen.content(made)
     if output is None:
         tell(content)
+    elif style == ARCHIVE and output.suffix != ZIP:
+        for name, file in unzipped(content).items():
+            make_folder((output / name).parent, "--output")
+            write(output / name, file)
     else:
         write(output, content)
+
+
+def _check_new(folder: Path) -> None:
+    """Refuse to put an archive into a folder with other files.
+
+    Raises:
+        InputError: there is something of this name that is no empty folder, or no folder can be made there.
+    """
+    check_folder(folder, "--output")
+    if folder.exists() and any(folder.iterdir()):
+        raise InputError(f"--output={str(folder)!r} must be a new or empty folder, or end in {ZIP}")

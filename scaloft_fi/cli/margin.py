@@ -65,7 +65,7 @@ from scaloft_fi.cli.verb import verb
     type=click.FloatRange(min=0.0, min_open=True),
     metavar="NUMBER",
     help="Bisect until the interval is no wider than this, in the magnitude's own unit.  "
-    "[default: a tenth of the severe end's distance from no fault]",
+    "[default: a tenth of the strong end's distance from no fault]",
 )
 @click.option(
     "--when",
@@ -98,7 +98,7 @@ def margin_command(
 ) -> None:
     """Find the smallest magnitude of each fault that is killed, situation by situation.
 
-    The whole ladder is flown, then the interval between the severest magnitude that survives and the mildest of which
+    The whole ladder is flown, then the interval between the strongest magnitude that survives and the mildest of which
     most flights violate a requirement is halved, in all situations at once.  A magnitude is killed where its flights
     detect the mutant; else it is only seen, and the table says how many --seeds would decide.  A cell's name means its
     first fault; an id with a magnitude picks a fault by the unit, and a phase by #, a time or an event (NO-depth@3s#5s,

@@ -16,9 +16,10 @@ from scaloft_fi.document import load
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.cell import PERIODS, Cell, CellStatus, Expected, Fault, Magnitude, Rung, Value
 from scaloft_fi.hazop.guideword import Guideword
+from scaloft_fi.hazop.ladder import Worse, worse
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.parameter import Parameter
-from scaloft_fi.hazop.severity import Worse, worse
+from scaloft_fi.hazop.severity import SEVERITIES, SeverityClass, load_severities, read_severity
 from scaloft_fi.item import Item
 from scaloft_fi.reading import is_there
 
@@ -48,7 +49,8 @@ def load_matrix(hazop: Path, seams: Seams | None = None) -> Matrix:
     """Read the matrix of a study folder's `hazop/`.
 
     Args:
-        hazop: folder with `guidewords.yaml`, `parameters.yaml` and `matrix/<parameter>.yaml`.
+        hazop: folder with `guidewords.yaml`, `parameters.yaml`, `matrix/<parameter>.yaml` and, if the study has classes
+            of severity, `severities.yaml`.
         seams: seams of the stack by name; None leaves the seams of the faults unchecked.
 
     Raises:
@@ -58,11 +60,15 @@ def load_matrix(hazop: Path, seams: Seams | None = None) -> Matrix:
     parameters, places = load_parameters(hazop / "parameters.yaml")
     for error in misnamed_sheets(hazop / SHEETS, places):
         raise error
+    classes = load_severities(hazop / SEVERITIES)
     cells: dict[tuple[str, str], Cell] = {}
+    severities: dict[str, SeverityClass] = {}
     for parameter in parameters:
-        for cell in load_cells(hazop / SHEETS / f"{parameter.id}.yaml", guidewords, seams):
+        for cell, severity in load_cells(hazop / SHEETS / f"{parameter.id}.yaml", guidewords, seams, classes):
             cells[cell.guideword, cell.parameter] = cell
-    return Matrix(guidewords, parameters, cells)
+            if severity:
+                severities[cell.name] = severity
+    return Matrix(guidewords, parameters, cells, classes, severities)
 
 
 def misnamed_sheets(folder: Path, parameters: Mapping[str, str]) -> Iterator[InputError]:
@@ -120,8 +126,10 @@ def load_parameters(path: Path) -> tuple[tuple[Parameter, ...], dict[str, str]]:
     return tuple(parameters), places
 
 
-def load_cells(path: Path, guidewords: tuple[Guideword, ...], seams: Seams | None = None) -> tuple[Cell, ...]:
-    """Read the cells of one parameter, one for each guideword; the parameter names the file.
+def load_cells(
+    path: Path, guidewords: tuple[Guideword, ...], seams: Seams | None = None, classes: tuple[SeverityClass, ...] = ()
+) -> tuple[tuple[Cell, SeverityClass | None], ...]:
+    """Read the cells of one parameter with their severity, one for each guideword; the parameter names the file.
 
     Raises:
         InputError: a guideword is unknown, a guideword has no cell, a key of a cell is missing or not allowed.
@@ -129,7 +137,7 @@ def load_cells(path: Path, guidewords: tuple[Guideword, ...], seams: Seams | Non
     sheet, ids = load(path), [word.id for word in guidewords]
     for error in misnamed_cells(sheet, ids):
         raise error
-    return tuple(read_cell(sheet, word, path.stem, seams) for word in ids)
+    return tuple(read_cell(sheet, word, path.stem, seams, classes) for word in ids)
 
 
 def misnamed_cells(sheet: Item, guidewords: Collection[str]) -> Iterator[InputError]:
@@ -139,8 +147,10 @@ def misnamed_cells(sheet: Item, guidewords: Collection[str]) -> Iterator[InputEr
             yield InputError(f"{item.place}: {name!r} is not a guideword{did_you_mean(name, guidewords)}")
 
 
-def read_cell(sheet: Item, guideword: str, parameter: str, seams: Seams | None = None) -> Cell:
-    """Read one cell of the file of a parameter.
+def read_cell(
+    sheet: Item, guideword: str, parameter: str, seams: Seams | None = None, classes: tuple[SeverityClass, ...] = ()
+) -> tuple[Cell, SeverityClass | None]:
+    """Read one cell of the file of a parameter, and its severity.
 
     Raises:
         InputError: the cell is blank, or a key of it is missing or not allowed.
@@ -152,6 +162,7 @@ def read_cell(sheet: Item, guideword: str, parameter: str, seams: Seams | None =
             f"{place}: the cell {name} is blank; it must be credible, a control, or not_meaningful with a reason"
         )
     status = CellStatus(item.need("status").choice(tuple(CellStatus)))
+    severity = read_severity(item, classes)
     if status is CellStatus.NOT_MEANINGFUL:
         cell = Cell(guideword, parameter, status, reason=item.need("reason").text(), place=item.place)
     else:
@@ -171,7 +182,7 @@ def read_cell(sheet: Item, guideword: str, parameter: str, seams: Seams | None =
         )
         _guard_units(cell)
     item.close()
-    return cell
+    return cell, severity
 
 
 def _fault(item: Item, seams: Seams | None) -> Fault:

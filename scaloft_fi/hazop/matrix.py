@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.cell import Cell, CellStatus
 from scaloft_fi.hazop.guideword import Guideword
 from scaloft_fi.hazop.parameter import Parameter
+from scaloft_fi.hazop.severity import SeverityClass
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,8 @@ class Matrix:
         guidewords: in the order of the study.
         parameters: in the order of the study.
         cells: by (guideword id, parameter id).
+        classes: of severity, worst first; empty in a study without them.
+        severities: class of each cell that has one, by the cell's name.
 
     Raises:
         ValueError: a cell is missing, or one stands under a name that is not its own.
@@ -30,6 +33,8 @@ class Matrix:
     guidewords: tuple[Guideword, ...]
     parameters: tuple[Parameter, ...]
     cells: Mapping[tuple[str, str], Cell]
+    classes: tuple[SeverityClass, ...] = ()
+    severities: Mapping[str, SeverityClass] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         keys = {(word.id, parameter.id) for word in self.guidewords for parameter in self.parameters}
@@ -78,7 +83,8 @@ class Matrix:
         kept = tuple(parameter for parameter in self.parameters if parameter.id in parameters or not parameters)
         _all_known("guideword", guidewords, [word.id for word in self.guidewords])
         _all_known("parameter", parameters, [parameter.id for parameter in self.parameters])
-        return Matrix(words, kept, {(w.id, p.id): self.cells[w.id, p.id] for w in words for p in kept})
+        cells = {(w.id, p.id): self.cells[w.id, p.id] for w in words for p in kept}
+        return replace(self, guidewords=words, parameters=kept, cells=cells)
 
 
 def _all_known(noun: str, names: Collection[str], known: Collection[str]) -> None:

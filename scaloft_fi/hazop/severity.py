@@ -1,63 +1,97 @@
-"""The direction in which a ladder gets worse, and its neutral magnitude: the search for a margin needs both."""
+"""The severity of a hazard: a study's own ordered list of classes, one of which a credible cell may have.
+
+SeverityClass orders and groups.  It enters no ratio and no verdict.
+"""
 
 from __future__ import annotations
 
-from enum import StrEnum
-from itertools import pairwise
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
 
-from scaloft_fi.hazop.cell import Magnitude
+from scaloft_fi.document import load
+from scaloft_fi.errors import InputError
+from scaloft_fi.hazop.cell import CellStatus
+from scaloft_fi.item import Item
+from scaloft_fi.reading import is_there
+
+SEVERITIES = "severities.yaml"
+"""File of the classes in `hazop/`; a study without it has no severity."""
+UNCLASSED = "no class"
+"""Heading of what has no class; no class can have this id."""
+
+Entry = TypeVar("Entry")
 
 
-class Worse(StrEnum):
-    """The direction in which a fault gets worse."""
+@dataclass(frozen=True)
+class SeverityClass:
+    """A class of severity.
 
-    LARGER = "larger"
-    SMALLER = "smaller"
-    UNORDERED = "unordered"
-    """No magnitude is more than another: they are names, or places in a list."""
-
-
-def worse(magnitude: Magnitude) -> Worse:
-    """The direction that the study declares; without one, the direction of the ladder, which runs from mild to severe.
-
-    >>> worse(Magnitude("delay_s", "s", (0.5, 1.0), 1.0)), worse(Magnitude("axis", "", ("x", "y"), "x"))
-    (<Worse.LARGER: 'larger'>, <Worse.UNORDERED: 'unordered'>)
+    Attributes:
+        rank: its place in the study's list; 0 is the worst.
+        id: name of the class, small letters.
+        title: the class as people call it.
+        meaning: which consequences belong to it.
     """
-    if magnitude.worse:
-        return Worse(magnitude.worse)
-    numbers = [rung for rung in magnitude.ladder if not isinstance(rung, str)]
-    if len(numbers) < 2 or len(numbers) < len(magnitude.ladder):
-        return Worse.UNORDERED
-    if all(milder < severer for milder, severer in pairwise(numbers)):
-        return Worse.LARGER
-    return Worse.SMALLER if all(milder > severer for milder, severer in pairwise(numbers)) else Worse.UNORDERED
+
+    rank: int
+    id: str
+    title: str
+    meaning: str
 
 
-def neutral(magnitude: Magnitude) -> float | None:
-    """The magnitude that changes nothing and need not be flown; None when there is no such magnitude.
+def load_severities(path: Path) -> tuple[SeverityClass, ...]:
+    """Read the classes, worst first; none where the study has no such file.
 
-    It is the one that the study declares; without one, 1 for a factor (unit x), 0 for a magnitude that gets worse as it
-    grows, and 100 % for a share that gets worse as it shrinks.
-
-    >>> neutral(Magnitude("delay_s", "s", (0.5, 1.0), 1.0)), neutral(Magnitude("factor", "x", (0.9, 0.5), 0.5))
-    (0.0, 1.0)
-    >>> neutral(Magnitude("share", "%", (90.0, 50.0), 50.0)), neutral(Magnitude("period_s", "s", (60.0, 5.0), 5.0))
-    (100.0, None)
+    Raises:
+        InputError: an id is not in small letters, a key is missing or unknown.
     """
-    if magnitude.neutral is not None:
-        return magnitude.neutral
-    direction = worse(magnitude)
-    if direction is Worse.UNORDERED:
+    classes = []
+    for rank, (name, item) in enumerate(load(path).mapping().items() if is_there(path) else ()):
+        if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+            raise InputError(f"{item.place}: name {name!r} must be small letters, digits and _")
+        classes.append(SeverityClass(rank, name, item.need("title").text(), item.need("meaning").text()))
+        item.close()
+    return tuple(classes)
+
+
+def read_severity(cell: Item, classes: Iterable[SeverityClass]) -> SeverityClass | None:
+    """Read the class of a cell; None where the cell has none.
+
+    Args:
+        cell: entry of the cell in the file of a parameter.
+        classes: of the study.
+
+    Raises:
+        InputError: the class is unknown, the study has no classes, or the cell is not credible.
+    """
+    entry = cell.get("severity")
+    if entry is None:
         return None
-    if magnitude.unit == "x":
-        return 1.0
-    if direction is Worse.LARGER:
-        return 0.0
-    return 100.0 if magnitude.unit == "%" else None
+    if cell.need("status").value != CellStatus.CREDIBLE:
+        raise entry.error("left out where the cell is not credible")
+    by_id = {one.id: one for one in classes}
+    if not by_id:
+        raise entry.error(f"left out in a study without classes: hazop/{SEVERITIES} lists them")
+    return by_id[entry.choice(tuple(by_id))]
 
 
-def mild_to_severe(magnitude: Magnitude) -> tuple[float, ...]:
-    """The ladder from mild to severe; empty when the ladder has no order."""
-    direction = worse(magnitude)
-    numbers = (rung for rung in magnitude.ladder if not isinstance(rung, str))
-    return () if direction is Worse.UNORDERED else tuple(sorted(numbers, reverse=direction is Worse.SMALLER))
+def worst_first(entries: Iterable[Entry], severity: Callable[[Entry], SeverityClass | None]) -> list[Entry]:
+    """The entries by class, the worst first and those without a class last; within a class the order stays.
+
+    >>> worst_first("ba", {"a": SeverityClass(0, "injury", "", "")}.get)
+    ['a', 'b']
+    """
+
+    def place(entry: Entry) -> tuple[bool, int]:
+        found = severity(entry)
+        return found is None, found.rank if found else 0
+
+    return sorted(entries, key=place)
+
+
+def class_of(severity: SeverityClass | None) -> str:
+    """The id of a class as tables show it; empty where there is none."""
+    return severity.id if severity else ""

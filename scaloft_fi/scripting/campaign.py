@@ -163,7 +163,7 @@ class OpenCampaign(HeldCampaign):
             situations: keys, aliases or patterns; by default the whole grid.
             seeds: seeds of the flights.
             tolerance: width of the interval at which the search ends, in the magnitude's unit; by default a tenth of
-                the severe end's distance from no fault.
+                the strong end's distance from no fault.
             operability: whether violations of operability requirements kill, instead of those of safety requirements.
             jobs: number of processes; by default the number of processors.
             same_platform: whether only flights with the bits of this platform count.

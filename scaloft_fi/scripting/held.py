@@ -8,6 +8,7 @@ from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from scaloft_fi.errors import InputError
 from scaloft_fi.scripting.arguments import in_python, names
 from scaloft_fi.scripting.score import CampaignScore
 from scaloft_fi.views.columns import Columns
@@ -104,11 +105,14 @@ class HeldCampaign:
         Raises:
             InputError: there is no campaign, it holds no flight that counts, or the file cannot be written.
         """
+        from scaloft_fi.campaign.store.folder import is_archive
         from scaloft_fi.output import write_named
         from scaloft_fi.views.report.evidence import gather
         from scaloft_fi.views.report.page import page
 
         with in_python():
+            if path is None and is_archive(self.folder):
+                raise InputError(f"{self.folder}: an archive is a record, into which no report is written: give path")
             content = page(gather(self._study, self.name, today)).encode()
             file = self.folder / REPORT_NAME if path is None else Path(path)
             write_named(file, content, "path")
@@ -228,10 +232,10 @@ class HeldCampaign:
         return study_of(self.study_folder, self.name, self.grid)
 
     def _repr_html_(self) -> str:
-        from scaloft_fi.campaign.store.folder import STORE_NAME
+        from scaloft_fi.campaign.store.folder import STORE_NAME, is_archive
         from scaloft_fi.views.tables.html import html
         from scaloft_fi.views.tables.table import Table
 
-        if (self.folder / STORE_NAME).is_file():
+        if is_archive(self.folder) or (self.folder / STORE_NAME).is_file():
             return self.status()._repr_html_()
         return html((Table(f"Campaign {self.folder}", (), (), ("Nothing was flown here yet.",)),))

@@ -8,7 +8,7 @@ from datetime import date
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.analysis.disposition import Accepted, accepted_survivors
+from scaloft_fi.analysis.disposition import Accepted, Disposition, accepted_survivors
 from scaloft_fi.analysis.kills.background import Background, backgrounds
 from scaloft_fi.analysis.noise import Noise, noise_of
 from scaloft_fi.analysis.plain import plain
@@ -18,6 +18,7 @@ from scaloft_fi.analysis.scoring.score import Score, score_of
 from scaloft_fi.analysis.situations.coverage import Coverage, coverage_of
 from scaloft_fi.campaign.runs.baseline_pool import borrowed
 from scaloft_fi.campaign.runs.looks import Look
+from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.rulings import Rulings
 from scaloft_fi.study import Study
@@ -79,7 +80,8 @@ class ScoredCampaign:
     @property
     def warnings(self) -> tuple[str, ...]:
         """What a reader must know beside the score, in sentences; often nothing."""
-        return (*filter(None, [self.warning]), *self.stale.sentences, *self.study.finds.warnings)
+        _, unread = _dispositions(self.study)
+        return (*filter(None, [self.warning, unread]), *self.stale.sentences, *self.study.finds.warnings)
 
     def answer(self, form: Output, by: By | None = None, *, everything: bool = False) -> Answer:
         """What `run` and `score` answer; the arguments are those of `text`, `form` is that of the JSON."""
@@ -165,7 +167,7 @@ def scored_campaign(
     """
     with snapshot(study, campaign) as now:
         study, rulings, spending, warning = now.study, now.rulings, now.spending, now.platform_warning
-        noise, stale = _noise(study, now.outcomes), now.stale
+        noise, stale, campaign = _noise(study, now.outcomes), now.stale, now.name
     others: Iterable[Outcome] = ()
     if baseline_from:
         flown = rulings.situations
@@ -189,7 +191,16 @@ def scored_run(flown: Flown, campaign: str) -> ScoredCampaign:
 
 
 def _accepted(study: Study, score: Score, today: date | None) -> tuple[Accepted, ...]:
-    return accepted_survivors(score, study.roster, study.dispositions, today or date.today())  # noqa: DTZ011 - the user's own day
+    dispositions, _ = _dispositions(study)
+    return accepted_survivors(score, study.roster, dispositions, today or date.today())  # noqa: DTZ011 - the user's day
+
+
+def _dispositions(study: Study) -> tuple[tuple[Disposition, ...], str]:
+    """The dispositions of a study; none, and why, where the file is not filled in: a score needs none of them."""
+    try:
+        return study.dispositions, ""
+    except InputError as error:
+        return (), f"no survivor counts as accepted: {error}"
 
 
 def _noise(study: Study, outcomes: Iterable[Outcome]) -> tuple[Noise, ...]:

@@ -12,8 +12,9 @@ from scaloft_fi.analysis.scoring.detection import Spending
 from scaloft_fi.analysis.scoring.score import Score, score_of
 from scaloft_fi.campaign.runs.choice import Remembered, remembered
 from scaloft_fi.campaign.runs.spending import spending_of
-from scaloft_fi.campaign.store.flown_grid import with_grid
-from scaloft_fi.campaign.store.folder import campaign_folder, existing
+from scaloft_fi.campaign.store.archive import Archive
+from scaloft_fi.campaign.store.flown_grid import opened
+from scaloft_fi.campaign.store.folder import campaign_folder
 from scaloft_fi.campaign.store.held import Held, Now, held_in, latest_in, nothing_to_show
 from scaloft_fi.campaign.store.platforms import Platforms, warning_for
 from scaloft_fi.campaign.store.store import Store
@@ -31,7 +32,7 @@ class Snapshot:
 
     Attributes:
         study: what was flown, with the grid of the campaign.
-        name: of the campaign, as `--campaign` takes it.
+        name: of the campaign, as `--campaign` takes it; of an archive the name that was archived.
         folder: of the campaign.
         store: open, within a snapshot.
     """
@@ -40,6 +41,11 @@ class Snapshot:
     name: str
     folder: Path
     store: Store
+
+    @property
+    def archive(self) -> Archive | None:
+        """The archive that is read; None for a campaign that was flown here."""
+        return self.store if isinstance(self.store, Archive) else None
 
     @cached_property
     def outcomes(self) -> tuple[Outcome, ...]:
@@ -110,12 +116,12 @@ class Snapshot:
 
     @cached_property
     def platform_warning(self) -> str:
-        """What a reader must know of the platforms of the flights; empty when there is nothing.
+        """What a reader must know of the platforms of the flights; empty when there is nothing, as for a record.
 
         Raises:
             InputError: there are no outcomes.
         """
-        return warning_for(self._platforms, self.outcomes)
+        return self.mixture if self.archive else warning_for(self._platforms, self.outcomes)
 
     @cached_property
     def choices(self) -> Sequence[Remembered]:
@@ -141,5 +147,7 @@ def snapshot(study: Study, campaign: str) -> Iterator[Snapshot]:
         InputError: there is no campaign.
     """
     folder = campaign_folder(study, campaign)
-    with Store(existing(folder), create=False) as store, store.snapshot():
-        yield Snapshot(with_grid(study, store), campaign, folder, store)
+    study, store = opened(study, folder)
+    with store, store.snapshot():
+        name = store.manifest.campaign if isinstance(store, Archive) else campaign
+        yield Snapshot(study, name, folder, store)

@@ -42,10 +42,10 @@ def test_the_least_threshold_of_all_situations_is_within_the_interval(
         return margin_of(scale, [Tried(m, answer) for m, answer in killed.items()])
 
     least = lowest(margin(*entry) for entry in flown)
-    true = min((threshold for threshold, _ in flown), key=scale.severity)
+    true = min((threshold for threshold, _ in flown), key=scale.strength)
     assert least is not None
-    assert least.kills is None or scale.severity(true) <= scale.severity(least.kills)
-    assert least.survives is None or scale.severity(least.survives) < scale.severity(true)
+    assert least.kills is None or scale.strength(true) <= scale.strength(least.kills)
+    assert least.survives is None or scale.strength(least.survives) < scale.strength(true)
 
 
 def flights(*answers: tuple[str, str, dict[str, float]]) -> list[Outcome]:

@@ -55,7 +55,17 @@ def test_below_the_asked_score_the_exit_code_is_3(call: Call) -> None:
     empty = ("--campaign", "./other/c")
     below = call("run", "--mutant", "MORE-goal", "--quiet", "--fail-under", "0.1", *empty, campaign=False)
     assert below.exit_code == 3
-    assert "below --fail-under" in below.stderr
+    assert "below --fail-under 0.1" in below.stderr
+
+
+def test_a_mutant_with_too_few_seeds_counts_for_the_bar_of_detected_mutants_and_not_for_that_of_firm_ones(
+    call: Call,
+) -> None:
+    call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--seeds", "3", "--quiet")
+    assert call("score", "--fail-under", "1").exit_code == 0
+    below = call("score", "--fail-under", "1", "--fail-under-firm", "0.1")
+    assert below.exit_code == 3
+    assert "mutation score 1/1 = 100 %, firm 0/1 = 0 %: below --fail-under-firm 0.1" in below.stderr
 
 
 def test_a_campaign_without_a_flight_that_counts_has_no_score(call: Call, tmp_path: Path, copy: Path) -> None:

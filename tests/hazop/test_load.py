@@ -82,9 +82,9 @@ BAD_CELLS = [
     ),
     (
         "a key too many",
-        LATE.replace("  effect", "  severity: 3\n  effect") + MORE,
+        LATE.replace("  effect", "  likelihood: 3\n  effect") + MORE,
         "human.yaml:5:",
-        "unknown key 'severity'",
+        "unknown key 'likelihood'",
     ),
     ("no cause", LATE.replace("[slow]", "[]") + MORE, "human.yaml:4:", "causes=[...] must be a list of at least one"),
     (

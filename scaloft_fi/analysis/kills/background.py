@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from scaloft_fi.hazop.cell import Fault
+from scaloft_fi.hazop.ladder import Worse, mild_to_strong, worse
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.hazop.severity import Worse, mild_to_severe, worse
 from scaloft_fi.mutants.derive import realise, source_of
 
 
@@ -19,7 +19,7 @@ class Background:
         seam: where the fault is patched in.
         at_risk: requirements that the cell names.
         expected: why it is known to alter nothing in this grid; empty when that is not known.
-        stronger: the canonical ids of the more severe rungs of its ladder, mildest first.
+        stronger: the canonical ids of the stronger rungs of its ladder, mildest first.
         laddered: whether the fault has a ladder with an order.
     """
 
@@ -55,8 +55,8 @@ def _background(matrix: Matrix, id_: str) -> Background:
 
 
 def _stronger(fault: Fault, rung: float | str | None) -> list[float]:
-    """The rungs of the ladder that are more severe than this one, mildest first; none where the ladder has no order."""
+    """The rungs of the ladder that are stronger than this one, mildest first; none where the ladder has no order."""
     if fault.magnitude is None or rung is None or isinstance(rung, str):
         return []
     sign = 1 if worse(fault.magnitude) is Worse.LARGER else -1
-    return [other for other in mild_to_severe(fault.magnitude) if sign * other > sign * rung]
+    return [other for other in mild_to_strong(fault.magnitude) if sign * other > sign * rung]

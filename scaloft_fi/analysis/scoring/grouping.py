@@ -1,4 +1,4 @@
-"""The score again, part by part: by guideword, parameter, requirement, situation or axis value."""
+"""The score again, part by part: by guideword, parameter, severity, requirement, situation or axis value."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from enum import StrEnum
 from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore, Result
 from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.hazop.severity import UNCLASSED, class_of, worst_first
 from scaloft_fi.judge.space import Space
 
 
@@ -17,6 +18,7 @@ class By(StrEnum):
 
     GUIDEWORD = "guideword"
     PARAMETER = "parameter"
+    SEVERITY = "severity"
     SITUATION = "situation"
     REQUIREMENT = "requirement"
     AXIS = "axis"
@@ -50,6 +52,9 @@ def groups(scored: Score, by: By, space: Space) -> tuple[Group, ...]:
         return _of_mutants(by, mutants, lambda mutant: mutant.subject.guideword)
     if by is By.PARAMETER:
         return _of_mutants(by, mutants, lambda mutant: mutant.subject.parameter)
+    if by is By.SEVERITY:
+        ordered = worst_first(mutants, lambda mutant: mutant.severity)
+        return _of_mutants(by, ordered, lambda mutant: class_of(mutant.severity) or UNCLASSED)
     if by is By.REQUIREMENT:
         return _of_requirements(mutants)
     results = [result for mutant in mutants for result in mutant.results]

@@ -13,6 +13,7 @@ from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.scoring.detection import Detection, Sample, Spending, Verdict, detect
 from scaloft_fi.analysis.scoring.firmness import Firmness, firmness
 from scaloft_fi.analysis.scoring.pool import Pool
+from scaloft_fi.hazop.severity import SeverityClass
 from scaloft_fi.judge.outcome import Subject
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.rulings import Ruled, Situations
@@ -106,6 +107,7 @@ class MutantScore:
         first: the earliest violation in a kill; of a mutant without one the earliest in a pair that tests it.
         statuses: flights of each status.
         firmness: what remains of the verdict when one seed is left out; None where it is not detected.
+        severity: class of its cell; None where the cell has none.  It enters no ratio.
     """
 
     subject: Subject
@@ -118,6 +120,7 @@ class MutantScore:
     first: Moment | None
     statuses: tuple[tuple[Status, int], ...]
     firmness: Firmness | None = None
+    severity: SeverityClass | None = None
 
     @property
     def verdict(self) -> Verdict:
@@ -221,8 +224,10 @@ def _condition(space: Space, killing: tuple[str, ...], surviving: tuple[str, ...
     return condition(space, killing, surviving)
 
 
-def mutant_score(subject: Subject, situations: Situations, space: Space, pool: Pool, spending: Spending) -> MutantScore:
-    """Score one mutant beside the pool."""
+def mutant_score(
+    subject: Subject, situations: Situations, space: Space, pool: Pool, spending: Spending, *, firm: bool = True
+) -> MutantScore:
+    """Score one mutant beside the pool; `firm`: whether a detected one is judged again without each seed."""
     valid = {key: [one for one in situations[key] if one.ruling is not INVALID] for key in situations}
     flown = {key: valid[key] for key in sorted(valid, key=space.rank) if valid[key]}
     samples = [_sample(key, flights) for key, flights in flown.items()]
@@ -247,7 +252,7 @@ def mutant_score(subject: Subject, situations: Situations, space: Space, pool: P
         operability_kills=tuple(_kill(r, name, flown[r.situation]) for r in results for name in r.operability_kills),
         first=min(seen, key=lambda moment: (moment.t_s, space.rank(moment.situation), moment.seed), default=None),
         statuses=tuple((status, statuses[status]) for status in Status if statuses[status]),
-        firmness=firmness(subject.id, samples, pool, spending, Kind.SAFETY) if safety.detected else None,
+        firmness=firmness(subject.id, samples, pool, spending, Kind.SAFETY) if firm and safety.detected else None,
     )
 
 

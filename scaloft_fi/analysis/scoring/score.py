@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.roster import Roster
@@ -119,7 +119,10 @@ def score_of(
     baselines = {(o.situation, o.seed): o for o in (*others, *rulings.baselines) if not o.invalid}
     pool = Pool.of(baselines.values())
     ranked = sorted(rulings.mutants.items(), key=lambda mutant: roster.rank(mutant[0].id))
-    scored = [mutant_score(subject, situations, space, pool, spending) for subject, situations in ranked]
+    scored = [
+        replace(mutant_score(subject, situations, space, pool, spending), severity=roster.severity(subject.id))
+        for subject, situations in ranked
+    ]
     mutants = tuple(m for m in scored if m.subject.id != PLACEBO and not roster.is_control(m.subject))
     counted = tuple(mutant for mutant in mutants if roster.counts(mutant.subject) and mutant.flown)
     infected = {r.situation for m in mutants for r in m.results if r.infected}

@@ -12,7 +12,7 @@ from scaloft_fi.analysis.tried import Reaction, Tried
 WIDENINGS = 3
 """Greatest number of magnitudes beyond each end of the ladder; each is half or twice the one before.
 
-Far beyond its severe end a fault becomes another fault; far below its mild end it has no effect.
+Far beyond its strong end a fault becomes another fault; far below its mild end it has no effect.
 """
 DIGITS = range(3, 7)
 """Significant digits of a magnitude: as few as separate it from its neighbours, at most as many as an id holds."""
@@ -24,10 +24,10 @@ class Search:
 
     Attributes:
         scale: order of the magnitudes.
-        ladder: ladder of the study, mild to severe; all of it is flown, to detect a response that is not monotone.
+        ladder: ladder of the study, mild to strong; all of it is flown, to detect a response that is not monotone.
         allowed: whether the operator accepts a magnitude.
         least, most: bounds of the operator in the ladder's unit.
-        tolerance: greatest width of the final interval [the ladder's unit]; None = a tenth of its severe end.
+        tolerance: greatest width of the final interval [the ladder's unit]; None = a tenth of its strong end.
     """
 
     scale: Scale
@@ -49,7 +49,7 @@ class Search:
             return ()
         margin = margin_of(self.scale, tried.values())
         if margin.end is None:
-            candidates = self._severer(tried) if margin.survives is not None else iter(())
+            candidates = self._stronger(tried) if margin.survives is not None else iter(())
         elif margin.survives is None:
             candidates = self._milder(tried, margin.end)
         elif self._narrow(margin.survives, margin.end):
@@ -76,9 +76,9 @@ class Search:
         rounded = [float(f"{middle:.{digits}g}") for digits in DIGITS] + [float(math.floor(middle))]
         return (m for m in rounded if low < m < high)
 
-    def _severer(self, tried: Mapping[float, Tried]) -> Iterator[float]:
-        """Beyond the severe end: twice the distance from the neutral magnitude, or half if smaller is more severe."""
-        end = max(tried, key=self.scale.severity)
+    def _stronger(self, tried: Mapping[float, Tried]) -> Iterator[float]:
+        """Beyond the strong end: twice the distance from the neutral magnitude, or half where smaller is stronger."""
+        end = max(tried, key=self.scale.strength)
         if self._beyond(tried, self.ladder[-1], 1) >= WIDENINGS:
             return iter(())
         if self.scale.sign < 0:
@@ -95,7 +95,7 @@ class Search:
         return iter(_short(max(end / 2, self.least) if self.scale.sign > 0 else min(2 * end, self.most)))
 
     def _beyond(self, tried: Mapping[float, Tried], end: float, way: int) -> int:
-        return sum(way * (self.scale.severity(m) - self.scale.severity(end)) > 0 for m in tried)
+        return sum(way * (self.scale.strength(m) - self.scale.strength(end)) > 0 for m in tried)
 
 
 def _short(magnitude: float) -> list[float]:

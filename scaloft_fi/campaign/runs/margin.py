@@ -24,14 +24,14 @@ from scaloft_fi.campaign.runs.bisect import Search
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import run
 from scaloft_fi.campaign.runs.spending import spending_of
-from scaloft_fi.campaign.store.folder import STORE_NAME
+from scaloft_fi.campaign.store.folder import STORE_NAME, promising
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.cell import Fault
+from scaloft_fi.hazop.ladder import mild_to_strong
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.name import cell_of
-from scaloft_fi.hazop.severity import mild_to_severe
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.derive import realise, source_of
@@ -80,7 +80,7 @@ def target(matrix: Matrix, text: str, tolerance: float | None = None) -> Target:
             return False
         return True
 
-    return Target(subject, fault, Search(scale, mild_to_severe(fault.magnitude), accepted, least, most, tolerance))
+    return Target(subject, fault, Search(scale, mild_to_strong(fault.magnitude), accepted, least, most, tolerance))
 
 
 def find(
@@ -110,6 +110,7 @@ def find(
     Raises:
         GateError, InputError, Interrupted: as `campaign.runs.run.run`; all outcomes are saved.
     """
+    promising(folder)
     options = options or RunOptions()
     question = _Question(study, targets, situations, seeds, kind)
     outcomes, spending = _held(study, folder)

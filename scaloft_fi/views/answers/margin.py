@@ -44,7 +44,7 @@ def margin(
         situations: keys, aliases or patterns; by default the whole grid, or what the grid chooses.
         seeds: seeds of the flights.
         tolerance: the width of the interval at which the search ends, in the unit of the magnitude; by default a tenth
-            of the severe end's distance from no fault.
+            of the strong end's distance from no fault.
         operability: whether violations of operability requirements kill, instead of those of safety requirements.
         progress: makes the progress display of a round.
 
@@ -92,7 +92,7 @@ def when(study: Study, campaign: str, mutants: Sequence[str], *, operability: bo
         if not source_of(study.matrix, mutant)[0].phases:
             raise InputError(f"mutant {text!r} has no phases: {mutant.cell} strikes all the time, or at one time")
     with snapshot(study, campaign) as now:
-        flown = whens(now.outcomes, now.score, _kind(operability))
+        flown, campaign = whens(now.outcomes, now.score, _kind(operability)), now.name
     found = []
     for text, mutant in asked.items():
         bare = mutant.id.partition("#")[0]

@@ -86,5 +86,5 @@ def worksheet(study: Study, campaign: str) -> Worksheet:
     """
     with snapshot(study, campaign) as now:
         study, finds, stale = now.study, now.study.finds, now.stale
-        rows = filled_back(study.matrix, now.outcomes, now.score, study.space, study.dispositions, finds, campaign)
+        rows = filled_back(study.matrix, now.outcomes, now.score, study.space, study.dispositions, finds, now.name)
     return Worksheet(rows, stale, finds.warnings)

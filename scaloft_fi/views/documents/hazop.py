@@ -1,4 +1,4 @@
-"""The JSON Schemas of `hazop/`: guidewords, parameters, matrix, score, dispositions."""
+"""The JSON Schemas of `hazop/`: guidewords, parameters, severities, matrix, score, dispositions."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from typing import Any
 
 from scaloft_fi.analysis.scoring.detection import ALPHA, MOST_ALPHA
 from scaloft_fi.hazop.cell import PERIODS
+from scaloft_fi.hazop.ladder import Worse
 from scaloft_fi.hazop.load import MOST_ENTRIES
-from scaloft_fi.hazop.severity import Worse
 from scaloft_fi.mutants.argument import Argument
 from scaloft_fi.mutants.operator import Operator
 from scaloft_fi.views.documents.build import (
@@ -28,6 +28,7 @@ from scaloft_fi.views.documents.declared import Declared
 from scaloft_fi.views.lists.operators import argument_facts
 
 GUIDEWORD, PARAMETER = "[A-Z][A-Z0-9]*", "[a-z][a-z0-9_]*"
+SEVERITY = "[a-z][a-z0-9_]*"
 UNIT, NAMED_MAGNITUDE = "[A-Za-z%][A-Za-z0-9%]*|", "[A-Za-z][A-Za-z0-9_.]*"
 SEAM = "the seam whose samples the fault changes; `scaloft-fi seams` lists them"
 PHASES = "also flown shifted by 1/4, 1/2, 3/4 of that time, and at events of the flight"
@@ -64,6 +65,18 @@ def parameters(_: Declared) -> Schema:
     return named("The parameters by name, in the order of the rows of the matrix.", parameter, pattern=PARAMETER)
 
 
+def severities(_: Declared) -> Schema:
+    """`hazop/severities.yaml`."""
+    keys = {
+        "title": text("name of the class for people", "a person may be hurt"),
+        "meaning": text("which consequences belong to the class"),
+    }
+    one = mapping("A class of severity; `severity` of a credible cell names it.", keys)
+    return named(
+        "The study's own classes of severity by name, the worst first; they enter no ratio.", one, pattern=SEVERITY
+    )
+
+
 def matrix(declared: Declared) -> Schema:
     """`hazop/matrix/<parameter>.yaml`."""
     not_meaningful = mapping(
@@ -94,7 +107,10 @@ def matrix(declared: Declared) -> Schema:
                 most=MOST_ENTRIES,
             ),
         },
-        {"predicted": text("what the study expects of the flights, written before they are flown")},
+        {
+            "severity": text("of a credible cell: a class of hazop/severities.yaml", "injury", pattern=SEVERITY),
+            "predicted": text("what the study expects of the flights, written before they are flown"),
+        },
     )
     cell = either("A cell: the guideword asked of this parameter.", not_meaningful, tested)
     return named("The cells of one parameter, one for each guideword.", cell, pattern=GUIDEWORD)
@@ -131,7 +147,7 @@ def _magnitude() -> Schema:
         {
             "argument": text("the operator's argument that the magnitude sets", "delay_s"),
             "ladder": listed(
-                "the magnitudes in the catalogue, from mild to severe, all numbers or all names",
+                "the magnitudes in the catalogue, from mild to strong, all numbers or all names",
                 rung,
                 least=1,
                 most=MOST_ENTRIES,

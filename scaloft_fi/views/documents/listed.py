@@ -44,6 +44,7 @@ DOCUMENTS: Mapping[str, Document] = {
     for one in (
         Document("guidewords", "hazop/guidewords.yaml", hazop.guidewords),
         Document("parameters", "hazop/parameters.yaml", hazop.parameters),
+        Document("severities", "hazop/severities.yaml", hazop.severities),
         Document("matrix", "hazop/matrix/*.yaml", hazop.matrix),
         Document("score", "hazop/score.yaml", hazop.score),
         Document("dispositions", "hazop/dispositions.yaml", hazop.dispositions),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
 from functools import cached_property
@@ -47,6 +47,7 @@ class Dossier:
         searchable: whether `seek` can search it.
         dispositions: the survivors that somebody accepted.
         today: the day by which dispositions expire; None = none does.
+        archive: reads the files of the campaign's archive, by their paths.
     """
 
     study: str
@@ -66,6 +67,7 @@ class Dossier:
     searchable: bool = True
     dispositions: tuple[Disposition, ...] = ()
     today: date | None = None
+    archive: Callable[[], Mapping[str, bytes]] = dict
 
     @cached_property
     def score(self) -> Score:

@@ -16,6 +16,7 @@ from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.format import export_format
+from scaloft_fi.views.score.answers import false_detections
 from scaloft_fi.views.score.verdict import NO_POOL
 
 COUNTER = {
@@ -104,15 +105,18 @@ def _detection(dossier: Dossier) -> dict[str, Any]:
     scored = dossier.score
     if not scored.pooled:
         return {"G3": {"text": f"The suite detects faults (no verdict: {NO_POOL})", "undeveloped": True}}
-    claim = f"The suite detects {scored.mutation_score} of the mutants flown"
+    claim = (
+        f"The suite detects {scored.mutation_score} of the mutants flown, {scored.firm.part} without any one seed too"
+    )
     rule = "more violations of a safety requirement than chance explains, beside the unmutated drone's own flights"
     return {
         "G3": {
-            "text": f"{claim}; chance explains at most {scored.expected_false:.2g} of them on average",
+            "text": claim,
             "supportedBy": ["Sn2"],
-            "inContextOf": ["C4"],
+            "inContextOf": ["C4", "C5"],
         },
         "C4": {"text": f"Detected: {rule} (exact stratified test, alpha {scored.alpha:g})"},
+        "C5": {"text": false_detections(scored.alpha, scored.tested.part)},
         "Sn2": {"text": "Verdicts and kills: scaloft-fi score; every flight: scaloft-fi export"},
     }
 

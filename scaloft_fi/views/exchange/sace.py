@@ -22,6 +22,7 @@ from scaloft_fi.judge.robustness import rho_text
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.format import export_format
 from scaloft_fi.views.ranges import ranges
+from scaloft_fi.views.score.answers import NOT_COMPARED
 from scaloft_fi.views.score.verdict import NO_POOL
 from scaloft_fi.views.tables.literal import markdown
 from scaloft_fi.views.tables.table import Format, Table, render
@@ -35,6 +36,7 @@ NOT_CLAIMED = (
     "That no other fault than those of the matrix is present.",
     "That the simulator is the real environment.",
     "That the HAZOP study is complete.",
+    NOT_COMPARED,
 )
 
 
@@ -111,9 +113,12 @@ def _by_requirement(dossier: Dossier) -> Table:
     )
     fates = Counter(mutant.verdict for mutant in dossier.score.counted)
     verdicts = ", ".join(f"{fates[verdict]} {verdict.words}" for verdict in Verdict)
+    firm = f"  Detected whichever one seed is left out: {dossier.score.firm.part}."
     notes = (
         "Triggered, robustness: flights of the unmutated drone.",
-        f"Mutants flown, by safety requirements: {verdicts}." if dossier.score.pooled else f"No verdicts: {NO_POOL}.",
+        f"Mutants flown, by safety requirements: {verdicts}.{firm}"
+        if dossier.score.pooled
+        else f"No verdicts: {NO_POOL}.",
     )
     return Table("Sufficiency of coverage (1): safety requirements", headers, rows, notes)
 

@@ -6,6 +6,7 @@ from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.format import export_format
+from scaloft_fi.views.score.answers import false_detections
 from scaloft_fi.views.score.verdict import NO_POOL
 from scaloft_fi.views.tables.table import Format, Table, render
 
@@ -30,6 +31,7 @@ def _ratios(dossier: Dossier) -> Table:
         return Table(title, headers, (exercised, flown), (f"No score: {NO_POOL}.",))
     rows = (
         ("mutation score", str(scored.mutation_score), "mutants detected by safety requirements, of those flown"),
+        ("firm", str(scored.firm), "mutants detected whichever one seed is left out, of those flown"),
         *_without_accepted(dossier),
         ("tested", str(scored.tested), "mutants put to the test, of those flown"),
         ("operability", str(scored.operability), "mutants detected by operability requirements, of those flown"),
@@ -38,7 +40,7 @@ def _ratios(dossier: Dossier) -> Table:
     )
     detected = (
         "Detected: it violates safety requirements more often than chance explains, beside the unmutated drone's own "
-        f"flights; at alpha {scored.alpha:g} chance explains at most {scored.expected_false:.2g} of them on average."
+        f"flights.  {false_detections(scored.alpha, scored.tested.part)}"
     )
     killed = (
         "A situation tests a mutant that changes a sample there, if the unmutated drone holds a safety requirement "

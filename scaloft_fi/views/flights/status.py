@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
+from scaloft_fi.campaign.store.folder import MANIFEST
 from scaloft_fi.judge.flights import flights_of
 from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.judge.status import Status, baseline_status
 from scaloft_fi.views.flights.export import WAITING, ordered
 from scaloft_fi.views.outputs.output import Output
-from scaloft_fi.views.outputs.shape import count, listing, optional, record, text
+from scaloft_fi.views.outputs.shape import by_name, count, listing, optional, record, text
 from scaloft_fi.views.snapshot import Snapshot
 from scaloft_fi.views.tables.table import Table
 
@@ -23,6 +24,8 @@ STATUS = Output(
     "how many flights a campaign holds, by status",
     {
         "campaign": text("folder of the campaign"),
+        "archive": optional(text("SHA-256 of its `campaign.json`, which lists every other file's"), "it is no archive"),
+        "platform": by_name("on which most flights were flown, part by part", {"type": "string"}),
         "grid": text("name of the grid that was flown"),
         "counted": count("flights that count"),
         "owed": count("flights that are planned and not flown"),
@@ -70,6 +73,8 @@ def status_values(now: Snapshot) -> dict[str, Any]:
     )
     return {
         "campaign": str(held.folder),
+        "archive": now.archive.digest if now.archive else None,
+        "platform": dict(now.platform),
         "grid": now.study.grid.name,
         "counted": len(flown),
         "owed": held.owed,
@@ -108,6 +113,7 @@ def status_tables(values: dict[str, Any]) -> tuple[Table, ...]:
         (
             f"{values['subjects']} subjects in {values['situations']} situations.",
             *([f"{mixture[:1].upper()}{mixture[1:]}."] if mixture else []),
+            *_of_archive(values),
         ),
     )
     reasons = tuple((one["why"], one["flights"]) for one in values["reasons"])
@@ -115,6 +121,17 @@ def status_tables(values: dict[str, Any]) -> tuple[Table, ...]:
     notes = (again,) if values["command"] else ()
     stale = Table("Stale flights", ("why", "number"), reasons, notes)
     return (table, stale) if values["stale"] else (table,)
+
+
+def _of_archive(values: dict[str, Any]) -> tuple[str, ...]:
+    """What is cited of an archive, and what flew it."""
+    if values["archive"] is None:
+        return ()
+    flown = ", ".join(f"{name} {version}" for name, version in sorted(values["platform"].items()))
+    return (
+        f"An archive, whose flights count as they stand; SHA-256 of its {MANIFEST}: {values['archive']}.",
+        f"Flown on {flown}.",
+    )
 
 
 def _word(status: str) -> str:

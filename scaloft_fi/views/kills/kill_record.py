@@ -25,7 +25,7 @@ from scaloft_fi.views.outputs.shape import (
     texts,
 )
 from scaloft_fi.views.score.next_step import Next
-from scaloft_fi.views.score.score_form import VERDICTS
+from scaloft_fi.views.score.score_form import FIRM, SEVERITY, VERDICTS
 from scaloft_fi.views.stale import KEYS as STALE
 
 _MUTANT = text("id of the mutant")
@@ -56,6 +56,7 @@ KILLS = Output(
                     "counted": flag("whether the ratios count it: the default of a credible cell"),
                     "status": text("the furthest stage that a flight reached", [status.value for status in Status]),
                     "verdict": text("on the mutant", VERDICTS),
+                    "firm": FIRM,
                     "kill_rate": ratio("situations with a kill, of those that put it to the test"),
                 },
             ),
@@ -200,7 +201,7 @@ KILLS = Output(
         ),
         "survivors": optional(
             listing(
-                "the mutants that are not detected",
+                "the mutants that are not detected, those of the worst class of severity first",
                 record(
                     "a mutant",
                     {
@@ -228,6 +229,7 @@ KILLS = Output(
                             "no flight that put it to the test has a trajectory",
                         ),
                         "find": text("name of the find that is to be flown; empty without one"),
+                        "severity": SEVERITY,
                     },
                 ),
             ),
@@ -268,6 +270,7 @@ def kill_values(matrix: KillMatrix, results: Mapping[str, Any]) -> dict[str, Any
                 "counted": row.counted,
                 "status": row.status.value,
                 "verdict": row.verdict.value,
+                "firm": row.firmness.value if row.firmness else None,
                 "kill_rate": plain(row.kill_rate),
             }
             for row in matrix.rows

@@ -20,6 +20,7 @@ from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.pool import LEAST, State
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.defaults import CAMPAIGN
+from scaloft_fi.hazop.severity import class_of, worst_first
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Requirement
 from scaloft_fi.judge.status import Status
@@ -73,6 +74,7 @@ class Survivor:
         off_path_m: how far it was off its baseline's path at the most, over flights that put it to the test and have a
             trajectory [m]; None without such a flight.
         find: name of the find that is to be flown; empty without one.
+        severity: class of its cell; None where the cell has none.
     """
 
     mutant: str
@@ -83,6 +85,7 @@ class Survivor:
     loss: Loss | None = None
     off_path_m: float | None = None
     find: str = ""
+    severity: str | None = None
 
 
 def survivors(
@@ -94,7 +97,7 @@ def survivors(
     name: str = CAMPAIGN,
     finds: KnownFinds = NO_FINDS,
 ) -> tuple[Survivor, ...]:
-    """Every mutant that is not detected, by stage, then in the matrix's order; controls are left out.
+    """Every mutant that is not detected, the worst class first, by stage, then in the matrix's order; no controls.
 
     Args:
         outcomes: of the campaign, with the trajectories of a seed if distances off the path are wanted.
@@ -107,8 +110,10 @@ def survivors(
     """
     campaign = Campaign.of(outcomes, scored, matrix, backgrounds, units or {}, name)
     cases = [Case(campaign, row, backgrounds[row.id]) for row in matrix.mutants if row.verdict is not Verdict.DETECTED]
-    told = [_told(case, scored, finds) for case in cases]
-    return tuple(sorted(told, key=lambda survivor: list(Stage).index(survivor.stage)))
+    cases.sort(key=lambda case: list(Stage).index(_STAGE[case.row.status]))
+    ordered = worst_first(cases, lambda case: case.score.severity)
+    told = [(_told(case, scored, finds), class_of(case.score.severity) or None) for case in ordered]
+    return tuple(replace(survivor, severity=severity) for survivor, severity in told)
 
 
 def short_units(requirements: Iterable[Requirement]) -> dict[str, str]:

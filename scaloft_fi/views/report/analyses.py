@@ -21,7 +21,7 @@ from scaloft_fi.hazop.name import cell_of
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.views.kills.survivors import short_units, survivors
 from scaloft_fi.views.report.evidence import Evidence
-from scaloft_fi.views.report.severity import by_severity, searched
+from scaloft_fi.views.report.ladder import by_ladder, searched
 from scaloft_fi.views.report.thresholds import thresholds
 from scaloft_fi.views.worksheet.margins import cell_margins
 
@@ -64,12 +64,12 @@ def margin_texts(outcomes: Sequence[Outcome], scored: Score, cells: Matrix) -> d
 
 
 def ladders(scored: Score, cells: Matrix, roster: Roster) -> list[dict[str, Any]]:
-    """Per cell flown with more than one magnitude its rungs from mild to severe; shifted phases are left out.
+    """Per cell flown with more than one magnitude its rungs from mild to strong; shifted phases are left out.
 
     A magnitude that a search flew is left out: its share would be one of situations chosen by their kills.
     """
     by_cell: dict[str, list[MutantScore]] = {}
-    order, left_out = by_severity(cells, roster), searched(scored.mutants, roster)
+    order, left_out = by_ladder(cells, roster), searched(scored.mutants, roster)
     for mutant in scored.mutants:
         if mutant.subject.magnitude and "#" not in mutant.subject.id and mutant.subject.id not in left_out:
             by_cell.setdefault(cell_of(mutant.subject.id), []).append(mutant)

@@ -20,7 +20,7 @@ class Evidence:
 
     Attributes:
         study: what was flown.
-        campaign: its name, as `--campaign` takes it.
+        campaign: its name, for commands.
         outcomes: those that the study still stands for, with their tracks.
         stale: flights that no longer count.
         owed: flights planned and not flown.
@@ -49,7 +49,7 @@ def gather(study: Study, campaign: str, today: date | None = None) -> Evidence:
         known = now.held.current or nothing_to_show(now.store, now.folder)
         return Evidence(
             study=now.study,
-            campaign=campaign,
+            campaign=now.name,
             outcomes=now.with_tracks(known, {outcome.mutant for outcome in known}),
             stale=now.stale,
             owed=now.held.owed,

@@ -29,9 +29,9 @@ from scaloft_fi.views.report.evidence import Evidence
 from scaloft_fi.views.report.finds import found
 from scaloft_fi.views.report.head import head
 from scaloft_fi.views.report.karnaugh import folding
+from scaloft_fi.views.report.ladder import by_ladder
 from scaloft_fi.views.report.limits import limits
 from scaloft_fi.views.report.scenes import scenes
-from scaloft_fi.views.report.severity import by_severity
 from scaloft_fi.views.report.tracks import FAR
 from scaloft_fi.views.score.answers import answers
 from scaloft_fi.views.score.first_screen import coverage_line
@@ -60,11 +60,11 @@ def figures(evidence: Evidence) -> dict[str, Any]:
     listed = (*record["mutants"], *record["controls"])
     standing = scenes(study, sorted({outcome.situation for outcome in outcomes} & set(keys)))
     breaks = broken(study.finds, standing["mines"])
-    mutants = matrices.mutants(scored, kills, rulings, listed, roster, keys, by_severity(study.matrix, roster))
+    mutants = matrices.mutants(scored, kills, rulings, listed, roster, keys, by_ladder(study.matrix, roster))
     return {
         "schema": SCHEMA,
         "version": __version__,
-        "study": study.folder.resolve().name,
+        "study": study.name,
         "campaign": evidence.campaign,
         "grid": space.grid,
         "seeds": sorted({seed for _, seed in rulings.draws}),

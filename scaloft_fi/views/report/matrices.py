@@ -21,7 +21,7 @@ from scaloft_fi.judge.rulings import Ruled, Rulings, Situations
 from scaloft_fi.judge.space import Space
 from scaloft_fi.views.report.certainty import certainty
 from scaloft_fi.views.report.karnaugh import terms
-from scaloft_fi.views.report.severity import searched
+from scaloft_fi.views.report.ladder import searched
 from scaloft_fi.views.report.signs import Sign, opening, seen_in, shown_by, sign_of
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 EVERY_VALUE_BENIGN = "every value benign"
 SIGNS = [sign.value for sign in Sign]
 KEPT = (
-    *("id", "guideword", "parameter", "magnitude", "status", "verdict"),
+    *("id", "guideword", "parameter", "magnitude", "status", "verdict", "firm"),
     *("kill_rate", "kill_rate_flown", "decided_at"),
 )
 """What the page takes over from the score's JSON on a mutant."""

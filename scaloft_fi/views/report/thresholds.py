@@ -54,17 +54,17 @@ def _entry(fault: PhasedFault, listed: Sequence[Margin], cells: Matrix, safety: 
 def _situation(margin: Margin, against: Sequence[str]) -> dict[str, Any]:
     (key,) = margin.situations
     at = {tried.magnitude: tried for tried in margin.tried}
-    survivor, severe = (at.get(end) if end is not None else None for end in (margin.survives, margin.end))
+    survivor, strong = (at.get(end) if end is not None else None for end in (margin.survives, margin.end))
     return {
         "key": key,
         "margin": margin_text(margin),
         "survives": finite(margin.survives),
         "seen": finite(margin.seen),
         "kills": finite(margin.kills),
-        "by": list(severe.requirements) if severe else [],
-        "rho": {name: [_rho(survivor, name), _rho(severe, name)] for name in against},
+        "by": list(strong.requirements) if strong else [],
+        "rho": {name: [_rho(survivor, name), _rho(strong, name)] for name in against},
         "again": [finite(magnitude) for magnitude in margin.again],
-        "flown": [finite(magnitude) for magnitude in sorted(at, key=margin.scale.severity)],
+        "flown": [finite(magnitude) for magnitude in sorted(at, key=margin.scale.strength)],
     }
 
 

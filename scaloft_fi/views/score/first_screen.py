@@ -14,11 +14,13 @@ from scaloft_fi.analysis.kills.background import Background
 from scaloft_fi.analysis.noise import Noise
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.scoring.firmness import Firmness
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.situations.coverage import Coverage
 from scaloft_fi.defaults import CAMPAIGN
+from scaloft_fi.hazop.severity import class_of, worst_first
 from scaloft_fi.inert import line
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
@@ -40,26 +42,28 @@ WIDEST = 24
 """Longest condition that a row shows."""
 TITLE = "Would your tests have shown it?"
 COLUMNS = {
-    Verdict.DETECTED: ("killed in", "by", "where", "first", "effect"),
+    Verdict.DETECTED: ("killed in", "firm", "by", "where", "first", "effect"),
     Verdict.UNDECIDED: ("seen", "where", "first", "effect", "next"),
     Verdict.NOT_DETECTED: ("tested in", "effect", "next"),
     Verdict.NOT_TESTED: ("effect", "next"),
 }
 """The columns of each group of mutants."""
+SEVERITY = "severity"
+"""Column of the groups of survivors in a study with classes; the worst class stands first."""
 SPARE = ("where", "by", "seen", "first")
 """The columns that a narrow terminal does without, in the order in which they are left out."""
 CONTROL_COLUMNS = ("shows itself by", "effect")
 LEGEND = (
     (
-        "killed in: situations where most flights of a detected fault violate a requirement, of those that put it to "
-        "the test: where it changes samples and nine in ten unmutated flights hold the requirement; no kill: violations "
-        "here and there, in most flights of no situation."
+        "killed in: situations where most flights of a detected fault violate a requirement, of those that test it "
+        "(it changes samples, nine in ten unmutated flights hold).  no kill: violated here and there."
     ),
-    "by: the same per requirement.  where: `mixed`: see `scaloft-fi kills ID`.",
-    "first: earliest such violation [s from take-off].",
+    "firm: detected whichever one seed is left out; pool: of the baseline's alone.  by: per requirement.",
+    "where: `mixed`: see `scaloft-fi kills ID`.  first: earliest such violation [s from take-off].",
     "next: seeds that decide (`run --mutant ID --seeds N`; anew: its own campaign); detected: `margin`.",
 )
 NO_KILL = "no kill"
+"""Of a detected mutant without a situation where most of its flights violate."""
 WITH_FIND = (
     *LEGEND[:-1],
     "next: `run --mutant ID --seeds N` (anew: its own campaign); find: `kills ID --show survivors`.",
@@ -67,6 +71,12 @@ WITH_FIND = (
 """The legend where a row tells of a find."""
 NAMES_BESIDE = 70
 """A narrower terminal has the name of an answer above it, not beside it [characters]."""
+FIRM = {
+    Firmness.FIRM: "yes",
+    Firmness.FIRM_BY_POOL: "pool",
+    Firmness.HANGS: "no",
+    Firmness.TOO_FEW: "too few seeds",
+}
 _STOPPED = {
     Status.INVALID: "the harness failed",
     Status.NOT_REACHED: "its seam carries nothing",
@@ -117,15 +127,20 @@ def first_screen(
         members = [mutant for mutant in scored.mutants if mutant.flown and mutant.verdict is verdict]
         if verdict is Verdict.DETECTED:
             members.sort(key=lambda mutant: -len(mutant.killing))
+        else:
+            members = worst_first(members, lambda mutant: mutant.severity)
+        columns = COLUMNS[verdict]
+        if verdict is not Verdict.DETECTED and any(mutant.severity for mutant in members):
+            columns = (SEVERITY, *columns)
         shown = _shown(members, whole=whole)
         facts = [_facts(mutant, scored, space, background(mutant.subject.id), finds) for mutant in shown]
-        rows = [(one["mutant"], *(one[column] for column in COLUMNS[verdict])) for one in facts]
+        rows = [(one["mutant"], *(one[column] for column in columns)) for one in facts]
         title = f"{verdict.words.capitalize()}: {len(members)}"
         if counted[verdict] != len(members):
             title += f", of which {counted[verdict]} count in the score"
         same = sum(mutant.without_effect for mutant in members) if verdict is Verdict.UNDECIDED else 0
         title += f"; {same} {'fly' if same > 1 else 'flies'} the same to the bit" if same else ""
-        groups.append(_group(title, COLUMNS[verdict], rows, len(members)))
+        groups.append(_group(title, columns, rows, len(members)))
     controls = [_control(mutant) for mutant in _shown(scored.controls, whole=whole)]
     showing = sum(map(_shows, scored.controls))
     title = f"Controls, in no ratio: {showing} of {len(scored.controls)} show that faults reach the drone"
@@ -193,7 +208,24 @@ def baseline_line(pool: Pool) -> str:
         states = Counter(pair.state for pair in pairs if pair.requirement == name and pair.state is not State.UNKNOWN)
         ill = [f"{states[s]} {s.value}" for s in (State.RED, State.UNSTEADY, State.OPEN, State.VACUOUS) if states[s]]
         held.append(f"{name} in {states[State.STEADY]}" + (f" ({', '.join(ill)})" if ill else ""))
-    return f"of {len(pool.flown)} situations with a pool it holds steadily {', '.join(held)}."
+    steadily = f"of {len(pool.flown)} situations with a pool it holds steadily {', '.join(held)}."
+    return "  ".join([steadily, *mostly_red(pool)])
+
+
+def mostly_red(pool: Pool) -> list[str]:
+    """A sentence for each requirement that the unmutated drone violates in most situations, and what to do."""
+    sentences = []
+    for kind in (Kind.SAFETY, Kind.OPERABILITY):
+        for name in pool.requirements(kind):
+            states = Counter(state for (_, named), state in pool.states.items() if named == name)
+            known = states.total() - states[State.UNKNOWN]
+            if 2 * states[State.RED] > known:
+                where = f"{states[State.RED]} of {known} situation{'s' * (known != 1)}"
+                sentences.append(
+                    f"{name} is red in {where}: most flights without a fault violate it, so it shows no fault "
+                    f"there.  Mend the drone or {name}; `scaloft-fi score --all` names the situations."
+                )
+    return sentences
 
 
 def _shown(members: Sequence[MutantScore], *, whole: bool) -> Sequence[MutantScore]:
@@ -213,7 +245,9 @@ def _facts(
     seen = Counter(name for result in mutant.results for name in result.seen)
     return {
         "mutant": mutant.subject.id,
+        SEVERITY: class_of(mutant.severity),
         "killed in": mutant.kill_rate.short if mutant.kills else NO_KILL,
+        "firm": FIRM[mutant.firmness] if mutant.firmness else "",
         "by": ", ".join(f"{name} {ratio.short}" for name, ratio in mutant.requirements if name in mutant.safety.p)
         or ", ".join(mutant.safety.by),
         "seen": ", ".join(f"{name} in {count}/{mutant.kill_rate.whole}" for name, count in seen.items()),

@@ -13,11 +13,12 @@ from scaloft_fi.analysis.scoring.grouping import Group
 from scaloft_fi.analysis.scoring.mutant_score import Kill, Moment, MutantScore
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.situations.coverage import Coverage
+from scaloft_fi.hazop.severity import class_of
 from scaloft_fi.views.coverage.coverage_record import coverage_record
 from scaloft_fi.views.score.accepted import accepted_values
 from scaloft_fi.views.stale import NONE, Stale
 
-RATIOS = ("exercised", "infected", "tested", "mutation_score", "operability")
+RATIOS = ("exercised", "infected", "tested", "mutation_score", "firm", "operability")
 
 
 def score_json(
@@ -52,6 +53,14 @@ def score_json(
         | {"without_accepted": plain(score_without(scored, accepted))},
         "expected_false": scored.expected_false,
         "redraw": plain(scored.redraw),
+        "composition": {
+            "behaviours": plain(scored.behaviours),
+            "without_kill": [mutant.subject.id for mutant in scored.without_kill],
+            "trivial": [mutant.subject.id for mutant in scored.trivial],
+            "without_effect": [
+                {"id": mutant.subject.id, "acted": plain(mutant.acted)} for mutant in scored.without_effect
+            ],
+        },
         "mutants": [_mutant(mutant) for mutant in scored.mutants],
         "controls": [_mutant(mutant) for mutant in scored.controls],
         "pairs": plain(scored.pool.pairs.values()),
@@ -74,8 +83,10 @@ def _mutant(mutant: MutantScore) -> dict[str, Any]:
         "guideword": mutant.subject.guideword,
         "parameter": mutant.subject.parameter,
         "magnitude": mutant.subject.magnitude,
+        "severity": class_of(mutant.severity) or None,
         "status": mutant.status.value,
         "verdict": mutant.verdict.value,
+        "firm": mutant.firmness.value if mutant.firmness else None,
         "p": dict(mutant.safety.p),
         "kill_rate": plain(mutant.kill_rate),
         "kill_rate_flown": plain(mutant.kill_rate_flown),

@@ -46,7 +46,7 @@ def magnitude(about: str) -> Shape:
 
 ENDS: Mapping[str, Shape] = {
     "known": flag("whether the flights bound the margin from either side"),
-    "survives": optional(magnitude("the severest magnitude that survives, below the others"), "none is known"),
+    "survives": optional(magnitude("the strongest magnitude that survives, below the others"), "none is known"),
     "seen": optional(magnitude("the mildest at which most flights violate, with too few to decide"), "there is none"),
     "kills": optional(magnitude("the mildest that is killed"), "none is"),
     "monotone": flag("whether no magnitude survives where a milder one is killed or seen"),
@@ -233,8 +233,8 @@ def _ends(margin: Margin | None) -> dict[str, Any]:
 
 
 def _requirements(margin: Margin) -> list[str]:
-    severe = margin.seen if margin.kills is None else margin.kills
-    return next((list(entry.requirements) for entry in margin.tried if entry.magnitude == severe), [])
+    strong = margin.seen if margin.kills is None else margin.kills
+    return next((list(entry.requirements) for entry in margin.tried if entry.magnitude == strong), [])
 
 
 def _tried(entry: Tried) -> dict[str, Any]:

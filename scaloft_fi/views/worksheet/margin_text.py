@@ -34,15 +34,15 @@ def margin_text(margin: Margin) -> str:
         return UNKNOWN
     scale, survives = margin.scale, margin.survives
     beyond, within = (">", "<=") if scale.sign > 0 else ("<", ">=")
-    severe = margin.kills if margin.kills is not None else margin.seen
-    if severe is None:
+    strong = margin.kills if margin.kills is not None else margin.seen
+    if strong is None:
         text = f"{beyond} {magnitude_text(scale, survives or 0.0)}"
     elif survives is None:
-        text = f"{within} {magnitude_text(scale, severe)}"
-    elif scale.close(survives, severe):
-        text = magnitude_text(scale, severe)
+        text = f"{within} {magnitude_text(scale, strong)}"
+    elif scale.close(survives, strong):
+        text = magnitude_text(scale, strong)
     else:
-        text = f"{survives:g}-{magnitude_text(scale, severe)}"
+        text = f"{survives:g}-{magnitude_text(scale, strong)}"
     return "seen " * (margin.kills is None and margin.seen is not None) + text + " !" * bool(margin.again)
 
 

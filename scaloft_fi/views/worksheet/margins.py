@@ -22,7 +22,7 @@ from scaloft_fi.views.worksheet.margin_text import UNKNOWN, magnitude_text, marg
 
 HEADERS = ("situation", "margin", "survives", "seen", "killed", "violated", "robustness", "flown at", "again")
 ENDS = (
-    "Survives: the severest magnitude that does, below the others.  Killed: the mildest at which the mutant is "
+    "Survives: the strongest magnitude that does, below the others.  Killed: the mildest at which the mutant is "
     "detected and most flights violate a steady requirement; seen: the mildest at which most do, but too few to detect "
     "it.  Violated: flights at the killed magnitude, else at the seen one; robustness: at the surviving one and there, "
     "below 0 it is violated."
@@ -33,10 +33,10 @@ LEGEND_AT = 11
 LEGEND = (
     "1.4 s      the smallest magnitude that is killed in any situation, known to a tenth; nothing milder flown is",
     "1-3 s      1 s survives, 3 s is killed; nothing between is decided (scaloft-fi margin CELL bisects)",
-    "> 5 s      even the severest magnitude flown has no kill;  < 0.1 m: the same where smaller is worse",
+    "> 5 s      even the strongest magnitude flown has no kill;  < 0.1 m: the same where smaller is worse",
     "<= 0.5 s   is killed, and nothing milder was flown;  >= 60 s: the same where smaller is worse",
     "seen 1-3 s 1 s survives, at 3 s most flights violate, too few to call the mutant detected: more seeds decide",
-    "!          not monotone: a severer magnitude survives where a milder one is killed or seen",
+    "!          not monotone: a stronger magnitude survives where a milder one is killed or seen",
     "detected   a fault without magnitudes is detected (or not detected, or undecided); y detected: in this form",
     "?          not known yet (a situation takes ten baselines);   -  not meaningful;  CONTROL  has no margin",
 )
@@ -70,7 +70,7 @@ def _table(
     where: tuple[str, str],
 ) -> Table:
     least = lowest(listed)
-    violated = {name for margin in listed for name in _severe(margin).requirements}
+    violated = {name for margin in listed for name in _strong(margin).requirements}
     notes = [_smallest(listed, least), ENDS, *_seen(fault, listed, *where)]
     if least and least.again:
         notes.append("Not monotone (!): magnitudes under `again` survive although a milder one is killed or seen.")
@@ -114,11 +114,11 @@ def _seen(fault: PhasedFault, listed: Sequence[Margin], where: str, anew_in: str
 
 
 def _row(margin: Margin) -> tuple[str, ...]:
-    severe, survivor = _severe(margin), _at(margin, margin.survives)
+    strong, survivor = _strong(margin), _at(margin, margin.survives)
     rho = [
         (name, dict(survivor.rho).get(name, math.nan), value)
-        for name, value in severe.rho
-        if name in severe.requirements
+        for name, value in strong.rho
+        if name in strong.requirements
     ]
     return (
         ", ".join(margin.situations),
@@ -126,14 +126,14 @@ def _row(margin: Margin) -> tuple[str, ...]:
         _magnitude(margin, margin.survives),
         _magnitude(margin, margin.seen),
         _magnitude(margin, margin.kills),
-        ", ".join(f"{name} {count}/{severe.flown}" for name, count in severe.violated if name in severe.requirements),
+        ", ".join(f"{name} {count}/{strong.flown}" for name, count in strong.violated if name in strong.requirements),
         ", ".join(f"{name} {_number(before)} / {_number(after)}" for name, before, after in rho),
         " ".join(f"{entry.magnitude:g}" for entry in margin.tried),
         " ".join(f"{magnitude:g}" for magnitude in margin.again),
     )
 
 
-def _severe(margin: Margin) -> Tried:
+def _strong(margin: Margin) -> Tried:
     """What was flown at the magnitude that is killed, else at the one that is seen."""
     return _at(margin, margin.seen if margin.kills is None else margin.kills)
 

@@ -17,8 +17,8 @@ from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.study import Study
 from scaloft_fi.views.report.bounds import bounds_of
 from scaloft_fi.views.report.evidence import Evidence
+from scaloft_fi.views.report.ladder import by_ladder
 from scaloft_fi.views.report.page import page
-from scaloft_fi.views.report.severity import by_severity
 from scaloft_fi.views.report.thresholds import thresholds
 
 SEARCHED = "T0O0W0D0H1"
@@ -105,7 +105,7 @@ def test_the_page_has_each_fault_that_was_flown_at_several_phases(study: Study) 
 
 
 def test_magnitudes_are_in_order_and_forms_without_one_stay_as_they_are(study: Study) -> None:
-    order = by_severity(study.matrix, study.roster)
+    order = by_ladder(study.matrix, study.roster)
     ids = [mutant.id for mutant in study.catalogue]
     cells = [id_.split("@")[0].split("#")[0] for id_ in sorted(ids, key=order)]
     assert cells == [id_.split("@")[0].split("#")[0] for id_ in ids]

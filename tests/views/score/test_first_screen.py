@@ -53,16 +53,27 @@ def test_the_four_questions_have_a_named_line_each() -> None:
 
 def test_the_answers_say_how_many_how_sure_and_what_next() -> None:
     said = told(CAMPAIGN)
-    assert said["Shown"] == "1 of 3 faults (33 %) would have been shown by your safety requirements."
+    assert said["Shown"] == (
+        "1 of 3 faults (33 %) would have been shown by your safety requirements, firm by the pool alone."
+    )
     assert said["Not shown"].startswith("1 put to the test, and nothing was seen; 1 undecided")
-    assert "chance explains at most 0.03 on average (0.01 x 3 tested)" in said["How sure"]
+    assert said["How sure"].startswith(
+        "If none of the 3 faults put to the test had any effect, 0.03 at most would still"
+    )
     assert "1 seed beside 10 baseline flights a situation" in said["How sure"]
     assert said["What next"] == "`scaloft-fi run --mutant NO-human@100% --seeds 5` would decide 1 of the 1 undecided."
 
 
-def test_where_nothing_is_detected_chance_explains_nothing_shown() -> None:
+def test_of_one_fault_put_to_the_test_a_probability_is_told_and_of_none_nothing() -> None:
     said = told([*pool(*HUMAN), *(outcome(GOAL, key) for key in HUMAN)])["How sure"]
-    assert said.startswith("chance alone would show at most 0.01 on average (0.01 x 1 tested)")
+    assert said.startswith("A fault without effect would be called shown with a probability of 0.01 at most.")
+    idle = told([*pool(*HUMAN), *(outcome(GOAL, key, altered=0) for key in HUMAN)])["How sure"]
+    assert idle.startswith("No fault was put to the test")
+
+
+def test_a_fault_that_flies_as_the_baseline_everywhere_is_told_apart_from_the_survivors() -> None:
+    said = told([*pool(*HUMAN), *(outcome(GOAL, key, altered=0) for key in HUMAN)])["Not shown"]
+    assert said == "1 without effect here: every flight equals the baseline's to the bit."
 
 
 def test_a_command_names_every_mutant_that_it_flies_unless_they_are_all_that_a_run_flies_anyway() -> None:
@@ -98,7 +109,15 @@ def test_a_campaign_of_another_name_is_named_in_the_command() -> None:
 def test_each_group_tells_what_is_its_to_tell() -> None:
     tables = {table.title: table for table in screen(CAMPAIGN)}
     assert tables["Detected: 1"].records() == [
-        {"mutant": LATE, "killed in": "3/3", "by": "SR2 3/3", "where": "human", "first": "12.3", "effect": "no contact"}
+        {
+            "mutant": LATE,
+            "killed in": "3/3",
+            "firm": "pool",
+            "by": "SR2 3/3",
+            "where": "human",
+            "first": "12.3",
+            "effect": "no contact",
+        }
     ]
     assert tables["Undecided: 1"].records() == [
         {
@@ -111,11 +130,38 @@ def test_each_group_tells_what_is_its_to_tell() -> None:
         }
     ]
     assert tables["Not detected: 1"].records() == [
-        {"mutant": GOAL, "tested in": "4", "effect": "flies otherwise", "next": "try MORE-goal@1m"}
+        {"mutant": GOAL, "tested in": "4", "effect": "flies otherwise", "next": "try MORE-goal@1m or an oracle"}
     ]
     assert tables["Controls, in no ratio: 1 of 1 show that faults reach the drone"].records() == [
         {"mutant": "REVERSE-human", "shows itself by": "OP1", "effect": "breaks OP1"}
     ]
+
+
+def test_a_detected_mutant_without_a_kill_says_so() -> None:
+    keys = [key for key, _ in GRID.points[:8]]
+    spread = [outcome(LATE, key, seed, violated={"SR2": 9.0} if seed == 1 else {}) for key in keys for seed in range(3)]
+    _, group, _ = screen([*pool(*keys), *spread])
+    assert group.records()[0]["killed in"] == "no kill"
+
+
+def test_an_undecided_fault_that_flies_the_same_to_the_bit_is_told_apart_and_asks_for_no_seeds() -> None:
+    same = [*pool(*HUMAN), outcome(LATE, HUMAN[0], digest="clean"), outcome(NO, HUMAN[0], violated={"SR1": 14.0})]
+    tables = {table.title: table for table in screen(same)}
+    rows = {row["mutant"]: row for row in tables["Undecided: 2; 1 flies the same to the bit"].records()}
+    assert (rows[LATE]["effect"], rows[LATE]["next"]) == ("flies the same to the bit", "another situation")
+    assert rows[NO]["next"] == "--seeds 5"
+
+
+@pytest.mark.parametrize("name", ["SR2", "OP1"])
+def test_a_requirement_that_is_red_in_most_situations_is_named_with_what_to_do(name: str) -> None:
+    def line(red: int) -> str:
+        flights = [flight for key in HUMAN[:red] for flight in pool(key, red=10, violated={name: 9.0})]
+        *_, last = screen([*flights, *pool(*HUMAN[red:])])
+        return str(last.rows[1][1])
+
+    assert f"{name} is red in 2 of 3 situations" in line(2)
+    assert f"Mend the drone or {name}; `scaloft-fi score --all` names the situations." in line(2)
+    assert "Mend" not in line(1)
 
 
 def test_a_control_that_was_flown_once_says_what_it_violates() -> None:

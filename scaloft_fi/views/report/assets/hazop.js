@@ -6,19 +6,21 @@ function cellState(cell) {
   if (mutant.control) return { state: mutant.shows.length ? "shows" : "silent", text: mutant.shows.join(" ") || "silent", said: `${mutant.id}: ${showsText(mutant)}` };
   const told = { sure: mutant.certainty, operable: mutant.by.some((name) => !SAFETY.includes(name)), said: `${mutant.id}: ${verdictText(mutant)}; ${killsText(mutant)}` };
   if (mutant.verdict === "not_tested") return { ...told, state: "not_tested", text: SIGNS[stopped(mutant)][0] };
-  return { ...told, state: mutant.verdict, text: `${markOf(mutant)}\u00a0${mutant.kill_rate.whole ? shortText(mutant.kill_rate) : ""}` };
+  return { ...told, state: mutant.verdict, text: `${markOf(mutant)}\u00a0${rateText(mutant)}` };
 }
 
-/** The mark of a verdict; of a detection one for each step of certainty. */
-const markOf = ({ verdict, certainty }) => VERDICTS[verdict][0].repeat(Math.max(1, certainty));
+/** The mark of a verdict; of a detection one for each step of certainty, and a tilde where it is not firm. */
+const markOf = (mutant) => VERDICTS[mutant.verdict][0].repeat(Math.max(1, mutant.certainty)) + (mutant.firm && !isFirm(mutant) ? "~" : "");
 /** Where a mutant that is never put to the test stopped: a sign of the kill matrix. */
 const stopped = ({ status }) => (Object.hasOwn(SIGNS, status) ? status : status === "invalid" ? "not_flown" : "no_test");
+/** In how many of the situations that test it a mutant is killed; in words where it is detected without a kill. */
+const rateText = ({ verdict, kill_rate: rate }) => (verdict === "detected" && !rate.part ? "no\u00a0kill" : rate.whole ? shortText(rate) : "");
 const killsText = ({ kill_rate: rate, kill_rate_flown: flown }) => `killed in ${rate.part} of ${plural(rate.whole, "situation")} that put it to the test, of ${flown.whole} flown`;
 const showsText = ({ shows }) => (shows.length ? `shows itself by ${shows.join(" and ")}` : "does not show itself");
 const verdictText = (mutant) => {
   const [safety, others] = [true, false].map((wanted) => mutant.by.filter((name) => SAFETY.includes(name) === wanted));
   const why = safety.length ? ` by ${listed(safety)}` : mutant.verdict === "not_tested" && stopped(mutant) !== "no_test" ? `, ${SIGNS[stopped(mutant)][0]}` : "";
-  return `${spaced(mutant.verdict)}${why}${others.length ? `; operability shows it, by ${listed(others)}` : ""}`;
+  return `${spaced(mutant.verdict)}${mutant.firm ? `, ${FIRMNESS[mutant.firm]}` : ""}${why}${others.length ? `; operability shows it, by ${listed(others)}` : ""}`;
 };
 /** How sure a detection is, in words. */
 const sureText = ({ certainty }) => (certainty ? `p at most ${DATA.certainty[certainty - 1].toLocaleString("en", { maximumFractionDigits: 12 })}` : "");
@@ -35,11 +37,13 @@ function hazop() {
   return part("hazop", "The HAZOP matrix", "Every guideword asked of every parameter.  A cell shows the verdict on its default mutant, and in how many of the situations that put the mutant to the test a requirement kills it.  A click opens the cell, with a flight that shows it.",
     h("ul", { class: "legend" },
       DATA.certainty.map((_, step) => h("li", {}, swatch("detected", VERDICTS.detected[0].repeat(step + 1), step + 1), step ? sureText({ certainty: step + 1 }) : [h("b", {}, term("detected")), sureText({ certainty: 1 }), ": the chance that a fault which does nothing looks so"])),
+      h("li", {}, h("b", {}, `${VERDICTS.detected[0]}~`), "detected, not ", term("firm"), ": without some seed it is not, or too few seeds remain"),
       h("li", {}, swatch("not_detected", VERDICTS.not_detected[0]), h("b", {}, term("not detected")), "tested, nothing seen"),
       h("li", {}, swatch("undecided", VERDICTS.undecided[0]), h("b", {}, term("undecided")), "hatched: something seen, or too few flights"),
       h("li", {}, swatch("not_tested"), h("b", {}, term("not tested")), "hatched wide, with the reason in words"),
       h("li", {}, swatch("not_meaningful"), term("not meaningful")),
       h("li", {}, h("b", {}, "8/10"), "killed in 8 of 10 situations that put it to the test"),
+      h("li", {}, h("b", {}, "no kill"), "detected by violations here and there; in no situation do most flights violate"),
       Object.keys(DATA.margins).length > 0 && h("li", {}, h("b", {}, term("margin")), "the least magnitude with a kill: 1-3 s between the two, \u2264 3 s nothing milder flown, > 3 s none flown has one"),
       h("li", {}, h("b", {}, "op"), h("span", {}, "not detected by safety; ", term("operability"), " shows it")),
       h("li", {}, h("b", {}, "C"), h("span", {}, "crude ", term("control"), ", in no ratio, with the requirements that show it"))),

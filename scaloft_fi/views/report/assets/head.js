@@ -32,7 +32,7 @@ function fateBar() {
   return h("div", { class: "fates" },
     h("div", { class: "fate-bar", role: "img", "aria-label": `Mutants by verdict: ${fates.map(([verdict, count]) => `${count} ${spaced(verdict)}`).join(", ")}` },
       fates.map(([verdict, count]) => h("span", { class: "state", "data-state": verdict, "data-sure": verdict === "detected" ? 3 : null, "--count": count }))),
-    h("ul", { class: "legend" }, fates.map(([verdict, count]) => h("li", {}, swatch(verdict, VERDICTS[verdict][0], verdict === "detected" && 3), h("b", {}, String(count)), term(spaced(verdict))))));
+    h("ul", { class: "legend" }, fates.map(([verdict, count]) => h("li", {}, swatch(verdict, VERDICTS[verdict][0], verdict === "detected" && 3), h("b", {}, String(count)), term(spaced(verdict)), verdict === "detected" && [", ", h("b", {}, String(counted.filter(isFirm).length)), " ", term("firm")]))));
 }
 
 const sentence = (text) => (text.startsWith("`") ? text : capital(text));

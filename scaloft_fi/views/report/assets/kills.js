@@ -104,7 +104,7 @@ function mutantRow(mutant) {
         "aria-label": `${mutant.id}\n${situation.words.join(", ")} (${codeOf(situation)})\n${said}` }, glyph);
     }),
     mutant.control ? h("td", { class: "rate" }, showsText(mutant))
-      : h("td", { class: "rate" }, h("span", { class: "mark-of" }, markOf(mutant)), ` ${spaced(mutant.verdict)} `, h("span", { class: "number" }, mutant.kill_rate.whole ? shortText(mutant.kill_rate) : "")),
+      : h("td", { class: "rate" }, h("span", { class: "mark-of" }, markOf(mutant)), ` ${spaced(mutant.verdict)} `, h("span", { class: "number" }, rateText(mutant))),
     h("td", { class: "said", title: killedWhere(mutant) }, killedWhere(mutant)));
 }
 

@@ -29,7 +29,7 @@ function ladders() {
   const laddered = DATA.cells.find((cell) => cell.default.includes("@"))?.name ?? "CELL";
   return part("ladders", "How much fault does it take", "Share of the situations that put the fault to the test with a kill, against its magnitude, filled where it is detected; then the margin, the least magnitude with a kill, situation by situation.  A magnitude has the unit of the fault, a limit that of its requirement: no number of one is a number of the other, so the robustness of the requirement is shown at both ends of a margin.",
     found.length ? h("div", { class: "multiples" }, found.map(ladder)) : h("p", { class: "note" }, "No cell was flown with more than one magnitude.  ", h("code", {}, `scaloft-fi run${inCampaign()} --mutant ${literal(`${laddered}*`)}`), " flies a ladder, ", h("code", {}, `scaloft-fi margin${inCampaign()} ${literal(laddered)}`), " searches between its rungs."),
-    DATA.thresholds.length > 0 && [h("h3", { class: "sub" }, "Margins by situation"), DATA.thresholds.some((entry) => entry.least.endsWith("!")) && h("p", { class: "small faint" }, "!: the response is not monotone; a severer magnitude survives where a milder one is killed or seen."), DATA.thresholds.map((entry) => margins(entry, DATA.thresholds.length === 1))],
+    DATA.thresholds.length > 0 && [h("h3", { class: "sub" }, "Margins by situation"), DATA.thresholds.some((entry) => entry.least.endsWith("!")) && h("p", { class: "small faint" }, "!: the response is not monotone; a stronger magnitude survives where a milder one is killed or seen."), DATA.thresholds.map((entry) => margins(entry, DATA.thresholds.length === 1))],
     DATA.whens.length > 0 && [h("h3", { class: "sub" }, "When it strikes"), h("p", { class: "small faint" }, "Each phase of a fault where it first changes a sample, the median of its flights, on a rail as long as the baseline's flight: times on one rail, each event of the flight on its own, which is bare where the fault never acts.  Filled: a situation with a kill; open: put to the test and none; a tick: not put to the test."), h("div", { class: "multiples" }, DATA.whens.map(phases))]);
 }
 
@@ -50,7 +50,7 @@ function phases(entry) {
     root);
 }
 
-/** Kill share against magnitude, from mild to severe. */
+/** Kill share against magnitude, from mild to strong. */
 function ladder(entry) {
   const rungs = entry.rungs;
   const frame = plot({ width: 300, height: 170, x: [-0.5, rungs.length - 0.5], y: [0, 1], left: 46, top: 14, bottom: 30, xTicks: rungs.map((_, number) => number), xText: (number) => rungs[number].magnitude, yTicks: [0, 0.5, 1], yText: percent, label: `${entry.cell}: kill share against magnitude` });
@@ -79,7 +79,7 @@ function margins(entry, open) {
     h("summary", {}, h("h3", { class: "inline" }, entry.fault), h("span", {}, ` margin ${entry.least ? bounds(entry.least) : "not known"}, against ${listed(entry.against)}`)),
     h("p", { class: "small" }, limitLines(entry.against)),
     table(["situation", { text: "magnitude", after: `${entry.unit ? ` [${UNITS[entry.unit] ?? entry.unit}]` : ""}, ${trimmed(range[0], 3)} to ${trimmed(range[1], 3)}` }, { text: "survives", number: true }, { text: "seen", number: true }, { text: "killed", number: true }, "by", { text: "robustness", after: ": survives / violates" }, "again"], rows, { stack: false }),
-    h("p", { class: "small faint" }, `Open disc: the severest magnitude that survives; filled: the mildest that is killed; grey: the mildest of which most flights violate, too few for a verdict; the threshold lies between.  ${entry.worse > 0 ? "Larger" : "Smaller"} is worse.  Robustness below 0 is a violation; its unit: ${entry.against.map((name) => `${name} ${requirementOf(name)?.unit ?? ""}`).join("; ")}.`,
+    h("p", { class: "small faint" }, `Open disc: the strongest magnitude that survives; filled: the mildest that is killed; grey: the mildest of which most flights violate, too few for a verdict; the threshold lies between.  ${entry.worse > 0 ? "Larger" : "Smaller"} is worse.  Robustness below 0 is a violation; its unit: ${entry.against.map((name) => `${name} ${requirementOf(name)?.unit ?? ""}`).join("; ")}.`,
       untold > 0 && `  ${plural(untold, "further situation")} flown ${untold === 1 ? "tells" : "tell"} nothing of it: the fault changes nothing there, or no requirement that it puts at risk is steady.`));
 }
 
@@ -97,12 +97,12 @@ function span(found, [from, to], { unit, worse }) {
   const x = scale(from, to, 6, 194);
   const at = (value, otherwise) => (typeof value === "number" ? x(value) : otherwise);
   const mildest = worse > 0 ? 6 : 194;
-  const severe = found.seen ?? found.kills;
-  const [start, stop] = [at(found.survives, mildest), at(severe, 200 - mildest)];
+  const strong = found.seen ?? found.kills;
+  const [start, stop] = [at(found.survives, mildest), at(strong, 200 - mildest)];
   return s("svg", { class: "threshold", width: 200, height: 18, viewBox: "0 0 200 18", role: "img", "aria-label": `margin ${bounds(found.margin)}` },
     s("line", { class: "rail", x1: 6, x2: 194, y1: 9, y2: 9 }),
     s("line", { class: "span", x1: start, x2: stop, y1: 9, y2: 9 }),
     found.flown.filter((value) => typeof value === "number").map((value) => s("line", { class: "tick", x1: x(value), x2: x(value), y1: 5, y2: 13 }, s("title", {}, `flown at ${ended(value, unit)}`))),
     typeof found.survives === "number" && s("circle", { class: "open", cx: start, cy: 9, r: 4 }),
-    typeof severe === "number" && s("circle", { class: found.seen === null ? "dot" : "doubt", cx: stop, cy: 9, r: 4 }));
+    typeof strong === "number" && s("circle", { class: found.seen === null ? "dot" : "doubt", cx: stop, cy: 9, r: 4 }));
 }

@@ -37,14 +37,20 @@ function survivors() {
   const left = DATA.survivors.length - found.length;
   return part("survivors", "What was not shown, and what to do next", "Mutants that no safety requirement detects, by verdict: where the fault stopped, and what would make it say something.",
     todo(found), acceptances(),
-    left > 0 && h("p", { class: "small faint" }, `${plural(left, "magnitude")} that a search for a margin flew in some situations only ${left === 1 ? "is" : "are"} not listed; they are in the margins above.`),
+    left > 0 && h("p", { class: "small faint" }, `${plural(left, "magnitude")} that a search for a margin flew in some situations only ${left === 1 ? "is" : "are"} not listed; they are in the `, h("a", { href: "#ladders" }, "margins"), " below."),
     DATA.verdicts.map((verdict) => {
       const members = found.filter((entry) => entry.verdict === verdict);
       if (!members.length) return null;
-      return h("details", { open: members.length <= 12, class: "fold" }, h("summary", {}, h("h3", { class: "inline" }, `${capital(spaced(verdict))} (${members.length})`), h("span", {}, ` ${VERDICTS[verdict][1]}`)),
+      return h("details", { open: members.length <= 12, class: "fold" }, h("summary", {}, h("h3", { class: "inline" }, `${capital(spaced(verdict))} (${countText(members)})`), h("span", {}, ` ${VERDICTS[verdict][1]}`)),
         table(["mutant", "stopped at", "next", "why", "accepted"], members.map((entry) => survivor(MUTANTS.get(entry.mutant), entry))));
     }),
     !found.length && h("p", {}, "Every mutant flown is detected."));
+}
+
+/** How many mutants a list has, and how many of these the score counts. */
+function countText(members) {
+  const counted = members.filter(({ mutant }) => MUTANTS.get(mutant).counts).length;
+  return counted === members.length ? String(counted) : `${members.length}, of which ${counted} count in the score`;
 }
 
 /** How many survivors ask for what. */

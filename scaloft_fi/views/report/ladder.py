@@ -1,4 +1,4 @@
-"""The mutants of a cell from mild to severe, magnitudes that a search flew among those of the catalogue."""
+"""The mutants of a cell from mild to strong, magnitudes that a search flew among those of the catalogue."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.name import cell_of, parse, split_magnitude
 
 
-def by_severity(cells: Matrix, roster: Roster) -> Callable[[str], tuple[int, int, float, float, str]]:
-    """A sort key of ids: the roster's order of cells, then its faults, magnitudes from mild to severe, times, events.
+def by_ladder(cells: Matrix, roster: Roster) -> Callable[[str], tuple[int, int, float, float, str]]:
+    """A sort key of ids: the roster's order of cells, then its faults, magnitudes from mild to strong, times, events.
 
     Magnitudes without an order stay in the catalogue's.
     """
@@ -27,7 +27,7 @@ def by_severity(cells: Matrix, roster: Roster) -> Callable[[str], tuple[int, int
         for number, fault in enumerate(faults):
             scale = Scale.of(fault.magnitude) if fault.magnitude and fault.magnitude.unit == unit else None
             if scale and not isinstance(magnitude, str):
-                return place, number, scale.severity(magnitude), phase, id_
+                return place, number, scale.strength(magnitude), phase, id_
         return place, len(faults), member, phase, id_
 
     return key
