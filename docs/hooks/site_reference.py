@@ -30,7 +30,6 @@ from scaloft_fi.views.exchange.format import FORMATS
 from scaloft_fi.views.flights.export import BASIS, HEAD, TAIL
 from scaloft_fi.views.glossary import TERMS, term
 from scaloft_fi.views.kills.survivors import Stage
-from scaloft_fi.views.score.next_step import Next
 from scaloft_fi.views.lists.listing import Listing, shown
 from scaloft_fi.views.lists.operators import operator_list
 from scaloft_fi.views.lists.seams import seam_list
@@ -38,6 +37,7 @@ from scaloft_fi.views.lists.signals import signal_list
 from scaloft_fi.views.reference.outputs import outputs_page
 from scaloft_fi.views.reference.yaml_keys import yaml_keys_page
 from scaloft_fi.views.report.signs import Sign
+from scaloft_fi.views.score.next_step import Next
 from scaloft_fi.views.tables.table import Format
 
 _MARKS = re.compile(r"\||\[(?!`)")
