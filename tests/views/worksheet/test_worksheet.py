@@ -149,7 +149,7 @@ def test_a_survivor_with_a_find_names_it_and_the_command_that_flies_it_in_every_
     values = named(told, "NO-human").values
     assert (values["find"], values["flies_find"]) == (said, flies(survivor))
     assert named(told, "LATE-human").values["find"] is None, "it is detected"
-    (line_,) = [line for line in to_markdown(told).splitlines() if line.startswith("| NO-human ")]
+    line_, *_ = [line for line in to_markdown(told).splitlines() if line.startswith("| NO-human ")]
     assert markdown(said) in line_
     assert markdown(flies(survivor)) in line_
     assert latex(flies(survivor)) in to_latex(told)
