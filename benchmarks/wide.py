@@ -29,6 +29,7 @@ from pathlib import Path
 from published_outcomes import Row, outcomes, rows_of
 from reference import call
 from reflown import own_s
+from wide_again import Grid, section
 from wide_plan import AGAIN, PARAMETERS, PLAN, halves
 
 from scaloft_fi.analysis.kills.background import backgrounds
@@ -264,7 +265,25 @@ def page(flights: Path) -> str:
     alone = by_one_seed(own, rows[0]), by_one_seed(further, rows[1])
     redrawn = by_chance(own, rows[0]), by_chance(further, rows[1])
     told = results(paper, wide, own.roster.defaults, alone, redrawn, whys_of(further, wide))
-    return f"{PLAN}\n{CHOSEN}\n{AGAIN}{told}"
+    return f"{PLAN}\n{CHOSEN}{told}\n{AGAIN}{again(own, further, rows)}"
+
+
+def again(own: Study, further: Study, rows: tuple[Sequence[Row], Sequence[Row]]) -> str:
+    """The section that tells the result again, with all twenty baseline seeds."""
+    _, judging = halves(own.roster.defaults)
+    return section(grid_of(own, rows[0]), grid_of(further, rows[1]), judging)
+
+
+def grid_of(study: Study, rows: Sequence[Row]) -> Grid:
+    """Three seeds of each default mutant, twenty of the baseline."""
+    defaults = set(study.roster.defaults.values())
+    counted = [
+        row
+        for row in rows
+        if (row["mutant"] in defaults and row["seed"] in SEEDS)
+        or (row["mutant"] == BASELINE and row["seed"] in REDRAWN)
+    ]
+    return Grid.of(study, outcomes(study, counted))
 
 
 if __name__ == "__main__":

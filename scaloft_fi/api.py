@@ -9,7 +9,6 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.campaign.flights.check_stack import StackCheck, check_stack
 from scaloft_fi.mutants.argument import (
     Axis,
     Component,
@@ -24,7 +23,6 @@ from scaloft_fi.mutants.argument import (
     Seconds,
     Share,
 )
-from scaloft_fi.mutants.check_operator import OperatorCheck, check_operator, operators_of
 from scaloft_fi.mutants.facts import Facts
 from scaloft_fi.mutants.need import ANYTHING, IMAGE, NUMBERS, STAMP, Need, the
 from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
@@ -44,13 +42,15 @@ from scaloft_fi.stack.fields import Array, Image, Point, Stamp, Vector
 from scaloft_fi.stack.rates import STEP_HZ, STEP_S, TICK_HZ, TICK_S
 from scaloft_fi.stack.seam import PlainWire, Seam, Wire
 from scaloft_fi.streams import Table
-from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
+    from scaloft_fi.campaign.flights.check_stack import StackCheck, check_stack
     from scaloft_fi.campaign.runs.strategy import Asked, strategy
+    from scaloft_fi.mutants.check_operator import OperatorCheck, check_operator, operators_of
     from scaloft_fi.sim.happenings import HAPPENINGS, Effect, HappeningKind, Surroundings
     from scaloft_fi.sim.roles import ROLES, Role
     from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
+    from scaloft_fi.study import Study
     from scaloft_fi.views.exchange import Dossier, export_format
 
 LATE = {
@@ -62,14 +62,21 @@ LATE = {
     "Surroundings": "scaloft_fi.sim.happenings",
     "FlightSetting": "scaloft_fi.sim.sensors.sensor",
     "Moment": "scaloft_fi.sim.sensors.sensor",
+    "OperatorCheck": "scaloft_fi.mutants.check_operator",
     "ROLES": "scaloft_fi.sim.roles",
     "Role": "scaloft_fi.sim.roles",
     "SENSORS": "scaloft_fi.sim.sensors.sensor",
     "SensorKind": "scaloft_fi.sim.sensors.sensor",
+    "StackCheck": "scaloft_fi.campaign.flights.check_stack",
+    "Study": "scaloft_fi.study",
+    "check_operator": "scaloft_fi.mutants.check_operator",
+    "check_stack": "scaloft_fi.campaign.flights.check_stack",
     "export_format": "scaloft_fi.views.exchange",
+    "operators_of": "scaloft_fi.mutants.check_operator",
     "strategy": "scaloft_fi.campaign.runs.strategy",
 }
-"""Where the names are that bring the compiler or a table library; imported by whoever asks for one of them."""
+"""Where the names are that no flight needs, or that bring the compiler or a table library; imported by whoever asks for
+one of them, so that the keys of a plugin's flights leave the rest out."""
 
 __all__ = [
     "ANYTHING",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import hashlib
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.util import find_spec
@@ -34,13 +34,13 @@ class Source:
     imports: tuple[str, ...]
 
 
-def digest_of(entries: Iterable[str]) -> str:
-    """A hash of the code of `entries` and of all modules that they import."""
-    meanings = {name: source.meaning for name, source in closure(entries).items()}
+def digest_of(sources: Mapping[str, Source]) -> str:
+    """A hash of the code of the sources."""
+    meanings = {name: source.meaning for name, source in sources.items()}
     return hashlib.sha256(json.dumps(meanings, sort_keys=True).encode()).hexdigest()
 
 
-def closure(entries: Iterable[str]) -> Mapping[str, Source]:
+def closure(entries: Iterable[str], beside: Collection[str] = ()) -> Mapping[str, Source]:
     """The entries and the modules of this package that they import, at the top of a file or inside a function.
 
     An entry in another package includes every module of that package, because code may import any of them by name.
@@ -49,6 +49,7 @@ def closure(entries: Iterable[str]) -> Mapping[str, Source]:
 
     Args:
         entries: names of modules, such as `scaloft_fi.sim.flight`.
+        beside: names of modules that are left out, with what only they import.
 
     Returns:
         Sources by name of the module.
@@ -57,8 +58,8 @@ def closure(entries: Iterable[str]) -> Mapping[str, Source]:
         ModuleNotFoundError: there is no such entry.
     """
     files = _Files()
-    waiting = dict(pair for entry in entries for pair in _entry(entry, files))
-    seen = set(waiting)
+    waiting = dict(pair for entry in entries for pair in _entry(entry, files) if pair[0] not in beside)
+    seen = {*waiting, *beside}
     sources: dict[str, Source] = {}
     while waiting:
         name, path = waiting.popitem()

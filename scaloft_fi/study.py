@@ -21,7 +21,7 @@ from scaloft_fi.registry import load_plugins
 from scaloft_fi.setup import Setup
 from scaloft_fi.sim.grids import FOLDER, grid_names
 from scaloft_fi.sim.roles import ROLES
-from scaloft_fi.sources import digest_of
+from scaloft_fi.sources import closure, digest_of
 
 if TYPE_CHECKING:
     from scaloft_fi.analysis.disposition import Disposition
@@ -49,7 +49,10 @@ class Study(Setup):
 
     Attributes:
         folder: holds `hazop/`, `mutants/` and `sim/`.
+        archived_name: the name that an archive tells; empty for a study that is named like its folder.
     """
+
+    archived_name: str = ""
 
     @classmethod
     def open(cls, folder: Path | str | None = None, grid: str | None = None) -> Study:
@@ -70,6 +73,11 @@ class Study(Setup):
         if grid not in names:
             raise InputError(f"--grid={shown(grid)} must be the name of a grid of the study{did_you_mean(grid, names)}")
         return cls(found, grid if grid != names[0] else None)
+
+    @property
+    def name(self) -> str:
+        """The name of the study."""
+        return self.archived_name or self.folder.resolve().name
 
     @property
     def packaged(self) -> bool:
@@ -148,7 +156,10 @@ class Study(Setup):
 
     @cached_property
     def inputs(self) -> Mapping[str, str]:
-        """Hashes of everything that decides an outcome, by part; comments and the order of keys do not count."""
+        """Hashes of everything that decides an outcome, by part; comments and the order of keys do not count.
+
+        The part `operator NAME` is what only the mutants with that operator fly.
+        """
         sim = self.folder / "sim"
         parts = {"stack": load(sim / "stack.yaml"), **self.grid.documents}
         documents = {name: parts[name].plain() for name in FLYING_DATA} | self._command_documents()
@@ -161,10 +172,14 @@ class Study(Setup):
         others |= {f"../{name}": digest(self.folder / name) for name in (self.command.inputs if self.command else ())}
         roles = [(b.name, ROLES[b.role].seen_as) for b in self.grid.world().bodies.values()]
         judged = [(r.name, r.kind, r.text, r.trigger, r.definitions) for r in self.requirements]
+        code = closure(self.flying_modules)
+        modules = self.operator_modules
+        added = {module: digest_of(closure([module], beside=code)) for module in {*modules.values()}}
         return {
             "sim": _digest([documents, others, roles]),
             "requirements": _digest(judged),
-            "code": digest_of(self.flying_modules),
+            "code": digest_of(code),
+            **{f"operator {name}": added[module] for name, module in modules.items()},
         }
 
     def _command_documents(self) -> dict[str, Any]:
@@ -176,27 +191,35 @@ class Study(Setup):
 
     @property
     def flying_modules(self) -> tuple[str, ...]:
-        """The modules that fly and judge, and the modules of the stack, sensors, signals and operators in the study.
+        """The modules that fly and judge, and the modules of the stack, sensors, signals and happenings in the study.
 
-        These modules and all that they import can change an outcome; a plugin that the study does not use cannot.
+        These modules and all that they import can change every outcome; a plugin that the study does not use cannot.
         """
-        from scaloft_fi.mutants.operators import OPERATORS
         from scaloft_fi.sim.happenings import HAPPENINGS
         from scaloft_fi.sim.measures import SIGNALS
 
         declared = sys.modules.get("scaloft_fi.sim.sensors.sensor")  # a plugin that declares a sensor has imported it
         kinds = declared.SENSORS if declared else {}
         sensors = self.grid.documents["sensors"].mapping()
-        operators = {fault.operator for cell in self.matrix for fault in cell.faults}
-        stack = self.stack  # its operators are declared with it
         makers = [
-            stack.make,
+            self.stack.make,
             *(kinds[name].make for name in sensors if name in kinds),
             *(SIGNALS[name].make for name in self.grid.world().signals),
             *(HAPPENINGS[name].read for name in self._kinds_of_happenings if name in HAPPENINGS),
-            *(OPERATORS[name].make for name in sorted(operators) if name in OPERATORS),
         ]
         return *FLYING, *(COMMANDED if self.command else ()), *dict.fromkeys(make.__module__ for make in makers)
+
+    @property
+    def operator_modules(self) -> Mapping[str, str]:
+        """The module of each operator that PLACEBO or a mutant of the study has.
+
+        It and all that it imports can change an outcome of those mutants, and of no baseline.
+        """
+        from scaloft_fi.mutants.mutant import PLACEBO
+        from scaloft_fi.mutants.operators import OPERATORS
+
+        used = {PLACEBO.operator, *(fault.operator for cell in self.matrix for fault in cell.faults)}
+        return {name: OPERATORS[name].make.__module__ for name in sorted(used) if name in OPERATORS}
 
     @property
     def _kinds_of_happenings(self) -> list[str]:

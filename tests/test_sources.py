@@ -66,12 +66,21 @@ def test_the_digest_follows_what_is_imported_and_nothing_else(package: Path) -> 
     (package / "fly" / "craft.py").write_text("from scaloft_fi.fly.wing import area\n")
     (package / "fly" / "wing.py").write_text("area = 1.0\n")
     (package / "show" / "page.py").write_text("from scaloft_fi.fly import craft\n")
-    before = digest_of(["scaloft_fi.fly.craft"])
+    before = digest_of(closure(["scaloft_fi.fly.craft"]))
     (package / "show" / "page.py").write_text("from scaloft_fi.fly import wing\n")
     (package / "__init__.py").write_text("__version__ = '2'\n")
-    assert digest_of(["scaloft_fi.fly.craft"]) == before
+    assert digest_of(closure(["scaloft_fi.fly.craft"])) == before
     (package / "fly" / "wing.py").write_text("area = 2.0\n")
-    assert digest_of(["scaloft_fi.fly.craft"]) != before
+    assert digest_of(closure(["scaloft_fi.fly.craft"])) != before
+
+
+def test_what_stands_beside_is_left_out_with_what_only_it_imports(package: Path) -> None:
+    (package / "fly" / "craft.py").write_text("from scaloft_fi.fly import rotor, wing\n")
+    (package / "fly" / "wing.py").write_text("from scaloft_fi.fly.spar import area\n")
+    (package / "fly" / "rotor.py").touch()
+    (package / "fly" / "spar.py").touch()
+    added = closure(["scaloft_fi.fly.craft"], beside=["scaloft_fi.fly.wing", "scaloft_fi.fly"])
+    assert added.keys() == {"scaloft_fi.fly.craft", "scaloft_fi.fly.rotor"}
 
 
 def test_an_entry_that_does_not_exist_is_refused() -> None:

@@ -163,17 +163,17 @@ def plugin(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
-def test_an_edit_of_a_plugin_changes_the_hash_of_the_code_and_a_comment_in_it_does_not(
+def test_an_edit_of_a_plugin_changes_the_hash_of_its_operator_and_a_comment_in_it_does_not(
     copy: Path, plugin: Path
 ) -> None:
     before = Study(copy).inputs
     _edit(copy / "hazop" / "matrix" / "human.yaml", "operator: drop", "operator: wander")
     used = Study(copy).inputs
     (plugin / "rates.py").write_text("RATE = 0.1  # a comment\n")
-    assert before["code"] != used["code"] == Study(copy).inputs["code"]
+    assert Study(copy).inputs == used == {**before, "operator wander": used["operator wander"]}
     (plugin / "rates.py").write_text("RATE = 0.2\n")
-    assert Study(copy).inputs["code"] != used["code"]
-    assert Study(copy).inputs["sim"] == before["sim"]
+    edited = Study(copy).inputs
+    assert {part for part in used if edited[part] != used[part]} == {"operator wander"}
 
 
 def test_an_edit_of_a_kind_of_happening_changes_the_hash_of_the_code_where_the_world_has_it(
@@ -214,10 +214,28 @@ def test_the_code_that_enters_keys_leaves_out_how_flights_are_planned_stored_and
     names = {name.removeprefix("scaloft_fi.") for name in closure(study.flying_modules)}
     assert {"setup", "document", "registry", "sim.flight", "judge.outcome", "mutants.watch"} <= names
     assert not {"study", "campaign.plan.plan", "campaign.processes.pool", "mutants.derive", "hazop.load"} & names
+    assert not {name for name in names if name.startswith(("mutants.operators", "mutants.reference"))}
+
+
+def test_the_code_of_a_mutant_adds_the_module_of_its_operator_and_no_other_operator(study: Study) -> None:
+    shared, modules = closure(study.flying_modules), study.operator_modules
+    packages = {"scaloft_fi.mutants.operators", "scaloft_fi.mutants.reference"}
+    for module in set(modules.values()):
+        added = closure([module], beside=shared).keys()
+        assert added >= {module}
+        assert not added & {*modules.values()} - {module}
+        assert {name for name in added if name.rpartition(".")[0] in packages} == {module}
+
+
+def test_what_a_plugin_imports_of_the_api_brings_no_code_of_tables_scores_or_runs(study: Study) -> None:
+    added = closure(["scaloft_fi.api"], beside=closure(study.flying_modules)).keys()
+    assert {name.split(".")[1] for name in added} == {"api", "mutants", "sim", "stack"}
 
 
 @pytest.mark.flight
-def test_nothing_is_imported_to_fly_and_judge_that_does_not_enter_keys(study: Study) -> None:
+@pytest.mark.parametrize("subject", ["None", "PLACEBO"])
+def test_nothing_is_imported_to_fly_and_judge_that_does_not_enter_keys(study: Study, subject: str) -> None:
+    """A stack's own operators are declared in every flight, and none is made in a baseline."""
     program = """
 import sys
 from scaloft_fi.campaign.flights.share import judged, wire_of
@@ -228,7 +246,8 @@ from pathlib import Path
 setup = Setup(Path(sys.argv[1]))
 from scaloft_fi.sim import flight
 from scaloft_fi.mutants import watch
-planned = Planned(PLACEBO, setup.grid.situations[0], 0)
+subject = {"None": None, "PLACEBO": PLACEBO}[sys.argv[2]]
+planned = Planned(subject, setup.grid.situations[0], 0)
 with flight.physics_server() as client:
     short = flight.FlightLoop(client, setup.sim, setup.scenario(planned.situation), 0, wire_of(setup, planned))
     for _ in range(5):
@@ -238,12 +257,15 @@ with flight.physics_server() as client:
     judged(setup, Planned(None, planned.situation, 0), short.log())
 print(*(name for name in sys.modules if name.startswith("scaloft_fi.")))
 """
-    done = subprocess.run([sys.executable, "-c", program, ROOT], capture_output=True, text=True, check=False)
+    done = subprocess.run([sys.executable, "-c", program, ROOT, subject], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     imported = set(done.stdout.split("\n")[-2].split())
     assert "scaloft_fi.judge.outcome" in imported
     imported.discard("scaloft_fi.version")  # the root of the package imports this number, which changes no flight
-    assert imported <= closure(study.flying_modules).keys()
+    made = () if subject == "None" else study.operator_modules.values()
+    declared = [name for name in imported if name.startswith("scaloft_fi.mutants.reference.")]
+    assert declared
+    assert imported <= closure([*study.flying_modules, *made]).keys() | closure(declared).keys()
 
 
 def test_a_requirement_that_no_cell_can_name_is_told_with_file_and_line(copy: Path) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from random_faults.plan import EARLY_S, MOST_KILLED, POOL, SEEDS
+from random_faults.plan import POOL, SEEDS
 from scaloft_fi.analysis.scoring.detection import ALPHA, Spending
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore, mutant_score
 from scaloft_fi.analysis.scoring.pool import Pool, State
@@ -70,7 +70,10 @@ class Arm:
             }
             for subject, situations in self.rulings.mutants.items()
         }
-        return tuple(mutant_score(subject, own, self.space, pooled, Spending(ALPHA)) for subject, own in chosen.items())
+        return tuple(
+            mutant_score(subject, own, self.space, pooled, Spending(ALPHA), firm=False)
+            for subject, own in chosen.items()
+        )
 
     @cached_property
     def digests(self) -> Mapping[str, Mapping[Draw, str]]:
@@ -109,25 +112,9 @@ class Arm:
         return sum(bool(outcome.invalid) for outcome in self.outcomes)
 
 
-def broad(score: MutantScore) -> bool:
-    """Whether a detected fault is killed in nearly all situations that put it to the test."""
-    rate = score.kill_rate
-    return score.detected and rate.part >= MOST_KILLED * rate.whole > 0
-
-
-def early(score: MutantScore) -> bool:
-    """Whether the earliest violation of a kill comes right after take-off."""
-    return any(kill.first.t_s <= EARLY_S for kill in score.kills)
-
-
-def trivial(score: MutantScore) -> bool:
-    """Whether a fault is detected trivially, by the definition of the plan."""
-    return broad(score) or early(score)
-
-
 def useful(score: MutantScore) -> bool:
     """Whether a fault is detected and not trivial."""
-    return score.detected and not trivial(score)
+    return score.detected and not score.trivial
 
 
 def kills_of(score: MutantScore) -> Kills:

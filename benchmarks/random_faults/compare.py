@@ -8,7 +8,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from random_faults.arm import Arm, Kills, kill_sets, kills_of, trivial, useful
+from random_faults.arm import Arm, Kills, kill_sets, kills_of, useful
 from random_faults.plan import LEVEL, PERMUTATIONS, POOL, REDRAWS, SEEDS, fisher
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.streams import generator
@@ -41,7 +41,7 @@ class Counts:
     @classmethod
     def of(cls, scores: Sequence[MutantScore]) -> Counts:
         """Counted of scores."""
-        detected, plain, good = (sum(map(test, scores)) for test in (lambda s: s.detected, trivial, useful))
+        detected, plain, good = (sum(map(test, scores)) for test in (lambda s: s.detected, lambda s: s.trivial, useful))
         return cls(len(scores), detected, plain, good, len(kill_sets(scores)))
 
 

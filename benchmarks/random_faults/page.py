@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from random_faults.arm import Arm, broad, early, kill_sets, trivial, useful
+from random_faults.arm import Arm, kill_sets, useful
 from random_faults.compare import MEASURES, Counts, answer, p_of_kill_sets, redrawn
 from random_faults.plan import FAULTS, FLIGHTS, POOL, REDRAWS, SITUATIONS, fisher
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
@@ -119,9 +119,9 @@ def _counted(arms: Sequence[Arm]) -> Iterator[Row]:
     yield ("that change a flight", *(sum(arm.acts(s.subject.id) for s in arm.scores) for arm in arms))
     yield ("put to the test", *(sum(s.tested for s in arm.scores) for arm in arms))
     yield ("detected", *(sum(s.detected for s in arm.scores) for arm in arms))
-    yield ("of these trivial", *(sum(map(trivial, arm.scores)) for arm in arms))
-    yield ("- killed nearly wherever tested", *(sum(map(broad, arm.scores)) for arm in arms))
-    yield ("- killed right after take-off", *(sum(map(early, arm.scores)) for arm in arms))
+    yield ("of these trivial", *(sum(score.trivial for score in arm.scores) for arm in arms))
+    yield ("- killed nearly wherever tested", *(sum(score.killed_broadly for score in arm.scores) for arm in arms))
+    yield ("- killed right after take-off", *(sum(score.killed_early for score in arm.scores) for arm in arms))
     yield ("useful", *(sum(map(useful, arm.scores)) for arm in arms))
     yield ("different sets of kills", *(len(kill_sets(arm.scores)) for arm in arms))
     yield ("different vectors of digests", *(arm.behaviours for arm in arms))
@@ -161,7 +161,7 @@ def _listed(random: Arm, faults: Mapping[str, Mutant]) -> Iterator[Row]:
 def _row(score: MutantScore, mutant: Mutant) -> Row:
     told = ", ".join(f"{name}={value}" for name, value in mutant.arguments.items() if value != "")
     first = f"{score.first.t_s:.1f}" if score.kills and score.first else ""
-    reasons = {"everywhere": broad(score), "early": early(score)}
+    reasons = {"everywhere": score.killed_broadly, "early": score.killed_early}
     rate = score.kill_rate
     return (
         mutant.id,

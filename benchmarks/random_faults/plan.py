@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from math import comb
 from typing import NamedTuple
 
+from scaloft_fi.analysis.scoring.mutant_score import EARLY_S
 from scaloft_fi.judge.outcome import BASELINE
 
 FAULTS = 114
@@ -14,10 +15,6 @@ SEEDS, POOL = 3, 10
 """Seeds of a fault, and of the unmutated drone, in each situation."""
 SITUATIONS = 32
 FLIGHTS = SITUATIONS * (SEEDS * FAULTS + POOL)
-MOST_KILLED = 0.9
-"""A fault that this share of the situations that put it to the test kills is trivial."""
-EARLY_S = 5.0
-"""So is a fault that a flight shows within this time of take-off [s]."""
 LEVEL = 0.05
 """Two-sided p at which the arms differ."""
 REDRAWS = 200

@@ -6,7 +6,7 @@ import re
 from typing import Any
 
 from mkdocs.structure.files import File
-from site_included import PICTURES, included_pages
+from site_included import PICTURES, included_pages, published_report
 from site_reference import reference_pages
 
 _BLOCK = re.compile(r"^```(\w+) (file|update|requirement)(?:=(\S+))?$", re.MULTILINE)
@@ -14,8 +14,8 @@ _SAYS = {"file": "", "update": ": these entries"}
 
 
 def on_files(files: Any, config: Any) -> Any:
-    """Add the pages that are not written in `docs/`, and their pictures."""
-    for path, text in {**reference_pages(), **included_pages()}.items():
+    """Add the pages that are not written in `docs/`, their pictures, and the report of the published campaign."""
+    for path, text in [*reference_pages().items(), *included_pages().items(), published_report()]:
         files.append(File.generated(config, path, content=text))
     for path, source in PICTURES.items():
         files.append(File.generated(config, path, abs_src_path=str(source)))

@@ -7,13 +7,19 @@ from collections.abc import Mapping
 from pathlib import Path
 from posixpath import dirname, relpath
 
+from scaloft_fi.study import Study
+from scaloft_fi.views.report.evidence import gather
+from scaloft_fi.views.report.page import page
+
 ROOT = Path(__file__).resolve().parents[2]
 PUBLISHED = ROOT / "results" / "published"
 PICTURES = {
-    "experiments/reference/report.png": PUBLISHED / "reference" / "report.png",
+    "experiments/report.png": PUBLISHED / "report.png",
     "experiments/unintended.png": PUBLISHED / "unintended.png",
 }
 """Pictures of these pages, by their place in the site."""
+REPORT = "reference/report.html"
+"""The report of the published campaign, beside these pages."""
 SECTIONS = {
     "how_it_works.md": (
         "How it works",
@@ -46,6 +52,12 @@ def included_pages() -> dict[str, str]:
     return pages
 
 
+def published_report() -> tuple[str, str]:
+    """The place of the report of the reference campaign in the site, and its text, made of the published flights."""
+    evidence = gather(Study.open(ROOT), str(PUBLISHED / "reference"))
+    return f"experiments/{REPORT}", page(evidence)
+
+
 def _sections(text: str) -> Mapping[str, str]:
     """The text below each heading of the second level."""
     parts = re.split(r"^## (.+)$", text, flags=re.MULTILINE)
@@ -65,7 +77,7 @@ def _linked(text: str, path: str) -> str:
         place = _place(named[1], path)
         return f"[{named[0]}]({relpath(place, dirname(path))})" if place and place != path else named[0]
 
-    return re.sub(r"(?<!\[)`([\w./]+\.md)`(?!\])", link, text)
+    return re.sub(r"(?<!\[)`([\w./]+\.(?:md|html))`(?!\])", link, text)
 
 
 def _place(named: str, path: str) -> str:
@@ -75,6 +87,8 @@ def _place(named: str, path: str) -> str:
         return wholes[named]
     if named.startswith("docs/") and (ROOT / named).is_file():
         return named.removeprefix("docs/")
+    if named == REPORT:
+        return f"experiments/{REPORT}"
     published = named.removeprefix("results/published/")
     beside = path.startswith("experiments/") or published != named
     if beside and (PUBLISHED / published).is_file() and "/" not in published:

@@ -14,6 +14,7 @@ import scaloft_fi.mutants.reference
 from scaloft_fi import api
 from scaloft_fi.analysis.disposition import Standing
 from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.scoring.firmness import Firmness
 from scaloft_fi.analysis.scoring.grouping import By
 from scaloft_fi.analysis.scoring.pool import State
 from scaloft_fi.analysis.tried import Reaction
@@ -49,6 +50,7 @@ VALUES: tuple[tuple[str, str, type[StrEnum]], ...] = (
         Status,
     ),
     ("Verdict on a mutant", "All flights of a mutant together, beside the baseline pools.", Verdict),
+    ("Firmness of a detected mutant", "What remains of the verdict when any one seed is left out.", Firmness),
     ("Where a survivor stopped", "The stage that its fault did not pass.", Stage),
     ("What to do next about a survivor", "The change that could show it.", Next),
     (

@@ -7,11 +7,13 @@ nobody has accepted may not.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from datetime import date
 from enum import StrEnum
+from typing import NamedTuple
 
+from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
@@ -79,6 +81,13 @@ class Judged:
     verdict: Verdict | None = None
 
 
+class Accepted(NamedTuple):
+    """A survivor that somebody accepted: its canonical id, and who, why and until when."""
+
+    mutant: str
+    disposition: Disposition
+
+
 def survives(mutant: MutantScore) -> bool:
     """Whether it is not detected though it was put to the test, or undecided."""
     return mutant.verdict in (Verdict.NOT_DETECTED, Verdict.UNDECIDED)
@@ -100,6 +109,28 @@ def judge(
     counted = [mutant for mutant in scored.mutants if roster.counts(mutant.subject) and survives(mutant)]
     names = dict.fromkeys([*(mutant.subject.id for mutant in counted), *sorted(known, key=roster.rank)])
     return tuple(_judged(name, flown.get(name), known.get(name), today) for name in names)
+
+
+def accepted_survivors(
+    scored: Score, roster: Roster, dispositions: Iterable[Disposition], today: date | None = None
+) -> tuple[Accepted, ...]:
+    """The survivors that the score counts and somebody accepted, in the canonical order; the arguments of `judge`.
+
+    Without a pool nobody knows what survives, so there are none.
+    """
+    if not scored.pooled:
+        return ()
+    counted = {mutant.subject.id for mutant in scored.counted}
+    return tuple(
+        Accepted(one.mutant, one.disposition)
+        for one in judge(scored, roster, dispositions, today)
+        if one.disposition is not None and one.state is Standing.ACCEPTED and one.mutant in counted
+    )
+
+
+def score_without(scored: Score, accepted: Sequence[Accepted]) -> Ratio:
+    """Mutants detected, of those that `mutation_score` counts and nobody accepted as survivors."""
+    return Ratio(scored.mutation_score.part, scored.mutation_score.whole - len(accepted))
 
 
 def _judged(name: str, mutant: MutantScore | None, known: Disposition | None, today: date | None) -> Judged:

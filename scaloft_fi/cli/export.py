@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from datetime import date
 from pathlib import Path
 
 import click
 
 from scaloft_fi.cli import names
-from scaloft_fi.cli.files import check_writable, write
-from scaloft_fi.cli.options import campaign_option, study_option
+from scaloft_fi.cli.files import check_folder, check_writable, make_folder, write
+from scaloft_fi.cli.options import campaign_option, study_option, today_option
 from scaloft_fi.cli.verb import Verb, verb
 from scaloft_fi.console import say, tell
 from scaloft_fi.errors import InputError
 from scaloft_fi.registry import load_plugins
+
+ARCHIVE, ZIP = "archive", ".zip"
+"""The format of several files; the end of the name of one that holds them all."""
 
 
 class ExportCommand(Verb):
@@ -32,7 +36,7 @@ class ExportCommand(Verb):
     examples=(
         ("Write one row per flight for pandas", "scaloft-fi export --format parquet --output flights.parquet"),
         ("Give what is not detected to a code host", "scaloft-fi export --format sarif --output scaloft.sarif"),
-        ("Put a summary on the page of a CI job", "scaloft-fi export --format markdown"),
+        ("Keep a campaign with its study for a paper", "scaloft-fi export --format archive --output campaign.zip"),
     ),
     cls=ExportCommand,
 )
@@ -47,26 +51,48 @@ class ExportCommand(Verb):
     metavar="NAME",
     help="One of the formats listed below.",
 )
+@today_option
 @click.option("--output", type=click.Path(path_type=Path), metavar="FILE", help="Write there instead of printing.")
-def export_command(study_folder: Path | None, campaign: str, style: str, output: Path | None) -> None:
+def export_command(
+    study_folder: Path | None, campaign: str, style: str, today: date | None, output: Path | None
+) -> None:
     """Print one row per flight, ordered by mutant, situation and seed, or the campaign in another tool's format.
 
-    Facts of the simulation only: no clock, host or worker is in it.
+    Facts of the simulation only: no clock, host or worker is in it; the day decides which survivors are accepted.
     """
-    check_writable(output)
+    if style == ARCHIVE and output is not None and output.suffix != ZIP:
+        _check_new(output)
+    else:
+        check_writable(output)
     from scaloft_fi.study import Study
     from scaloft_fi.views.exchange import FORMATS
+    from scaloft_fi.views.exchange.archive import unzipped
     from scaloft_fi.views.exchange.gather import dossier
 
     study = Study.open(study_folder)
     chosen = FORMATS[style]
     if output is None and not chosen.text:
         raise InputError(f"--format={style!r} is no text: give --output FILE")
-    made = dossier(study, campaign)
+    made = dossier(study, campaign, today)
     for warning in made.finds.warnings:
         say(f"warning: {warning}")
     content = chosen.content(made)
     if output is None:
         tell(content)
+    elif style == ARCHIVE and output.suffix != ZIP:
+        for name, file in unzipped(content).items():
+            make_folder((output / name).parent, "--output")
+            write(output / name, file)
     else:
         write(output, content)
+
+
+def _check_new(folder: Path) -> None:
+    """Refuse to put an archive into a folder with other files.
+
+    Raises:
+        InputError: there is something of this name that is no empty folder, or no folder can be made there.
+    """
+    check_folder(folder, "--output")
+    if folder.exists() and any(folder.iterdir()):
+        raise InputError(f"--output={str(folder)!r} must be a new or empty folder, or end in {ZIP}")

@@ -136,6 +136,7 @@ def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: st
     study = Study.open(study_folder)
     kind = Kind.OPERABILITY if operability else Kind.SAFETY
     with snapshot(study, campaign) as now:
+        study, matrix = now.study, now.study.matrix
         by_cell = cell_margins(now.outcomes, now.score, study.matrix, kind)
         if style == "json":
             return _json(matrix, cell_margin_values(now.outcomes, now.score, study.matrix, kind)).rstrip("\n")

@@ -27,7 +27,7 @@ def study_option(function: F) -> F:
 
     @wraps(function)
     def told(*args: Any, study_folder: Path | None, **options: Any) -> Any:
-        tell_study(study_folder, quiet=options.get("quiet", False))
+        tell_study(study_folder, quiet=options.get("quiet", False), campaign=options.get("campaign", ""))
         return function(*args, study_folder=study_folder, **options)
 
     return cast(F, _study_option(told))
@@ -51,7 +51,7 @@ def campaign_option(function: F) -> F:
         default=CAMPAIGN,
         show_default=True,
         metavar="NAME",
-        help="A folder in the study's results/campaigns/; a NAME with a / is the path of a folder.",
+        help="A folder in the study's results/campaigns/; a NAME with a / or .zip is the path of a folder or archive.",
     )(function)
 
 
@@ -113,12 +113,22 @@ def all_option(function: F) -> F:
 
 
 def fail_under_option(function: F) -> F:
-    """`--fail-under RATIO`: the least mutation score that counts as a success."""
+    """`--fail-under RATIO` and `--fail-under-firm RATIO`: the least mutation score that counts as a success."""
     return click.option(
         "--fail-under",
         type=click.FloatRange(0.0, 1.0),
         metavar="RATIO",
         help="Exit with 3 when the mutation score (0..1) is below RATIO; refused without a baseline pool.",
+    )(_fail_under_firm(function))
+
+
+def _fail_under_firm(function: F) -> F:
+    return click.option(
+        "--fail-under-firm",
+        type=click.FloatRange(0.0, 1.0),
+        metavar="RATIO",
+        help="Exit with 3 when the share (0..1) of mutants that are detected whichever one seed is left out is below "
+        "RATIO; refused without a baseline pool.",
     )(function)
 
 
@@ -128,7 +138,8 @@ def today_option(function: F) -> F:
         "--today",
         callback=_day,
         metavar="YYYY-MM-DD",
-        help="The day by which dispositions expire; no score depends on it.  [default: the system's date]",
+        help="The day by which dispositions expire; the mutation score does not depend on it.  [default: the system's "
+        "date]",
     )(function)
 
 

@@ -11,6 +11,7 @@ from scaloft_fi.cli.answer import answer, line_format_option
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.options import as_of_option, campaign_option, study_option
 from scaloft_fi.cli.verb import verb
+from scaloft_fi.errors import InputError
 from scaloft_fi.inert import line
 
 NAME = "report.html"
@@ -39,7 +40,7 @@ def report_command(
 ) -> None:
     """Write one HTML file that opens from disk, without a network: both matrices, every flight, what follows."""
     check_writable(output)
-    from scaloft_fi.campaign.store.folder import campaign_folder
+    from scaloft_fi.campaign.store.folder import campaign_folder, is_archive
     from scaloft_fi.study import Study
     from scaloft_fi.views.outputs.answer import Answer
     from scaloft_fi.views.report.evidence import gather
@@ -47,11 +48,15 @@ def report_command(
     from scaloft_fi.views.report.written import REPORT
 
     study = Study.open(study_folder)
+    folder = campaign_folder(study, campaign)
+    if output is None and is_archive(folder):
+        raise InputError(f"{folder}: an archive is a record, into which no report is written: give --output FILE")
     evidence = gather(study, campaign, today)
-    path = output or campaign_folder(study, campaign) / NAME
+    path = output or folder / NAME
     content = page(evidence).encode()
     write(path, content)
     size = len(content)
     told = line(f"report: {path} ({size / 1e6:.1f} MB)")
-    values = {"report": str(path), "bytes": size}
-    answer(Answer(REPORT, lambda: values, told=lambda _: f"{told}\n", warnings=evidence.study.finds.warnings), style)
+    values = {"report": str(path), "bytes": size, **evidence.stale.values}
+    warnings = (*evidence.stale.sentences, *evidence.study.finds.warnings)
+    answer(Answer(REPORT, lambda: values, told=lambda _: f"{told}\n", warnings=warnings), style)

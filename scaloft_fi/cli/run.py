@@ -31,7 +31,7 @@ from scaloft_fi.errors import InputError
     examples=(
         ("Fly one fault over the whole grid; the same command resumes", "scaloft-fi run --mutant LATE-human"),
         ("Fly every fault of a guideword with three seeds", "scaloft-fi run --mutant 'NO-*' --seeds 3"),
-        ("Fly every cell's default within two hours, as in CI", "scaloft-fi run --budget 2h --fail-under 0.3"),
+        ("Fly every cell's default within two hours, as in CI", "scaloft-fi run --budget 2h --fail-under-firm 0.25"),
     ),
     sections={
         "Where": "--study --campaign --grid",
@@ -40,7 +40,7 @@ from scaloft_fi.errors import InputError
         "How often": "--seeds --baseline-seeds --baseline-from --sequential",
         "How": "--jobs --budget --no-share --same-platform",
         "On many machines": "--shard --executor --cluster-key --cluster-security",
-        "What fails the run": "--fail-under --max-invalid",
+        "What fails the run": "--fail-under --fail-under-firm --max-invalid",
         "What is printed": "--all --format --tables --warnings --quiet --help",
     },
 )
@@ -169,6 +169,7 @@ def run_command(
     style: str,
     tables_folder: Path | None,
     fail_under: float | None,
+    fail_under_firm: float | None,
     warnings: bool,
     quiet: bool,
 ) -> int:
@@ -189,7 +190,7 @@ def run_command(
     from scaloft_fi.campaign.store.flown_grid import study_of
     from scaloft_fi.campaign.store.folder import campaign_folder
     from scaloft_fi.campaign.workers.named import executor_named
-    from scaloft_fi.cli.score import report
+    from scaloft_fi.cli.score import Bars, report
     from scaloft_fi.views.runs.detected import detected_so_far
     from scaloft_fi.views.score.score_form import RUN
     from scaloft_fi.views.scored_campaign import scored_run
@@ -207,9 +208,9 @@ def run_command(
         shard=choose.shard(shard) if shard is not None else None,
         budget_s=budget_s(budget) if budget is not None else None,
     )
-    if fail_under is not None and request.short_of_pool is not None:
+    if (bars := Bars(fail_under, fail_under_firm)) and request.short_of_pool is not None:
         raise InputError(
-            f"--fail-under={fail_under:g} needs a baseline pool of at least {LEAST} seeds, and --baseline-seeds="
+            f"{bars} needs a baseline pool of at least {LEAST} seeds, and --baseline-seeds="
             f"{baseline_seeds!r} makes {request.short_of_pool} of them; leave one out"
         )
     options = RunOptions(
@@ -232,5 +233,5 @@ def run_command(
         everything=everything,
         style=style,
         tables=tables_folder,
-        fail_under=fail_under,
+        bars=bars,
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import date
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
@@ -35,11 +35,11 @@ GROUPINGS = ("guideword", "parameter", "situation", "requirement", "axis")
     examples=(
         ("Ask which faults the tests would have shown", "scaloft-fi score"),
         ("See every mutant, and the score of each guideword", "scaloft-fi score --all --by guideword"),
-        ("Hold a pipeline to what a team has accepted", "scaloft-fi score --fail-under 0.3 --ratchet"),
+        ("Hold a pipeline to what a team has accepted", "scaloft-fi score --fail-under-firm 0.25 --ratchet"),
     ),
     sections={
         "Where": "--study --campaign --baseline-from",
-        "What fails": "--fail-under --ratchet --today",
+        "What fails": "--fail-under --fail-under-firm --ratchet --today",
         "What is printed": "--by --all --format --tables --help",
     },
 )
@@ -67,6 +67,7 @@ def score_command(
     everything: bool,
     style: str,
     fail_under: float | None,
+    fail_under_firm: float | None,
     ratcheting: bool,
     tables_folder: Path | None,
     today: date | None,
@@ -76,7 +77,7 @@ def score_command(
     from scaloft_fi.views.score.score_form import SCORE
     from scaloft_fi.views.scored_campaign import scored_campaign
 
-    scored = scored_campaign(Study.open(study_folder), campaign, baseline_from)
+    scored = scored_campaign(Study.open(study_folder), campaign, baseline_from, today)
     code = report(
         scored,
         SCORE,
@@ -84,13 +85,29 @@ def score_command(
         everything=everything,
         style=style,
         tables=tables_folder,
-        fail_under=fail_under,
+        bars=Bars(fail_under, fail_under_firm),
     )
     if not ratcheting:
         return code
     from scaloft_fi.cli.dispositions import ratchet
 
     return ratchet(scored.study, scored.score, today) or code
+
+
+class Bars(NamedTuple):
+    """The least ratios that count as a success; None asks for nothing."""
+
+    detected: float | None
+    firm: float | None
+
+    def __bool__(self) -> bool:
+        return self.detected is not None or self.firm is not None
+
+    def __str__(self) -> str:
+        """The first option that is given, as the user wrote it."""
+        if self.detected is not None:
+            return f"--fail-under={self.detected:g}"
+        return f"--fail-under-firm={self.firm:g}"
 
 
 def report(
@@ -101,7 +118,7 @@ def report(
     everything: bool,
     style: str,
     tables: Path | None,
-    fail_under: float | None,
+    bars: Bars,
 ) -> int:
     """Print what a campaign says; returns the exit code.
 
@@ -112,22 +129,30 @@ def report(
         everything: `--all`.
         style: `--format`.
         tables: `--tables`.
-        fail_under: `--fail-under`.
+        bars: `--fail-under` and `--fail-under-firm`.
 
     Raises:
-        InputError: `--fail-under` where there is no pool to decide by.
+        InputError: one of the bars where there is no pool to decide by.
     """
-    if fail_under is not None and not scored.score.pooled:
+    if bars and not scored.score.pooled:
         raise InputError(
-            f"--fail-under={fail_under:g} needs a baseline pool: campaign {scored.campaign!r} has fewer than ten "
+            f"{bars} needs a baseline pool: campaign {scored.campaign!r} has fewer than ten "
             "baseline flights wherever a mutant infects; `scaloft-fi run` flies them"
         )
     from scaloft_fi.analysis.scoring.grouping import By
 
     by = By(grouping) if grouping else None
     answer(scored.answer(output, by, everything=everything), style, tables)
-    ratio = scored.score.mutation_score
-    if fail_under is None or (ratio.value is not None and ratio.value >= fail_under):
+    detected, firm = scored.score.mutation_score, scored.score.firm
+    below = [
+        f"{option} {least:g}"
+        for option, least, ratio in (
+            ("--fail-under", bars.detected, detected),
+            ("--fail-under-firm", bars.firm, firm),
+        )
+        if least is not None and (ratio.value is None or ratio.value < least)
+    ]
+    if not below:
         return 0
-    say(f"mutation score {ratio} is below --fail-under {fail_under:g}")
+    say(f"mutation score {detected}, firm {firm}: below {' and '.join(below)}")
     return ExitCode.BELOW

@@ -81,6 +81,12 @@ def parting_s(first: bytes, second: bytes) -> float | None:
     return None
 
 
+def in_step(first: bytes, second: bytes) -> bool:
+    """Whether two tracks have samples at the same times as long as both last."""
+    pairs = zip(unpack_track(first), unpack_track(second), strict=False)
+    return all(one[_TIME] == other[_TIME] for one, other in pairs)
+
+
 def agreement(first: Iterable[Outcome], second: Iterable[Outcome]) -> Agreement:
     """Compare the valid flights that both sets have, in the order of `second`; each set has its own baselines.
 

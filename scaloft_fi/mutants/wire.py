@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from importlib import import_module
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.mutants.facts import Facts
 from scaloft_fi.mutants.mutant import EVERY_SEAM, Mutant
-from scaloft_fi.mutants.operator import Tap, TapContext
-from scaloft_fi.mutants.operators import OPERATORS
+from scaloft_fi.mutants.operator import OPERATORS, Tap, TapContext
 from scaloft_fi.mutants.window import Occurrences
 from scaloft_fi.stack.declaration import Declaration
 from scaloft_fi.stack.seam import PlainWire, Seam, Wire
@@ -129,6 +129,7 @@ def wire_for(subject: Mutant | None, stack: Declaration, context: Callable[[Seam
     """A fresh wire for one flight of `subject`; None stands for the baseline, PLACEBO has a tap on every seam."""
     if subject is None:
         return PlainWire()
+    import_module("scaloft_fi.mutants.operators")  # by name: the keys of baselines leave operators out
     operator = OPERATORS[subject.operator]
     seams = stack.seams if subject.seam == EVERY_SEAM else (stack.by_name[subject.seam],)
     event = Occurrences() if subject.event else None

@@ -8,6 +8,7 @@ from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from scaloft_fi.errors import InputError
 from scaloft_fi.scripting.arguments import in_python, names
 from scaloft_fi.scripting.score import CampaignScore
 from scaloft_fi.views.columns import Columns
@@ -44,11 +45,12 @@ class HeldCampaign:
         with in_python():
             return campaign_folder(self._study, self.name)
 
-    def score(self, *, baseline_from: str | None = None) -> CampaignScore:
+    def score(self, *, baseline_from: str | None = None, today: date | None = None) -> CampaignScore:
         """Score the flights that the campaign holds, without flying.
 
         Args:
             baseline_from: name of a campaign whose baselines join the pool.
+            today: day by which dispositions expire; by default the system's date.
 
         Raises:
             InputError: there is no campaign, or it holds no flight that counts.
@@ -56,7 +58,7 @@ class HeldCampaign:
         from scaloft_fi.views.scored_campaign import scored_campaign
 
         with in_python():
-            return CampaignScore(scored_campaign(self._study, self.name, baseline_from))
+            return CampaignScore(scored_campaign(self._study, self.name, baseline_from, today))
 
     def flights(self) -> Columns:
         """The flights that count, one row each, with the columns of `scaloft-fi export`.
@@ -71,8 +73,17 @@ class HeldCampaign:
             made = dossier(self._study, self.name)
             return flight_columns(made.rows, made.columns)
 
-    def export(self, format: str = "json") -> bytes:  # noqa: A002 - the name of the option
+    def export(
+        self,
+        format: str = "json",  # noqa: A002 - the name of the option
+        *,
+        today: date | None = None,
+    ) -> bytes:
         """The campaign in a format of `scaloft-fi export`, as the bytes of a file.
+
+        Args:
+            format: name of the format.
+            today: day by which dispositions expire; by default the system's date.
 
         Raises:
             InputError: there is no such format or campaign, or the campaign holds no flight that counts.
@@ -82,7 +93,7 @@ class HeldCampaign:
 
         with in_python():
             chosen = FORMATS[format]
-            return chosen.content(dossier(self._study, self.name))
+            return chosen.content(dossier(self._study, self.name, today))
 
     def report(self, path: Path | str | None = None, *, today: date | None = None) -> Path:
         """Write one HTML file that tells the whole campaign; returns its path.
@@ -94,11 +105,14 @@ class HeldCampaign:
         Raises:
             InputError: there is no campaign, it holds no flight that counts, or the file cannot be written.
         """
+        from scaloft_fi.campaign.store.folder import is_archive
         from scaloft_fi.output import write_named
         from scaloft_fi.views.report.evidence import gather
         from scaloft_fi.views.report.page import page
 
         with in_python():
+            if path is None and is_archive(self.folder):
+                raise InputError(f"{self.folder}: an archive is a record, into which no report is written: give path")
             content = page(gather(self._study, self.name, today)).encode()
             file = self.folder / REPORT_NAME if path is None else Path(path)
             write_named(file, content, "path")
@@ -218,10 +232,10 @@ class HeldCampaign:
         return study_of(self.study_folder, self.name, self.grid)
 
     def _repr_html_(self) -> str:
-        from scaloft_fi.campaign.store.folder import STORE_NAME
+        from scaloft_fi.campaign.store.folder import STORE_NAME, is_archive
         from scaloft_fi.views.tables.html import html
         from scaloft_fi.views.tables.table import Table
 
-        if (self.folder / STORE_NAME).is_file():
+        if is_archive(self.folder) or (self.folder / STORE_NAME).is_file():
             return self.status()._repr_html_()
         return html((Table(f"Campaign {self.folder}", (), (), ("Nothing was flown here yet.",)),))

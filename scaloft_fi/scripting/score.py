@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 TEXT, WHOLE, NUMBER, TEXTS = ColumnType.TEXT, ColumnType.WHOLE, ColumnType.NUMBER, ColumnType.TEXTS
 MUTANT_COLUMNS = {
-    **dict.fromkeys(("mutant", "guideword", "parameter", "magnitude", "verdict", "status"), TEXT),
+    **dict.fromkeys(("mutant", "guideword", "parameter", "magnitude", "verdict", "firm", "status"), TEXT),
     **dict.fromkeys(("killed_in", "tested_in", "flown_in"), WHOLE),
     "killed_by": TEXTS,
     **dict.fromkeys(("first_s", "seeds", "seeds_needed"), NUMBER),
@@ -45,6 +45,11 @@ class CampaignScore:
     def mutation_score(self) -> Ratio:
         """Mutants that the safety requirements detect, of the credible cells' default mutants flown."""
         return self._scored.score.mutation_score
+
+    @property
+    def firm(self) -> Ratio:
+        """Mutants detected whichever one seed is left out, of the same."""
+        return self._scored.score.firm
 
     @property
     def exercised(self) -> Ratio:
@@ -80,6 +85,7 @@ class CampaignScore:
     def mutants(self) -> Columns:
         """One row for each mutant, ladders too, in the order of the catalogue.
 
+        `firm` says of a detected one whether it hangs on a seed; it is empty for the others.
         `killed_in`, `tested_in` and `flown_in` count situations, `killed_by` has the requirements, `first_s` is the
         earliest violation [s from the start], `seeds` is what the verdict rests on, `seeds_needed` what would decide.
         """
@@ -157,6 +163,7 @@ def _mutant(mutant: MutantScore) -> Mapping[str, Any]:
         "parameter": mutant.subject.parameter,
         "magnitude": mutant.subject.magnitude,
         "verdict": mutant.verdict.value,
+        "firm": mutant.firmness.value if mutant.firmness else "",
         "status": mutant.status.value,
         "killed_in": rate.part,
         "tested_in": rate.whole,

@@ -32,6 +32,8 @@ class ColumnType(StrEnum):
     """Lists of texts."""
     NUMBERS = "numbers"
     """Lists of numbers."""
+    WHOLES = "wholes"
+    """Lists of whole numbers."""
 
 
 class Columns(dict[str, Any]):
@@ -71,10 +73,7 @@ class Columns(dict[str, Any]):
         Raises:
             InputError: pyarrow is not installed.
         """
-        try:
-            import pyarrow
-        except ImportError as error:
-            raise InputError("Arrow data needs pyarrow: pip install 'scaloft-fi[parquet]'") from error
+        pyarrow = needed_pyarrow()
         types = {
             ColumnType.WHOLE: pyarrow.int64(),
             ColumnType.NUMBER: pyarrow.float64(),
@@ -82,6 +81,7 @@ class Columns(dict[str, Any]):
             ColumnType.TEXT: pyarrow.string(),
             ColumnType.TEXTS: pyarrow.list_(pyarrow.string()),
             ColumnType.NUMBERS: pyarrow.list_(pyarrow.float64()),
+            ColumnType.WHOLES: pyarrow.list_(pyarrow.int64()),
         }
         columns = [pyarrow.array(self[name], types[kind], from_pandas=True) for name, kind in self.types.items()]
         return pyarrow.Table.from_arrays(columns, names=list(self.types))
@@ -113,10 +113,23 @@ class Columns(dict[str, Any]):
         return html((self._table(SHOWN),))
 
 
+def needed_pyarrow() -> Any:
+    """The module pyarrow.
+
+    Raises:
+        InputError: it is not installed.
+    """
+    try:
+        import pyarrow
+    except ImportError as error:
+        raise InputError("Arrow data needs pyarrow: pip install 'scaloft-fi[parquet]'") from error
+    return pyarrow
+
+
 def _column(kind: ColumnType, values: Sequence[Any]) -> NDArray[Any] | list[Any]:
     import numpy as np
 
-    if kind in (ColumnType.TEXTS, ColumnType.NUMBERS):
+    if kind in (ColumnType.TEXTS, ColumnType.NUMBERS, ColumnType.WHOLES):
         return list(map(_utf8, values))
     array: NDArray[Any]
     if kind is ColumnType.WHOLE:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from typing import Any
 
-from scaloft_fi.analysis.disposition import Disposition, Judged, Standing
+from scaloft_fi.analysis.disposition import Judged, Standing
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.views.outputs.output import Output
@@ -40,13 +40,6 @@ DISPOSITIONS = Output(
     },
     rows="survivors",
 )
-
-
-def acceptance(disposition: Disposition) -> str:
-    """Who accepted a survivor, where, until when and why."""
-    where = f" in {', '.join(disposition.situations)}" if disposition.situations else ""
-    until = disposition.expires.isoformat()
-    return f"accepted{where} by {disposition.owner} until {until}: {disposition.reason}"
 
 
 def verdict_words(judged: Judged) -> str:

@@ -13,6 +13,7 @@ alike: Of the flights that confirm a break, those that break in the same way, fl
 alpha: The chance that a mutant which does nothing is called detected: 0.01 unless the campaign spends less.
 altered | samples altered: Number of samples that the fault changed in a flight.
 answer: The sentence that answers the question beside it.
+archive: A campaign's record as one folder or ZIP file, with its study; every verb that reads opens it as a campaign.
 arguments: The settings of the operator that makes the fault.
 asks: The versions that scaloft-fi asks for.
 at most %: Share of the killed mutants whose kill order is this or less.
@@ -65,6 +66,7 @@ deterministic: A stack whose flight with the same inputs has the same bits each 
 deviation | deviation, or why it is not meaningful: What differs from the design intent when the guideword applies.
 digest: A fingerprint of everything that happened in a flight: equal digests mean equal flights, to the bit.
 disposition: The decision of a person, with owner, reason and last day, to accept a survivor.
+distinct behaviours: Detected mutants, of which those count once whose flights all equal each other's to the bit.
 distinct situations: Different situations that were flown; the same one with another seed is no other.
 document: A YAML file of a study, by the name of its JSON Schema.
 dominator score: Minimal mutants that are killed, of all minimal mutants; redundant mutants do not count in it.
@@ -80,8 +82,8 @@ exercised: Credible cells whose default mutant was flown, of all credible cells.
 expected: The study declares, with a reason, that this mutant alters nothing in this grid.
 expired: The last day of a disposition has passed: the ratchet fails.
 expires: Last day on which a disposition holds.
-false detections | expected_false: How many detected mutants chance alone would give on average, at most: alpha times
-  the mutants tested.
+false detections | expected_false: How many mutants would be called detected on average, at most, if none had any
+  effect: alpha times the mutants tested.  It says nothing of a single mutant that is detected.
 fault | faults: A change of the samples at one seam, made by an operator; a mutant is a fault with its magnitude and
   its time.
 file: Name of a file with a record.
@@ -89,6 +91,8 @@ files: The files of a study that a document is, `*` for any name.
 find | finds: A situation that a search found for a survivor and that fresh seeds confirmed.
 finding | findings: What the campaign says about a thing; above all, what the unmutated drone itself does wrong.
   Of `check`: what it found in the study, an error or a note.
+firm | firm_by_pool: A detected mutant that stays detected when any one seed is left out of its own flights and,
+  separately, any one out of the baseline pool.  With one seed of its own it is firm by the pool alone.
 first: The earliest violation that counts: its time [s from take-off], and in the long table its place and what was
   struck.
 flies it | flies_find: The command that flies the find.
@@ -103,13 +107,14 @@ gate: A check of the test bench before any score, such as PLACEBO equal to the b
   is 4.
 grid | the grid: All situations: every combination of the values of the axes.
 guideword: A word such as NO, MORE or LATE that asks how a parameter could deviate.
+hangs on a seed | hangs_on_a_seed: A detected mutant that is not detected any more when some one seed is left out.
 happening: What changes around the drone during a flight: light, wind, dust, a person who walks.
 harmless: Samples passed at this magnitude and none was changed, where another magnitude changes some: it survives.
 harness: The test bench: simulator, workers, store.  Stopped at harness: no flight of the mutant counts.
 held: Of a requirement: the flight did not violate it.  Of a baseline flight: it violates no safety requirement.
 Holm: The adjustment of p for several safety requirements.
 how much: How much of the study `check` looked at.
-how sure: What chance explains of the result, and how many flights it rests on.
+how sure: How many mutants would be called detected if none had any effect, and how many flights the answer rests on.
 Hz: How often a seam is polled each second.
 id: The canonical name of a mutant: `GUIDEWORD-parameter@magnitude#phase`.
 in the flight: A rail that stands for the flight: X where the fault strikes with a kill, o without one, - where
@@ -167,6 +172,7 @@ needed | would decide: Of a situation: without it a kill is lost.  Of an undecid
 needs: What an operator requires of a message; it fits every seam whose message has that.
 never tests | never triggered: The condition of this requirement never comes true in the situation.
 next | what next: What to do next, most useful first.
+no effect here | without effect: A mutant whose every flight equals the baseline's to the bit, in this campaign.
 no test | no_test: No safety requirement is steady in the situation, so nothing that a mutant does there counts.
 node | study node: The stages of the stack between which a parameter flows.
 not claimed: What somebody might read from the figures, and what they do not say.
@@ -288,7 +294,11 @@ threshold: The magnitude from which a fault is killed; see margin.
 timed_out: Ending: the drone was still flying at the time limit.
 times triggered: Episodes in which the requirement's condition came true.
 title: A name for people.
+too few seeds to say | too few seeds | too_few_seeds: Without some seed the flights of a detected mutant that remain
+  could not be detected, whatever they show.
 triggered: The requirement's condition came true, so that the flight tests it.
+trivial: A detected mutant that is killed in nine tenths of the situations that put it to the test, or within 5 s of
+  take-off: any test would show it.
 uncovered: A survivor survives in a situation that its disposition does not name: the ratchet fails.
 undecided: Verdict: violations were seen, or too few flights were flown to decide; the row says how many seeds would.
 unit: The unit of a number.

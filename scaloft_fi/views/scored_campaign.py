@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from datetime import date
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from scaloft_fi.analysis.disposition import Accepted, Disposition, accepted_survivors
 from scaloft_fi.analysis.kills.background import Background, backgrounds
 from scaloft_fi.analysis.noise import Noise, noise_of
 from scaloft_fi.analysis.plain import plain
@@ -16,6 +18,7 @@ from scaloft_fi.analysis.scoring.score import Score, score_of
 from scaloft_fi.analysis.situations.coverage import Coverage, coverage_of
 from scaloft_fi.campaign.runs.baseline_pool import borrowed
 from scaloft_fi.campaign.runs.looks import Look
+from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.rulings import Rulings
 from scaloft_fi.study import Study
@@ -29,6 +32,7 @@ from scaloft_fi.views.score.score_form import SCORE
 from scaloft_fi.views.score.score_record import score_json
 from scaloft_fi.views.score.tables import group_table, tables_behind
 from scaloft_fi.views.snapshot import snapshot
+from scaloft_fi.views.stale import NONE, Stale
 from scaloft_fi.views.tables.table import Format, Table, render
 
 if TYPE_CHECKING:
@@ -46,6 +50,8 @@ class ScoredCampaign:
         score: the score.
         noise: noise of a stack that is not deterministic; else empty.
         warning: what a reader must know of the platforms of the flights; "" where there is nothing.
+        stale: the flights of the campaign that no longer count.
+        accepted: the survivors that somebody accepted.
         looks: looks of the run that flew, where it was sequential.
         unflown: what the run that flew left out.
     """
@@ -56,6 +62,8 @@ class ScoredCampaign:
     score: Score
     noise: tuple[Noise, ...] = ()
     warning: str = ""
+    stale: Stale = NONE
+    accepted: tuple[Accepted, ...] = ()
     looks: tuple[Look, ...] = ()
     unflown: tuple[Unflown, ...] = ()
 
@@ -72,7 +80,8 @@ class ScoredCampaign:
     @property
     def warnings(self) -> tuple[str, ...]:
         """What a reader must know beside the score, in sentences; often nothing."""
-        return (*filter(None, [self.warning]), *self.study.finds.warnings)
+        _, unread = _dispositions(self.study)
+        return (*filter(None, [self.warning, unread]), *self.stale.sentences, *self.study.finds.warnings)
 
     def answer(self, form: Output, by: By | None = None, *, everything: bool = False) -> Answer:
         """What `run` and `score` answer; the arguments are those of `text`, `form` is that of the JSON."""
@@ -95,6 +104,7 @@ class ScoredCampaign:
             campaign=self.campaign,
             finds=self.study.finds,
             noise=self.noise,
+            accepted=self.accepted,
             whole=whole,
         )
 
@@ -133,33 +143,38 @@ class ScoredCampaign:
             noise=self.noise,
             looks=[look_record(look) for look in self.looks],
             unflown=plain(self.unflown),
+            accepted=self.accepted,
+            stale=self.stale,
         )
 
     def _background(self, mutant: str) -> Background | None:
         return backgrounds(self.study.matrix, [mutant])[mutant]
 
 
-def scored_campaign(study: Study, campaign: str, baseline_from: str | None = None) -> ScoredCampaign:
+def scored_campaign(
+    study: Study, campaign: str, baseline_from: str | None = None, today: date | None = None
+) -> ScoredCampaign:
     """Score the flights that a campaign holds.
 
     Args:
         study: the study, with any of its grids.
         campaign: name of the campaign.
         baseline_from: name of a campaign whose baselines join the pool.
+        today: the day by which dispositions expire; by default the system's date.
 
     Raises:
         InputError: a campaign does not exist, holds no flight that counts, or cannot lend its baselines.
     """
     with snapshot(study, campaign) as now:
         study, rulings, spending, warning = now.study, now.rulings, now.spending, now.platform_warning
-        noise = _noise(study, now.outcomes)
+        noise, stale, campaign = _noise(study, now.outcomes), now.stale, now.name
     others: Iterable[Outcome] = ()
     if baseline_from:
         flown = rulings.situations
         listed = study.space.holding(flown).situations
         others = borrowed(study, baseline_from, [key for key, _ in listed if key in flown])
     score = score_of(rulings, study.roster, study.space, spending, others)
-    return ScoredCampaign(study, campaign, rulings, score, noise, warning)
+    return ScoredCampaign(study, campaign, rulings, score, noise, warning, stale, _accepted(study, score, today))
 
 
 def scored_run(flown: Flown, campaign: str) -> ScoredCampaign:
@@ -169,7 +184,23 @@ def scored_run(flown: Flown, campaign: str) -> ScoredCampaign:
     score = score_of(flown.rulings, study.roster, study.space, report.spending, planned.others)
     left = () if planned.request.sequential else unflown(planned.plan, report.left)
     noise = _noise(study, report.outcomes)
-    return ScoredCampaign(study, campaign, flown.rulings, score, noise, report.mixture, tuple(flown.looks), left)
+    with snapshot(study, campaign) as now:
+        stale = now.stale
+    accepted, looks = _accepted(study, score, None), tuple(flown.looks)
+    return ScoredCampaign(study, campaign, flown.rulings, score, noise, report.mixture, stale, accepted, looks, left)
+
+
+def _accepted(study: Study, score: Score, today: date | None) -> tuple[Accepted, ...]:
+    dispositions, _ = _dispositions(study)
+    return accepted_survivors(score, study.roster, dispositions, today or date.today())  # noqa: DTZ011 - the user's day
+
+
+def _dispositions(study: Study) -> tuple[tuple[Disposition, ...], str]:
+    """The dispositions of a study; none, and why, where the file is not filled in: a score needs none of them."""
+    try:
+        return study.dispositions, ""
+    except InputError as error:
+        return (), f"no survivor counts as accepted: {error}"
 
 
 def _noise(study: Study, outcomes: Iterable[Outcome]) -> tuple[Noise, ...]:

@@ -12,15 +12,18 @@ from scaloft_fi.analysis.scoring.detection import Spending
 from scaloft_fi.analysis.scoring.score import Score, score_of
 from scaloft_fi.campaign.runs.choice import Remembered, remembered
 from scaloft_fi.campaign.runs.spending import spending_of
-from scaloft_fi.campaign.store.flown_grid import with_grid
-from scaloft_fi.campaign.store.folder import campaign_folder, existing
-from scaloft_fi.campaign.store.held import Held, current_in, held_in, latest_in, nothing_to_show
+from scaloft_fi.campaign.store.archive import Archive
+from scaloft_fi.campaign.store.flown_grid import opened
+from scaloft_fi.campaign.store.folder import campaign_folder
+from scaloft_fi.campaign.store.held import Held, Now, held_in, latest_in, nothing_to_show
 from scaloft_fi.campaign.store.platforms import Platforms, warning_for
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.store.tracks import with_tracks
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.rulings import Rulings, rulings_of
 from scaloft_fi.study import Study
+from scaloft_fi.views.again import stale_of
+from scaloft_fi.views.stale import Stale
 
 
 @dataclass(frozen=True)
@@ -29,13 +32,20 @@ class Snapshot:
 
     Attributes:
         study: what was flown, with the grid of the campaign.
+        name: of the campaign, as `--campaign` takes it; of an archive the name that was archived.
         folder: of the campaign.
         store: open, within a snapshot.
     """
 
     study: Study
+    name: str
     folder: Path
     store: Store
+
+    @property
+    def archive(self) -> Archive | None:
+        """The archive that is read; None for a campaign that was flown here."""
+        return self.store if isinstance(self.store, Archive) else None
 
     @cached_property
     def outcomes(self) -> tuple[Outcome, ...]:
@@ -44,7 +54,12 @@ class Snapshot:
         Raises:
             InputError: there are none.
         """
-        return current_in(self.study, self.store) or nothing_to_show(self.store, self.folder)
+        return self.store.standing(self.now.stands) or nothing_to_show(self.store, self.folder)
+
+    @cached_property
+    def now(self) -> Now:
+        """The study as it is now, beside which stored flights count or are stale."""
+        return Now(self.study, self.store)
 
     @cached_property
     def rulings(self) -> Rulings:
@@ -59,6 +74,11 @@ class Snapshot:
     def held(self) -> Held:
         """The same outcomes, of which there may be none, beside what is stale and what is planned and not flown."""
         return held_in(self.study, self.store, self.folder)
+
+    @cached_property
+    def stale(self) -> Stale:
+        """The stored flights that no longer count and were not flown again."""
+        return stale_of(self.study, self.store, self.now, self.name)
 
     @cached_property
     def latest(self) -> tuple[Outcome, ...]:
@@ -96,12 +116,12 @@ class Snapshot:
 
     @cached_property
     def platform_warning(self) -> str:
-        """What a reader must know of the platforms of the flights; empty when there is nothing.
+        """What a reader must know of the platforms of the flights; empty when there is nothing, as for a record.
 
         Raises:
             InputError: there are no outcomes.
         """
-        return warning_for(self._platforms, self.outcomes)
+        return self.mixture if self.archive else warning_for(self._platforms, self.outcomes)
 
     @cached_property
     def choices(self) -> Sequence[Remembered]:
@@ -127,5 +147,7 @@ def snapshot(study: Study, campaign: str) -> Iterator[Snapshot]:
         InputError: there is no campaign.
     """
     folder = campaign_folder(study, campaign)
-    with Store(existing(folder), create=False) as store, store.snapshot():
-        yield Snapshot(with_grid(study, store), folder, store)
+    study, store = opened(study, folder)
+    with store, store.snapshot():
+        name = store.manifest.campaign if isinstance(store, Archive) else campaign
+        yield Snapshot(study, name, folder, store)

@@ -28,6 +28,7 @@ from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.derive import realise, with_events
 from scaloft_fi.mutants.mutant import PLACEBO
+from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.stack.declaration import Declaration
 from scaloft_fi.stack.reference.declaration import REFERENCE
 
@@ -69,13 +70,16 @@ ROSTER = Roster(
     ids=(LATE.id, MORE.id, CONTROL.id),
 )
 
+_SHARED = {"sim": "s", "requirements": "r", "code": "c"}
+_OPERATORS = {f"operator {name}": "o" for name in OPERATORS}
+
 
 @dataclass(frozen=True)
 class FakeStudy:
     """What a run asks of a study."""
 
     folder: Path
-    inputs: Mapping[str, str] = field(default_factory=lambda: {"sim": "s", "requirements": "r", "code": "c"})
+    inputs: Mapping[str, str] = field(default_factory=lambda: {**_SHARED, **_OPERATORS})
     grid: FakeGrid = GRID
     matrix: Matrix = MATRIX
     stack: Declaration = REFERENCE

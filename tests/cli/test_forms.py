@@ -73,7 +73,8 @@ def test_what_is_merged_and_written_is_told(told: Call, folder: Path, tmp_path: 
     assert merged["added"] == of_form("status", told("status", "--format", "json").stdout)["counted"]
     page = tmp_path / "page.html"
     report = of_form("report", told("report", "--output", str(page), "--format", "json").stdout)
-    assert report == {"version": "1.0", "report": str(page), "bytes": page.stat().st_size}
+    nothing = {"flights": 0, "reasons": [], "command": None}
+    assert report == {"version": "1.1", "report": str(page), "bytes": page.stat().st_size, "stale": nothing}
 
 
 def test_groups_of_every_kind_have_one_shape(told: Call) -> None:

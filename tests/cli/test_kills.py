@@ -33,7 +33,7 @@ def test_it_tells_where_a_mutant_is_killed_and_what_situations_keep_every_kill(f
 
 def test_a_part_is_shown_at_length(flown: Call) -> None:
     result = flown("kills", "--show", "survivors", "--format", "markdown")
-    assert "| EARLY-human@3s | not tested | infect | situation |" in " ".join(result.stdout.split())
+    assert "| EARLY-human@3s | delay | not tested | infect | situation |" in " ".join(result.stdout.split())
     assert "Killed where" not in result.stdout
 
 

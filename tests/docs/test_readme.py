@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from pathlib import Path
 
-from published_flights import ROOT, outcomes, rows
+from published_flights import ROOT, outcomes
 
 from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.analysis.situations.coverage import coverage
@@ -25,18 +24,9 @@ def _flown() -> list[Outcome]:
     infected = {one.situation for one in mutant if one.altered}
     seeds = {key: range(10) if key in infected else range(1) for key in {one.situation for one in mutant}}
     return [
-        *(one for one in _with_realised(published) if one.mutant == BASELINE and one.seed in seeds[one.situation]),
+        *(one for one in published if one.mutant == BASELINE and one.seed in seeds[one.situation]),
         *mutant,
         *(one for one in published if (one.mutant, one.situation) == CONTROL and one.seed == 0),
-    ]
-
-
-def _with_realised(published: list[Outcome]) -> list[Outcome]:
-    """The same; each baseline says of every axis whether its value came true."""
-    axes = [axis.id for axis in Study.open(ROOT).grid.axes]
-    return [
-        replace(one, realised=tuple((axis, axis in row["realised"]) for axis in axes))  # type: ignore[operator]
-        for one, row in zip(published, rows(), strict=True)
     ]
 
 

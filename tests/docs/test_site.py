@@ -162,3 +162,10 @@ def test_search_answers_where_the_site_is_opened_from_disk(site: Path, browser: 
         page.keyboard.type("subsumed by")
         page.locator(".md-search-result__link[href*='glossary.html']").first.wait_for()
     assert [url for url in asked if not url.startswith(("file:", "data:", "blob:", "about:"))] == []
+
+
+def test_the_report_of_the_published_campaign_is_on_the_site(site: Path) -> None:
+    text = (site / "experiments" / "reference" / "report.html").read_text(encoding="utf-8")
+    assert '"flights":13821' in text
+    for page in ("index.html", "experiments/index.html"):
+        assert 'reference/report.html"' in (site / page).read_text(encoding="utf-8")

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from datetime import date
+
 from builders import GRID, KINDS, ROSTER, campaigns, seeded
 from hypothesis import strategies as st
 
+from scaloft_fi.analysis.disposition import Disposition
 from scaloft_fi.analysis.scoring.detection import Spending
 from scaloft_fi.hazop.cell import Cell, CellStatus
 from scaloft_fi.hazop.guideword import Guideword
@@ -37,7 +40,12 @@ MATRIX = Matrix(
 SOURCES = {f"hazop/matrix/{name}.yaml": "".join(f"line {i}\n" for i in range(20)) for name in PARAMETERS}
 
 
-def dossier(outcomes: list[Outcome], finds: KnownFinds = NO_FINDS) -> Dossier:
+def dossier(
+    outcomes: list[Outcome],
+    finds: KnownFinds = NO_FINDS,
+    dispositions: tuple[Disposition, ...] = (),
+    today: date | None = None,
+) -> Dossier:
     return Dossier(
         study="reference",
         campaign=HOSTILE,
@@ -51,6 +59,8 @@ def dossier(outcomes: list[Outcome], finds: KnownFinds = NO_FINDS) -> Dossier:
         spending=Spending(),
         sources=SOURCES,
         finds=finds,
+        dispositions=dispositions,
+        today=today,
     )
 
 

@@ -90,21 +90,27 @@ def pairs(pool: list[Row], kinds: dict[str, str]) -> list[Row]:
     return found
 
 
-def exact(strata: list[tuple[int, int, int, int]]) -> Fraction:
-    """The stratified test in whole numbers."""
+def exact(strata: list[tuple[int, int, int, int, int]]) -> Fraction:
+    """The stratified test in whole numbers; last in a stratum: the size of the whole pool, which sets the gate."""
     observed, sums, ways = 0, {0: 1}, 1
-    for k, n, b, m in strata:
-        observed += k if 10 * b <= m else 0
+    for k, n, b, m, whole in strata:
+        observed += k if 10 * b <= whole else 0
         t, further = k + b, dict[int, int]()
         for drawn in range(max(0, t - m), min(n, t) + 1):
-            gain = drawn if 10 * (t - drawn) <= m else 0
+            gain = drawn if 10 * (t - drawn) <= whole else 0
             for so_far, count in sums.items():
                 further[so_far + gain] = further.get(so_far + gain, 0) + count * comb(n, drawn) * comb(m, t - drawn)
         sums, ways = further, ways * comb(n + m, t)
     return Fraction(sum(count for total, count in sums.items() if total >= observed), ways)
 
 
-def holm(flights: dict[str, list[Row]], table: dict[tuple[str, str], Row], names: list[str]) -> dict[str, Fraction]:
+def holm(
+    flights: dict[str, list[Row]],
+    table: dict[tuple[str, str], Row],
+    names: list[str],
+    gone: dict[str, Row] | None = None,
+) -> dict[str, Fraction]:
+    """p of each requirement; `gone`: by situation a flight that leaves the pool."""
     raw = {}
     for name in names:
         strata = []
@@ -112,7 +118,11 @@ def holm(flights: dict[str, list[Row]], table: dict[tuple[str, str], Row], names
             pair = table.get((key, name))
             if pair and pair["state"] in ("steady", "red", "unsteady"):
                 k = sum(name in row["violated"] for row in rows)
-                strata.append((k, len(rows), pair["violated"], pair["flights"] - pair["open"]))
+                b, m = pair["violated"], pair["flights"] - pair["open"]
+                left = (gone or {}).get(key)
+                out = left is not None and name in left["violated"]
+                judged = left is not None and (out or name in left["held"])
+                strata.append((k, len(rows), b - out, m - judged, m))
         raw[name] = exact(strata)
     found, worst = {}, Fraction(0)
     for rank, name in enumerate(sorted(names, key=lambda name: raw[name])):
@@ -145,6 +155,37 @@ def verdict(
     worst = {key: [{"violated": steady[key]}] * len(flights[key]) for key in tested}
     able = min(holm(worst, table, names).values()) <= alpha
     return {"verdict": "undecided" if seen or blind or not able else "not_detected", "p": p}
+
+
+def firm(
+    flights: dict[str, list[Row]],
+    acts: set[str],
+    pool: list[Row],
+    table: dict[tuple[str, str], Row],
+    names: list[str],
+    alpha: Fraction,
+) -> str:
+    """What remains of `detected` without any one seed of the mutant or of the pool; arguments as for `verdict`."""
+    own = sorted({row["seed"] for rows in flights.values() for row in rows})
+    cases: list[tuple[dict[str, list[Row]], dict[str, Row]]] = [
+        ({key: [row for row in rows if row["seed"] != seed] for key, rows in flights.items()}, {})
+        for seed in (own if len(own) > 1 else [])
+    ]
+    cases += [
+        (flights, {row["situation"]: row for row in pool if row["seed"] == seed and row["counts"]})
+        for seed in {row["seed"] for row in pool if row["counts"]}
+    ]
+    lost = [case for case in cases if min(holm(case[0], table, names, case[1]).values()) > alpha]
+    if not lost:
+        return "firm" if len(own) > 1 else "firm_by_pool"
+    for some, gone in lost:
+        worst = {}
+        for key in acts & some.keys():
+            steady = [name for name in names if table.get((key, name), {"state": ""})["state"] == "steady"]
+            worst |= {key: [{"violated": steady}] * len(some[key])} if steady else {}
+        if min(holm(worst, table, names, gone).values()) <= alpha:
+            return "hangs_on_a_seed"
+    return "too_few_seeds"
 
 
 def covered(rows: list[Row], axes: dict[str, dict[str, str]], kinds: dict[str, str]) -> Row:
@@ -282,6 +323,9 @@ def score(
             "magnitude": magnitude,
             "status": max((row["status"][0] for row in own), key=LADDER.index),
             "verdict": by_safety["verdict"],
+            "firm": firm(flights, acts, pool, table, by_kind["safety"], alpha)
+            if by_safety["verdict"] == "detected"
+            else None,
             "p": {name: float(p) for name, p in by_safety["p"].items()},
             "kill_rate": share(hit, tested),
             "kill_rate_flown": share(hit, len(flights)),
@@ -294,6 +338,16 @@ def score(
             },
             "flown": bool(flights),
             "acts": bool(acts),
+            "behaviour": sorted((key, row["seed"], row["digest"]) for key, some in flights.items() for row in some),
+            "acted": share(
+                sum(row["altered"] > 0 for some in flights.values() for row in some), sum(map(len, flights.values()))
+            ),
+            "early": any(
+                row["at"][kill["requirement"]][0] <= 5.0
+                for kill in said["safety"]
+                for row in flights[kill["situation"]]
+                if kill["requirement"] in row["at"]
+            ),
         }
         (others if cell in controls else mutants).append(entry)
     counted = [entry for entry in mutants if entry["id"] in defaults and entry["flown"]]
@@ -314,8 +368,10 @@ def score(
             "infected": share(sum(entry["acts"] for entry in counted), len(counted)),
             "tested": share(tested_in_all, len(counted)),
             "mutation_score": share(detected, whole),
+            "firm": share(sum(entry["firm"] in ("firm", "firm_by_pool") for entry in counted) if pooled else 0, whole),
             "operability": share(operable, whole),
         },
+        "composition": _composition(counted),
         "expected_false": 0.01 * tested_in_all,
         "mutants": [_told(entry) for entry in mutants],
         "controls": [_told(entry) for entry in others],
@@ -329,5 +385,28 @@ def score(
     }
 
 
+def _composition(counted: list[Row]) -> Row:
+    """What the ratio is made of."""
+    detected = [entry for entry in counted if entry["verdict"] == "detected"]
+    alike: dict[str, list[str]] = {}
+    for entry in detected:
+        alike.setdefault(str(entry["behaviour"]), []).append(entry["id"])
+    return {
+        "behaviours": list(alike.values()),
+        "without_kill": [entry["id"] for entry in detected if not entry["kills"]],
+        "trivial": [
+            entry["id"]
+            for entry in detected
+            if entry["early"] or 10 * entry["kill_rate"]["part"] >= 9 * entry["kill_rate"]["whole"] > 0
+        ],
+        "without_effect": [
+            {"id": entry["id"], "acted": entry["acted"]}
+            for entry in counted
+            if LADDER.index(entry["status"]) <= LADDER.index("masked")
+        ],
+    }
+
+
 def _told(entry: Row) -> Row:
-    return {name: value for name, value in entry.items() if name not in ("flown", "acts")}
+    hidden = ("flown", "acts", "behaviour", "acted", "early")
+    return {name: value for name, value in entry.items() if name not in hidden}

@@ -12,6 +12,7 @@ from scaloft_fi.analysis.plain import plain
 from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.scoring.firmness import Firmness
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore, Result
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.judge.outcome import Subject
@@ -64,6 +65,7 @@ class KillRow:
         verdict: on the mutant.
         kill_rate: situations with a kill, of those that put it to the test.
         entries: in the grid's order; a situation that the grid does not have is left out.
+        firmness: what remains of the verdict when one seed is left out; None where the mutant is not detected.
     """
 
     subject: Subject
@@ -73,6 +75,7 @@ class KillRow:
     verdict: Verdict
     kill_rate: Ratio
     entries: tuple[Entry, ...]
+    firmness: Firmness | None = None
 
     @property
     def id(self) -> str:
@@ -131,6 +134,11 @@ class KillMatrix:
         """Detected mutants without a kill: some flights violate in several situations, most in none."""
         return tuple(row.id for row in self.mutants if row.verdict is Verdict.DETECTED and not row.kills)
 
+    @property
+    def not_firm(self) -> tuple[str, ...]:
+        """Detected mutants whose verdict hangs on a seed, or that have too few seeds to say."""
+        return tuple(row.id for row in self.mutants if row.firmness and not row.firmness.firm)
+
     @cached_property
     def flown(self) -> tuple[str, ...]:
         """Situations with a flight that counts, in the grid's order."""
@@ -171,6 +179,7 @@ def _row(mutant: MutantScore, kind: str, roster: Roster, space: Space) -> KillRo
         verdict=mutant.verdict,
         kill_rate=mutant.kill_rate,
         entries=tuple(_entry(key, results.get(key)) for key, _ in space.situations),
+        firmness=mutant.firmness,
     )
 
 
@@ -199,6 +208,7 @@ def _row_json(row: KillRow) -> dict[str, Any]:
         "counted": row.counted,
         "status": row.status.value,
         "verdict": row.verdict.value,
+        "firm": row.firmness.value if row.firmness else None,
         "kill_rate": plain(row.kill_rate),
         "entries": [
             {

@@ -11,9 +11,7 @@ from scaloft_fi.judge.flights import JudgedFlight
 from scaloft_fi.judge.requirement import Compliance, Reading
 from scaloft_fi.judge.track import TRACK_COLUMNS, unpack_track
 
-_X, _Y, _Z = (TRACK_COLUMNS.index(name) for name in ("x_m", "y_m", "z_m"))
-_A_SECOND = 5
-"""Rows of a track in a second."""
+_T, _X, _Y, _Z = (TRACK_COLUMNS.index(name) for name in ("elapsed_s", "x_m", "y_m", "z_m"))
 
 
 @dataclass(frozen=True)
@@ -65,12 +63,15 @@ def off_path_m(flight: JudgedFlight) -> float | None:
 
     Time does not enter: a flight that goes the same way later is not off it.  None without both trajectories.
     """
-    flown = unpack_track(flight.outcome.track)[::_A_SECOND]
+    flown = unpack_track(flight.outcome.track)
     path = unpack_track(flight.baseline.track) if flight.baseline else []
     if not flown or not path:
         return None
     import numpy as np
 
-    points, others = (np.array([[row[_X], row[_Y], row[_Z]] for row in rows]) for rows in (flown, path))
+    # a published track may be thinner than a stored one
+    apart_s = flown[1][_T] - flown[0][_T] if len(flown) > 1 else 0.0
+    each = max(1, round(1 / apart_s)) if apart_s > 0 else 1
+    points, others = (np.array([[row[_X], row[_Y], row[_Z]] for row in rows]) for rows in (flown[::each], path))
     apart = np.linalg.norm(points[:, None, :] - others[None, :, :], axis=2)
     return float(apart.min(axis=1).max())

@@ -112,8 +112,8 @@ class Sample:
         kept = [place for place, own in enumerate(self.seeds) if own != seed]
         if len(kept) == len(self.seeds):
             return self
-        violated, seeds = (tuple(column[place] for place in kept) for column in (self.violated, self.seeds))
-        return Sample(self.situation, violated, self.infected, seeds)
+        violated = tuple(self.violated[place] for place in kept)
+        return Sample(self.situation, violated, self.infected, tuple(self.seeds[place] for place in kept))
 
     @cached_property
     def counts(self) -> Mapping[str, int]:

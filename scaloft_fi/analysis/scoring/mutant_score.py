@@ -224,8 +224,10 @@ def _condition(space: Space, killing: tuple[str, ...], surviving: tuple[str, ...
     return condition(space, killing, surviving)
 
 
-def mutant_score(subject: Subject, situations: Situations, space: Space, pool: Pool, spending: Spending) -> MutantScore:
-    """Score one mutant beside the pool."""
+def mutant_score(
+    subject: Subject, situations: Situations, space: Space, pool: Pool, spending: Spending, *, firm: bool = True
+) -> MutantScore:
+    """Score one mutant beside the pool; `firm`: whether a detected one is judged again without each seed."""
     valid = {key: [one for one in situations[key] if one.ruling is not INVALID] for key in situations}
     flown = {key: valid[key] for key in sorted(valid, key=space.rank) if valid[key]}
     samples = [_sample(key, flights) for key, flights in flown.items()]
@@ -250,7 +252,7 @@ def mutant_score(subject: Subject, situations: Situations, space: Space, pool: P
         operability_kills=tuple(_kill(r, name, flown[r.situation]) for r in results for name in r.operability_kills),
         first=min(seen, key=lambda moment: (moment.t_s, space.rank(moment.situation), moment.seed), default=None),
         statuses=tuple((status, statuses[status]) for status in Status if statuses[status]),
-        firmness=firmness(subject.id, samples, pool, spending, Kind.SAFETY) if safety.detected else None,
+        firmness=firmness(subject.id, samples, pool, spending, Kind.SAFETY) if firm and safety.detected else None,
     )
 
 

@@ -112,7 +112,9 @@ class Pool:
                 tally[2] += reading.open
                 tally[3] += reading.violated or reading.triggered > 0
                 place = outcome.situation, reading.requirement
-                by_seed.setdefault(outcome.seed, {})[place] = int(reading.violated), int(not reading.open)
+                seeds = by_seed.setdefault(outcome.seed, {})
+                violated, judged = seeds.get(place, (0, 0))
+                seeds[place] = violated + reading.violated, judged + (not reading.open)
         pairs = {place: Pair(*place, kinds[place[1]], *tally) for place, tally in counts.items()}
         return cls(pairs, by_seed)
 

@@ -4,15 +4,20 @@
 
 **A search may try again.**  The j-th candidate of a mutant is tested at alpha * 2^-j, j = 1, 2, ...; these shares sum
 to alpha, so the chance that a fault which does nothing is ever confirmed is at most alpha, however long the search.
+A candidate spends its share before its pool is looked at.
 The number of seeds follows from the share and the pool alone, before the mutant flies: as many as decide though one
 flight does not violate.
 
 **No knife edges.**  At least nine of ten baselines must hold the requirement with a robustness above the standard
 deviation of the robustness over the baselines.
+
+**The unmutated drone does its mission there.**  At least nine of ten baselines must hold each operability requirement,
+and the value of each axis must come true in nine of ten.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from statistics import stdev
@@ -75,6 +80,23 @@ def safely_held(pool: Pool, situation: str, names: Iterable[str], baselines: Seq
     """Those of the requirements that are steady in the pool of the situation, and no knife edge."""
     steady = pool.steady(situation, Kind.SAFETY)
     return tuple(name for name in names if name in steady and room(name, baselines).enough)
+
+
+def does_mission(baselines: Sequence[Outcome]) -> bool:
+    """Whether nine of ten baselines hold each operability requirement, and meet the value of each axis.
+
+    A flight cut short before a requirement is judged does not hold it.
+    """
+    counted = [baseline for baseline in baselines if not baseline.invalid]
+    missed: Counter[str] = Counter()
+    for baseline in counted:
+        missed.update(
+            f"requirement {one.requirement}"
+            for one in baseline.readings
+            if one.kind is Kind.OPERABILITY and (one.violated or one.open)
+        )
+        missed.update(f"axis {axis}" for axis, met in baseline.realised if not met)
+    return all(len(counted) - misses >= HOLD * len(counted) for misses in missed.values())
 
 
 def seeds_for(pool: Pool, situation: str, names: Sequence[str], alpha: float) -> int | None:

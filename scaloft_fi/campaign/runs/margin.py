@@ -24,7 +24,7 @@ from scaloft_fi.campaign.runs.bisect import Search
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import run
 from scaloft_fi.campaign.runs.spending import spending_of
-from scaloft_fi.campaign.store.folder import STORE_NAME
+from scaloft_fi.campaign.store.folder import STORE_NAME, promising
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
@@ -110,6 +110,7 @@ def find(
     Raises:
         GateError, InputError, Interrupted: as `campaign.runs.run.run`; all outcomes are saved.
     """
+    promising(folder)
     options = options or RunOptions()
     question = _Question(study, targets, situations, seeds, kind)
     outcomes, spending = _held(study, folder)

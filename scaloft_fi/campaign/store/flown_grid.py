@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from scaloft_fi.campaign.store.folder import STORE_NAME, campaign_folder
+from scaloft_fi.campaign.store.archive import Archive
+from scaloft_fi.campaign.store.folder import STORE_NAME, campaign_folder, existing, is_archive
 from scaloft_fi.campaign.store.store import EmptyError, Store
 from scaloft_fi.errors import InputError, did_you_mean, shown
 from scaloft_fi.sim.grids import grid_names
@@ -28,9 +29,10 @@ def study_of(folder: Path | str | None, campaign: str, grid: str | None = None) 
     Raises:
         InputError: there is no such study or grid, or the campaign was flown over another grid.
     """
-    study = Study.open(folder, grid)
+    archived = is_archive(campaign_folder(Study.open(folder), campaign))
+    study = Study.open(folder, None if archived else grid)  # an archive may have its own grids
     flown = _flown(study, campaign)
-    if flown is not None and grid is not None and flown.grid_name != study.grid_name:
+    if flown is not None and grid is not None and grid != flown.grid.name:
         other = f"campaign {shown(campaign)} was flown over grid {flown.grid.name!r}"
         raise InputError(f"--grid={grid}: {other}; name another --campaign")
     return flown or study
@@ -55,6 +57,31 @@ def study_of_all(folder: Path | str | None, campaigns: Sequence[str]) -> Study:
                 f"campaign {grids} {first[1].grid.name!r}; only campaigns of one grid have the same situations"
             )
     return first[1] if first else study
+
+
+def opened(study: Study, folder: Path) -> tuple[Study, Store]:
+    """Open the campaign in a folder, or an archive, to read; the caller closes it.
+
+    Args:
+        study: the study, with any of its grids.
+        folder: the folder of the campaign, or an archive.
+
+    Returns:
+        what was flown, with the grid of the campaign: of an archive with documents these; and the open store.
+
+    Raises:
+        InputError: there is no campaign, it cannot be read, or the study lacks its grid.
+    """
+    if is_archive(folder):
+        archive = Archive(folder, study)
+        archive.study = with_grid(archive.study, archive)
+        return archive.study, archive
+    store = Store(existing(folder), create=False)
+    try:
+        return with_grid(study, store), store
+    except BaseException:
+        store.close()
+        raise
 
 
 def with_grid(study: Study, store: Store) -> Study:
@@ -83,7 +110,10 @@ def remember_grid(store: Store, study: Study) -> None:
 
 def _flown(study: Study, campaign: str) -> Study | None:
     """The study with the grid of a campaign; None for a campaign without planned flights."""
-    path = campaign_folder(study, campaign) / STORE_NAME
+    folder = campaign_folder(study, campaign)
+    if is_archive(folder):
+        return opened(study, folder)[0]
+    path = folder / STORE_NAME
     if not path.is_file():
         return None
     try:

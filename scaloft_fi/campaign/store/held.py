@@ -6,7 +6,7 @@ An outcome is current if its flight has the same key in the study as it is now; 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
@@ -33,14 +33,16 @@ class Held:
     Attributes:
         folder: folder of the campaign.
         current: current outcomes, ordered by mutant, situation, seed.
-        why: number of stale flights by reason; the commonest reason is first.
+        why: number of stale outcomes by reason; the commonest reason is first.
         owed: number of planned, current flights without a valid outcome.
+        flown_again: number of stale outcomes of flights that have a current one too.
     """
 
     folder: Path
     current: tuple[Outcome, ...]
     why: Mapping[str, int] = field(default_factory=dict)
     owed: int = 0
+    flown_again: int = 0
 
     @property
     def stale(self) -> int:
@@ -48,31 +50,59 @@ class Held:
         return sum(self.why.values())
 
 
+@dataclass(frozen=True)
+class StaleFlights:
+    """The flights of a campaign with a stale outcome and no current one.
+
+    Attributes:
+        why: number of them by reason; the commonest reason is first.
+        flown: those that the study still has, so that they can be flown again.
+    """
+
+    why: Mapping[str, int] = field(default_factory=dict)
+    flown: tuple[Flown, ...] = ()
+
+
 def held_in(study: Study, store: Store, folder: Path) -> Held:
     """Read the outcomes of an open store."""
     with store.snapshot():
-        now = _Now(study, store)
+        now = Now(study, store)
         flights = store.flights()
         planned = store.planned()
         due = {flight.key for flight in planned if now.origin(flight.mutant, flight.situation) == flight.origin}
+        stale = now.stale(flights)
         return Held(
             folder=folder,
             current=store.standing(now.stands),
-            why=dict(Counter(now.why(flight) for flight in flights if not now.stands(flight)).most_common()),
+            why=_counted(map(now.why, stale)),
             owed=len(due - store.known(due)),
+            flown_again=len(stale) - len(now.lost(flights)),
         )
+
+
+def stale_in(now: Now, store: Store) -> StaleFlights:
+    """The flights of an open store that no longer count and were not flown again."""
+    if all(flight.origin is not None and now.stands(flight) for flight in store.flights(one_each=True)):
+        return StaleFlights()
+    lost = {flight[1:4]: flight for flight in now.lost(store.flights())}.values()
+    flown = [flight for flight in lost if not isinstance(now.origin(flight.mutant, flight.situation), str)]
+    return StaleFlights(_counted(map(now.why, lost)), tuple(flown))
+
+
+def _counted(reasons: Iterable[str]) -> Mapping[str, int]:
+    return dict(Counter(reasons).most_common())
 
 
 def current_in(study: Study, store: Store) -> tuple[Outcome, ...]:
     """The current outcomes of an open store; there may be none."""
     with store.snapshot():
-        return store.standing(_Now(study, store).stands)
+        return store.standing(Now(study, store).stands)
 
 
 def counting_flights(study: Study, store: Store) -> list[Flown]:
     """The flights of an open store with a current, valid outcome, ordered by key."""
     with store.snapshot():
-        now = _Now(study, store)
+        now = Now(study, store)
         standing = {flight.key: flight for flight in store.flights() if now.stands(flight)}
         return [standing[key] for key in sorted(store.known(standing))]
 
@@ -89,7 +119,7 @@ def nothing_to_show(store: Store, folder: Path) -> NoReturn:
 def latest_in(study: Study, store: Store) -> tuple[Outcome, ...]:
     """One outcome for each flight of an open store: the current one, else a stale one."""
     with store.snapshot():
-        stand_last = sorted(store.flights(), key=_Now(study, store).stands)
+        stand_last = sorted(store.flights(), key=Now(study, store).stands)
         chosen = {(flight.mutant, flight.situation, flight.seed): flight.key for flight in stand_last}
         return tuple(store.outcomes(chosen.values()))
 
@@ -109,7 +139,7 @@ def _mutant(study: Study, name: str) -> Mutant | None:
     return PLACEBO if name == PLACEBO.id else realise(study.matrix, name)
 
 
-class _Now:
+class Now:
     """The origins of flights in the study as it is now; each mutant and each situation is looked up once."""
 
     def __init__(self, study: Study, store: Store) -> None:
@@ -139,6 +169,17 @@ class _Now:
             known = self._stand[what] = self.origin(mutant, situation) == self._then.get(number)
         return known
 
+    def stale(self, flights: Sequence[Flown]) -> list[Flown]:
+        """The stale outcomes among `flights`."""
+        return [flight for flight in flights if not self.stands(flight)]
+
+    def lost(self, flights: Sequence[Flown]) -> list[Flown]:
+        """The stale outcomes among `flights` of flights without a current one."""
+        stale = self.stale(flights)
+        names = {flight[1:4] for flight in stale}
+        again = {flight[1:4] for flight in flights if flight[1:4] in names and self.stands(flight)} if stale else ()
+        return [flight for flight in stale if flight[1:4] not in again]
+
     def why(self, flight: Flown) -> str:
         """Why an outcome is stale."""
         now = self.origin(flight.mutant, flight.situation)
@@ -149,7 +190,8 @@ class _Now:
             return "flown for reasons that were not kept"
         if then.platform:
             return f"flown on a platform with other digests: {then.platform}"
-        words = {**_PARTS, "mutant": f"mutant {flight.mutant}"}
+        mutant = self._mutants[flight.mutant]
+        words = {**_PARTS, "mutant": f"mutant {flight.mutant}", "operator": f"operator {mutant and mutant.operator}"}
         return f"{' and '.join(words[part] for part in then.changed(now))} changed"
 
     def _origin(self, mutant: str, situation: str) -> Origin | str:
@@ -173,4 +215,4 @@ _PARTS = {
     "situation": "what the situation sets",
     "realised": "how the situation's values come true",
 }
-"""Names of the parts of an origin for messages; a mutant is named by its id."""
+"""Names of the parts of an origin for messages; a mutant and an operator have names of their own."""

@@ -39,6 +39,7 @@ class Keys:
             mutant=self._mutant(flight.mutant) if flight.mutant else "",
             situation=situation,
             realised="" if flight.mutant else realised,
+            operator=inputs[f"operator {flight.mutant.operator}"] if flight.mutant else "",
         )
 
     def key(self, flight: Flight) -> str:

@@ -12,10 +12,11 @@ class Origin(NamedTuple):
     Attributes:
         sim: the documents of `sim/` that decide every flight.
         requirements: the requirements.
-        code: the modules that fly and judge.
+        code: the modules that fly and judge every flight.
         mutant: the mutant; empty for the baseline.
         situation: the values that the situation sets in the world.
         realised: for a baseline, the predicates of the situation's values.
+        operator: for a mutant, the modules that only its operator needs.
         platform: not a hash: differences of an earlier platform that made a stale flight; empty for other flights.
     """
 
@@ -25,6 +26,7 @@ class Origin(NamedTuple):
     mutant: str
     situation: str
     realised: str = ""
+    operator: str = ""
     platform: str = ""
 
     def key(self, seed: int) -> str:

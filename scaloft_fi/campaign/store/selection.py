@@ -67,16 +67,22 @@ def standing(stands: Stands) -> Keep:
     return keep
 
 
-def flown(connection: sqlite3.Connection) -> list[Flown]:
-    """The flights with an outcome, ordered by mutant, situation, seed, key.
+_ALL = f"SELECT {', '.join(Flown._fields)} FROM outcomes ORDER BY mutant, situation, seed, key"
+_ONE_EACH = (
+    "SELECT min(key), mutant, situation, min(seed), origin FROM outcomes"
+    " GROUP BY mutant, situation, origin ORDER BY mutant, situation, origin"
+)
+
+
+def flown(connection: sqlite3.Connection, *, one_each: bool = False) -> list[Flown]:
+    """The flights with an outcome, ordered by mutant, situation, seed, key; or one for each mutant, situation, origin.
 
     Raises:
         BadCellError: a cell has a value that no flight has.
         TooLargeError: there are more rows than `most_flights`.
     """
     found: list[Flown] = []
-    query = f"SELECT {', '.join(Flown._fields)} FROM outcomes ORDER BY mutant, situation, seed, key"
-    for rows in chunks(connection, "outcomes", query):
+    for rows in chunks(connection, "outcomes", _ONE_EACH if one_each else _ALL):
         check_rows("outcomes", rows, FLIGHT)
         found += map(Flown._make, rows)
     return found

@@ -193,10 +193,14 @@ class Store:
             invalid = self._connection.execute("SELECT key FROM outcomes WHERE invalid != ''")
             return stored.intersection(keys).difference(key for (key,) in invalid)
 
-    def flights(self) -> list[Flown]:
-        """The flights with an outcome, ordered by mutant, situation, seed; a fast query, answered by an index."""
+    def flights(self, *, one_each: bool = False) -> list[Flown]:
+        """The flights with an outcome, ordered by mutant, situation, seed; a fast query, answered by an index.
+
+        Args:
+            one_each: whether one flight for each mutant, situation and origin is enough.
+        """
         with self._sentences():
-            return flown(self._connection)
+            return flown(self._connection, one_each=one_each)
 
     def outcomes(self, keys: Iterable[str] | None = None) -> Iterator[Outcome]:
         """All outcomes, or those with `keys`, without their tracks, ordered by mutant, situation, seed."""

@@ -1,17 +1,11 @@
 """Operators that fit any stack, one module for each kind of deviation; an import of this package declares them."""
 
-from scaloft_fi.mutants.operator import OPERATORS
-from scaloft_fi.mutants.operators import boxes, clock, event, image, inertial, power, presence, timing, value
+from importlib import import_module
+from pkgutil import iter_modules
 
-__all__ = [
-    "OPERATORS",
-    "boxes",
-    "clock",
-    "event",
-    "image",
-    "inertial",
-    "power",
-    "presence",
-    "timing",
-    "value",
-]
+from scaloft_fi.mutants.operator import OPERATORS
+
+__all__ = ["OPERATORS"]
+
+for _module in iter_modules(__path__):
+    import_module(f"{__name__}.{_module.name}")  # by name: the keys of a mutant leave out the operators of others

@@ -17,7 +17,12 @@ def coverage(study: Study, campaign: str) -> Answer:
         InputError: there is no such campaign, or it holds no flight that counts.
     """
     with snapshot(study, campaign) as now:
-        space, rulings, choices = now.study.space, now.rulings, now.choices
+        space, rulings, choices, stale = now.study.space, now.rulings, now.choices, now.stale
     covered = coverage_of(rulings.baselines, rulings.draws, space)
     made = [(one.text, one.seed, len(one.draws), len({key for key, _ in one.draws})) for one in choices]
-    return Answer(COVERAGE, lambda: coverage_values(covered, choices), lambda: coverage_tables(covered, space, made))
+    return Answer(
+        COVERAGE,
+        lambda: coverage_values(covered, choices) | stale.values,
+        lambda: coverage_tables(covered, space, made),
+        warnings=stale.sentences,
+    )

@@ -28,7 +28,7 @@ def dispositions(study: Study, campaign: str, today: date | None = None) -> Answ
     """
     with snapshot(study, campaign) as now:
         finds, score = now.study.finds, now.score
-        judged = judged_survivors(now.study, score, today)
+        judged, campaign = judged_survivors(now.study, score, today), now.name
     found = [mutant.subject.id for mutant in score.mutants if next_find(mutant, finds)]
     return Answer(
         DISPOSITIONS,

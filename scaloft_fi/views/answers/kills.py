@@ -61,16 +61,16 @@ def kills(
     wanted = show or tuple(PARTS)
     with snapshot(study, campaign) as now:
         study = now.study
-        matrix = _chosen(now, mutants)
-        cases = _survivors(now, matrix, campaign) if "survivors" in wanted else ()
+        matrix, stale = _chosen(now, mutants), now.stale
+        cases = _survivors(now, matrix) if "survivors" in wanted else ()
     chosen = [situation.key for situation in study.grid.select(situations)] if situations else []
     results = _results(matrix, _graph(matrix, by_requirement), cases, wanted, chosen)
     return Answer(
         KILLS,
-        lambda: kill_values(matrix, results),
+        lambda: kill_values(matrix, results) | stale.values,
         lambda: _tables(results, matrix, short=not show),
         rows=PARTS[show[0]] if len(show) == 1 else "",
-        warnings=study.finds.warnings if "survivors" in wanted else (),
+        warnings=(*stale.sentences, *(study.finds.warnings if "survivors" in wanted else ())),
     )
 
 
@@ -107,14 +107,14 @@ def _graph(matrix: KillMatrix, by_requirement: bool) -> Subsumption:
     return subsumption(kills_by_requirement(matrix) if by_requirement else matrix.kills)
 
 
-def _survivors(now: Snapshot, matrix: KillMatrix, campaign: str) -> tuple[Survivor, ...]:
+def _survivors(now: Snapshot, matrix: KillMatrix) -> tuple[Survivor, ...]:
     """The survivors among `matrix`, judged beside all that the campaign holds."""
     ids = {row.id for row in matrix.mutants if row.verdict is not Verdict.DETECTED}
     seeds = sorted({outcome.seed for outcome in now.outcomes if outcome.mutant in ids})
     tracked = now.with_tracks(now.outcomes, [BASELINE, *ids], seeds[:1])
     known = backgrounds(now.study.matrix, [mutant.subject.id for mutant in now.score.mutants])
     units = short_units(now.study.requirements)
-    return survivors(tracked, now.score, matrix, known, units, campaign, now.study.finds)
+    return survivors(tracked, now.score, matrix, known, units, now.name, now.study.finds)
 
 
 def _results(
@@ -153,4 +153,4 @@ def _tables(results: Mapping[str, Any], matrix: KillMatrix, *, short: bool) -> l
     }
     shown = [made[name](result) for name, result in results.items() if result or name != "redundancies"]
     told = shown[:-1] if "survivors" in results else shown
-    return [*tables.with_scattered(told, matrix), *shown[len(told) :]]
+    return [*tables.with_detected(told, matrix), *shown[len(told) :]]

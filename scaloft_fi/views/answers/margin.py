@@ -92,7 +92,7 @@ def when(study: Study, campaign: str, mutants: Sequence[str], *, operability: bo
         if not source_of(study.matrix, mutant)[0].phases:
             raise InputError(f"mutant {text!r} has no phases: {mutant.cell} strikes all the time, or at one time")
     with snapshot(study, campaign) as now:
-        flown = whens(now.outcomes, now.score, _kind(operability))
+        flown, campaign = whens(now.outcomes, now.score, _kind(operability)), now.name
     found = []
     for text, mutant in asked.items():
         bare = mutant.id.partition("#")[0]

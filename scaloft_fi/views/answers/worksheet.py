@@ -11,6 +11,7 @@ from scaloft_fi.study import Study
 from scaloft_fi.terminal import PIPED
 from scaloft_fi.views.outputs.answer import Answer
 from scaloft_fi.views.snapshot import snapshot
+from scaloft_fi.views.stale import Stale
 from scaloft_fi.views.tables.table import Format
 from scaloft_fi.views.worksheet.worksheet import SheetRow
 from scaloft_fi.views.worksheet.worksheet import worksheet as filled_back
@@ -28,11 +29,17 @@ class Worksheet(Answer):
 
     Args:
         rows: the rows of the sheet.
+        stale: the flights that no longer count.
         warnings: as of `Answer`.
     """
 
-    def __init__(self, rows: Sequence[SheetRow], warnings: Sequence[str]) -> None:
-        super().__init__(WORKSHEET, lambda: worksheet_values(rows), lambda: sheet_tables(rows), warnings=warnings)
+    def __init__(self, rows: Sequence[SheetRow], stale: Stale, warnings: Sequence[str]) -> None:
+        super().__init__(
+            WORKSHEET,
+            lambda: worksheet_values(rows) | stale.values,
+            lambda: sheet_tables(rows),
+            warnings=(*stale.sentences, *warnings),
+        )
         self._sheet = rows
 
     def text(self, style: str = "table") -> str:
@@ -78,6 +85,6 @@ def worksheet(study: Study, campaign: str) -> Worksheet:
         InputError: there is no such campaign, or it holds no flight that counts.
     """
     with snapshot(study, campaign) as now:
-        study, finds = now.study, now.study.finds
-        rows = filled_back(study.matrix, now.outcomes, now.score, study.space, study.dispositions, finds, campaign)
-    return Worksheet(rows, finds.warnings)
+        study, finds, stale = now.study, now.study.finds, now.stale
+        rows = filled_back(study.matrix, now.outcomes, now.score, study.space, study.dispositions, finds, now.name)
+    return Worksheet(rows, stale, finds.warnings)

@@ -10,6 +10,7 @@ from scaloft_fi.analysis.situations.coverage import SHARES, STRENGTHS, Coverage,
 from scaloft_fi.campaign.runs.choice import Remembered
 from scaloft_fi.views.outputs.output import Output
 from scaloft_fi.views.outputs.shape import by_name, count, listing, ratio, record, text
+from scaloft_fi.views.stale import KEYS as STALE
 
 SHAPE = record(
     "how much of the situations the flights cover",
@@ -48,7 +49,7 @@ SHAPE = record(
 )
 COVERAGE = Output(
     "coverage",
-    "1.0",
+    "1.1",
     "how much of the situations a campaign covers",
     {
         "coverage": SHAPE,
@@ -70,6 +71,7 @@ COVERAGE = Output(
                 },
             ),
         ),
+        **STALE,
     },
     rows="summary",
 )

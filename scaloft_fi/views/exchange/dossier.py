@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import date
 from functools import cached_property
 
+from scaloft_fi.analysis.disposition import Accepted, Disposition, accepted_survivors, score_without
+from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.detection import Spending, Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
@@ -21,6 +24,7 @@ from scaloft_fi.judge.space import Space
 from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
 from scaloft_fi.views.exchange.steps import Step, steps
 from scaloft_fi.views.flights.export import FlightRow, columns, export_rows
+from scaloft_fi.views.score.accepted import acceptance
 from scaloft_fi.views.score.finds import next_find
 from scaloft_fi.views.score.verdict import next_command, verdict, why
 
@@ -41,6 +45,9 @@ class Dossier:
         finds: of the study.
         deterministic: whether flights of its stack repeat their bits.
         searchable: whether `seek` can search it.
+        dispositions: the survivors that somebody accepted.
+        today: the day by which dispositions expire; None = none does.
+        archive: reads the files of the campaign's archive, by their paths.
     """
 
     study: str
@@ -58,6 +65,9 @@ class Dossier:
     finds: KnownFinds = NO_FINDS
     deterministic: bool = True
     searchable: bool = True
+    dispositions: tuple[Disposition, ...] = ()
+    today: date | None = None
+    archive: Callable[[], Mapping[str, bytes]] = dict
 
     @cached_property
     def score(self) -> Score:
@@ -91,6 +101,21 @@ class Dossier:
     def of(self, *verdicts: Verdict) -> tuple[MutantScore, ...]:
         """The mutants that the ratios count, of each credible cell flown its default, with one of these verdicts."""
         return tuple(mutant for mutant in self.score.counted if mutant.verdict in verdicts)
+
+    @cached_property
+    def accepted(self) -> Mapping[str, Disposition]:
+        """The survivors that somebody accepted, of the mutants that the ratios count, by id."""
+        return dict(accepted_survivors(self.score, self.roster, self.dispositions, self.today))
+
+    @property
+    def without_accepted(self) -> Ratio:
+        """Mutants detected, of those flown that are no accepted survivors."""
+        return score_without(self.score, [Accepted(*one) for one in self.accepted.items()])
+
+    def acceptance(self, mutant: MutantScore) -> str:
+        """Who accepted a survivor, until when and why; empty where nobody did."""
+        known = self.accepted.get(mutant.subject.id)
+        return acceptance(known) if known else ""
 
     def verdict(self, mutant: MutantScore) -> str:
         """The verdict on a mutant and what it rests on, in a line."""

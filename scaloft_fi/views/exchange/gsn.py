@@ -1,18 +1,22 @@
 """The argument over the campaign in goal structuring notation, as the YAML of gsn2x.
 
 Every mutant flown that is not detected stands in it as a counter-goal against the claim it weakens: an argument that
-hides what speaks against it convinces nobody.
+hides what speaks against it convinces nobody.  A survivor that somebody accepted is justified by that, until the last
+day of the acceptance; the goal over the others stays undeveloped.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import yaml
 
 from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.format import export_format
+from scaloft_fi.views.score.answers import false_detections
 from scaloft_fi.views.score.verdict import NO_POOL
 
 COUNTER = {
@@ -55,7 +59,7 @@ def nodes(dossier: Dossier) -> dict[str, Any]:
     }
     counted = dossier.of(*COUNTER)
     if counted or not dossier.score.pooled:
-        argument["G4"] = {"text": "Each mutant that is not detected is justified", "undeveloped": True}
+        argument |= _justified(dossier, counted)
     else:
         argument["G4"] = {"text": "Every mutant flown is detected", "supportedBy": ["Sn3"]}
         argument["Sn3"] = {"text": "Verdict on every mutant: scaloft-fi score"}
@@ -67,6 +71,21 @@ def nodes(dossier: Dossier) -> dict[str, Any]:
         }
         argument[f"CSn{number}"] = {"text": f"{mutant.subject.id} is {dossier.verdict(mutant)}"}
     return argument
+
+
+def _justified(dossier: Dossier, counted: Sequence[MutantScore]) -> dict[str, Any]:
+    """The goal over the mutants that are not detected: a goal for each that was accepted, one for all others."""
+    text, accepted = "Each mutant that is not detected is justified", [m for m in counted if dossier.acceptance(m)]
+    if not accepted:
+        return {"G4": {"text": text, "undeveloped": True}}
+    found: dict[str, Any] = {}
+    for number, mutant in enumerate(accepted):
+        goal, solution = f"G{5 + number}", f"Sn{4 + number}"
+        found[goal] = {"text": f"That {mutant.subject.id} is not detected is justified", "supportedBy": [solution]}
+        found[solution] = {"text": f"hazop/dispositions.yaml: {dossier.acceptance(mutant)}"}
+    if others := len(counted) - len(accepted):
+        found[f"G{5 + len(accepted)}"] = {"text": f"{others} other mutants are justified", "undeveloped": True}
+    return {"G4": {"text": text, "supportedBy": [name for name in found if name.startswith("G")]}, **found}
 
 
 def _coverage(dossier: Dossier) -> str:
@@ -86,15 +105,18 @@ def _detection(dossier: Dossier) -> dict[str, Any]:
     scored = dossier.score
     if not scored.pooled:
         return {"G3": {"text": f"The suite detects faults (no verdict: {NO_POOL})", "undeveloped": True}}
-    claim = f"The suite detects {scored.mutation_score} of the mutants flown"
+    claim = (
+        f"The suite detects {scored.mutation_score} of the mutants flown, {scored.firm.part} without any one seed too"
+    )
     rule = "more violations of a safety requirement than chance explains, beside the unmutated drone's own flights"
     return {
         "G3": {
-            "text": f"{claim}; chance explains at most {scored.expected_false:.2g} of them on average",
+            "text": claim,
             "supportedBy": ["Sn2"],
-            "inContextOf": ["C4"],
+            "inContextOf": ["C4", "C5"],
         },
         "C4": {"text": f"Detected: {rule} (exact stratified test, alpha {scored.alpha:g})"},
+        "C5": {"text": false_detections(scored.alpha, scored.tested.part)},
         "Sn2": {"text": "Verdicts and kills: scaloft-fi score; every flight: scaloft-fi export"},
     }
 

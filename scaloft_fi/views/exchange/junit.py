@@ -1,6 +1,7 @@
 """The campaign as JUnit XML for CI: a test is a mutant, and passes when the mutant is detected.
 
-One that is not detected fails; one that is undecided or not tested is skipped; what the harness failed at is an error.
+One that is not detected fails; one that is undecided, not tested or an accepted survivor is skipped; what the harness
+failed at is an error.
 Each of these has the reason and the command to call next in its message, and in its text all steps, first the command
 that flies the most telling flight again.  Controls have a suite of their own, in which those pass that show themselves
 by safety or operability.
@@ -28,7 +29,7 @@ def junit(dossier: Dossier) -> str:
     for mutant in dossier.score.mutants:
         suites.setdefault(mutant.subject.parameter, []).append(mutant)
     for name, mutants in suites.items():
-        root.append(_suite(dossier, name, mutants, [_kind(mutant) for mutant in mutants]))
+        root.append(_suite(dossier, name, mutants, [_kind(dossier, mutant) for mutant in mutants]))
     controls = dossier.score.controls
     if controls:
         kinds = ["" if dossier.shows(control) else _control_kind(control) for control in controls]
@@ -44,7 +45,8 @@ def _suite(dossier: Dossier, name: str, mutants: Sequence[MutantScore], kinds: S
     for mutant, kind in zip(mutants, kinds, strict=True):
         case = ET.SubElement(suite, "testcase", classname=line(f"scaloft-fi.{name}"), name=line(mutant.subject.id))
         if kind:
-            message = line(f"{dossier.verdict(mutant)}; next: {dossier.next_command(mutant)}")
+            follows = dossier.acceptance(mutant) or f"next: {dossier.next_command(mutant)}"
+            message = line(f"{dossier.verdict(mutant)}; {follows}")
             told = ET.SubElement(case, kind, message=message)
             told.text = "\n".join(line(f"{step.does}: {step.command}") for step in dossier.steps(mutant))
     suite.set("tests", str(len(mutants)))
@@ -53,10 +55,12 @@ def _suite(dossier: Dossier, name: str, mutants: Sequence[MutantScore], kinds: S
     return suite
 
 
-def _kind(mutant: MutantScore) -> str:
+def _kind(dossier: Dossier, mutant: MutantScore) -> str:
     """What stands under the test case; empty for a pass."""
     if not mutant.flown:
         return "error"
+    if dossier.acceptance(mutant):
+        return "skipped"
     return {Verdict.DETECTED: "", Verdict.NOT_DETECTED: "failure"}.get(mutant.verdict, "skipped")
 
 

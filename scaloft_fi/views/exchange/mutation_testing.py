@@ -10,7 +10,8 @@ detected mutants of those put to the test.  For that, of the default mutants of 
 - `NoCoverage` is not put to the test,
 - `Pending` is every one where there is no baseline pool to decide by: readers then show no score,
 
-and what no ratio counts (controls, other magnitudes) is `Ignored`.  The reason says more than the status.
+and accepted survivors and what no ratio counts (controls, other magnitudes) are `Ignored`: readers show the score
+without accepted survivors.  The reason says more than the status.
 """
 
 from __future__ import annotations
@@ -73,6 +74,8 @@ def _status(dossier: Dossier, mutant: MutantScore) -> str:
         return "Pending"
     if mutant.detected:
         return "Killed"
+    if dossier.acceptance(mutant):
+        return "Ignored"
     return "Survived" if mutant.tested else "NoCoverage"
 
 
@@ -80,4 +83,6 @@ def _reason(dossier: Dossier, mutant: MutantScore) -> str:
     reason = dossier.verdict(mutant) + dossier.find_told(mutant)
     if dossier.roster.is_control(mutant.subject):
         return f"a control, in no ratio: {reason}"
+    if accepted := dossier.acceptance(mutant):
+        return f"{accepted}; {reason}"
     return reason if dossier.roster.counts(mutant.subject) else f"in no ratio, only its cell's default is: {reason}"

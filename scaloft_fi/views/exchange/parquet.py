@@ -7,11 +7,14 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from scaloft_fi.errors import InputError
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.format import export_format
 from scaloft_fi.views.flights.export import FlightRow, flight_columns
+
+if TYPE_CHECKING:
+    import pyarrow
 
 
 @export_format("parquet", "one row per flight, typed (extra: parquet)", text=False)
@@ -26,10 +29,13 @@ def parquet(rows: Sequence[FlightRow], columns: Sequence[str]) -> bytes:
     Raises:
         InputError: pyarrow is not installed.
     """
-    try:
-        import pyarrow.parquet
-    except ImportError as error:
-        raise InputError("--format='parquet' needs pyarrow: pip install 'scaloft-fi[parquet]'") from error
+    return parquet_file(flight_columns(rows, columns).arrow())
+
+
+def parquet_file(table: pyarrow.Table) -> bytes:
+    """A Parquet file with the columns of a table."""
+    import pyarrow.parquet
+
     file = io.BytesIO()
-    pyarrow.parquet.write_table(flight_columns(rows, columns).arrow(), file, compression="zstd")
+    pyarrow.parquet.write_table(table, file, compression="zstd")
     return file.getvalue()

@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
+from scaloft_fi.analysis.disposition import judge
 from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.scoring.baseline import Tally, findings, tallies
 from scaloft_fi.analysis.scoring.detection import Verdict
@@ -21,6 +22,7 @@ from scaloft_fi.judge.robustness import rho_text
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.format import export_format
 from scaloft_fi.views.ranges import ranges
+from scaloft_fi.views.score.answers import NOT_COMPARED
 from scaloft_fi.views.score.verdict import NO_POOL
 from scaloft_fi.views.tables.literal import markdown
 from scaloft_fi.views.tables.table import Format, Table, render
@@ -34,6 +36,7 @@ NOT_CLAIMED = (
     "That no other fault than those of the matrix is present.",
     "That the simulator is the real environment.",
     "That the HAZOP study is complete.",
+    NOT_COMPARED,
 )
 
 
@@ -43,6 +46,7 @@ def verification_log(dossier: Dossier) -> tuple[Table, ...]:
         _cases(dossier),
         _required(dossier),
         _by_requirement(dossier),
+        *_accepted(dossier),
         _domain(dossier),
         _scenarios(dossier),
         _edges(dossier),
@@ -109,11 +113,26 @@ def _by_requirement(dossier: Dossier) -> Table:
     )
     fates = Counter(mutant.verdict for mutant in dossier.score.counted)
     verdicts = ", ".join(f"{fates[verdict]} {verdict.words}" for verdict in Verdict)
+    firm = f"  Detected whichever one seed is left out: {dossier.score.firm.part}."
     notes = (
         "Triggered, robustness: flights of the unmutated drone.",
-        f"Mutants flown, by safety requirements: {verdicts}." if dossier.score.pooled else f"No verdicts: {NO_POOL}.",
+        f"Mutants flown, by safety requirements: {verdicts}.{firm}"
+        if dossier.score.pooled
+        else f"No verdicts: {NO_POOL}.",
     )
     return Table("Sufficiency of coverage (1): safety requirements", headers, rows, notes)
+
+
+def _accepted(dossier: Dossier) -> tuple[Table, ...]:
+    """The survivors that somebody accepted, and acceptances that do not hold; no table where there are none."""
+    rows = tuple(
+        (one.mutant, one.state.value, known.owner, known.reason, known.expires.isoformat())
+        for one in judge(dossier.score, dossier.roster, dossier.dispositions, dossier.today)
+        if (known := one.disposition) is not None and dossier.score.pooled
+    )
+    notes = (f"Without accepted survivors the tests detect {dossier.without_accepted} of the mutants flown.",)
+    headers = ("mutant", "state", "owner", "reason", "expires")
+    return (Table("Accepted survivors", headers, rows, notes),) if rows else ()
 
 
 def _detected_by(dossier: Dossier, requirement: str) -> Ratio:

@@ -2,7 +2,7 @@
 
 What is undecided is a note, what is not detected or not tested is a warning.  The message ends with the commands that
 fly the most telling flight again and that come next; the help of the rule, which viewers show beside it, and the
-properties of the result have all steps.
+properties of the result have all steps.  An accepted survivor is suppressed, with who accepted it, why and until when.
 """
 
 from __future__ import annotations
@@ -60,6 +60,12 @@ def _message(dossier: Dossier, mutant: MutantScore) -> str:
     return f"{mutant.subject.id} is {dossier.verdict(mutant)}.{commands}"
 
 
+def _suppressions(dossier: Dossier, mutant: MutantScore) -> list[dict[str, Any]]:
+    """Every result has the list (SARIF 2.1.0, 3.27.23); it is empty where nobody accepted the mutant."""
+    justification = dossier.acceptance(mutant)
+    return [{"kind": "external", "status": "accepted", "justification": justification}] if justification else []
+
+
 def _result(dossier: Dossier, mutant: MutantScore, rule: int) -> dict[str, Any]:
     name, line = dossier.place(mutant)
     region = {"startLine": line}
@@ -71,6 +77,7 @@ def _result(dossier: Dossier, mutant: MutantScore, rule: int) -> dict[str, Any]:
         "locations": [
             {"physicalLocation": {"artifactLocation": {"uri": quote(name, errors="surrogateescape")}, "region": region}}
         ],
+        "suppressions": _suppressions(dossier, mutant),
         "partialFingerprints": {"mutant/v1": mutant.subject.id},
         "properties": {step.name: step.command for step in dossier.steps(mutant)},
     }

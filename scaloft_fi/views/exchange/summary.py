@@ -6,6 +6,7 @@ from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.format import export_format
+from scaloft_fi.views.score.answers import false_detections
 from scaloft_fi.views.score.verdict import NO_POOL
 from scaloft_fi.views.tables.table import Format, Table, render
 
@@ -14,7 +15,7 @@ from scaloft_fi.views.tables.table import Format, Table, render
 def summary(dossier: Dossier) -> str:
     """The page."""
     mutants = [_of(dossier, verdict) for verdict in Verdict if dossier.of(verdict)]
-    return render((_ratios(dossier), *mutants, _findings(dossier)), Format.MARKDOWN)
+    return render((_ratios(dossier), *mutants, *_accepted(dossier), _findings(dossier)), Format.MARKDOWN)
 
 
 def _ratios(dossier: Dossier) -> Table:
@@ -30,6 +31,8 @@ def _ratios(dossier: Dossier) -> Table:
         return Table(title, headers, (exercised, flown), (f"No score: {NO_POOL}.",))
     rows = (
         ("mutation score", str(scored.mutation_score), "mutants detected by safety requirements, of those flown"),
+        ("firm", str(scored.firm), "mutants detected whichever one seed is left out, of those flown"),
+        *_without_accepted(dossier),
         ("tested", str(scored.tested), "mutants put to the test, of those flown"),
         ("operability", str(scored.operability), "mutants detected by operability requirements, of those flown"),
         exercised,
@@ -37,7 +40,7 @@ def _ratios(dossier: Dossier) -> Table:
     )
     detected = (
         "Detected: it violates safety requirements more often than chance explains, beside the unmutated drone's own "
-        f"flights; at alpha {scored.alpha:g} chance explains at most {scored.expected_false:.2g} of them on average."
+        f"flights.  {false_detections(scored.alpha, scored.tested.part)}"
     )
     killed = (
         "A situation tests a mutant that changes a sample there, if the unmutated drone holds a safety requirement "
@@ -45,6 +48,18 @@ def _ratios(dossier: Dossier) -> Table:
         "flights violate that requirement."
     )
     return Table(title, headers, rows, (detected, killed))
+
+
+def _without_accepted(dossier: Dossier) -> list[tuple[str, str, str]]:
+    if not dossier.accepted:
+        return []
+    return [("without accepted", str(dossier.without_accepted), "the same, of those that are no accepted survivors")]
+
+
+def _accepted(dossier: Dossier) -> tuple[Table, ...]:
+    """The survivors that somebody accepted; no table where there are none."""
+    rows = tuple((id_, known.owner, known.reason, known.expires.isoformat()) for id_, known in dossier.accepted.items())
+    return (Table(f"{len(rows)} accepted survivors", ("mutant", "owner", "reason", "expires"), rows),) if rows else ()
 
 
 def _of(dossier: Dossier, verdict: Verdict) -> Table:

@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
-from scaloft_fi.campaign.store.folder import STORE_NAME, campaign_folder
+from scaloft_fi.campaign.store.flown_grid import opened
+from scaloft_fi.campaign.store.folder import STORE_NAME, campaign_folder, is_archive
 from scaloft_fi.campaign.store.key import flight_key
 from scaloft_fi.campaign.store.platforms import Platforms
-from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import GateError
-from scaloft_fi.judge.facts import APART_M, agreement, digests, parting_s
+from scaloft_fi.judge.facts import APART_M, agreement, digests, in_step, parting_s
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.views.flights.logged_flight import LoggedFlight, reading_text
 
@@ -60,21 +60,22 @@ def comparison(flown: LoggedFlight, campaign: str, *, same_platform: bool) -> Co
     """
     study, flight, outcome = flown.study, flown.flight, flown.outcome
     clean = Flight(None, flight.situation, flight.seed)
-    path = campaign_folder(study, campaign) / STORE_NAME
-    if not path.is_file():
-        return Comparison(Likeness.NOTHING, f"no campaign in {path.parent} to compare with")
-    with Store(path, create=False) as store:
+    folder = campaign_folder(study, campaign)
+    if not (is_archive(folder) or (folder / STORE_NAME).is_file()):
+        return Comparison(Likeness.NOTHING, f"no campaign in {folder} to compare with")
+    with opened(study, folder)[1] as store:
         known, beside = (store.get(flight_key(study, one)) for one in (flight, clean))
         theirs = Platforms(store).of((flight.situation.key, flight.seed))
     if known is None or known.invalid:
-        return Comparison(Likeness.NOTHING, f"the campaign in {path.parent} holds no such flight to compare with")
-    if digests(known) == digests(outcome):
-        return Comparison(Likeness.SAME_BITS, f"bit for bit the flight in {path.parent}")
+        return Comparison(Likeness.NOTHING, f"the campaign in {folder} holds no such flight to compare with")
+    # an archive that lacks the digest of the beliefs has it for no flight
+    if digests(known) == digests(outcome) or (known.digest == outcome.digest and not known.perceived_digest):
+        return Comparison(Likeness.SAME_BITS, f"bit for bit the flight in {folder}")
     if not study.stack.deterministic:
         listed = ", ".join(f"{reading.requirement} {reading_text(reading)}" for reading in known.readings)
         return Comparison(
             Likeness.ANOTHER,
-            f"the stack is not deterministic, so this is another flight than that in {path.parent}, which "
+            f"the stack is not deterministic, so this is another flight than that in {folder}, which "
             f"{Ending(known.ending).sentence} after {known.duration_s:.2f} s: {listed}",
         )
     changed = ", ".join(differences(fingerprint(), theirs))
@@ -82,18 +83,19 @@ def comparison(flown: LoggedFlight, campaign: str, *, same_platform: bool) -> Co
     if same_platform or not changed:
         return Comparison(
             Likeness.DIFFERS,
-            f"{outcome.name} differs from the flight in {path.parent}, flown {where}: digest {known.digest} there",
+            f"{outcome.name} differs from the flight in {folder}, flown {where}: digest {known.digest} there",
         )
     pair = ([], []) if flown.clean is None or beside is None else ([beside], [flown.clean.outcome])
     agreed = agreement([known, *pair[0]], [outcome, *pair[1]])
     apart_s = parting_s(known.track, outcome.track)
     when = "at no time" if apart_s is None else f"from {apart_s:.2f} s on"
-    parted = f"the drones are more than {APART_M * 1000:g} mm apart {when}"
+    known_s = in_step(known.track, outcome.track)  # the trajectories of an archive may be thinner
+    parted = f"; the drones are more than {APART_M * 1000:g} mm apart {when}" if known_s else ""
     if agreed.facts:
-        differs = f"the flight differs in more than bits from that in {path.parent}, flown {where}"
-        return Comparison(Likeness.DIFFERS, f"{differs}: {agreed.named()}; {parted}")
+        differs = f"the flight differs in more than bits from that in {folder}, flown {where}"
+        return Comparison(Likeness.DIFFERS, f"{differs}: {agreed.named()}{parted}")
     return Comparison(
         Likeness.SAME_FACTS,
-        f"other bits than the flight in {path.parent}, which was flown {where}, and the same status, ending and "
-        f"violations; {parted}",
+        f"other bits than the flight in {folder}, which was flown {where}, and the same status, ending and "
+        f"violations{parted}",
     )

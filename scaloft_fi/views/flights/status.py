@@ -5,29 +5,33 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
+from scaloft_fi.campaign.store.folder import MANIFEST
 from scaloft_fi.judge.flights import flights_of
 from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.judge.status import Status, baseline_status
 from scaloft_fi.views.flights.export import WAITING, ordered
 from scaloft_fi.views.outputs.output import Output
-from scaloft_fi.views.outputs.shape import count, listing, optional, record, text
+from scaloft_fi.views.outputs.shape import by_name, count, listing, optional, record, text
 from scaloft_fi.views.snapshot import Snapshot
 from scaloft_fi.views.tables.table import Table
 
-AGAIN = "The same `run` flies them again; no flight log is kept from which they could be judged anew."
 _WORDS = {WAITING: "waiting for their baseline"}
 BASELINE_STATUSES = ("held", "violated", Status.INVALID.value)
 
 STATUS = Output(
     "status",
-    "1.0",
+    "1.1",
     "how many flights a campaign holds, by status",
     {
         "campaign": text("folder of the campaign"),
+        "archive": optional(text("SHA-256 of its `campaign.json`, which lists every other file's"), "it is no archive"),
+        "platform": by_name("on which most flights were flown, part by part", {"type": "string"}),
         "grid": text("name of the grid that was flown"),
         "counted": count("flights that count"),
         "owed": count("flights that are planned and not flown"),
-        "stale": count("flights that do not count any more"),
+        "stale": count("stored outcomes that do not count any more"),
+        "flown_again": count("of these, those whose flight was flown again since"),
+        "command": optional(text("what flies the others again"), "there are none that the study still has"),
         "subjects": count("subjects flown: the baseline, PLACEBO, mutants"),
         "situations": count("situations flown"),
         "platforms": optional(text("how the flights divide over platforms"), "all of one platform"),
@@ -69,10 +73,14 @@ def status_values(now: Snapshot) -> dict[str, Any]:
     )
     return {
         "campaign": str(held.folder),
+        "archive": now.archive.digest if now.archive else None,
+        "platform": dict(now.platform),
         "grid": now.study.grid.name,
         "counted": len(flown),
         "owed": held.owed,
         "stale": held.stale,
+        "flown_again": held.flown_again,
+        "command": now.stale.command or None,
         "subjects": len({outcome.mutant for outcome in flown}),
         "situations": len({outcome.situation for outcome in flown}),
         "platforms": now.mixture or None,
@@ -100,15 +108,30 @@ def status_tables(values: dict[str, Any]) -> tuple[Table, ...]:
             ("all", values["counted"]),
             ("planned, not flown", values["owed"]),
             ("stale, not counted", values["stale"]),
+            *([("flown again since", values["flown_again"])] if values["flown_again"] else []),
         ),
         (
             f"{values['subjects']} subjects in {values['situations']} situations.",
             *([f"{mixture[:1].upper()}{mixture[1:]}."] if mixture else []),
+            *_of_archive(values),
         ),
     )
     reasons = tuple((one["why"], one["flights"]) for one in values["reasons"])
-    stale = Table("Stale flights", ("why", "number"), reasons, (AGAIN,))
+    again = f"`{values['command']}` flies them again; no flight log is kept from which they could be judged anew."
+    notes = (again,) if values["command"] else ()
+    stale = Table("Stale flights", ("why", "number"), reasons, notes)
     return (table, stale) if values["stale"] else (table,)
+
+
+def _of_archive(values: dict[str, Any]) -> tuple[str, ...]:
+    """What is cited of an archive, and what flew it."""
+    if values["archive"] is None:
+        return ()
+    flown = ", ".join(f"{name} {version}" for name, version in sorted(values["platform"].items()))
+    return (
+        f"An archive, whose flights count as they stand; SHA-256 of its {MANIFEST}: {values['archive']}.",
+        f"Flown on {flown}.",
+    )
 
 
 def _word(status: str) -> str:

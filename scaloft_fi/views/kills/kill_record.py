@@ -24,7 +24,8 @@ from scaloft_fi.views.outputs.shape import (
     text,
     texts,
 )
-from scaloft_fi.views.score.score_form import SEVERITY, VERDICTS
+from scaloft_fi.views.score.score_form import FIRM, SEVERITY, VERDICTS
+from scaloft_fi.views.stale import KEYS as STALE
 
 _MUTANT = text("id of the mutant")
 _STATES = [*(status.value for status in Status), NOT_FLOWN]
@@ -54,6 +55,7 @@ KILLS = Output(
                     "counted": flag("whether the ratios count it: the default of a credible cell"),
                     "status": text("the furthest stage that a flight reached", [status.value for status in Status]),
                     "verdict": text("on the mutant", VERDICTS),
+                    "firm": FIRM,
                     "kill_rate": ratio("situations with a kill, of those that put it to the test"),
                 },
             ),
@@ -232,6 +234,7 @@ KILLS = Output(
             ),
             _NOT_ASKED,
         ),
+        **STALE,
     },
     rows="mutants",
 )
@@ -266,6 +269,7 @@ def kill_values(matrix: KillMatrix, results: Mapping[str, Any]) -> dict[str, Any
                 "counted": row.counted,
                 "status": row.status.value,
                 "verdict": row.verdict.value,
+                "firm": row.firmness.value if row.firmness else None,
                 "kill_rate": plain(row.kill_rate),
             }
             for row in matrix.rows

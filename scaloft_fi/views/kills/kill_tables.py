@@ -28,16 +28,21 @@ ORDER = (
 )
 
 
-def with_scattered(shown: Sequence[Table], matrix: KillMatrix) -> list[Table]:
-    """The same tables; the first names the detected mutants that have no kill, which all of them leave out."""
-    ids = matrix.scattered
-    if not ids or not shown:
-        return list(shown)
-    note = (
-        f"Detected without a kill, so in no table of kills: {', '.join(ids)}.  Their violations are spread over "
-        "situations; in none do most flights violate."
-    )
-    return [replace(shown[0], notes=(*shown[0].notes, note)), *shown[1:]]
+def with_detected(shown: Sequence[Table], matrix: KillMatrix) -> list[Table]:
+    """The same tables; the first tells how many mutants are detected, how many firmly, and which have no kill."""
+    if not shown:
+        return []
+    known = [row for row in matrix.mutants if row.firmness]
+    firm = sum(row.firmness.firm for row in known if row.firmness)
+    notes = [f"Detected mutants: {len(known)}, of them {firm} firmly: whichever one seed is left out."]
+    if matrix.not_firm:
+        notes[0] += f"  Not firm: {', '.join(matrix.not_firm)}."
+    if matrix.scattered:
+        notes.append(
+            f"Detected without a kill, so in no table of kills: {', '.join(matrix.scattered)}.  Their violations are "
+            "spread over situations; in none do most flights violate."
+        )
+    return [replace(shown[0], notes=(*shown[0].notes, *notes)), *shown[1:]]
 
 
 def interaction_table(listed: Sequence[Interaction]) -> Table:

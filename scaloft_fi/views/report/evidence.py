@@ -11,6 +11,7 @@ from scaloft_fi.campaign.store.held import nothing_to_show
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 from scaloft_fi.views.snapshot import snapshot
+from scaloft_fi.views.stale import NONE, Stale
 
 
 @dataclass(frozen=True)
@@ -19,9 +20,10 @@ class Evidence:
 
     Attributes:
         study: what was flown.
-        campaign: its name, as `--campaign` takes it.
+        campaign: its name, for commands.
         outcomes: those that the study still stands for, with their tracks.
-        stale, owed: flights that it has outgrown; flights planned and not flown.
+        stale: flights that no longer count.
+        owed: flights planned and not flown.
         fingerprint: of the platform that flew them, by name.
         today: by which dispositions expire; None = none does.
         spending: how the campaign spends alpha.
@@ -30,7 +32,7 @@ class Evidence:
     study: Study
     campaign: str
     outcomes: tuple[Outcome, ...]
-    stale: int = 0
+    stale: Stale = NONE
     owed: int = 0
     fingerprint: Mapping[str, str] | None = None
     today: date | None = None
@@ -47,9 +49,9 @@ def gather(study: Study, campaign: str, today: date | None = None) -> Evidence:
         known = now.held.current or nothing_to_show(now.store, now.folder)
         return Evidence(
             study=now.study,
-            campaign=campaign,
+            campaign=now.name,
             outcomes=now.with_tracks(known, {outcome.mutant for outcome in known}),
-            stale=now.held.stale,
+            stale=now.stale,
             owed=now.held.owed,
             fingerprint=now.platform,
             today=today,

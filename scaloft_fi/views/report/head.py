@@ -11,6 +11,7 @@ from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.views.score.answers import NOT_COMPARED
 
 NO_POOL = "Not known: no situation has ten flights of the unmutated drone."
 WHOLE = "A share of these faults and no estimate for others: the list of cells is closed, and no sample of anything."
@@ -63,6 +64,7 @@ def _broken(breaks: int) -> Iterable[str]:
 def _claims(scored: Score, situations: Ratio) -> Iterable[str]:
     """What is not claimed, the most misleading first."""
     yield WHOLE
+    yield NOT_COMPARED
     fates = Counter(mutant.verdict for mutant in scored.counted)
     unsure = {Verdict.UNDECIDED: "undecided", Verdict.NOT_TESTED: "never put to the test"}
     parts = [f"{fates[verdict]} {words}" for verdict, words in unsure.items() if fates[verdict]]

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 EVERY_VALUE_BENIGN = "every value benign"
 SIGNS = [sign.value for sign in Sign]
 KEPT = (
-    *("id", "guideword", "parameter", "magnitude", "status", "verdict"),
+    *("id", "guideword", "parameter", "magnitude", "status", "verdict", "firm"),
     *("kill_rate", "kill_rate_flown", "decided_at"),
 )
 """What the page takes over from the score's JSON on a mutant."""

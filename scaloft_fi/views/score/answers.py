@@ -9,6 +9,7 @@ from typing import NamedTuple
 from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.scoring.firmness import Firmness
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.pool import LEAST
 from scaloft_fi.analysis.scoring.score import Score
@@ -17,6 +18,10 @@ from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
 from scaloft_fi.views.score.commands import command, in_campaign
 from scaloft_fi.views.score.finds import effect, flies, next_find, words
 
+NOT_COMPARED = (
+    "Scores of two studies do not compare: whoever writes easier cells, or fewer hard ones, scores higher.  Compare "
+    "two stacks or versions by the same matrix."
+)
 SHOWN, NOT_SHOWN, HOW_SURE, NEXT = NAMES = ("Shown", "Not shown", "How sure", "What next")
 
 
@@ -71,39 +76,68 @@ def _shown(asked: Asked) -> str:
     safety = Ratio(sum(mutant.detected for mutant in asked.faults), len(asked.faults))
     operability = sum(mutant.operability.detected for mutant in asked.faults)
     either = sum(mutant.detected or mutant.operability.detected for mutant in asked.faults)
-    shown = f"{_of(safety)} would have been shown by your safety requirements"
+    shown = f"{_of(safety)} would have been shown by your safety requirements{_firmly(asked.faults)}"
     if operability:
-        shown += f"; {operability} by operability, {either} by either"
+        shown += f".  By operability {operability}, by either {either}"
     if found := len(asked.scored.selected):
         were = "situation was" if found == 1 else "situations were"
         return f"{shown}.  Selected: {found} {were} found by a search for faults that were not shown."
     return f"{shown}."
 
 
+def _firmly(faults: Sequence[MutantScore]) -> str:
+    """How many of the detected are firm."""
+    known = Counter(mutant.firmness for mutant in faults if mutant.firmness is not None)
+    detected, firm = known.total(), sum(count for firmness, count in known.items() if firmness.firm)
+    if not detected:
+        return ""
+    if detected == 1:
+        (firmness,) = known
+        return f", {firmness.words if firmness.firm else 'not firmly: ' + firmness.words}"
+    alone = known[Firmness.FIRM_BY_POOL]
+    by_pool = "" if not alone else " by the pool alone" if alone == firm else f", {alone} of these by the pool alone"
+    return f", {firm} firmly{by_pool}"
+
+
 def _not_shown(asked: Asked) -> str:
-    fates = Counter(mutant.verdict for mutant in asked.faults)
+    idle = sum(mutant.without_effect for mutant in asked.faults)
+    fates = Counter(mutant.verdict for mutant in asked.faults if not mutant.without_effect)
     parts = {
         Verdict.NOT_DETECTED: "put to the test, and nothing was seen",
         Verdict.UNDECIDED: "undecided: something was seen, or too few flights were flown",
         Verdict.NOT_TESTED: "never put to the test",
     }
-    counts = "; ".join(f"{fates[verdict]} {words}" for verdict, words in parts.items() if fates[verdict])
-    return f"{counts or 'none'}."
+    counts = [f"{fates[verdict]} {words}" for verdict, words in parts.items() if fates[verdict]]
+    if idle:
+        counts.append(f"{idle} without effect here: every flight equals the baseline's to the bit")
+    return f"{'; '.join(counts) or 'none'}."
 
 
 def _how_sure(asked: Asked) -> str:
     tested = sum(mutant.tested for mutant in asked.faults)
-    detected = sum(mutant.detected for mutant in asked.faults)
-    alpha, drawn = asked.scored.alpha, asked.scored.redraw
-    most = f"at most {alpha * tested:.2g} on average ({alpha:g} x {tested} tested)"
-    sure = f"of the {detected} shown, chance explains {most}" if detected else f"chance alone would show {most}"
+    drawn = asked.scored.redraw
+    sure = false_detections(asked.scored.alpha, tested)
     if drawn.seeds:
-        sure += f"; of {drawn.safety.whole} redraws of the unmutated drone {drawn.safety.part} would have been shown"
+        sure += f"  Of {drawn.safety.whole} redraws of the unmutated drone {drawn.safety.part} were called shown."
     flown = {pair.flights for pair in asked.scored.pool.pairs.values() if pair.flights >= LEAST}
     seeds = max((result.flown for mutant in asked.faults for result in mutant.results), default=0)
     beside = f"{min(flown)}" + (f" to {max(flown)}" if len(flown) > 1 else "") if flown else "0"
-    sure += f".  {seeds} seed{'s' * (seeds != 1)} beside {beside} baseline flights a situation"
-    return f"{sure}; mutants share seeds, so false ones come in groups." if len(asked.faults) > 1 else f"{sure}."
+    sure += f"  {seeds} seed{'s' * (seeds != 1)} beside {beside} baseline flights a situation"
+    if any(mutant.detected for mutant in asked.faults):
+        sure += "; firm: shown whichever one seed is left out"
+    return f"{sure}."
+
+
+def false_detections(alpha: float, tested: int) -> str:
+    """What the test would do to faults without effect: no probability of being wrong about one that is shown."""
+    if not tested:
+        return "No fault was put to the test, so there is nothing to be sure of."
+    if tested == 1:
+        return f"A fault without effect would be called shown with a probability of {alpha:g} at most."
+    return (
+        f"If none of the {tested} faults put to the test had any effect, {alpha * tested:.2g} at most would still be "
+        f"called shown, on average ({alpha:g} x {tested}); as mutants share seeds, then several at once."
+    )
 
 
 def _seen(asked: Asked) -> str:

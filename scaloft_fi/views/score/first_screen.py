@@ -9,10 +9,12 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from scaloft_fi.analysis.disposition import Accepted
 from scaloft_fi.analysis.kills.background import Background
 from scaloft_fi.analysis.noise import Noise
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.detection import LARGER, Verdict
+from scaloft_fi.analysis.scoring.firmness import Firmness
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.analysis.scoring.score import Score
@@ -26,6 +28,7 @@ from scaloft_fi.judge.status import Status
 from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
 from scaloft_fi.terminal import PROSE, Marked, Style, coloured, styled
 from scaloft_fi.terminal import width as terminal_width
+from scaloft_fi.views.score.accepted import accepted_line
 from scaloft_fi.views.score.answers import Line, answers
 from scaloft_fi.views.score.finds import next_find
 from scaloft_fi.views.score.noise import noise_line
@@ -39,7 +42,7 @@ WIDEST = 24
 """Longest condition that a row shows."""
 TITLE = "Would your tests have shown it?"
 COLUMNS = {
-    Verdict.DETECTED: ("killed in", "by", "where", "first", "effect"),
+    Verdict.DETECTED: ("killed in", "firm", "by", "where", "first", "effect"),
     Verdict.UNDECIDED: ("seen", "where", "first", "effect", "next"),
     Verdict.NOT_DETECTED: ("tested in", "effect", "next"),
     Verdict.NOT_TESTED: ("effect", "next"),
@@ -55,8 +58,8 @@ LEGEND = (
         "killed in: situations where most flights of a detected fault violate a requirement, of those that put it to "
         "the test: where it changes samples and nine in ten unmutated flights hold the requirement."
     ),
-    "by: the same per requirement.  where: `mixed`: see `scaloft-fi kills ID`.",
-    "first: earliest such violation [s from take-off].",
+    "firm: detected whichever one seed is left out; pool: of the baseline's alone.  by: per requirement.",
+    "where: `mixed`: see `scaloft-fi kills ID`.  first: earliest such violation [s from take-off].",
     "next: seeds that decide (`run --mutant ID --seeds N`; anew: its own campaign); detected: `margin`.",
 )
 ITS_FIND = "fly its find"
@@ -67,6 +70,12 @@ WITH_FIND = (
 """The legend where a row tells of a find."""
 NAMES_BESIDE = 70
 """A narrower terminal has the name of an answer above it, not beside it [characters]."""
+FIRM = {
+    Firmness.FIRM: "yes",
+    Firmness.FIRM_BY_POOL: "pool",
+    Firmness.HANGS: "no",
+    Firmness.TOO_FEW: "too few seeds",
+}
 _STOPPED = {
     Status.INVALID: "the harness failed",
     Status.NOT_REACHED: "its seam carries nothing",
@@ -88,6 +97,7 @@ def first_screen(
     campaign: str = CAMPAIGN,
     finds: KnownFinds = NO_FINDS,
     noise: Sequence[Noise] = (),
+    accepted: Sequence[Accepted] = (),
     whole: bool = False,
 ) -> tuple[Table, ...]:
     """The screen as tables: the answers, a table a group, and the two lines.
@@ -101,10 +111,13 @@ def first_screen(
         campaign: its name, for the commands.
         finds: of the study.
         noise: of a stack that is not deterministic.
+        accepted: the survivors that somebody accepted.
         whole: whether groups are shown to their ends.
     """
     replies = answers(scored, roster, campaign, finds, space.grid)
     lines = [Line("Situations", coverage_line(covered)), Line("Unmutated drone", baseline_line(scored.pool))]
+    if accepted:
+        lines.append(Line("Accepted", accepted_line(scored, accepted)))
     if noise:
         lines.append(Line("Noise", noise_line(noise)))
     counted = Counter(mutant.verdict for mutant in scored.counted)
@@ -212,6 +225,7 @@ def _facts(mutant: MutantScore, space: Space, background: Background | None, fin
         "mutant": mutant.subject.id,
         SEVERITY: class_of(mutant.severity),
         "killed in": mutant.kill_rate.short,
+        "firm": FIRM[mutant.firmness] if mutant.firmness else "",
         "by": ", ".join(f"{name} {ratio.short}" for name, ratio in mutant.requirements if name in mutant.safety.p)
         or ", ".join(mutant.safety.by),
         "seen": ", ".join(f"{name} in {count}/{mutant.kill_rate.whole}" for name, count in seen.items()),

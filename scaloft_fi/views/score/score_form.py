@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.scoring.firmness import Firmness
 from scaloft_fi.analysis.scoring.grouping import By
 from scaloft_fi.analysis.scoring.pool import State
 from scaloft_fi.judge.requirement import Kind
@@ -24,8 +25,14 @@ from scaloft_fi.views.outputs.shape import (
     text,
     texts,
 )
+from scaloft_fi.views.score.accepted import SHAPE as ACCEPTED
+from scaloft_fi.views.stale import KEYS as STALE
 
 VERDICTS = [verdict.value for verdict in Verdict]
+FIRM = optional(
+    text("whether it stays detected when any one seed is left out", [firmness.value for firmness in Firmness]),
+    "it is not detected",
+)
 SITUATION = text("key of the situation")
 REQUIREMENT = text("name of the requirement")
 SEVERITY = optional(text("class of severity, one of the study's own; in no ratio"), "it has none")
@@ -80,6 +87,7 @@ def _mutants(about: str) -> Shape:
                 "severity": SEVERITY,
                 "status": text("the furthest stage that a flight reached", [status.value for status in Status]),
                 "verdict": text("of all its flights, by safety requirements", VERDICTS),
+                "firm": FIRM,
                 "p": P,
                 "kill_rate": ratio("situations with a kill, of those that put it to the test"),
                 "kill_rate_flown": ratio("situations with a kill, of those flown"),
@@ -117,16 +125,41 @@ SCORE = Output(
                 "infected": ratio("mutants that changed a sample, of those flown"),
                 "tested": ratio("mutants put to the test, of those flown"),
                 "mutation_score": ratio("mutants detected by safety requirements, of those flown"),
+                "firm": ratio("mutants detected whichever one seed is left out, of those flown"),
+                "without_accepted": ratio("the same, of those flown that are no accepted survivors"),
                 "operability": ratio("mutants detected by operability requirements, of those flown"),
             },
         ),
-        "expected_false": number("mutants called detected by chance, expected at most"),
+        "expected_false": number("mutants that would be called detected if none had any effect, expected at most"),
         "redraw": record(
             "how often redraws of the unmutated drone are called detected",
             {
                 "seeds": count("flights of a redraw in each situation; 0: none was made"),
                 "safety": ratio("redraws detected by safety requirements, of all"),
                 "operability": ratio("redraws detected by operability requirements, of all"),
+            },
+        ),
+        "composition": record(
+            "what the ratio is made of, over the default mutants of credible cells",
+            {
+                "behaviours": listing(
+                    "the detected mutants; those whose flights all equal each other's to the bit together",
+                    texts("ids of mutants that fly alike"),
+                ),
+                "without_kill": texts("ids of detected mutants of which most flights violate in no situation"),
+                "trivial": texts(
+                    "ids of mutants killed in nine tenths of the situations that test them, or within 5 s of take-off"
+                ),
+                "without_effect": listing(
+                    "the mutants whose flights all equal the baseline's to the bit",
+                    record(
+                        "a mutant",
+                        {
+                            "id": text("canonical id"),
+                            "acted": ratio("flights in which it changed a sample, of those that count"),
+                        },
+                    ),
+                ),
             },
         ),
         "mutants": _mutants("every mutant flown, in the canonical order"),
@@ -217,6 +250,8 @@ SCORE = Output(
                 },
             ),
         ),
+        "accepted": ACCEPTED,
+        **STALE,
     },
     rows="mutants",
 )

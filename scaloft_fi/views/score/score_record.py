@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from scaloft_fi.analysis.disposition import Accepted, score_without
 from scaloft_fi.analysis.noise import Noise
 from scaloft_fi.analysis.plain import plain
 from scaloft_fi.analysis.scoring.detection import Detection
@@ -14,8 +15,10 @@ from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.situations.coverage import Coverage
 from scaloft_fi.hazop.severity import class_of
 from scaloft_fi.views.coverage.coverage_record import coverage_record
+from scaloft_fi.views.score.accepted import accepted_values
+from scaloft_fi.views.stale import NONE, Stale
 
-RATIOS = ("exercised", "infected", "tested", "mutation_score", "operability")
+RATIOS = ("exercised", "infected", "tested", "mutation_score", "firm", "operability")
 
 
 def score_json(
@@ -27,6 +30,8 @@ def score_json(
     noise: Sequence[Noise] = (),
     looks: Sequence[Mapping[str, Any]] = (),
     unflown: Sequence[Mapping[str, Any]] = (),
+    accepted: Sequence[Accepted] = (),
+    stale: Stale = NONE,
 ) -> dict[str, Any]:
     """Plain JSON values of the form `SCORE`.
 
@@ -38,13 +43,24 @@ def score_json(
         noise: of a stack that is not deterministic.
         looks: of a sequential run, as plain JSON values.
         unflown: what a run left out, as plain JSON values.
+        accepted: the survivors that somebody accepted.
+        stale: the flights of the campaign that no longer count.
     """
     return {
         "alpha": scored.alpha,
         "pooled": scored.pooled,
-        "ratios": {name: plain(getattr(scored, name)) for name in RATIOS},
+        "ratios": {name: plain(getattr(scored, name)) for name in RATIOS}
+        | {"without_accepted": plain(score_without(scored, accepted))},
         "expected_false": scored.expected_false,
         "redraw": plain(scored.redraw),
+        "composition": {
+            "behaviours": plain(scored.behaviours),
+            "without_kill": [mutant.subject.id for mutant in scored.without_kill],
+            "trivial": [mutant.subject.id for mutant in scored.trivial],
+            "without_effect": [
+                {"id": mutant.subject.id, "acted": plain(mutant.acted)} for mutant in scored.without_effect
+            ],
+        },
         "mutants": [_mutant(mutant) for mutant in scored.mutants],
         "controls": [_mutant(mutant) for mutant in scored.controls],
         "pairs": plain(scored.pool.pairs.values()),
@@ -56,6 +72,8 @@ def score_json(
         "noise": plain(noise),
         "looks": list(looks),
         "unflown": list(unflown),
+        "accepted": accepted_values(accepted),
+        **stale.values,
     }
 
 
@@ -68,6 +86,7 @@ def _mutant(mutant: MutantScore) -> dict[str, Any]:
         "severity": class_of(mutant.severity) or None,
         "status": mutant.status.value,
         "verdict": mutant.verdict.value,
+        "firm": mutant.firmness.value if mutant.firmness else None,
         "p": dict(mutant.safety.p),
         "kill_rate": plain(mutant.kill_rate),
         "kill_rate_flown": plain(mutant.kill_rate_flown),

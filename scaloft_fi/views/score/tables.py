@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.scoring.baseline import Finding, Tally, findings, tallies
+from scaloft_fi.analysis.scoring.firmness import Firmness
 from scaloft_fi.analysis.scoring.grouping import By, groups
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.analysis.scoring.mutant_score import EARLY_S, MutantScore
 from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.situations.coverage import Coverage
@@ -19,6 +20,7 @@ from scaloft_fi.judge.rulings import Rulings
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Status
 from scaloft_fi.views.coverage.coverage_tables import coverage_tables
+from scaloft_fi.views.score.answers import NOT_COMPARED, false_detections
 from scaloft_fi.views.tables.table import Table
 
 MANY = 24
@@ -28,6 +30,7 @@ POPULATIONS = {
     "infected": "default mutants that changed a sample, of those flown",
     "tested": "default mutants put to the test: they infect where a safety requirement is steady; of those flown",
     "mutation_score": "default mutants detected by safety requirements, of those flown",
+    "firm": "default mutants detected whichever one seed is left out, of those flown",
     "operability": "default mutants detected by operability requirements, of those flown",
 }
 """What each ratio of the score counts."""
@@ -39,6 +42,7 @@ def tables_behind(
     """All tables behind the first screen; `by` adds the score part by part."""
     return (
         ratio_table(scored),
+        composition_table(scored),
         stage_table(scored),
         *([group_table(scored, by, space)] if by else []),
         pair_table(scored.pool, space),
@@ -52,7 +56,7 @@ def ratio_table(scored: Score) -> Table:
     """The ratios of the score, each with its population."""
     rows = tuple((name.replace("_", " "), str(getattr(scored, name)), of) for name, of in POPULATIONS.items())
     drawn = scored.redraw
-    notes = [f"False detections expected, at most: {scored.expected_false:.2g} ({scored.alpha:g} a mutant tested)."]
+    notes = [false_detections(scored.alpha, scored.tested.part)]
     if drawn.seeds:
         notes.append(
             f"Of {drawn.safety.whole} redraws of the unmutated drone ({drawn.seeds} seeds beside ten) "
@@ -61,6 +65,40 @@ def ratio_table(scored: Score) -> Table:
     else:
         notes.append("No redraws: they need 20 baseline flights and more in every situation (`--baseline-seeds`).")
     return Table("Mutation score", ("ratio", "part/whole", "population"), rows, tuple(notes))
+
+
+def composition_table(scored: Score) -> Table:
+    """What the ratio is made of."""
+    detected = scored.mutation_score.part
+    firmness = Counter(mutant.firmness for mutant in scored.counted if mutant.firmness)
+    alike = [" = ".join(group) for group in scored.behaviours if len(group) > 1]
+    idle = [f"{mutant.subject.id} (acts in {mutant.acted.short})" for mutant in scored.without_effect]
+    rows = (
+        ("detected", detected, ""),
+        *((one.words, firmness[one], _named(scored, one)) for one in Firmness if firmness[one]),
+        ("distinct behaviours", len(scored.behaviours), "; ".join(alike)),
+        ("without a kill", len(scored.without_kill), _ids(scored.without_kill)),
+        ("trivial", len(scored.trivial), _ids(scored.trivial)),
+        ("no effect here", len(scored.without_effect), ", ".join(idle)),
+    )
+    notes = (
+        (
+            "Of the default mutants of credible cells.  Distinct behaviours: detected mutants whose flights all equal "
+            "each other's to the bit count once.  Trivial: killed in nine tenths of the situations that test it, or "
+            f"within {EARLY_S:g} s of take-off.  No effect here: every flight equals the baseline's to the bit."
+        ),
+        NOT_COMPARED,
+    )
+    return Table("What the score is made of", ("what", "mutants", "which"), rows, notes)
+
+
+def _named(scored: Score, firmness: Firmness) -> str:
+    """The detected mutants that are not firm, by name."""
+    return "" if firmness.firm else _ids(mutant for mutant in scored.counted if mutant.firmness is firmness)
+
+
+def _ids(mutants: Iterable[MutantScore]) -> str:
+    return ", ".join(mutant.subject.id for mutant in mutants)
 
 
 def pair_table(pool: Pool, space: Space) -> Table:

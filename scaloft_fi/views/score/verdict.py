@@ -88,10 +88,15 @@ def _detected(mutant: MutantScore) -> str:
         by = ", ".join(
             f"{name} in {ratio.part} of {ratio.whole}" for name, ratio in mutant.requirements if name in names
         )
-        return f"killed in {len(mutant.killing)} of {_tests(mutant)} ({by})"
+        return f"killed in {len(mutant.killing)} of {_tests(mutant)} ({by}); {_firm(mutant)}"
     by = ", ".join(f"{name} (p = {mutant.safety.p[name]:.2g})" for name in mutant.safety.by)
     seen = f"; seen in {len(mutant.seen_in)} of {_tests(mutant)}" if mutant.seen_in else ""
-    return f"it violates {by} more often than chance explains, but nowhere in most of its flights{seen}"
+    often = f"it violates {by} more often than chance explains, but nowhere in most of its flights{seen}"
+    return f"{often}; {_firm(mutant)}"
+
+
+def _firm(mutant: MutantScore) -> str:
+    return mutant.firmness.words if mutant.firmness else ""
 
 
 def _undecided(mutant: MutantScore, lacking: Collection[str]) -> str:

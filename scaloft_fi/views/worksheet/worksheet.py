@@ -25,7 +25,7 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.derive import default_of
 from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
-from scaloft_fi.views.dispositions import acceptance
+from scaloft_fi.views.score.accepted import acceptance
 from scaloft_fi.views.score.finds import effect, flies, next_find, words
 from scaloft_fi.views.score.verdict import NO_POOL, would_decide
 from scaloft_fi.views.worksheet.margin_record import cell_margin_values
@@ -81,6 +81,7 @@ FINDINGS = (
     Column("reached", "Reached", "situations where the fault's seam carried a sample", width=11),
     Column("infected", "Infected", "situations where it changed a sample", width=11),
     Column("verdict", "Verdict", "by safety requirements", short=True, width=14),
+    Column("firm", "Firm", "whether it stays detected when any one seed is left out", short=True, width=14),
     Column("operability", "Operability", "verdict by operability requirements", short=True, width=14),
     Column("p", "p", "chance of as many violations if the mutant did nothing (Holm), per requirement", width=18),
     Column("needed", "Would decide", "what would decide an undecided mutant, if what was seen goes on", width=22),
@@ -209,6 +210,7 @@ def _of_flights(score: MutantScore, space: Space, lacking: Collection[str]) -> d
         "reached": sum(result.reached for result in score.results),
         "infected": sum(result.infected for result in score.results),
         "verdict": score.verdict.words,
+        "firm": score.firmness.words if score.firmness else "",
         "operability": score.operability.verdict.words,
         "p": ", ".join(f"{name} {p:.2g}" for name, p in p_of(score).items()) or None,
         "needed": would_decide(score, lacking) or None,

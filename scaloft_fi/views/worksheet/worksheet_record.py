@@ -22,7 +22,8 @@ from scaloft_fi.views.outputs.shape import (
     text,
     texts,
 )
-from scaloft_fi.views.score.score_form import VERDICTS, P
+from scaloft_fi.views.score.score_form import FIRM, VERDICTS, P
+from scaloft_fi.views.stale import KEYS as STALE
 from scaloft_fi.views.worksheet.margin_record import CELL_MARGINS
 from scaloft_fi.views.worksheet.matrix_record import CELL, cell_values
 from scaloft_fi.views.worksheet.worksheet import TEAM, SheetRow, p_of
@@ -35,6 +36,7 @@ _RESULTS = record(
         "infected": count("situations where it changed a sample"),
         "status": text("the furthest stage that a flight reached", [status.value for status in Status]),
         "verdict": text("by safety requirements", VERDICTS),
+        "firm": FIRM,
         "operability": text("by operability requirements", VERDICTS),
         "p": P,
         "needed": optional(count("seeds that would decide an undecided mutant"), "decided, or none would"),
@@ -86,7 +88,8 @@ WORKSHEET = Output(
                     ),
                 },
             ),
-        )
+        ),
+        **STALE,
     },
     rows="rows",
 )
@@ -119,6 +122,7 @@ def _results(row: SheetRow, score: MutantScore) -> dict[str, Any]:
         **{key: row.values[key] for key in ("situations_flown", "reached", "infected", "where")},
         "status": score.status.value,
         "verdict": score.verdict.value,
+        "firm": score.firmness.value if score.firmness else None,
         "operability": score.operability.verdict.value,
         "p": dict(p_of(score)),
         "needed": score.safety.needed,

@@ -48,6 +48,19 @@ def test_thirty_two_are_detected_with_three_seeds_beside_the_first_ten_and_all_a
     assert ten < detected(scored(ALL, EVERY))
 
 
+def test_thirty_of_the_thirty_six_are_firm_and_the_others_are_those_without_a_kill() -> None:
+    found = scored(ALL, EVERY)
+    assert (found.firm.part, found.firm.whole) == (30, 114)
+    assert [m for m in found.counted if m.detected and not m.firm] == list(found.without_kill)
+    assert scored(ALL, tuple(range(10))).firm.part == 30
+
+
+def test_the_thirty_six_are_made_of_32_behaviours_eleven_are_trivial_and_ten_defaults_have_no_effect() -> None:
+    found = scored(ALL, EVERY)
+    assert (len(found.behaviours), len(found.trivial), len(found.without_effect)) == (32, 11, 10)
+    assert {mutant.acted.whole for mutant in found.without_effect} == {96}
+
+
 @pytest.mark.parametrize("seed", ALL)
 @pytest.mark.parametrize("first", [0, 10, 20, 30, 40])
 def test_one_seed_beside_any_ten_detects_29_or_30_and_none_that_the_whole_campaign_does_not(
@@ -81,14 +94,14 @@ def test_every_control_shows_itself_by_safety_or_operability() -> None:
     assert all(control.detected or control.operability.detected for control in controls)
 
 
-def _recomputed(seeds: Iterable[int], pool: Sequence[int]) -> set[str]:
-    """The detected defaults by the exact test in whole numbers, which shares no code with the package."""
+def _recomputed(seeds: Iterable[int], pool: Sequence[int]) -> dict[str, str]:
+    """The detected defaults, each with what is firm, in whole numbers by code that shares nothing with the package."""
     names, alpha = ["SR1", "SR2"], Fraction(1, 100)
     kinds = {name: kind.value for name, kind in KINDS.items()}
     counted = [row | {"counts": True} for row in rows()]
     clean = [r for r in counted if r["mutant"] == "baseline" and (r["seed"] in pool or r["seed"] in seeds)]
     table = {(pair["situation"], pair["requirement"]): pair for pair in recomputation.pairs(clean, kinds)}
-    found = set()
+    found = {}
     for mutant in STUDY.roster.defaults.values():
         flights: dict[str, list[Row]] = {}
         for row in counted:
@@ -96,10 +109,11 @@ def _recomputed(seeds: Iterable[int], pool: Sequence[int]) -> set[str]:
                 flights.setdefault(str(row["situation"]), []).append(row)
         acts = {key for key, some in flights.items() if any(row["altered"] for row in some)}
         if recomputation.verdict(flights, acts, table, names, alpha)["verdict"] == "detected":
-            found.add(mutant)
+            found[mutant] = recomputation.firm(flights, acts, clean, table, names, alpha)
     return found
 
 
 def test_the_detected_are_those_of_an_independent_recomputation_from_the_export() -> None:
-    assert _recomputed(ALL, EVERY) == detected(scored(ALL, EVERY))
-    assert _recomputed((2,), range(10)) == detected(scored((2,), tuple(range(10))))
+    for seeds, pool in ((ALL, EVERY), ((2,), tuple(range(10)))):
+        found = scored(seeds, pool)
+        assert _recomputed(seeds, pool) == {m.subject.id: m.firmness for m in found.counted if m.detected}

@@ -215,7 +215,15 @@ def test_the_json_has_the_keys_of_the_contract() -> None:
     baselines = [(finding.situation, finding.violated) for finding in findings(outcomes, GRID)]
     plain = json.loads(json.dumps(score_json(scored(*outcomes), coverage(outcomes, GRID), baselines)))
     assert {"alpha", "ratios", "expected_false", "mutants", "pairs", "coverage", "baseline"} <= plain.keys()
-    assert list(plain["ratios"]) == ["exercised", "infected", "tested", "mutation_score", "operability"]
+    assert list(plain["ratios"]) == [
+        "exercised",
+        "infected",
+        "tested",
+        "mutation_score",
+        "firm",
+        "operability",
+        "without_accepted",
+    ]
     assert plain["ratios"]["mutation_score"] == {"part": 1, "whole": 2}
     late = plain["mutants"][0]
     assert {name: late[name] for name in ("id", "guideword", "parameter", "magnitude", "status", "verdict")} == {

@@ -24,13 +24,13 @@ def by_enumeration(listed: list[Stratum]) -> float:
     def gain(k: int, b: int, m: int) -> int:
         return k if 10 * b <= m else 0
 
-    observed = sum(gain(k, b, m) for k, _, b, m in listed)
+    observed = sum(gain(k, b, m) for k, _, b, m, _ in listed)
     ways = [
         [
             (gain(i, k + b - i, m), comb(n, i) * comb(m, k + b - i) / comb(n + m, k + b))
             for i in range(min(n, k + b) + 1)
         ]
-        for k, n, b, m in listed
+        for k, n, b, m, _ in listed
     ]
     total = 0.0
     for chosen in product(*ways):

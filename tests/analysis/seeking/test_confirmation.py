@@ -9,7 +9,16 @@ from builders import outcome, pool
 
 from scaloft_fi.analysis.scoring.detection import Sample, Spending, detect
 from scaloft_fi.analysis.scoring.pool import Pool
-from scaloft_fi.analysis.seeking.confirmation import FEWEST, MOST, confirmed, room, safely_held, seeds_for, share_of
+from scaloft_fi.analysis.seeking.confirmation import (
+    FEWEST,
+    MOST,
+    confirmed,
+    does_mission,
+    room,
+    safely_held,
+    seeds_for,
+    share_of,
+)
 from scaloft_fi.judge.requirement import Kind
 
 HERE = "T0O0W0D0H1"
@@ -79,3 +88,16 @@ def test_nine_in_ten_baselines_must_be_above_their_own_spread():
 def test_a_requirement_that_is_not_steady_is_never_tested():
     red = pool(HERE, red=4, violated={"SR2": 5.0})
     assert safely_held(Pool.of(red), HERE, ("SR2",), red) == ()
+
+
+@pytest.mark.parametrize(("missed", "good"), [(0, True), (1, True), (2, False)])
+def test_the_value_of_each_axis_comes_true_in_nine_of_ten_baselines(missed, good):
+    baselines = [
+        replace(one, realised=(("light", True), ("person", number >= missed))) for number, one in enumerate(pool(HERE))
+    ]
+    assert does_mission(baselines) is good
+
+
+@pytest.mark.parametrize(("red", "good"), [(0, True), (1, True), (2, False)])
+def test_nine_of_ten_baselines_hold_the_operability_requirements(red, good):
+    assert does_mission(pool(HERE, red=red, violated={"OP1": 5.0})) is good

@@ -10,7 +10,7 @@ from kept_flights import flights_of, read
 from published_kernels import KERNELS
 from published_outcomes import rows_of
 from random_faults import __main__ as experiment
-from random_faults.arm import Arm, broad, early, kills_of, trivial, useful
+from random_faults.arm import Arm, kills_of, useful
 from random_faults.compare import Answer, Counts, answer, p_of_kill_sets, permuted, redrawn
 from random_faults.page import UNFINISHED, flown
 from random_faults.plan import FAULTS, FLIGHTS, KNOWN, LEAST, MOST, PLAN, POOL, SEEDS, fisher, names_of
@@ -101,9 +101,9 @@ def test_the_flights_are_three_seeds_of_each_fault_and_ten_of_the_baseline(study
 def test_a_fault_is_trivial_if_it_is_killed_nearly_everywhere_or_early() -> None:
     scores = {score.subject.id[-1]: score for score in arm(STRIKING).scores}
     assert [n for n, score in scores.items() if score.detected] == ["1", "2", "3", "4"]
-    assert [n for n, score in scores.items() if broad(score)] == ["1"]
-    assert [n for n, score in scores.items() if early(score)] == ["3"]
-    assert [n for n, score in scores.items() if trivial(score)] == ["1", "3"]
+    assert [n for n, score in scores.items() if score.killed_broadly] == ["1"]
+    assert [n for n, score in scores.items() if score.killed_early] == ["3"]
+    assert [n for n, score in scores.items() if score.trivial] == ["1", "3"]
     assert [n for n, score in scores.items() if useful(score)] == ["2", "4"]
     assert kills_of(scores["5"]) == frozenset()
 

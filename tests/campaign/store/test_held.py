@@ -86,6 +86,11 @@ def test_what_every_flight_shares_makes_all_stale(
     assert _why(_inputs(study, **changes)) == {why: 16}
 
 
+def test_another_operator_makes_its_mutants_stale_and_nothing_else(study: Any, fly: Callable[..., Held]) -> None:
+    fly()
+    assert _why(_inputs(study, **{"operator delay": "x"})) == {"operator delay changed": 4}
+
+
 def test_how_situations_come_true_makes_baselines_stale(study: Any, fly: Callable[..., Held]) -> None:
     fly()
     assert _why(replace(study, predicate="x")) == {"how the situation's values come true changed": 4}

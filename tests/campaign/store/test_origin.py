@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scaloft_fi.campaign.store.origin import Origin
 
 hashes = st.text("0123456789abcdef", max_size=4)
-origins = st.builds(Origin, hashes, hashes, hashes, hashes, hashes, hashes)
+origins = st.builds(Origin, hashes, hashes, hashes, hashes, hashes, hashes, hashes)
 
 
 @given(origins, origins, st.integers(0, 2), st.integers(0, 2))

@@ -188,7 +188,7 @@ def test_every_choice_that_a_loader_gives_is_in_the_schema(asked: Asked, located
     assert sorted(wrong, key=str) == []
 
 
-STUDY_NAMES = {"seam"}
+STUDY_NAMES = {"seam", "severity"}
 """Keys whose choices are names of the study."""
 
 

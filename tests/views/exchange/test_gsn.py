@@ -73,11 +73,12 @@ def flown(*keys: str) -> list[Outcome]:
     return [*pool(*keys), *late, *(outcome("NO-human@100%", key, seed) for key in keys for seed in range(3))]
 
 
-def test_the_claim_says_how_many_are_detected_and_how_many_of_them_chance_explains() -> None:
+def test_the_claim_says_how_many_are_detected_and_how_many_are_firm() -> None:
     nodes = read(gsn(dossier(flown("T0O0W0D0H0"))))
     claim = nodes["G3"]["text"]
-    assert claim == "The suite detects 1/2 = 50 % of the mutants flown; chance explains at most 0.02 of them on average"
+    assert claim == "The suite detects 1/2 = 50 % of the mutants flown, 0 without any one seed too"
     assert "alpha 0.01" in nodes["C4"]["text"]
+    assert "0.02 at most" in nodes["C5"]["text"]
     assert nodes["CG1"]["text"] == "NO-human@100% would not have been revealed"
 
 

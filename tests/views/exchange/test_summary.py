@@ -26,7 +26,8 @@ def test_the_page_has_the_ratios_the_mutants_by_verdict_and_the_findings_about_t
     assert "MORE-goal@0.6m" in not_tested
     assert f"| {RED} | SR1 | 9/10 | red |" in " ".join(findings.split())
     assert "| mutation score | 1/3 = 33 % |" in " ".join(page.split())
-    assert "at alpha 0.01 chance explains at most 0.02 of them on average" in page
+    assert "| firm | 0/3 = 0 % |" in " ".join(page.split())
+    assert "0.02 at most would still be called shown" in page
 
 
 def test_without_a_pool_no_percentage_is_told_but_what_was_seen_and_what_to_call() -> None:

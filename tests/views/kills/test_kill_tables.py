@@ -83,11 +83,14 @@ def test_the_first_table_names_what_is_detected_without_a_kill() -> None:
     spread = [outcome(LATE, key, 1, violated={"SR2": 9.0}) for key in keys]
     calm = [outcome(LATE, key, seed) for key in keys for seed in (0, 2)]
     matrix = matrix_of([*pool(*keys), *spread, *calm])
-    shown = tables.with_scattered([tables.interaction_table(interactions(matrix))] * 2, matrix)
+    shown = tables.with_detected([tables.interaction_table(interactions(matrix))] * 2, matrix)
     assert f"Detected without a kill, so in no table of kills: {LATE}." in shown[0].notes[-1]
     assert shown[1].notes == tables.interaction_table(()).notes
-    assert tables.with_scattered([], matrix) == []
-    assert tables.with_scattered(shown, matrix_of(CAMPAIGN)) == shown
+    assert (
+        f"Detected mutants: 1, of them 0 firmly: whichever one seed is left out.  Not firm: {LATE}." in shown[0].notes
+    )
+    assert tables.with_detected([], matrix) == []
+    assert not any("without a kill" in note for note in tables.with_detected(shown[1:], matrix_of(CAMPAIGN))[0].notes)
 
 
 def test_a_greedy_suite_says_at_most() -> None:

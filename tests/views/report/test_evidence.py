@@ -39,7 +39,7 @@ def test_all_of_the_campaign_is_there(study: Study, folder: str) -> None:
     assert sorted(evidence.outcomes, key=lambda o: o.name) == flown
     assert evidence.spending.grown == {MUTANT}
     assert evidence.fingerprint == {"system": "Paper"}
-    assert (evidence.stale, evidence.owed) == (0, 0)
+    assert (evidence.stale.sentences, evidence.owed) == ((), 0)
 
 
 def test_it_is_read_at_one_moment(study: Study, folder: str, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -168,6 +168,7 @@ def test_the_ratios_are_those_of_the_export(told: dict[str, Any], counted: dict[
         "infected": (sum(any(count.infected for count in counts) for counts in defaults), 4),
         "tested": (sum(any(count.tests for count in counts) for counts in defaults), 4),
         "mutation_score": (1, 4),
+        "firm": (1, 4),
         "operability": (1, 4),
     }
     assert all(ratio["population"] and "interval" not in ratio for ratio in told["ratios"])

@@ -12,6 +12,7 @@ from scaloft_fi.analysis.scoring.score import Score, score
 from scaloft_fi.study import Study
 from scaloft_fi.views.report.evidence import Evidence
 from scaloft_fi.views.report.head import MODEL, NO_POOL, WHOLE, head
+from scaloft_fi.views.score.answers import NOT_COMPARED
 
 ALL = Ratio(32, 32)
 
@@ -43,12 +44,13 @@ def test_a_drone_that_fails_nothing_is_said_to(study: Study) -> None:
 
 def test_without_a_pool_nothing_is_known_of_the_drone(study: Study) -> None:
     few = score(campaign(study, ("LATE-human@3s",), range(1), range(1)), study.roster, study.space)
-    assert head(few, ALL, 0) == {"fails": [NO_POOL], "claims": [WHOLE, MODEL]}
+    assert head(few, ALL, 0) == {"fails": [NO_POOL], "claims": [WHOLE, NOT_COMPARED, MODEL]}
 
 
 def test_what_is_not_claimed_names_the_undecided_the_selected_and_what_was_not_flown(scored: Score) -> None:
     assert head(scored, ALL, 0)["claims"] == [
         WHOLE,
+        NOT_COMPARED,
         "Nothing is said of the faults that are not decided: 1 undecided, 1 never put to the test.",
         MODEL,
     ]

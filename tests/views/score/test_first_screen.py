@@ -53,16 +53,27 @@ def test_the_four_questions_have_a_named_line_each() -> None:
 
 def test_the_answers_say_how_many_how_sure_and_what_next() -> None:
     said = told(CAMPAIGN)
-    assert said["Shown"] == "1 of 3 faults (33 %) would have been shown by your safety requirements."
+    assert said["Shown"] == (
+        "1 of 3 faults (33 %) would have been shown by your safety requirements, firm by the pool alone."
+    )
     assert said["Not shown"].startswith("1 put to the test, and nothing was seen; 1 undecided")
-    assert "chance explains at most 0.03 on average (0.01 x 3 tested)" in said["How sure"]
+    assert said["How sure"].startswith(
+        "If none of the 3 faults put to the test had any effect, 0.03 at most would still"
+    )
     assert "1 seed beside 10 baseline flights a situation" in said["How sure"]
     assert said["What next"] == "`scaloft-fi run --mutant NO-human@100% --seeds 5` would decide 1 of the 1 undecided."
 
 
-def test_where_nothing_is_detected_chance_explains_nothing_shown() -> None:
+def test_of_one_fault_put_to_the_test_a_probability_is_told_and_of_none_nothing() -> None:
     said = told([*pool(*HUMAN), *(outcome(GOAL, key) for key in HUMAN)])["How sure"]
-    assert said.startswith("chance alone would show at most 0.01 on average (0.01 x 1 tested)")
+    assert said.startswith("A fault without effect would be called shown with a probability of 0.01 at most.")
+    idle = told([*pool(*HUMAN), *(outcome(GOAL, key, altered=0) for key in HUMAN)])["How sure"]
+    assert idle.startswith("No fault was put to the test")
+
+
+def test_a_fault_that_flies_as_the_baseline_everywhere_is_told_apart_from_the_survivors() -> None:
+    said = told([*pool(*HUMAN), *(outcome(GOAL, key, altered=0) for key in HUMAN)])["Not shown"]
+    assert said == "1 without effect here: every flight equals the baseline's to the bit."
 
 
 def test_a_command_names_every_mutant_that_it_flies_unless_they_are_all_that_a_run_flies_anyway() -> None:
@@ -98,7 +109,15 @@ def test_a_campaign_of_another_name_is_named_in_the_command() -> None:
 def test_each_group_tells_what_is_its_to_tell() -> None:
     tables = {table.title: table for table in screen(CAMPAIGN)}
     assert tables["Detected: 1"].records() == [
-        {"mutant": LATE, "killed in": "3/3", "by": "SR2 3/3", "where": "human", "first": "12.3", "effect": "no contact"}
+        {
+            "mutant": LATE,
+            "killed in": "3/3",
+            "firm": "pool",
+            "by": "SR2 3/3",
+            "where": "human",
+            "first": "12.3",
+            "effect": "no contact",
+        }
     ]
     assert tables["Undecided: 1"].records() == [
         {

@@ -47,7 +47,8 @@ def test_the_ratios_name_their_population_and_the_false_detections_expected() ->
     table = tables(CAMPAIGN)["Mutation score"]
     assert table.rows[3][:2] == ("mutation score", "2/3 = 67 %")
     assert all(row[2] for row in table.rows)
-    assert table.notes[0] == "False detections expected, at most: 0.03 (0.01 a mutant tested)."
+    assert table.rows[4][0] == "firm"
+    assert "0.03 at most" in table.notes[0]
     assert table.notes[1].startswith("No redraws:")
 
 

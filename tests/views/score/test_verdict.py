@@ -46,7 +46,7 @@ def line(*flights: Outcome) -> str:
 
 def test_a_detected_mutant_is_killed_in_situations_by_requirements() -> None:
     said = line(*pool(HERE, THERE), *flown(HERE, violating=3), *flown(THERE))
-    assert said == "detected: killed in 1 of 2 situations that test it (SR2 in 1 of 2)"
+    assert said == "detected: killed in 1 of 2 situations that test it (SR2 in 1 of 2); hangs on a seed"
 
 
 def test_a_detected_mutant_without_a_kill_says_by_what_it_is_detected() -> None:
@@ -54,7 +54,8 @@ def test_a_detected_mutant_without_a_kill_says_by_what_it_is_detected() -> None:
     said = line(*pool(*keys), *(flight for key in keys for flight in flown(key, violating=1)))
     assert said.startswith("detected: it violates SR2 (p = 0.000")
     assert said.endswith(
-        "more often than chance explains, but nowhere in most of its flights; seen in 6 of 6 situations that test it"
+        "more often than chance explains, but nowhere in most of its flights; seen in 6 of 6 situations that test it; "
+        "hangs on a seed"
     )
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from scaloft_fi.analysis.scoring.pool import LEAST, Pool
-from scaloft_fi.analysis.seeking.confirmation import confirmed, safely_held, seeds_for, share_of
+from scaloft_fi.analysis.seeking.confirmation import confirmed, does_mission, safely_held, seeds_for, share_of
 from scaloft_fi.analysis.seeking.shrink import shrunk
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON, SearchFlights
@@ -30,7 +30,7 @@ class Quest:
         mutant: the mutant.
         proposals: what is proposed for it.
         shrinks: whether a situation is shrunk before it is confirmed.
-        candidates: situations that were tested on fresh seeds.
+        candidates: situations that spent a share of alpha, whether or not their pool was fit for the test.
         shown_in: the situation that shows it; None before it is found.
         after: flights of the search when it was found.
         rejected: situations that are not tested again.
@@ -77,7 +77,8 @@ class Quest:
     def confirmation(self, situation: Situation, flights: SearchFlights, alpha: float) -> Evidence | None:
         """The evidence of seeds that the search never flew; None where they do not confirm the situation.
 
-        A situation whose baselines put no requirement to the test is no candidate and spends nothing.
+        A candidate spends its share of alpha before its pool is looked at: one whose pool is not steady, or where the
+        unmutated drone does not do its mission, has spent it too.
 
         Raises:
             Interrupted, SpentError: as `SearchFlights.fly`.
@@ -86,14 +87,16 @@ class Quest:
         if not names or situation in self.rejected:
             return None
         self.rejected.add(situation)
+        self.candidates += 1
+        share = share_of(alpha, self.candidates)
         baselines = _flown(None, situation, LEAST, flights)
+        if not does_mission(baselines):
+            return None
         pool = Pool.of(baselines)
         steady = safely_held(pool, situation.key, names, baselines)
-        share = share_of(alpha, self.candidates + 1)
         seeds = seeds_for(pool, situation.key, steady, share)
         if seeds is None:
             return None
-        self.candidates += 1
         if seeds > LEAST:
             baselines = _flown(None, situation, seeds, flights)
         evidence = confirmed(_flown(self.mutant, situation, seeds, flights), baselines, steady, self.candidates, share)

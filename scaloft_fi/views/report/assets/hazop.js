@@ -9,8 +9,8 @@ function cellState(cell) {
   return { ...told, state: mutant.verdict, text: `${markOf(mutant)}\u00a0${mutant.kill_rate.whole ? shortText(mutant.kill_rate) : ""}` };
 }
 
-/** The mark of a verdict; of a detection one for each step of certainty. */
-const markOf = ({ verdict, certainty }) => VERDICTS[verdict][0].repeat(Math.max(1, certainty));
+/** The mark of a verdict; of a detection one for each step of certainty, and a tilde where it is not firm. */
+const markOf = (mutant) => VERDICTS[mutant.verdict][0].repeat(Math.max(1, mutant.certainty)) + (mutant.firm && !isFirm(mutant) ? "~" : "");
 /** Where a mutant that is never put to the test stopped: a sign of the kill matrix. */
 const stopped = ({ status }) => (Object.hasOwn(SIGNS, status) ? status : status === "invalid" ? "not_flown" : "no_test");
 const killsText = ({ kill_rate: rate, kill_rate_flown: flown }) => `killed in ${rate.part} of ${plural(rate.whole, "situation")} that put it to the test, of ${flown.whole} flown`;
@@ -18,7 +18,7 @@ const showsText = ({ shows }) => (shows.length ? `shows itself by ${shows.join("
 const verdictText = (mutant) => {
   const [safety, others] = [true, false].map((wanted) => mutant.by.filter((name) => SAFETY.includes(name) === wanted));
   const why = safety.length ? ` by ${listed(safety)}` : mutant.verdict === "not_tested" && stopped(mutant) !== "no_test" ? `, ${SIGNS[stopped(mutant)][0]}` : "";
-  return `${spaced(mutant.verdict)}${why}${others.length ? `; operability shows it, by ${listed(others)}` : ""}`;
+  return `${spaced(mutant.verdict)}${mutant.firm ? `, ${FIRMNESS[mutant.firm]}` : ""}${why}${others.length ? `; operability shows it, by ${listed(others)}` : ""}`;
 };
 /** How sure a detection is, in words. */
 const sureText = ({ certainty }) => (certainty ? `p at most ${DATA.certainty[certainty - 1].toLocaleString("en", { maximumFractionDigits: 12 })}` : "");
@@ -35,6 +35,7 @@ function hazop() {
   return part("hazop", "The HAZOP matrix", "Every guideword asked of every parameter.  A cell shows the verdict on its default mutant, and in how many of the situations that put the mutant to the test a requirement kills it.  A click opens the cell, with a flight that shows it.",
     h("ul", { class: "legend" },
       DATA.certainty.map((_, step) => h("li", {}, swatch("detected", VERDICTS.detected[0].repeat(step + 1), step + 1), step ? sureText({ certainty: step + 1 }) : [h("b", {}, term("detected")), sureText({ certainty: 1 }), ": the chance that a fault which does nothing looks so"])),
+      h("li", {}, h("b", {}, `${VERDICTS.detected[0]}~`), "detected, not ", term("firm"), ": without some seed it is not, or too few seeds remain"),
       h("li", {}, swatch("not_detected", VERDICTS.not_detected[0]), h("b", {}, term("not detected")), "tested, nothing seen"),
       h("li", {}, swatch("undecided", VERDICTS.undecided[0]), h("b", {}, term("undecided")), "hatched: something seen, or too few flights"),
       h("li", {}, swatch("not_tested"), h("b", {}, term("not tested")), "hatched wide, with the reason in words"),

@@ -8,6 +8,7 @@ function masthead() {
     h("h1", {}, `${DATA.study}: campaign ${DATA.campaign}`),
     DATA.gates.failed && h("p", { class: "notice", role: "alert" }, h("b", {}, "These figures may not be believed. "), DATA.gates.failed),
     DATA.owed > 0 && h("p", { class: "notice" }, `${plural(DATA.owed, "planned flight")} of this campaign ${DATA.owed === 1 ? "is" : "are"} missing: the run was not finished.`),
+    DATA.stale.map((text) => h("p", { class: "notice" }, withCode(`${text}.`))),
     h("p", { class: "answer" }, withCode(sentence(answer.text))),
     DATA.pooled && fateBar(),
     h("dl", { class: "answers" },
@@ -31,7 +32,7 @@ function fateBar() {
   return h("div", { class: "fates" },
     h("div", { class: "fate-bar", role: "img", "aria-label": `Mutants by verdict: ${fates.map(([verdict, count]) => `${count} ${spaced(verdict)}`).join(", ")}` },
       fates.map(([verdict, count]) => h("span", { class: "state", "data-state": verdict, "data-sure": verdict === "detected" ? 3 : null, "--count": count }))),
-    h("ul", { class: "legend" }, fates.map(([verdict, count]) => h("li", {}, swatch(verdict, VERDICTS[verdict][0], verdict === "detected" && 3), h("b", {}, String(count)), term(spaced(verdict))))));
+    h("ul", { class: "legend" }, fates.map(([verdict, count]) => h("li", {}, swatch(verdict, VERDICTS[verdict][0], verdict === "detected" && 3), h("b", {}, String(count)), term(spaced(verdict)), verdict === "detected" && [", ", h("b", {}, String(counted.filter(isFirm).length)), " ", term("firm")]))));
 }
 
 const sentence = (text) => (text.startsWith("`") ? text : capital(text));

@@ -18,6 +18,9 @@ const VERDICTS = {
   not_detected: ["\u25cb", "It was put to the test, and nothing was seen."],
   not_tested: ["\u2013", "It changes no sample where the unmutated drone holds a safety requirement steadily."],
 };
+/** What remains of a detection when one seed is left out. */
+const FIRMNESS = { firm: "firm", firm_by_pool: "firm by the pool alone", hangs_on_a_seed: "hangs on a seed", too_few_seeds: "too few seeds to say" };
+const isFirm = ({ firm }) => firm === "firm" || firm === "firm_by_pool";
 /** A pair of situation and requirement, by what the unmutated drone does: a letter, and what it says. */
 const STATES = {
   steady: ["", "the unmutated drone holds it in nine of ten flights: it tests faults"],
