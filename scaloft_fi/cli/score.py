@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from scaloft_fi.views.outputs.output import Output
     from scaloft_fi.views.scored_campaign import ScoredCampaign
 
-GROUPINGS = ("guideword", "parameter", "situation", "requirement", "axis")
+GROUPINGS = ("guideword", "parameter", "severity", "situation", "requirement", "axis")
 
 
 @verb(

@@ -35,8 +35,8 @@ from scaloft_fi.cli.verb import verb
 def worksheet_command(study_folder: Path | None, campaign: str, style: str, output: Path | None) -> None:
     """Print the HAZOP worksheet: every deviation beside what its default mutant did in the campaign.
 
-    Deviations that are not credible stand in a log with their reason.  What only a team can judge (severity,
-    likelihood, recommendation, ...) is left empty.
+    Deviations that are not credible stand in a log with their reason.  What only a team can judge (likelihood,
+    recommendation, ...) is left empty; severity is the class that the study gives.
     """
     if style == "xlsx" and output is None:
         raise click.UsageError("--format xlsx goes into a file: name it with --output")

@@ -105,6 +105,7 @@ def sheet(matrix: Matrix, cell: Cell, edges: Mapping[str, str], columns: int) ->
     """
     word = next(word for word in matrix.guidewords if word.id == cell.guideword)
     parameter = next(parameter for parameter in matrix.parameters if parameter.id == cell.parameter)
+    severity = matrix.severities.get(cell.name)
     entries: list[tuple[str, Iterable[str]]] = [
         ("status", [cell.status.replace("_", " ")]),
         ("parameter", [f"{parameter.title}: {parameter.intent}"]),
@@ -114,6 +115,7 @@ def sheet(matrix: Matrix, cell: Cell, edges: Mapping[str, str], columns: int) ->
         ("deviation", [cell.deviation]),
         ("causes", [f"- {cause}" for cause in cell.causes]),
         ("effect", [cell.effect]),
+        ("severity", [f"{severity.id}: {severity.title}"] if severity else []),
         ("requirements", [", ".join(cell.requirements)]),
         ("predicted", [cell.predicted]),
     ]

@@ -7,6 +7,7 @@ from typing import Any
 from scaloft_fi.hazop.cell import Cell, Fault
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.render import expectation, ladder, mark, yaml_text
+from scaloft_fi.hazop.severity import SeverityClass, class_of
 
 HEADER = (
     "cell",
@@ -16,6 +17,7 @@ HEADER = (
     "deviation",
     "causes",
     "effect",
+    "severity",
     "requirements",
     "reason",
     "predicted",
@@ -30,8 +32,8 @@ HEADER = (
 SHORT_HEADER = ("parameter", "guideword", "default", "requirements", "deviation, or why it is not meaningful")
 
 
-def record(cell: Cell) -> dict[str, Any]:
-    """Return one cell as a JSON object."""
+def record(cell: Cell, severity: SeverityClass | None) -> dict[str, Any]:
+    """Return one cell and its class of severity as a JSON object."""
     return {
         "cell": cell.name,
         "guideword": cell.guideword,
@@ -40,6 +42,7 @@ def record(cell: Cell) -> dict[str, Any]:
         "deviation": cell.deviation,
         "causes": list(cell.causes),
         "effect": cell.effect,
+        "severity": class_of(severity) or None,
         "requirements": list(cell.requirements),
         "reason": cell.reason,
         "predicted": cell.predicted,
@@ -59,6 +62,7 @@ def rows(matrix: Matrix) -> list[list[str]]:
             cell.deviation,
             "; ".join(cell.causes),
             cell.effect,
+            class_of(matrix.severities.get(cell.name)),
             "; ".join(cell.requirements),
             cell.reason,
             cell.predicted,

@@ -125,7 +125,8 @@ class CampaignScore:
         """The score as plain JSON values: what `scaloft-fi score --format json` prints.
 
         Args:
-            by: `guideword`, `parameter`, `situation`, `requirement` or `axis`, to have the score part by part too.
+            by: `guideword`, `parameter`, `severity`, `situation`, `requirement` or `axis`, to have the score part by
+                part too.
 
         Raises:
             InputError: there is no such grouping.

@@ -255,7 +255,8 @@ seeds of the unmutated drone: Seeds with which the unmutated drone was flown in 
 seek | search: The verb that looks for situations which show survivors.
 seen: A steady requirement is violated, but not often enough to call the mutant detected.
 selected: The score uses situations that were chosen because they show faults, so it speaks of no other situations.
-severity: How bad the consequence is; for the team, by its own risk matrix.  Of a finding of `check`: error or note.
+severity: How bad the consequence of a deviation is: a class of the study's own list, which enters no ratio.  Of a
+  finding of `check`: error or note.
 shard: One of N parts of a run that is flown on several machines; `merge` joins them.
 share: The part in a hundred of the whole.
 shows: The mutants that a found situation shows.

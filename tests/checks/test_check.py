@@ -149,6 +149,23 @@ def test_a_study_without_a_control_is_told_so(copy: Path) -> None:
     assert any("no cell is a control" in what for what in notes(check))
 
 
+def test_credible_cells_without_a_class_are_told_where_the_study_has_classes(copy: Path) -> None:
+    path = copy / "hazop" / "matrix" / "human.yaml"
+    path.write_text(path.read_text().replace("  severity: injury\n", "", 2))
+    check = check_study(copy)
+    assert errors(check) == []
+    assert "severity is missing in 2 credible cells: NO-human, MORE-human" in notes(check)
+
+
+def test_a_broken_list_of_classes_is_one_error_and_cells_are_held_against_its_names(copy: Path) -> None:
+    _edit(copy / "hazop" / "severities.yaml", "  title: time is lost\n", "")
+    _edit(copy / "hazop" / "matrix" / "goal.yaml", "severity: mission", "severity: mision")
+    assert [found.partition("error: ")[2].partition(";")[0] for found in errors(check_study(copy))] == [
+        "delay lacks the key 'title'",
+        *["severity='mision' is not known"] * 2,
+    ]
+
+
 def test_controls_away_from_the_seams_that_always_carry_are_told(copy: Path) -> None:
     for path in (copy / "hazop" / "matrix").glob("*.yaml"):
         if path.stem != "collision":

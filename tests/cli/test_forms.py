@@ -13,6 +13,7 @@ from jsonschema import Draft202012Validator, ValidationError
 from refusal import sentence
 
 import scaloft_fi
+from scaloft_fi.analysis.scoring.grouping import By
 from scaloft_fi.cli.main import main
 from scaloft_fi.views.outputs.listed import output_of
 
@@ -78,7 +79,7 @@ def test_what_is_merged_and_written_is_told(told: Call, folder: Path, tmp_path: 
 
 
 def test_groups_of_every_kind_have_one_shape(told: Call) -> None:
-    for by in ("guideword", "parameter", "situation", "requirement", "axis"):
+    for by in map(str, By):
         groups = of_form("score", told("score", "--by", by, "--format", "json").stdout)["groups"]
         assert groups
         assert {group["by"] for group in groups} == {by}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from collections import Counter
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import pytest
 from scaloft_fi.hazop.cell import Cell, CellStatus
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.study import Study
 
 HAZOP = Path(__file__).resolve().parents[2] / "hazop"
 MATRIX = load_matrix(HAZOP, REFERENCE.by_name)
@@ -46,3 +48,15 @@ def test_every_class_has_cells_and_only_credible_cells_have_one() -> None:
         "mission": 12,
         "delay": 5,
     }
+
+
+def test_classes_change_no_mutant_and_no_part_of_the_keys_of_flights(tmp_path: Path) -> None:
+    for name in ("hazop", "mutants", "sim"):
+        shutil.copytree(HAZOP.parent / name, tmp_path / name)
+    (tmp_path / "hazop" / "severities.yaml").unlink()
+    for path in (tmp_path / "hazop" / "matrix").glob("*.yaml"):
+        path.write_text(re.sub(r"^  severity: \w+\n", "", path.read_text(), flags=re.MULTILINE))
+    plain, classed = Study.open(tmp_path), Study.open(HAZOP.parent)
+    assert plain.matrix.severities == {}
+    assert plain.catalogue == classed.catalogue
+    assert plain.inputs == classed.inputs

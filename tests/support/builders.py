@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.hazop.name import cell_of
+from scaloft_fi.hazop.severity import SeverityClass
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.judge.space import Space
@@ -42,6 +43,10 @@ ROSTER = Roster(
     controls=frozenset({"REVERSE-human"}),
     ids=("NO-human@100%", "REVERSE-human", "LATE-human@1s", "LATE-human@3s", "MORE-goal@0.6m"),
 )
+
+WORST, LEAST = SeverityClass(0, "injury", "a person may be hurt", ""), SeverityClass(1, "delay", "time is lost", "")
+CLASSED = replace(ROSTER, severities={"NO-human": LEAST, "MORE-goal": WORST})
+"""The same study with classes of severity: of the last mutant the worst, of LATE-human none."""
 
 
 def subject_of(mutant: str) -> Subject:

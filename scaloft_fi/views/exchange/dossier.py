@@ -17,6 +17,7 @@ from scaloft_fi.analysis.situations.coverage import Coverage, coverage
 from scaloft_fi.hazop.cell import Cell
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.name import cell_of
+from scaloft_fi.hazop.severity import worst_first
 from scaloft_fi.judge.flights import JudgedFlight, flights_of
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Requirement
@@ -99,8 +100,12 @@ class Dossier:
         return tuple(sorted({o.seed for o in self.outcomes if o.subject.guideword}))
 
     def of(self, *verdicts: Verdict) -> tuple[MutantScore, ...]:
-        """The mutants that the ratios count, of each credible cell flown its default, with one of these verdicts."""
-        return tuple(mutant for mutant in self.score.counted if mutant.verdict in verdicts)
+        """The mutants that the ratios count, of each credible cell flown its default, with one of these verdicts.
+
+        Those of the worst class of severity stand first.
+        """
+        members = (mutant for mutant in self.score.counted if mutant.verdict in verdicts)
+        return tuple(worst_first(members, lambda mutant: mutant.severity))
 
     @cached_property
     def accepted(self) -> Mapping[str, Disposition]:

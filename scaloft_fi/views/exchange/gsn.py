@@ -65,12 +65,18 @@ def nodes(dossier: Dossier) -> dict[str, Any]:
         argument["Sn3"] = {"text": "Verdict on every mutant: scaloft-fi score"}
     for number, mutant in enumerate(counted, start=1):
         argument[f"CG{number}"] = {
-            "text": f"{mutant.subject.id} {COUNTER[mutant.verdict]}",
+            "text": f"{mutant.subject.id} {COUNTER[mutant.verdict]}{_severity(mutant)}",
             "challenges": "G3",
             "supportedBy": [f"CSn{number}"],
         }
         argument[f"CSn{number}"] = {"text": f"{mutant.subject.id} is {dossier.verdict(mutant)}"}
     return argument
+
+
+def _severity(mutant: MutantScore) -> str:
+    """As in: ` (severity: injury, a person may be hurt)`; empty where its cell has no class."""
+    severity = mutant.severity
+    return f" (severity: {severity.id}, {severity.title})" if severity else ""
 
 
 def _justified(dossier: Dossier, counted: Sequence[MutantScore]) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.hazop.severity import class_of
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.format import export_format
@@ -64,8 +65,18 @@ def _accepted(dossier: Dossier) -> tuple[Table, ...]:
 
 def _of(dossier: Dossier, verdict: Verdict) -> Table:
     """The mutants of a verdict, each with what it rests on."""
-    rows = tuple((mutant.subject.id, dossier.why(mutant) + dossier.find_told(mutant)) for mutant in dossier.of(verdict))
-    return Table(f"{len(rows)} {verdict.words}", ("mutant", "why"), rows)
+    members = dossier.of(verdict)
+    classed = any(mutant.severity for mutant in members)
+    rows = tuple(
+        (
+            mutant.subject.id,
+            *([class_of(mutant.severity)] if classed else []),
+            dossier.why(mutant) + dossier.find_told(mutant),
+        )
+        for mutant in members
+    )
+    headers = ("mutant", *(["severity"] if classed else []), "why")
+    return Table(f"{len(rows)} {verdict.words}", headers, rows)
 
 
 def _findings(dossier: Dossier) -> Table:

@@ -38,7 +38,7 @@ from scaloft_fi.views.score.first_screen import coverage_line
 from scaloft_fi.views.score.score_record import score_json
 from scaloft_fi.views.score.tables import POPULATIONS
 
-SCHEMA = 4
+SCHEMA = 5
 """Version of the JSON in the page."""
 
 
@@ -91,6 +91,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "by_situation": matrices.by_situation(scored, roster, keys),
         "guidewords": plain(study.matrix.guidewords),
         "parameters": plain(study.matrix.parameters),
+        "severities": plain(study.matrix.classes),
         "cells": matrices.cells(study.matrix, [mutant["id"] for mutant in mutants]),
         "mutants": mutants,
         "requirements": plain(study.requirements),

@@ -16,6 +16,7 @@ from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.campaign.runs.seeking.finds import words_of
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.name import cell_of
+from scaloft_fi.hazop.severity import class_of
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.rulings import Ruled, Rulings, Situations
 from scaloft_fi.judge.space import Space
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 EVERY_VALUE_BENIGN = "every value benign"
 SIGNS = [sign.value for sign in Sign]
 KEPT = (
-    *("id", "guideword", "parameter", "magnitude", "status", "verdict", "firm"),
+    *("id", "guideword", "parameter", "magnitude", "severity", "status", "verdict", "firm"),
     *("kill_rate", "kill_rate_flown", "decided_at"),
 )
 """What the page takes over from the score's JSON on a mutant."""
@@ -75,6 +76,7 @@ def cells(matrix: Matrix, flown: Iterable[str]) -> list[dict[str, Any]]:
             "deviation": cell.deviation,
             "causes": list(cell.causes),
             "effect": cell.effect,
+            "severity": class_of(matrix.severities.get(cell.name)),
             "requirements": list(cell.requirements),
             "reason": cell.reason,
             "predicted": cell.predicted,

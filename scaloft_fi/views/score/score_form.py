@@ -35,7 +35,7 @@ FIRM = optional(
 )
 SITUATION = text("key of the situation")
 REQUIREMENT = text("name of the requirement")
-SEVERITY = optional(text("class of severity of its cell, one of the study's own; in no ratio"), "it has none")
+SEVERITY = optional(text("class of severity, one of the study's own; in no ratio"), "it has none")
 P = by_name(
     "by requirement, the chance of as many violations if the fault did nothing (exact test, Holm's adjustment)",
     number("p (0..1)"),

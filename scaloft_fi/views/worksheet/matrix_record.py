@@ -8,6 +8,7 @@ from typing import Any
 
 from scaloft_fi.hazop.cell import Cell, CellStatus
 from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.severity import SeverityClass
 from scaloft_fi.hazop.worksheet import record as cell_record
 from scaloft_fi.views.outputs.output import Output
 from scaloft_fi.views.outputs.shape import (
@@ -22,6 +23,7 @@ from scaloft_fi.views.outputs.shape import (
     text,
     texts,
 )
+from scaloft_fi.views.score.score_form import SEVERITY
 from scaloft_fi.views.worksheet.margin_record import CELL_MARGINS
 
 ARGUMENTS = by_name("arguments of the operator", anything("a value; an infinite number is the text inf"))
@@ -33,6 +35,7 @@ CELL: Mapping[str, Shape] = {
     "deviation": text("what differs from the design intent"),
     "causes": texts("what could bring it about"),
     "effect": text("what it does, locally, then to the flight"),
+    "severity": SEVERITY,
     "requirements": texts("the requirements at risk"),
     "reason": text("why it is not meaningful; else empty"),
     "predicted": text("what the study predicts; empty where it predicts nothing"),
@@ -78,16 +81,16 @@ CELL: Mapping[str, Shape] = {
 """A cell of the matrix."""
 MATRIX = Output(
     "matrix",
-    "1.0",
+    "1.1",
     "the deviation matrix, every cell with its reason",
     {"cells": listing("the cells, parameter by parameter", record("a cell", {**CELL, "margins": CELL_MARGINS}))},
     rows="cells",
 )
 
 
-def cell_values(cell: Cell) -> dict[str, Any]:
-    """A cell as plain JSON values of `CELL`."""
-    told = cell_record(cell)
+def cell_values(cell: Cell, severity: SeverityClass | None) -> dict[str, Any]:
+    """A cell and its class of severity as plain JSON values of `CELL`."""
+    told = cell_record(cell, severity)
     for fault in told["faults"]:
         fault["arguments"] = argument_values(fault["arguments"])
     return told
@@ -101,5 +104,11 @@ def argument_values(arguments: Mapping[str, Any]) -> dict[str, Any]:
 def matrix_values(matrix: Matrix, margins: Mapping[str, Sequence[Mapping[str, Any]]] | None = None) -> dict[str, Any]:
     """Plain JSON values of the form `MATRIX`; `margins` as of `cell_margin_values`."""
     return {
-        "cells": [{**cell_values(cell), "margins": None if margins is None else margins[cell.name]} for cell in matrix]
+        "cells": [
+            {
+                **cell_values(cell, matrix.severities.get(cell.name)),
+                "margins": None if margins is None else margins[cell.name],
+            }
+            for cell in matrix
+        ]
     }

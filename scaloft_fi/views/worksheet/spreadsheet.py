@@ -1,4 +1,4 @@
-"""The worksheet as an XLSX workbook: the sheet, the log of deviations not credible, what the columns say.
+"""The worksheet as an XLSX workbook: sheet, survivors, log of deviations not credible, what the columns say.
 
 openpyxl writes it.  Every text is written as a text, with the mark that keeps it one when somebody edits the cell: a
 study's `=1+1` is never a formula.  The same sheet gives the same bytes: the file carries no clock.
@@ -16,7 +16,16 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.inert import printable
 from scaloft_fi.views.tables.literal import FORMULA
 from scaloft_fi.views.worksheet.worksheet import COLUMNS, FINDINGS, TEAM, Column, SheetRow, SheetValue, population
-from scaloft_fi.views.worksheet.worksheet_text import LOG_KEYS, LOG_TITLE, TITLE, columns, parts
+from scaloft_fi.views.worksheet.worksheet_text import (
+    LOG_KEYS,
+    LOG_TITLE,
+    SURVIVORS_KEYS,
+    SURVIVORS_TITLE,
+    TITLE,
+    columns,
+    parts,
+    survivors,
+)
 
 LONGEST = 32_767
 """Characters of a cell: Excel's own limit, which openpyxl would cut at without a word."""
@@ -44,6 +53,8 @@ def to_xlsx(rows: Sequence[SheetRow]) -> bytes:
     sheet, log = parts(rows)
     book = Workbook()
     _fill(book.active, TITLE, COLUMNS, sheet)
+    if alive := survivors(rows):
+        _fill(book.create_sheet(), SURVIVORS_TITLE, columns(SURVIVORS_KEYS), alive)
     _fill(book.create_sheet(), LOG_TITLE, columns(LOG_KEYS), log)
     _about(book.create_sheet(), rows)
     raw = io.BytesIO()

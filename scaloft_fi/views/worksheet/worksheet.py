@@ -1,7 +1,7 @@
 """The HAZOP worksheet filled back: every cell of the matrix beside what its flights say, with room for the team.
 
 The columns are those of the classic sheet (`method.md`, section 1.3), the tool's findings, and columns that only people
-can fill.  It never invents a risk matrix: severity and likelihood stay empty.
+can fill.  It never invents a risk matrix: severity is what the study says, and likelihood stays empty.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from scaloft_fi.hazop.cell import Cell, CellStatus
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.parameter import Parameter
 from scaloft_fi.hazop.render import ladder
+from scaloft_fi.hazop.severity import SeverityClass
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.derive import default_of
@@ -64,6 +65,13 @@ STUDY = (
     Column("rationale", "Rationale", "why it is not meaningful, or what the study predicts", width=36),
     Column("causes", "Possible causes", "what could bring it about", width=40),
     Column("effect", "Consequence", "what it does locally, then to the flight", width=40),
+    Column(
+        "severity",
+        "Severity",
+        "class by the study's own list; else for the team",
+        short=True,
+        width=10,
+    ),
     Column("requirements", "Requirements", "those at risk", short=True, width=14),
     Column("operators", "Faults", "how it is made, with the ladder of magnitudes", width=36),
     Column("mutant", "Default mutant", "the one that the findings speak of", width=24),
@@ -94,10 +102,11 @@ FINDINGS = (
     Column("flies_find", "Flies it", "the command that flies the find", short=True, width=40),
 )
 FOUND = ("find", "flies_find")
-"""The columns that a page leaves out where no survivor has a find."""
+"""The columns of a survivor's find."""
+SPARE = ("severity", *FOUND)
+"""The columns that a page leaves out where no row has a value."""
 TEAM = (
     Column("safeguards", "Existing safeguards", "for the team", width=24),
-    Column("severity", "Severity", "for the team, by its own matrix", width=10),
     Column("likelihood", "Likelihood", "for the team, by its own matrix", width=10),
     Column("recommendation", "Recommendation", "for the team", short=True, width=30),
     Column("responsible", "Responsible", "for the team", short=True, width=16),
@@ -117,6 +126,7 @@ class SheetRow:
         score: of its default mutant; None where it was not flown.
         margins: of its faults, as plain JSON values.
         disposition: of its default mutant; None where nobody accepted it.
+        severity: class of the cell; None where it has none.
     """
 
     cell: Cell
@@ -124,6 +134,12 @@ class SheetRow:
     score: MutantScore | None = None
     margins: Sequence[Mapping[str, Any]] = ()
     disposition: Disposition | None = None
+    severity: SeverityClass | None = None
+
+    @property
+    def survives(self) -> bool:
+        """Whether the default mutant of a credible cell was flown and is not detected."""
+        return self.cell.status is CellStatus.CREDIBLE and self.score is not None and not self.score.detected
 
 
 def worksheet(
@@ -155,7 +171,8 @@ def worksheet(
     rows = []
     for cell in matrix:
         values: dict[str, SheetValue] = dict.fromkeys(column.key for column in COLUMNS)
-        values |= _of_study(cell, parameters[cell.parameter])
+        severity = matrix.severities.get(cell.name)
+        values |= _of_study(cell, parameters[cell.parameter]) | {"severity": severity.id if severity else None}
         score = known = None
         if cell.status is not CellStatus.NOT_MEANINGFUL:
             mutant = default_of(cell).id
@@ -166,7 +183,7 @@ def worksheet(
             values |= {"disposition": acceptance(known)} if known else {}
             if score:
                 values |= _of_flights(score, space, scored.lacking) | _of_find(score, finds, campaign, space.grid)
-        rows.append(SheetRow(cell, values, score, bounds[cell.name], known))
+        rows.append(SheetRow(cell, values, score, bounds[cell.name], known, severity))
     return tuple(rows)
 
 

@@ -56,7 +56,7 @@ _RESULTS = record(
 )
 WORKSHEET = Output(
     "worksheet",
-    "1.1",
+    "2.0",
     "the HAZOP worksheet with the findings",
     {
         "rows": listing(
@@ -107,7 +107,7 @@ def _row(row: SheetRow) -> dict[str, Any]:
         days = known.expires.isoformat()
         accepted = {"owner": known.owner, "reason": known.reason, "expires": days, "situations": list(known.situations)}
     return {
-        **cell_values(row.cell),
+        **cell_values(row.cell, row.severity),
         **{key: row.values[key] for key in ("node", "design_intent", "find", "flies_find")},
         "margins": list(row.margins),
         "results": None if row.score is None else _results(row, row.score),

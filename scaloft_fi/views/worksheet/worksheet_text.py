@@ -8,14 +8,17 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from scaloft_fi.hazop.cell import CellStatus
+from scaloft_fi.hazop.severity import worst_first
 from scaloft_fi.inert import line
 from scaloft_fi.views.tables.literal import latex, markdown
 from scaloft_fi.views.tables.table import Format, Table, csv_text, render
-from scaloft_fi.views.worksheet.worksheet import COLUMNS, FOUND, Column, SheetRow, SheetValue, population
+from scaloft_fi.views.worksheet.worksheet import COLUMNS, FOUND, SPARE, Column, SheetRow, SheetValue, population
 
 TITLE, LOG_TITLE = "HAZOP worksheet", "Deviations not credible"
 LOG_KEYS = ("cell", "parameter", "rationale")
-IN_TERMINAL = ("cell", "verdict", "operability", "kill_rate", "margin", "where", "disposition")
+IN_TERMINAL = ("cell", "severity", "verdict", "operability", "kill_rate", "margin", "where", "disposition")
+SURVIVORS_TITLE = "Survivors, worst class first"
+SURVIVORS_KEYS = ("cell", "effect", "severity", "verdict", "disposition")
 FINDS_TITLE, FINDS_KEYS = "Finds for survivors", ("cell", *FOUND)
 LATEX_NOTE = (
     "% needs longtable, booktabs, array, pdflscape\n"
@@ -36,9 +39,15 @@ def columns(keys: Sequence[str] = ()) -> list[Column]:
     return [column for column in COLUMNS if (column.key in keys if keys else column.short)]
 
 
+def survivors(rows: Sequence[SheetRow]) -> list[SheetRow]:
+    """The credible deviations flown and not detected, the worst class first; none where no cell has a class."""
+    classed = any(row.severity for row in rows)
+    return worst_first((row for row in rows if row.survives), lambda row: row.severity) if classed else []
+
+
 def filled(shown: Sequence[Column], rows: Sequence[SheetRow]) -> list[Column]:
-    """The columns without those of finds where no row has one."""
-    return [column for column in shown if column.key not in FOUND or any(row.values[column.key] for row in rows)]
+    """The columns without those that may be spared and have no value in any row."""
+    return [column for column in shown if column.key not in SPARE or any(row.values[column.key] for row in rows)]
 
 
 def value_text(value: SheetValue) -> str:
@@ -58,11 +67,14 @@ def to_text(rows: Sequence[SheetRow], *, width: int | None = None, marked: bool 
 
 
 def sheet_tables(rows: Sequence[SheetRow]) -> tuple[Table, ...]:
-    """The findings of each deviation, the finds where there are any, then the log."""
+    """The findings of each deviation, survivors by class and finds where there are any, then the log."""
     sheet, log = parts(rows)
-    found = [row for row in sheet if row.values["find"]]
+    found, alive = [row for row in sheet if row.values["find"]], survivors(rows)
     return (
-        _table(TITLE, columns(IN_TERMINAL), sheet, (population(rows), "Every column: --format csv or xlsx.")),
+        _table(
+            TITLE, filled(columns(IN_TERMINAL), sheet), sheet, (population(rows), "Every column: --format csv or xlsx.")
+        ),
+        *([_table(SURVIVORS_TITLE, columns(SURVIVORS_KEYS), alive)] if alive else []),
         *([_table(FINDS_TITLE, columns(FINDS_KEYS), found)] if found else []),
         _table(LOG_TITLE, columns(LOG_KEYS), log),
     )
@@ -76,11 +88,13 @@ def _table(title: str, shown: Sequence[Column], rows: Sequence[SheetRow], notes:
 def to_markdown(rows: Sequence[SheetRow]) -> str:
     """Markdown tables; every character of the study's is taken literally."""
     sheet, log = parts(rows)
+    alive = survivors(rows)
     return "\n".join(
         [
             f"### {TITLE}\n",
             *_piped(filled(columns(), sheet), sheet),
             f"\n{markdown(population(rows))}\n",
+            *([f"### {SURVIVORS_TITLE}\n", *_piped(columns(SURVIVORS_KEYS), alive), ""] if alive else []),
             f"### {LOG_TITLE}\n",
             *_piped(columns(LOG_KEYS), log),
             "",
@@ -95,11 +109,13 @@ def _piped(shown: Sequence[Column], rows: Sequence[SheetRow]) -> list[str]:
 
 
 def to_latex(rows: Sequence[SheetRow]) -> str:
-    """A fragment with two long tables on landscape pages, header rows repeated."""
+    """A fragment with long tables on landscape pages, header rows repeated."""
     sheet, log = parts(rows)
+    alive = survivors(rows)
     tables = [
         _longtable(TITLE, filled(columns(), sheet), sheet),
         latex(population(rows)),
+        *([_longtable(SURVIVORS_TITLE, columns(SURVIVORS_KEYS), alive)] if alive else []),
         _longtable(LOG_TITLE, columns(LOG_KEYS), log),
     ]
     return "\n".join(

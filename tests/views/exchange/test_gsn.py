@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import Any
 
 import yaml
-from builders import GRID, outcome, pool
+from builders import CLASSED, GRID, outcome, pool
 from dossiers import dossier, dossiers
 from hypothesis import given, settings
 
@@ -99,3 +100,13 @@ def test_without_a_pool_the_claim_is_undeveloped_and_has_no_percentage() -> None
     assert claim["undeveloped"]
     assert "%" not in claim["text"]
     assert "`scaloft-fi run` with the same mutants flies them" in claim["text"]
+
+
+def test_counter_goals_of_the_worst_class_stand_first_and_name_it() -> None:
+    here = "T0O0W0D0H1"
+    flights = [*pool(here), *(outcome(id_, here) for id_ in ("NO-human@100%", "LATE-human@3s", "MORE-goal@0.6m"))]
+    nodes = read(gsn(replace(dossier(flights), roster=CLASSED)))
+    found = [nodes[f"CG{number}"]["text"] for number in (1, 2, 3)]
+    assert [text.split(" ")[0] for text in found] == ["MORE-goal@0.6m", "NO-human@100%", "LATE-human@3s"]
+    assert "severity: injury, a person may be hurt" in found[0]
+    assert "severity" not in found[2]

@@ -1,6 +1,8 @@
 from __future__ import annotations
 
-from builders import outcome, pool
+from dataclasses import replace
+
+from builders import CLASSED, outcome, pool
 from dossiers import dossier
 
 from scaloft_fi.views.exchange.summary import summary
@@ -36,3 +38,14 @@ def test_without_a_pool_no_percentage_is_told_but_what_was_seen_and_what_to_call
     assert "No score: no situation in which a mutant changes a sample has 10 baseline flights" in page
     assert "1 of its 1 flights violate a safety requirement that the baseline beside them holds" in page
     assert "0 detected" not in page
+
+
+def test_survivors_of_the_worst_class_stand_first_with_their_class() -> None:
+    flights = [*pool(HERE), *(outcome(id_, HERE) for id_ in ("NO-human@100%", "LATE-human@3s", "MORE-goal@0.6m"))]
+    page = summary(replace(dossier(flights), roster=CLASSED))
+    rows = [line.split("|")[1:3] for line in page.splitlines() if "@" in line]
+    assert [[cell.strip() for cell in row] for row in rows] == [
+        ["MORE-goal@0.6m", "injury"],
+        ["NO-human@100%", "delay"],
+        ["LATE-human@3s", ""],
+    ]

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import pytest
-from builders import GRID, ROSTER, campaigns, outcome, pool, seeded, thrice
+from builders import CLASSED, GRID, ROSTER, campaigns, outcome, pool, seeded, thrice
 from finding import flies, found, known
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -13,12 +13,14 @@ from hypothesis import strategies as st
 from scaloft_fi.analysis.kills.background import Background, backgrounds
 from scaloft_fi.analysis.kills.kill_matrix import kill_matrix
 from scaloft_fi.analysis.plain import plain
+from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.track import TRACK_COLUMNS, pack_track
 from scaloft_fi.sim.found import Find
 from scaloft_fi.study import Study
+from scaloft_fi.views.kills.kill_tables import survivor_table
 from scaloft_fi.views.kills.survivors import Stage, Survivor, survivors
 from scaloft_fi.views.score.next_step import Next
 
@@ -50,8 +52,10 @@ def along(flight: Outcome, x_m: float) -> Outcome:
     return replace(flight, track=pack_track(signals))
 
 
-def survivors_of(flights: list[Outcome], backgrounds: Mapping[str, Background]) -> tuple[Survivor, ...]:
-    scored = score(flights, ROSTER, GRID)
+def survivors_of(
+    flights: list[Outcome], backgrounds: Mapping[str, Background], roster: Roster = ROSTER
+) -> tuple[Survivor, ...]:
+    scored = score(flights, roster, GRID)
     units = {"SR1": "m", "SR2": "share of the limit"}
     return survivors(flights, scored, kill_matrix(scored, ROSTER, GRID), backgrounds, units)
 
@@ -70,6 +74,15 @@ def test_a_detected_mutant_is_no_survivor_even_without_a_kill() -> None:
     keys = [key for key, _ in GRID.points[:8]]
     spread = [outcome(LATE, key, seed, violated={"SR2": 9.0} if seed == 1 else {}) for key in keys for seed in range(3)]
     assert survivors_of([*pool(*keys), *spread], {LATE: LATE_FAULT}) == ()
+
+
+def test_survivors_of_the_worst_class_stand_first_whatever_stage_they_reached() -> None:
+    known = dict.fromkeys((LATE, NO, GOAL), Background("other"))
+    flights = [*POOL, outcome(NO, HUMAN, altered=0), outcome(LATE, HUMAN, altered=0), *thrice(GOAL, HUMAN)]
+    assert [one.mutant for one in survivors_of(flights, known)] == [NO, LATE, GOAL]
+    found = survivors_of(flights, known, CLASSED)
+    assert [(one.mutant, one.severity) for one in found] == [(GOAL, "injury"), (NO, "delay"), (LATE, None)]
+    assert [row[:2] for row in survivor_table(found).rows] == [(GOAL, "injury"), (NO, "delay"), (LATE, "")]
 
 
 def test_a_mutant_of_which_no_flight_counts_is_to_be_flown_again() -> None:

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import pytest
-from builders import GRID, ROSTER, campaigns, outcome, pool, seeded
+from builders import CLASSED, GRID, ROSTER, campaigns, outcome, pool, seeded
 from click import unstyle
 from finding import flies, found, known
 from hypothesis import given, settings
@@ -162,6 +162,15 @@ def test_a_requirement_that_is_red_in_most_situations_is_named_with_what_to_do(n
     assert f"{name} is red in 2 of 3 situations" in line(2)
     assert f"Mend the drone or {name}; `scaloft-fi score --all` names the situations." in line(2)
     assert "Mend" not in line(1)
+
+
+def test_survivors_of_the_worst_class_stand_first_with_their_class() -> None:
+    flown = [*pool(*HUMAN), *(outcome(id_, key) for id_ in (NO, LATE, GOAL) for key in HUMAN)]
+    group = next(table for table in screen(flown, roster=CLASSED) if table.title.startswith("Not detected"))
+    assert [row[:2] for row in group.rows] == [(GOAL, "injury"), (NO, "delay"), (LATE, "")]
+    plain = next(table for table in screen(flown) if table.title.startswith("Not detected"))
+    assert [row[0] for row in plain.rows] == [NO, LATE, GOAL]
+    assert "severity" not in plain.headers
 
 
 def test_a_control_that_was_flown_once_says_what_it_violates() -> None:

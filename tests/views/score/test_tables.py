@@ -3,9 +3,10 @@ from __future__ import annotations
 import csv
 import io
 import json
+from dataclasses import replace
 
 import pytest
-from builders import GRID, ROSTER, campaigns, outcome, pool, seeded
+from builders import CLASSED, GRID, ROSTER, campaigns, outcome, pool, seeded
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -125,10 +126,28 @@ def test_the_score_by_situation_and_by_axis_is_of_kills() -> None:
     assert axis["H = nobody"] == (Ratio(0, 0), Ratio(0, 2))
 
 
-@given(st.one_of(campaigns(), seeded()), st.sampled_from([By.GUIDEWORD, By.PARAMETER]))
+def test_the_score_by_severity_has_the_worst_class_first_and_what_has_no_class_last() -> None:
+    found = groups(score(CAMPAIGN, CLASSED, GRID), By.SEVERITY, GRID)
+    assert [(group.name, group.tested) for group in found] == [
+        ("injury", Ratio(0, 1)),
+        ("delay", Ratio(1, 1)),
+        ("no class", Ratio(1, 1)),
+    ]
+
+
+@given(st.one_of(campaigns(), seeded()))
+@settings(deadline=None, max_examples=20)
+def test_severity_enters_no_ratio_and_no_verdict(outcomes: list[Outcome]) -> None:
+    plain, classed = score(outcomes, ROSTER, GRID), score(outcomes, CLASSED, GRID)
+    assert [replace(mutant, severity=None) for mutant in classed.mutants] == list(plain.mutants)
+    bare = {"mutants": (), "counted": (), "controls": (), "placebo": None}
+    assert replace(classed, **bare) == replace(plain, **bare)
+
+
+@given(st.one_of(campaigns(), seeded()), st.sampled_from([By.GUIDEWORD, By.PARAMETER, By.SEVERITY]))
 @settings(deadline=None)
 def test_the_parts_of_the_score_sum_to_the_score(outcomes: list[Outcome], by: By) -> None:
-    found = score(outcomes, ROSTER, GRID)
+    found = score(outcomes, CLASSED, GRID)
     listed = groups(found, by, GRID)
     assert sum(group.tested.part for group in listed) == found.mutation_score.part
     assert sum(group.tested.whole for group in listed) == found.tested.part

@@ -32,7 +32,7 @@ from scaloft_fi.views.tables.literal import FORMULA, latex, markdown
 from scaloft_fi.views.worksheet.spreadsheet import LONGEST, to_xlsx
 from scaloft_fi.views.worksheet.worksheet import COLUMNS, FINDINGS, TEAM, SheetRow, population, worksheet
 from scaloft_fi.views.worksheet.worksheet_record import worksheet_values
-from scaloft_fi.views.worksheet.worksheet_text import to_csv, to_latex, to_markdown, to_text
+from scaloft_fi.views.worksheet.worksheet_text import survivors, to_csv, to_latex, to_markdown, to_text
 
 MATRIX = load_matrix(Path(__file__).parents[3] / "hazop", REFERENCE.by_name).only(
     ["LATE", "NO", "EARLY", "REVERSE"], ["human", "collision"]
@@ -149,7 +149,7 @@ def test_a_survivor_with_a_find_names_it_and_the_command_that_flies_it_in_every_
     values = named(told, "NO-human").values
     assert (values["find"], values["flies_find"]) == (said, flies(survivor))
     assert named(told, "LATE-human").values["find"] is None, "it is detected"
-    (line_,) = [line for line in to_markdown(told).splitlines() if line.startswith("| NO-human ")]
+    line_, *_ = [line for line in to_markdown(told).splitlines() if line.startswith("| NO-human ")]
     assert markdown(said) in line_
     assert markdown(flies(survivor)) in line_
     assert latex(flies(survivor)) in to_latex(told)
@@ -289,3 +289,26 @@ def test_every_row_of_the_markdown_has_as_many_cells_as_its_header() -> None:
     for block in to_markdown(rows(FLOWN, with_text("a|b\\|c\nd"))).split("\n\n"):
         lines = [line for line in block.splitlines() if line.startswith("|")]
         assert len({len(re.findall(r"(?<!\\)(?:\\\\)*\|", line)) for line in lines}) <= 1
+
+
+def test_a_cell_with_a_class_has_it_in_every_format_and_survivors_stand_by_class() -> None:
+    early = MATRIX.cell("EARLY-human").default_id
+    silent = [outcome(id_, HUMAN, seed) for id_ in ("NO-human@100%", early) for seed in SEEDS]
+    found = rows([*FLOWN, *silent])
+    assert [(row.cell.name, row.values["severity"]) for row in survivors(found)] == [
+        ("NO-human", "injury"),
+        ("EARLY-human", "delay"),
+    ]
+    assert {row["severity"] for row in read_csv(found) if row["cell"] == "LATE-human"} == {"injury"}
+    assert {row["severity"] for row in worksheet_values(found)["rows"] if row["cell"] == "EARLY-human"} == {"delay"}
+    assert "| EARLY-human | " in to_markdown(found).partition("Survivors, worst class first")[2]
+    page = load_workbook(io.BytesIO(to_xlsx(found)))["Survivors, worst class first"]
+    assert [cell.value for cell in page["A"]][1:] == ["NO-human", "EARLY-human"]
+
+
+def test_a_study_without_classes_has_no_column_of_severity_on_a_page_and_no_list_of_survivors() -> None:
+    found = rows(FLOWN, with_text("plain"))
+    for text in (to_text(found), to_markdown(found), to_latex(found)):
+        assert "Severity" not in text
+        assert "worst class" not in text
+    assert {row["severity"] for row in read_csv(found)} == {""}

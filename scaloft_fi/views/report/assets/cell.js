@@ -11,6 +11,7 @@ function cellSheet(name) {
     cell.deviation && ["deviation", cell.deviation],
     cell.causes.length && ["causes", cell.causes.map((cause) => h("span", { class: "line" }, cause))],
     cell.effect && ["effect", cell.effect],
+    cell.severity && ["severity", `${cell.severity}: ${titleOf("severities", cell.severity)}`],
     cell.requirements.length && ["requirements", listed(cell.requirements)],
     cell.predicted && ["predicted", cell.predicted],
     cell.expected.length && ["known beforehand", cell.expected.join("; ")],

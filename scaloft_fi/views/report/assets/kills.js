@@ -3,9 +3,12 @@ const SORTS = {
   parameter: ["by parameter", null],
   rate: ["by situations with a kill", (a, b) => (share(b.kill_rate) ?? -1) - (share(a.kill_rate) ?? -1)],
   verdict: ["by verdict", (a, b) => DATA.verdicts.indexOf(a.verdict) - DATA.verdicts.indexOf(b.verdict)],
+  ...(DATA.severities.length ? { severity: ["by severity", (a, b) => grade(a) - grade(b)] } : {}),
   guideword: ["by guideword", (a, b) => place("guidewords", a.guideword) - place("guidewords", b.guideword)],
 };
 const place = (kind, id) => DATA[kind].findIndex((entry) => entry.id === id);
+/** The rank of its class, 0 the worst; what has no class stands last. */
+const grade = ({ severity }) => (severity ? place("severities", severity) : DATA.severities.length);
 
 function killMatrix() {
   const body = h("tbody");

@@ -42,7 +42,7 @@ function survivors() {
       const members = found.filter((entry) => entry.verdict === verdict);
       if (!members.length) return null;
       return h("details", { open: members.length <= 12, class: "fold" }, h("summary", {}, h("h3", { class: "inline" }, `${capital(spaced(verdict))} (${countText(members)})`), h("span", {}, ` ${VERDICTS[verdict][1]}`)),
-        table(["mutant", "stopped at", "next", "why", "accepted"], members.map((entry) => survivor(MUTANTS.get(entry.mutant), entry))));
+        table(["mutant", ...(DATA.severities.length ? ["severity"] : []), "stopped at", "next", "why", "accepted"], members.map((entry) => survivor(MUTANTS.get(entry.mutant), entry))));
     }),
     !found.length && h("p", {}, "Every mutant flown is detected."));
 }
@@ -60,10 +60,13 @@ function todo(entries) {
   return entries.length > 0 && h("p", {}, "What to change next: ", [...counts].sort((a, b) => b[1] - a[1]).map(([what, count], place) => [place ? ", " : "", h("b", {}, String(count)), ` ${what}`]), ".");
 }
 
+/** The class of severity; its title where it is pointed at. */
+const severityText = ({ severity }) => (severity ? h("span", { title: titleOf("severities", severity) }, severity) : "\u2013");
+
 /** A survivor's line: what it is, what to change, the facts that say so. */
 function survivor(mutant, told) {
   return [h("span", {}, h("a", { class: "id", href: mutantHash(mutant.id) }, mutant.id), h("span", { class: "faint small under" }, CELLS.get(mutant.cell)?.deviation ?? "")),
-    told.stage, h("b", {}, told.find ? h("a", { href: findHash(told.find) }, NEXT.find) : NEXT[told.next] ?? told.next), h("span", { class: "small" }, withCode(told.why)), acceptance(mutant.id) ?? h("span", { class: "faint", title: "The score does not count it against the tests." }, "\u2013")];
+    ...(DATA.severities.length ? [severityText(mutant)] : []), told.stage, h("b", {}, told.find ? h("a", { href: findHash(told.find) }, NEXT.find) : NEXT[told.next] ?? told.next), h("span", { class: "small" }, withCode(told.why)), acceptance(mutant.id) ?? h("span", { class: "faint", title: "The score does not count it against the tests." }, "\u2013")];
 }
 
 const NEXT = { repeat: "fly again", find: "situation (found)", pool: "baseline pool", seeds: "seeds", situation: "situation", magnitude: "magnitude", oracle: "requirement", operability: "nothing (operability shows it)", expected: "nothing (known beforehand)" };
