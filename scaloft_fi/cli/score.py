@@ -45,7 +45,13 @@ GROUPINGS = ("guideword", "parameter", "severity", "situation", "requirement", "
 )
 @study_option
 @campaign_option
-@click.option("--by", "grouping", type=click.Choice(GROUPINGS), help="The score part by part as well.")
+@click.option(
+    "--by",
+    "grouping",
+    type=click.Choice(GROUPINGS),
+    metavar="WHAT",
+    help=f"The score part by part as well, by {', '.join(GROUPINGS[:-1])} or {GROUPINGS[-1]}.",
+)
 @baseline_from_option
 @all_option
 @format_option

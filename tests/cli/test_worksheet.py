@@ -27,7 +27,7 @@ def flown(call: Call) -> Call:
 def test_the_terminal_sees_findings_the_log_and_no_line_beyond_120_columns(flown: Call) -> None:
     text = flown("worksheet").stdout
     assert "LATE-human" in text
-    assert "LATE-human detected not detected 1 of 1" in " ".join(text.split())
+    assert "LATE-human injury detected not detected 1 of 1" in " ".join(text.split())
     assert "Deviations not credible" in text
     assert max(map(len, text.splitlines())) <= 120
 
