@@ -20,7 +20,7 @@ const showsText = ({ shows }) => (shows.length ? `shows itself by ${shows.join("
 const verdictText = (mutant) => {
   const [safety, others] = [true, false].map((wanted) => mutant.by.filter((name) => SAFETY.includes(name) === wanted));
   const why = safety.length ? ` by ${listed(safety)}` : mutant.verdict === "not_tested" && stopped(mutant) !== "no_test" ? `, ${SIGNS[stopped(mutant)][0]}` : "";
-  return `${spaced(mutant.verdict)}${mutant.firm ? `, ${FIRMNESS[mutant.firm]}` : ""}${why}${others.length ? `; operability shows it, by ${listed(others)}` : ""}`;
+  return `${spaced(mutant.verdict)}${why}${mutant.firm ? `, ${FIRMNESS[mutant.firm]}` : ""}${others.length ? `; operability shows it, by ${listed(others)}` : ""}`;
 };
 /** How sure a detection is, in words. */
 const sureText = ({ certainty }) => (certainty ? `p at most ${DATA.certainty[certainty - 1].toLocaleString("en", { maximumFractionDigits: 12 })}` : "");
