@@ -149,6 +149,7 @@ def search(
         proposer=proposer,
         first=first,
         shrinks=False,
+        anyhow=True,
     )
     shows = {mutant: evidence for find in report.finds for mutant, evidence in find.shows.items()}
     sought = tuple(
@@ -179,4 +180,4 @@ def _search(row: Mapping[str, Any]) -> Search:
 
 
 def _sought(row: Mapping[str, Any]) -> Sought:
-    return Sought(**{**row, "evidence": Evidence(**row["evidence"]) if row["evidence"] else None})
+    return Sought(**{**row, "evidence": Evidence(**({"mission": 0} | row["evidence"])) if row["evidence"] else None})

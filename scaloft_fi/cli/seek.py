@@ -33,7 +33,7 @@ from scaloft_fi.defaults import SEARCHED
     ),
     sections={
         "Where": "--study --campaign --grid --into",
-        "How": "--budget --seed --jobs --same-platform",
+        "How": "--budget --seed --any --jobs --same-platform",
         "What is printed": "--format --tables --warnings --quiet --help",
     },
 )
@@ -68,6 +68,13 @@ from scaloft_fi.defaults import SEARCHED
     metavar="S",
     help="Seed of the search: the same seed and mutants make the same finds.",
 )
+@click.option(
+    "--any",
+    "anyhow",
+    is_flag=True,
+    help="Take situations too where the unmutated drone violates an operability requirement, or does not meet the "
+    "value of an axis; the find says so.",
+)
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
 @same_platform_option
 @format_option
@@ -82,6 +89,7 @@ def seek_command(
     into: str | None,
     budget: str | None,
     seed: int,
+    anyhow: bool,
     jobs: int | None,
     same_platform: bool,
     style: str,
@@ -94,6 +102,7 @@ def seek_command(
     Sought are the named mutants, else every cell's default that the score of --campaign does not call detected and no
     situation in the study's sim/found.yaml shows.
     PLACEBO stands for the unmutated drone under other seeds, which no search should find anything for.
+    A situation counts where the unmutated drone does its mission in nine of ten flights (--any lifts that).
     Robustness guides the search.  What it finds is shrunk towards the benign values, confirmed on seeds that the search
     never flew, by the score's own test, and written to sim/found.yaml, which `scaloft-fi run --grid NAME+found` flies
     (NAME: the study's own grid).  An interrupted search resumes with the same command.
@@ -111,6 +120,6 @@ def seek_command(
 
     options = RunOptions(jobs=jobs or cores(), warnings=warnings, same_platform=same_platform, command=typed())
     progress = Silence() if quiet else Progress()
-    search = Search(into or grid, options, seed, Allowance.parse(budget), progress)
+    search = Search(into or grid, options, seed, Allowance.parse(budget), progress, anyhow)
     study = study_to_search(study_folder, grid, search.into)
     answer(seek(study, campaign, mutants, search, named=study_folder), style, tables_folder)

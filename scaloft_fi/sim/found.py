@@ -27,6 +27,7 @@ class Evidence:
         struck: the body that the first violating flight strikes; empty for none.
         held: baselines that hold the requirement with a robustness above `spread`; baselines: with the seeds 0, 1, ...
         margin: robustness that nine in ten baselines reach; spread: standard deviation over the baselines.
+        mission: baselines that hold every operability requirement and meet the value of every axis.
     """
 
     requirement: str
@@ -40,6 +41,7 @@ class Evidence:
     baselines: int
     margin: float
     spread: float
+    mission: int
 
 
 @dataclass(frozen=True)
@@ -211,6 +213,7 @@ def _evidence(item: Item) -> Evidence:
         baselines=item.need("baselines").whole(least=1),
         margin=item.need("margin").number(),
         spread=item.need("spread").number(least=0.0),
+        mission=item.need("mission").whole(),
     )
     item.close()
     return evidence

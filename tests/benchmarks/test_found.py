@@ -52,8 +52,8 @@ def evidence(study: Study, violating: int) -> Evidence:
     flights = [flown(BASELINE, seed, violates=False) for seed in range(10)]
     flights += [flown(SHOWN, seed, violates=seed < violating) for seed in range(6)]
     sought = (
-        Sought(SHOWN, FIND.situation, 90, 1, Effort(24, 24, 24, 24, 3, -1.2, "SR2", FIND.situation)),
-        Sought(LEFT, "", 0, 0, Effort(24, 20, 0, 0, 0)),
+        Sought(SHOWN, FIND.situation, 90, 1, 0.005, Effort(24, 24, 24, 24, 3, -1.2, "SR2", FIND.situation)),
+        Sought(LEFT, "", 0, 0, 0.0, Effort(24, 20, 0, 0, 0)),
     )
     finds = read_finds(study.folder / "sim")
     assert finds is not None
@@ -81,7 +81,7 @@ def test_a_mutant_counts_where_its_find_detects_it_alone_when_it_is_flown_again(
     text = page(shown)
     total = len(study.roster.defaults)
     assert f"| **{total - 1}** | {total} | these, and each of the others by its find alone" in text
-    assert "0 of 1 were\nnot detected again; 1 of 1 violated as often" in text
+    assert "0 of 1 were not detected again; 1 violated as often" in text
 
 
 def test_a_find_that_does_not_detect_its_mutant_again_does_not_count(study):
@@ -90,7 +90,7 @@ def test_a_find_that_does_not_detect_its_mutant_again_does_not_count(study):
     text = page(failed)
     total = len(study.roster.defaults)
     assert f"| **{total - 2}** | {total} |" in text
-    assert "1 of 1 were\nnot detected again; 0 of 1 violated as often" in text
+    assert "1 of 1 were not detected again; 0 violated as often" in text
 
 
 def test_flights_of_other_situations_and_of_further_seeds_do_not_count(study):
@@ -111,7 +111,7 @@ def test_the_page_says_of_each_mutant_without_a_find_at_which_stage_its_fault_st
 
 
 def test_the_page_counts_false_searches_that_found_anything(study):
-    sought = asdict(Sought("PLACEBO", "", 0, 1, Effort(200, 200, 0, 0, 2)))
+    sought = asdict(Sought("PLACEBO", "", 0, 1, 0.005, Effort(200, 200, 0, 0, 2)))
     runs = [
         {"seed": seed, "used": 400, "finds": [{"name": "x"}] * (seed == 3), "sought": [sought]} for seed in (1, 2, 3)
     ]

@@ -12,7 +12,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.sim.found import Evidence, Find, Finds, read_finds
 from scaloft_fi.sim.grids import grid_names, load_grid
 
-SHOWN = Evidence("SR2", 1, 0.00025, 0.005, 6, 6, "person", 10, 10, 0.071, 0.02)
+SHOWN = Evidence("SR2", 1, 0.00025, 0.005, 6, 6, "person", 10, 10, 0.071, 0.02, 10)
 FIND = Find("shows-A@1", "T0O0W0D0H2Cs=0.8", ("human walks", "cruise speed 0.8 m/s"), "A@1", {"A@1": SHOWN}, 0)
 BLIND = replace(
     BAR, name="breaks-SR2-nothing-home_to_corner-near_home-no_belief", struck="", belief="", error=0.0, unit=""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from finding import SMALL, small_study
 
 from scaloft_fi.campaign.runs.choice import choose
 from scaloft_fi.errors import InputError
@@ -29,11 +30,39 @@ def test_a_free_axis_at_its_benign_value_is_left_out_and_changes_nothing(searche
     assert searched.grid.at({"T": 0, "O": 0, "W": 0, "D": 0, "H": 1}, {"Cs": 0.5}).key == "T0O0W0D0H1"
 
 
-def test_an_optional_body_has_a_signal_only_where_it_stands(searched):
-    without, with_ = (searched.grid.situation(key) for key in ("T0O0W0D0H0", "T0O0W0D0H0Be=0.8"))
+BELT = """
+  Be:
+    title: belt conveyor of height
+    category: environment, static obstacle
+    set: bodies.belt.size_m.2
+    from: 0.4
+    to: 1.2
+    unit: m
+    distribution: uniform
+    benign: 0.9
+    also: {bodies.belt.present: true}
+adds:
+  world:
+    bodies:
+      belt:
+        role: structure
+        shape: box
+        size_m: [0.7, 5.0, 0.9]
+        position: [0.15, 4.0]
+        reflectivity: 0.3
+        present: false
+        optional: true
+"""
+
+
+def test_an_optional_body_has_a_signal_only_where_it_stands(tmp_path):
+    own = small_study(tmp_path)
+    (tmp_path / "sim" / "grids" / "belt.yaml").write_text(SMALL + BELT, encoding="utf-8")
+    searched = Study.open(tmp_path, "belt")
+    without, with_ = (searched.grid.situation(key) for key in ("T0D0H0", "T0D0H0Be=0.8"))
     assert "belt" not in searched.scenario(without).world.surfaces
     assert searched.scenario(with_).world.surfaces[-1] == "belt"
-    assert searched.signals == Study.open(ROOT).signals
+    assert searched.signals == own.signals
     assert "clearance_belt_m" in searched.grid.passing_signals
 
 

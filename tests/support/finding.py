@@ -99,7 +99,7 @@ class Ruled:
 
 def found(mutant: str, situation: str = "T0O0W0D0H2Cs=0.8", *, others: tuple[str, ...] = (), struck: str = "") -> Find:
     """A find as `seek` writes it: six of six flights violate SR2."""
-    evidence = Evidence("SR2", 1, 0.00025, 0.005, 6, 6, struck, 10, 10, 0.071, 0.02)
+    evidence = Evidence("SR2", 1, 0.00025, 0.005, 6, 6, struck, 10, 10, 0.071, 0.02, 10)
     shows = dict.fromkeys((mutant, *others), evidence)
     return Find(f"shows-{mutant}", situation, ("human walks", "cruise speed 0.8 m/s"), mutant, shows, 0)
 

@@ -14,11 +14,26 @@ WORST = 1.5
 """Distance of a situation that says nothing: the fault changes no sample, or no requirement is put to the test."""
 BEYOND = 2.5
 """Distance of a situation whose baseline violates by far; no distance is greater."""
+UNFIT = 2.0
+"""Distance of a situation where the unmutated drone does not do its mission."""
 REJECTED = 0.5
 """Distance of a situation that shows something with the first seed only, or that fresh seeds do not confirm."""
 
 
-def distance(mutant: Outcome | None, baseline: Outcome | None) -> float:
+def misses(baseline: Outcome) -> tuple[str, ...]:
+    """What of its mission the unmutated drone does not do: operability requirements, and axes whose value is not met.
+
+    A flight cut short before a requirement is judged does not hold it.
+    """
+    names = (
+        f"requirement {one.requirement}"
+        for one in baseline.readings
+        if one.kind is Kind.OPERABILITY and (one.violated or one.open)
+    )
+    return (*names, *(f"axis {axis}" for axis, met in baseline.realised if not met))
+
+
+def distance(mutant: Outcome | None, baseline: Outcome | None, *, anyhow: bool = False) -> float:
     """How far a situation is from showing a fault; below 0 it shows the fault with this seed.
 
     Per safety requirement the share of the baseline's robustness that the mutant keeps: 1 where the fault does nothing,
@@ -29,8 +44,10 @@ def distance(mutant: Outcome | None, baseline: Outcome | None) -> float:
     Args:
         mutant: outcome of the mutant; None without one.
         baseline: outcome of the baseline of the same situation and seed; None without one.
+        anyhow: whether a situation counts where the baseline does not do its mission.
     """
-    return min((far for _, far in _distances(mutant, baseline)), default=WORST)
+    far = min((far for _, far in _distances(mutant, baseline)), default=WORST)
+    return far if anyhow or _fits(baseline) else max(UNFIT, far)
 
 
 def nearest(mutant: Outcome, baseline: Outcome) -> tuple[float, str]:
@@ -54,14 +71,19 @@ def breaking(baseline: Outcome | None, requirement: str) -> float:
     return WORST if rho is None else max(-WORST, min(WORST, rho))
 
 
-def shown_by(mutant: Outcome | None, baseline: Outcome | None) -> tuple[str, ...]:
+def shown_by(mutant: Outcome | None, baseline: Outcome | None, *, anyhow: bool = False) -> tuple[str, ...]:
     """The safety requirements by which the situation shows the fault with this seed."""
-    return tuple(name for name, far in _distances(mutant, baseline) if far < 0.0)
+    counts = anyhow or _fits(baseline)
+    return tuple(name for name, far in _distances(mutant, baseline) if counts and far < 0.0)
 
 
-def is_of_use(baseline: Outcome | None) -> bool:
-    """Whether the baseline holds a requirement with room; else no mutant need be flown beside it."""
-    return any(far <= WORST for _, far in _distances(None, baseline))
+def is_of_use(baseline: Outcome | None, *, anyhow: bool = False) -> bool:
+    """Whether the baseline does its mission and holds a requirement with room; else no mutant need fly beside it."""
+    return (anyhow or _fits(baseline)) and any(far <= WORST for _, far in _distances(None, baseline))
+
+
+def _fits(baseline: Outcome | None) -> bool:
+    return baseline is None or not misses(baseline)
 
 
 def _distances(mutant: Outcome | None, baseline: Outcome | None) -> Iterator[tuple[str, float]]:

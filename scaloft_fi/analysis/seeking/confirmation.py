@@ -12,7 +12,7 @@ flight does not violate.
 deviation of the robustness over the baselines.
 
 **The unmutated drone does its mission there.**  At least nine of ten baselines must hold each operability requirement,
-and the value of each axis must come true in nine of ten.
+and the value of each axis must come true in nine of ten, unless the search was told to take any situation.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from statistics import stdev
 
 from scaloft_fi.analysis.scoring.detection import Sample, Spending, detect
 from scaloft_fi.analysis.scoring.pool import LEAST, Pool
+from scaloft_fi.analysis.seeking.aim import misses
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.sim.found import Evidence
@@ -83,20 +84,10 @@ def safely_held(pool: Pool, situation: str, names: Iterable[str], baselines: Seq
 
 
 def does_mission(baselines: Sequence[Outcome]) -> bool:
-    """Whether nine of ten baselines hold each operability requirement, and meet the value of each axis.
-
-    A flight cut short before a requirement is judged does not hold it.
-    """
+    """Whether nine of ten baselines hold each operability requirement, and meet the value of each axis."""
     counted = [baseline for baseline in baselines if not baseline.invalid]
-    missed: Counter[str] = Counter()
-    for baseline in counted:
-        missed.update(
-            f"requirement {one.requirement}"
-            for one in baseline.readings
-            if one.kind is Kind.OPERABILITY and (one.violated or one.open)
-        )
-        missed.update(f"axis {axis}" for axis, met in baseline.realised if not met)
-    return all(len(counted) - misses >= HOLD * len(counted) for misses in missed.values())
+    missed = Counter(name for baseline in counted for name in misses(baseline))
+    return all(len(counted) - times >= HOLD * len(counted) for times in missed.values())
 
 
 def seeds_for(pool: Pool, situation: str, names: Sequence[str], alpha: float) -> int | None:
@@ -149,4 +140,5 @@ def confirmed(
         baselines=safely.of,
         margin=safely.margin,
         spread=safely.spread,
+        mission=sum(not misses(baseline) for baseline in held),
     )

@@ -14,8 +14,8 @@ class Effort:
     """What the flights with the first seed of a search say of a mutant.
 
     Attributes:
-        situations: in which it was flown, tries of shrinking included, where the baseline holds a safety requirement
-            with room.
+        situations: in which it was flown, tries of shrinking included, where the baseline does its mission and holds a
+            safety requirement with room.
         reached: those in which its seam carried a sample.
         infected: those in which it changed one.
         diverged: those in which the drone then flew otherwise than the baseline.
@@ -34,17 +34,20 @@ class Effort:
     situation: str = ""
 
 
-def effort_of(flights: Iterable[Outcome], baselines: Mapping[str, Outcome]) -> Effort:
+def effort_of(flights: Iterable[Outcome], baselines: Mapping[str, Outcome], *, anyhow: bool = False) -> Effort:
     """The effort for a mutant.
 
     Args:
         flights: of the mutant, with the first seed of the search.
         baselines: with that seed, by situation.
+        anyhow: whether situations count where the baseline does not do its mission.
     """
     pairs = [
         (one, baseline)
         for one in flights
-        if not one.invalid and is_of_use(baseline := baselines.get(one.situation)) and baseline is not None
+        if not one.invalid
+        and is_of_use(baseline := baselines.get(one.situation), anyhow=anyhow)
+        and baseline is not None
     ]
     far = [(*nearest(one, baseline), one.situation) for one, baseline in pairs]
     least = min((each for each in far if each[1]), default=(WORST, "", ""))

@@ -45,6 +45,7 @@ class Search:
         seed: its seed.
         allowance: its budget.
         progress: its progress display.
+        anyhow: whether a situation counts where the unmutated drone does not do its mission.
     """
 
     into: str
@@ -52,6 +53,7 @@ class Search:
     seed: int
     allowance: Allowance
     progress: Progress
+    anyhow: bool = False
 
 
 def study_to_search(folder: Path | None, grid: str, into: str) -> Study:
@@ -117,6 +119,7 @@ def _shows(study: Study, campaign: str, mutants: Sequence[str], search: Search) 
         progress=search.progress,
         save=saver(folder, study.grid.name),
         unnamed=unnamed,
+        anyhow=search.anyhow,
     )
     return Answer(SEEK, lambda: seek_values(report), lambda: seek_tables(report, own_name(folder)))
 

@@ -103,6 +103,7 @@ def _evidence() -> Schema:
             "baselines": whole("baselines, with the seeds 0, 1, ...", least=1),
             "margin": number("robustness that nine in ten baselines reach"),
             "spread": number("standard deviation of the robustness over the baselines", least=0),
+            "mission": whole("baselines that hold every operability requirement and meet the value of every axis"),
         },
         {"struck": text(told["struck"], "wall")},
     )

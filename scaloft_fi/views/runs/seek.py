@@ -17,18 +17,20 @@ def seek_tables(report: SeekReport, own: str) -> tuple[Table, Table]:
             f"{evidence.p:.2g}",
             f"{evidence.held}/{evidence.baselines}",
             f"{evidence.margin:.2g}",
+            f"{evidence.mission}/{evidence.baselines}",
             len(find.shows) - 1,
             find.name,
         )
         for find in report.finds
         for mutant, evidence in find.shows.items()
     )
-    headers = ("mutant", "violates", "flights", "p", "baseline", "margin", "others", "find")
+    headers = ("mutant", "violates", "flights", "p", "baseline", "margin", "mission", "others", "find")
     notes = (
         *(f"{find.name}: {find.situation}: {words(find)}." for find in report.finds),
         "Confirmed on seeds that the search never flew.  others: more sought mutants that the situation shows.",
-        "p: at most alpha / 2, / 4, ... for the first, second, ... candidate of a mutant.",
+        spending(report),
         "baseline: flights that hold the requirement by more than their spread; margin: what nine in ten reach.",
+        "mission: baselines that hold every operability requirement and meet the value of every axis.",
         f"`scaloft-fi run --grid {own}+found` flies the situations.",
     )
     left = [one for one in report.sought if not one.shown_in]
@@ -42,10 +44,26 @@ def seek_tables(report: SeekReport, own: str) -> tuple[Table, Table]:
             ("mutant", "situations", "why"),
             lacking,
             (
-                "situations: flown with one seed, where the unmutated drone holds a safety requirement with room.",
+                "situations: flown with one seed, where the unmutated drone holds a safety requirement with room"
+                + ("." if report.anyhow else " and does its mission."),
                 f"{report.used} flights in all, {report.flown} of them flown now; {ended}.",
             ),
         ),
+    )
+
+
+def spending(report: SeekReport) -> str:
+    """How many candidates a search tested, and what they spent of alpha."""
+    tested = [one for one in report.sought if one.candidates]
+    if not tested:
+        return f"Tested on fresh seeds: no candidate; nothing of alpha={report.alpha:g} is spent."
+    candidates = sum(one.candidates for one in tested)
+    shares = sum(one.spent for one in tested)
+    most = max(one.spent for one in tested)
+    return (
+        f"Tested on fresh seeds: {candidates} candidate{'s' * (candidates > 1)} of {len(tested)} "
+        f"mutant{'s' * (len(tested) > 1)}, at alpha / 2, / 4, ... for the first, second, ... of a mutant: at most "
+        f"{most:.2g} of alpha={report.alpha:g} for one mutant, {shares:.2g} summed over all."
     )
 
 

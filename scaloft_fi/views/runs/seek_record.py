@@ -19,7 +19,7 @@ _NAMED = {
 _ROBUST = "in the requirement's unit"
 SEEK = Output(
     "seek",
-    "1.0",
+    "1.1",
     "the situations that a search found: those that show mutants, or those that break the unmutated drone",
     {
         "finds": listing(
@@ -47,6 +47,9 @@ SEEK = Output(
                                 "baselines": count("baselines"),
                                 "margin": number(f"robustness that nine in ten baselines reach, {_ROBUST}"),
                                 "spread": number(f"standard deviation of robustness over the baselines, {_ROBUST}"),
+                                "mission": count(
+                                    "baselines that hold every operability requirement and meet every axis value"
+                                ),
                             },
                         ),
                     ),
@@ -62,10 +65,11 @@ SEEK = Output(
                     "shown_in": text("key of the situation that shows it; empty where none was found"),
                     "after": count("flights of the search when it was found; 0 where it was not"),
                     "candidates": count("situations that were tested on fresh seeds"),
+                    "spent": number("what they spent of alpha (0..1)"),
                     "effort": record(
                         "how far the search came, in flights with its first seed",
                         {
-                            "situations": count("flown, where the baseline holds a safety requirement with room"),
+                            "situations": count("flown, where the baseline does its mission and holds with room"),
                             "reached": count("of these, where the seam carried a sample"),
                             "infected": count("of these, where the mutant changed one"),
                             "diverged": count("of these, where the drone then flew otherwise than the baseline"),
@@ -114,6 +118,8 @@ SEEK = Output(
         "used": count("flights of the search, stored ones included"),
         "flown": count("flights that this run flew"),
         "spent": flag("whether the budget ended the search"),
+        "alpha": optional(number("the study's, which the candidates of a mutant share"), "of `seek baseline`"),
+        "anyhow": flag("whether situations counted where the unmutated drone does not do its mission"),
     },
     rows="finds",
 )
@@ -127,7 +133,8 @@ def seek_values(report: SeekReport) -> dict[str, Any]:
 
 def breaks_values(report: BreaksReport) -> dict[str, Any]:
     """Plain JSON values of the form `SEEK` for `seek baseline`."""
-    return by_field(report) | {"finds": [], "sought": [], "breaks": [_break(one) for one in report.breaks]}
+    none = {"alpha": None, "anyhow": True}
+    return by_field(report) | none | {"finds": [], "sought": [], "breaks": [_break(one) for one in report.breaks]}
 
 
 def _find(find: Find) -> dict[str, Any]:

@@ -42,7 +42,26 @@ def test_numbers_of_an_axis_go_with_the_value_that_they_need():
 
 def test_numbers_are_halved_towards_the_benign_value_while_the_fault_shows():
     found, _ = shrink("T0O0W0D0H0Cs=1.2", lambda one: dict(one.numbers).get("Cs", 0.5) >= 0.65)
-    assert found == "T0O0W0D0H0Cs=0.68"
+    assert found == "T0O0W0D0H0Cs=0.7"  # by halves to 0.68, rounded to one digit, away from the benign 0.5
+
+
+def test_a_number_that_stays_is_rounded_where_the_fault_still_shows():
+    found, _ = shrink("T0O0W0D0H0Cs=0.66", lambda one: 0.6 < dict(one.numbers).get("Cs", 0.5) < 0.67)
+    assert found == "T0O0W0D0H0Cs=0.66"
+
+
+def test_shrinking_ends_by_trying_each_axis_at_its_benign_value():
+    """Ry may go only once Cs has gone down: the rounds before the halving have tried it in vain."""
+
+    def rule(one):
+        numbers = dict(one.numbers)
+        return numbers.get("Cs", 0.5) <= 0.9 or "Ry" in numbers
+
+    def needs_speed(one):
+        return rule(one) and dict(one.numbers).get("Cs", 0.5) >= 0.7
+
+    found, _ = shrink("T0O0W0D0H0Cs=1.2Ry=0.002", needs_speed)
+    assert "Ry" not in found
 
 
 @pytest.mark.parametrize("key", ["T0O0W0D0H0", "T0O0W0D0H1"])

@@ -40,7 +40,7 @@ LATE, LESS = "LATE-human@3s", "LESS-human@0.8"
 SMALL_BUDGET = 60
 BLOCKS = read_blocks()
 SIZES = [len(block) for block in BLOCKS]
-EVIDENCE = Shown("SR1", 1, 0.001, 0.005, 4, 4, "wall", 10, 10, 0.2, 0.01)
+EVIDENCE = Shown("SR1", 1, 0.001, 0.005, 4, 4, "wall", 10, 10, 0.2, 0.01, 10)
 
 
 @pytest.fixture(scope="module")

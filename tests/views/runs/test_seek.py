@@ -26,7 +26,7 @@ NEAR = Effort(5, 4, 3, 2, 0, 0.83, "SR1", "T1O0W0D0H1")
     ],
 )
 def test_a_mutant_without_a_find_says_where_it_stopped(effort: Effort, candidates: int, why: str):
-    sought = Sought("LATE-depth@0.4s", "", 0, candidates, effort)
+    sought = Sought("LATE-depth@0.4s", "", 0, candidates, 0.005 * candidates, effort)
     assert why_not(sought) == why
-    _, lacking = seek_tables(SeekReport((), (sought,), 9, 9, spent=True), "paper")
+    _, lacking = seek_tables(SeekReport((), (sought,), 9, 9, spent=True, alpha=0.01, anyhow=False), "paper")
     assert lacking.rows == (("LATE-depth@0.4s", effort.situations, why),)

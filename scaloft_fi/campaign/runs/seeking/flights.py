@@ -14,6 +14,7 @@ from scaloft_fi.campaign.plan.batch import Batch
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.runs.budget import Budget, budget_s
 from scaloft_fi.campaign.runs.campaign import Campaign
+from scaloft_fi.campaign.runs.seeking.sought import Candidates
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
@@ -82,13 +83,16 @@ class SearchFlights:
     Args:
         campaign: the open campaign.
         allowance: the budget.
+        anyhow: whether a situation counts where the unmutated drone does not do its mission.
 
     Attributes:
         used: number of different flights that the search asked for, stored ones and unstored ones included.
+        anyhow: as the argument.
     """
 
-    def __init__(self, campaign: Campaign, allowance: Allowance) -> None:
-        self._campaign, self._allowance = campaign, allowance
+    def __init__(self, campaign: Campaign, allowance: Allowance, *, anyhow: bool = False) -> None:
+        self._campaign, self._allowance, self.anyhow = campaign, allowance, anyhow
+        self._candidates = Candidates(campaign.store)
         self._budget = Budget(allowance.seconds)
         self._known: dict[str, Outcome | None] = {}
         self._unstored = 0
@@ -161,18 +165,27 @@ class SearchFlights:
         baselines = [Flight(None, situation, seed) for situation in situations for seed in seeds]
         if len(mutants) > TOGETHER:
             self.fly(baselines)
-        of_use = [one for one in baselines if one.name not in self._known or is_of_use(self.outcome(one))]
+        of_use = [one for one in baselines if one.name not in self._known or self._is_of_use(one)]
         theirs = (Flight(mutant, one.situation, one.seed) for one in of_use for mutant in mutants)
         self.fly([*baselines, *theirs])
 
     def distance(self, mutant: Mutant, situation: Situation) -> float:
         """How far a situation is from showing a mutant, with the first seed of the search."""
-        return distance(*self._pair(mutant, situation, SEEN_ON[0]))
+        return distance(*self._pair(mutant, situation, SEEN_ON[0]), anyhow=self.anyhow)
 
     def shown_by(self, mutant: Mutant, situation: Situation) -> tuple[str, ...]:
         """The requirements by which a situation shows a mutant with every seed of the search."""
-        first, *others = (shown_by(*self._pair(mutant, situation, seed)) for seed in SEEN_ON)
+        pairs = (self._pair(mutant, situation, seed) for seed in SEEN_ON)
+        first, *others = (shown_by(*pair, anyhow=self.anyhow) for pair in pairs)
         return tuple(name for name in first if all(name in names for names in others))
+
+    def candidate(self, mutant: Mutant, situation: Situation) -> int:
+        """Which candidate of the mutant a situation is, from 1, over all searches of the campaign.
+
+        Raises:
+            InputError: the store cannot be written.
+        """
+        return self._candidates.number(mutant.id, situation.key)
 
     def efforts(self) -> dict[str, Effort]:
         """How far the search came with each mutant, by id; without mutants that were not flown."""
@@ -181,7 +194,12 @@ class SearchFlights:
             if outcome is not None and outcome.seed == SEEN_ON[0]:
                 by_subject.setdefault(outcome.mutant, {})[outcome.situation] = outcome
         baselines = by_subject.pop(BASELINE, {})
-        return {mutant: effort_of(flights.values(), baselines) for mutant, flights in by_subject.items()}
+        return {
+            mutant: effort_of(flights.values(), baselines, anyhow=self.anyhow) for mutant, flights in by_subject.items()
+        }
+
+    def _is_of_use(self, baseline: Flight) -> bool:
+        return is_of_use(self.outcome(baseline), anyhow=self.anyhow)
 
     def _pair(self, mutant: Mutant, situation: Situation, seed: int) -> tuple[Outcome | None, Outcome | None]:
         return self.outcome(Flight(mutant, situation, seed)), self.outcome(Flight(None, situation, seed))

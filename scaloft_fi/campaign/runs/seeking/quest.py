@@ -31,6 +31,7 @@ class Quest:
         proposals: what is proposed for it.
         shrinks: whether a situation is shrunk before it is confirmed.
         candidates: situations that spent a share of alpha, whether or not their pool was fit for the test.
+        spent: what they spent of alpha.
         shown_in: the situation that shows it; None before it is found.
         after: flights of the search when it was found.
         rejected: situations that are not tested again.
@@ -40,6 +41,7 @@ class Quest:
     proposals: Proposer
     shrinks: bool = True
     candidates: int = 0
+    spent: float = 0.0
     shown_in: Situation | None = None
     after: int = 0
     rejected: set[Situation] = field(default_factory=set)
@@ -87,10 +89,12 @@ class Quest:
         if not names or situation in self.rejected:
             return None
         self.rejected.add(situation)
+        number = flights.candidate(self.mutant, situation)
+        share = share_of(alpha, number)
         self.candidates += 1
-        share = share_of(alpha, self.candidates)
+        self.spent += share
         baselines = _flown(None, situation, LEAST, flights)
-        if not does_mission(baselines):
+        if not (flights.anyhow or does_mission(baselines)):
             return None
         pool = Pool.of(baselines)
         steady = safely_held(pool, situation.key, names, baselines)
@@ -99,7 +103,7 @@ class Quest:
             return None
         if seeds > LEAST:
             baselines = _flown(None, situation, seeds, flights)
-        evidence = confirmed(_flown(self.mutant, situation, seeds, flights), baselines, steady, self.candidates, share)
+        evidence = confirmed(_flown(self.mutant, situation, seeds, flights), baselines, steady, number, share)
         if evidence is not None:
             self.shown_in, self.after = situation, flights.used
         return evidence

@@ -57,7 +57,7 @@ class Sought:
         mutant: its id.
         shown_in: key of the situation that shows it; empty where none was found.
         after: flights of the search, stored ones included, when it was found; 0 where it was not.
-        candidates: situations that were tested on fresh seeds.
+        candidates: situations that were tested on fresh seeds; spent: what they spent of alpha.
         effort: how far the search came with it.
     """
 
@@ -65,6 +65,7 @@ class Sought:
     shown_in: str
     after: int
     candidates: int
+    spent: float
     effort: Effort
 
 
@@ -77,6 +78,8 @@ class SeekReport:
         sought: one entry for each mutant, in the order of the search.
         used: flights of the search, stored ones included; flown: flights that this run flew.
         spent: whether the budget ended the search.
+        alpha: the study's, which the candidates of each mutant share.
+        anyhow: whether situations counted where the unmutated drone does not do its mission.
     """
 
     finds: tuple[Find, ...]
@@ -84,6 +87,8 @@ class SeekReport:
     used: int
     flown: int
     spent: bool
+    alpha: float
+    anyhow: bool
 
 
 def seek(
@@ -101,6 +106,7 @@ def seek(
     proposer: MakeProposer = Proposals,
     first: Opening = opening,
     shrinks: bool = True,
+    anyhow: bool = False,
 ) -> SeekReport:
     """Search for a situation for each mutant.
 
@@ -118,6 +124,7 @@ def seek(
         proposer: makes what proposes the situations for a mutant.
         first: makes the situations that are flown for every mutant first.
         shrinks: whether a situation is shrunk before it is confirmed.
+        anyhow: whether a situation counts where the unmutated drone does not do its mission, or misses its values.
 
     Raises:
         InputError: Optuna is missing, the folder or the store cannot be written, or the study cannot be flown.
@@ -130,7 +137,7 @@ def seek(
     with opened(
         study, folder, options or RunOptions(), progress=progress, flyer=flyer, first=flown_first[:1]
     ) as campaign:
-        search = _Search(campaign, study, quests, seed, SearchFlights(campaign, allowance), save)
+        search = _Search(campaign, study, quests, seed, SearchFlights(campaign, allowance, anyhow=anyhow), save)
         spent = False
         if unnamed is not None:
             unnamed.begin(campaign.store)
@@ -144,7 +151,8 @@ def seek(
             write_log(study, folder, current_in(study, campaign.store))
         if unnamed is not None:
             unnamed.end(campaign.store)
-        return SeekReport(tuple(search.finds), search.sought(), search.flights.used, campaign.flown, spent)
+        used, finds = search.flights.used, tuple(search.finds)
+        return SeekReport(finds, search.sought(), used, campaign.flown, spent, study.alpha, anyhow)
 
 
 class _Search:
@@ -274,6 +282,7 @@ class _Search:
                 quest.shown_in.key if quest.shown_in is not None else "",
                 quest.after,
                 quest.candidates,
+                quest.spent,
                 efforts.get(quest.mutant.id, Effort()),
             )
             for quest in self._quests

@@ -1,7 +1,9 @@
-"""What a search seeks when nobody names mutants, remembered in the store until it ends.
+"""What searches remember in the store: what one seeks when nobody names mutants, and the candidates of all.
 
 An interrupted search has written finds already.  If it left out the mutants that these show when it goes on, it would
 not find what it would have found without the interruption.
+
+The candidates of a mutant are numbered over all searches of a campaign: another seed is no new share of alpha.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ from typing import Any
 from scaloft_fi.campaign.store.folder import STORE_NAME
 from scaloft_fi.campaign.store.store import EmptyError, Store
 
-BEGUN, ENDED = "seek begun", "seek ended"
+BEGUN, ENDED, CANDIDATE = "seek begun", "seek ended", "seek candidate"
 """Prefixes of the names of the notes."""
 
 
@@ -83,6 +85,36 @@ def _notes(folder: Path) -> tuple[list[Unnamed], set[int]]:
     except EmptyError:
         return [], set()
     return sorted(begun, key=lambda one: one.number), ended
+
+
+class Candidates:
+    """The candidates of all searches of a campaign.
+
+    Args:
+        store: of the campaign.
+
+    Raises:
+        InputError: the store cannot be read.
+    """
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        known = store.records(CANDIDATE, lambda one: (str(one["mutant"]), str(one["situation"]), int(one["number"])))
+        self._numbers = {(mutant, situation): number for mutant, situation, number in known}
+
+    def number(self, mutant: str, situation: str) -> int:
+        """Which candidate of the mutant a situation is, from 1; a new one is remembered.
+
+        Raises:
+            InputError: the store cannot be written.
+        """
+        place = mutant, situation
+        if place not in self._numbers:
+            number = 1 + max((one for (other, _), one in self._numbers.items() if other == mutant), default=0)
+            self._numbers[place] = number
+            note = {"mutant": mutant, "situation": situation, "number": number}
+            self._store.set_notes({f"{CANDIDATE} {mutant} {situation}": json.dumps(note)})
+        return self._numbers[place]
 
 
 def _read(content: Any) -> Unnamed:
