@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import click
+from click.core import ParameterSource
 
 from scaloft_fi.cli import names
 from scaloft_fi.cli.answer import answer, tables_option
@@ -19,6 +20,7 @@ from scaloft_fi.cli.options import (
 )
 from scaloft_fi.cli.verb import verb
 from scaloft_fi.defaults import SEARCHED
+from scaloft_fi.errors import InputError
 
 
 @verb(
@@ -30,10 +32,11 @@ from scaloft_fi.defaults import SEARCHED
             "scaloft-fi seek LESS-depth --budget 2000flights",
         ),
         ("Seek situations that break the unmutated drone", "scaloft-fi seek baseline --budget 30m"),
+        ("Fly what was found on seeds that nothing before used", "scaloft-fi seek --replicate"),
     ),
     sections={
         "Where": "--study --campaign --grid --into",
-        "How": "--budget --seed --any --jobs --same-platform",
+        "How": "--replicate --budget --seed --any --jobs --same-platform",
         "What is printed": "--format --tables --warnings --quiet --help",
     },
 )
@@ -69,6 +72,12 @@ from scaloft_fi.defaults import SEARCHED
     help="Seed of the search: the same seed and mutants make the same finds.",
 )
 @click.option(
+    "--replicate",
+    is_flag=True,
+    help="Search nothing: fly the finds in sim/found.yaml (of the named mutants) on seeds that nothing before used; "
+    "what does not hold leaves the file.",
+)
+@click.option(
     "--any",
     "anyhow",
     is_flag=True,
@@ -87,6 +96,7 @@ def seek_command(
     campaign: str,
     grid: str,
     into: str | None,
+    replicate: bool,
     budget: str | None,
     seed: int,
     anyhow: bool,
@@ -105,7 +115,8 @@ def seek_command(
     A situation counts where the unmutated drone does its mission in nine of ten flights (--any lifts that).
     Robustness guides the search.  What it finds is shrunk towards the benign values, confirmed on seeds that the search
     never flew, by the score's own test, and written to sim/found.yaml, which `scaloft-fi run --grid NAME+found` flies
-    (NAME: the study's own grid).  An interrupted search resumes with the same command.
+    (NAME: the study's own grid).  An interrupted search resumes with the same command.  A search picks what it finds by
+    its flights; --replicate flies the finds again on other seeds, with one test over all of them.
 
     `seek baseline` finds situations that break the unmutated drone itself, each in a way of its own: it violates
     another requirement, strikes something else or elsewhere, or another stage believed what is not true.
@@ -118,8 +129,21 @@ def seek_command(
     from scaloft_fi.campaign.runs.seeking.flights import Allowance
     from scaloft_fi.views.answers.seek import Search, seek, study_to_search
 
+    _refuse_with_replicate(replicate=replicate)
     options = RunOptions(jobs=jobs or cores(), warnings=warnings, same_platform=same_platform, command=typed())
     progress = Silence() if quiet else Progress()
-    search = Search(into or grid, options, seed, Allowance.parse(budget), progress, anyhow)
+    search = Search(into or grid, options, seed, Allowance.parse(budget), progress, anyhow, replicate)
     study = study_to_search(study_folder, grid, search.into)
     answer(seek(study, campaign, mutants, search, named=study_folder), style, tables_folder)
+
+
+def _refuse_with_replicate(*, replicate: bool) -> None:
+    """Refuse the options of a search where none is made.
+
+    Raises:
+        InputError: there is one.
+    """
+    context = click.get_current_context()
+    for name in ("budget", "seed"):
+        if replicate and context.get_parameter_source(name) is not ParameterSource.DEFAULT:
+            raise InputError(f"--{name}={context.params[name]} must not stand with --replicate, which searches nothing")

@@ -198,6 +198,8 @@ class OpenCampaign(HeldCampaign):
         into: str | None = None,
         budget: str | None = None,
         seed: int = 0,
+        anyhow: bool = False,
+        replicate: bool = False,
         jobs: int | None = None,
         same_platform: bool = False,
         progress: Told = False,
@@ -211,6 +213,8 @@ class OpenCampaign(HeldCampaign):
             into: name of the campaign that holds the flights of the search; by default that of the grid.
             budget: a wall time such as `10m`, or a number of flights such as `2000flights`; by default none.
             seed: seed of the search.
+            anyhow: whether a situation counts too where the unmutated drone does not do its mission.
+            replicate: whether nothing is searched, and the finds are flown on seeds that nothing before used.
             jobs: number of processes; by default the number of processors.
             same_platform: whether only flights with the bits of this platform count.
             progress: as for `run`.
@@ -226,7 +230,13 @@ class OpenCampaign(HeldCampaign):
         with in_python(budget="budget"):
             options, allowance = _options(jobs, same_platform), Allowance.parse(budget)
             search = Search(
-                into or grid, options, int(number(seed, "seed", 0, MOST_SEED)), allowance, progress_of(progress)
+                into or grid,
+                options,
+                int(number(seed, "seed", 0, MOST_SEED)),
+                allowance,
+                progress_of(progress),
+                anyhow,
+                replicate,
             )
             study = study_to_search(self.study_folder, grid, search.into)
             return seek(study, self.name, names(mutants, "mutants"), search, named=self.study_folder)

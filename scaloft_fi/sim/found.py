@@ -16,6 +16,26 @@ MOST_FINDS = 1_000
 
 
 @dataclass(frozen=True)
+class Again:
+    """The evidence of a replication: flights on seeds that nothing before used.
+
+    Attributes:
+        seed: the first seed of them.
+        p: by the exact test of the one requirement, adjusted by Holm over all pairs that were replicated together.
+        violated: flights of the mutant that violate the requirement; flights: its flights.
+        held, baselines, mission: as in `Evidence`.
+    """
+
+    seed: int
+    p: float
+    violated: int
+    flights: int
+    held: int
+    baselines: int
+    mission: int
+
+
+@dataclass(frozen=True)
 class Evidence:
     """The evidence that a situation shows a mutant, from seeds that the search never flew.
 
@@ -28,6 +48,7 @@ class Evidence:
         held: baselines that hold the requirement with a robustness above `spread`; baselines: with the seeds 0, 1, ...
         margin: robustness that nine in ten baselines reach; spread: standard deviation over the baselines.
         mission: baselines that hold every operability requirement and meet the value of every axis.
+        again: the evidence of a replication; None before one.
     """
 
     requirement: str
@@ -42,6 +63,7 @@ class Evidence:
     margin: float
     spread: float
     mission: int
+    again: Again | None = None
 
 
 @dataclass(frozen=True)
@@ -214,6 +236,21 @@ def _evidence(item: Item) -> Evidence:
         margin=item.need("margin").number(),
         spread=item.need("spread").number(least=0.0),
         mission=item.need("mission").whole(),
+        again=_again(again_item) if (again_item := item.get("again")) else None,
     )
     item.close()
     return evidence
+
+
+def _again(item: Item) -> Again:
+    again = Again(
+        seed=item.need("seed").whole(),
+        p=item.need("p").number(least=0.0, most=1.0),
+        violated=item.need("violated").whole(),
+        flights=item.need("flights").whole(least=1),
+        held=item.need("held").whole(),
+        baselines=item.need("baselines").whole(least=1),
+        mission=item.need("mission").whole(),
+    )
+    item.close()
+    return again

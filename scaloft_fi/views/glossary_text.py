@@ -112,7 +112,8 @@ happening: What changes around the drone during a flight: light, wind, dust, a p
 harmless: Samples passed at this magnitude and none was changed, where another magnitude changes some: it survives.
 harness: The test bench: simulator, workers, store.  Stopped at harness: no flight of the mutant counts.
 held: Of a requirement: the flight did not violate it.  Of a baseline flight: it violates no safety requirement.
-Holm: The adjustment of p for several safety requirements.
+holds: Of a find and a mutant: whether they show the fault on seeds that nothing before used.
+Holm: The adjustment of p for several safety requirements, or for several finds that are replicated together.
 how much: How much of the study `check` looked at.
 how sure: How many mutants would be called detected if none had any effect, and how many flights the answer rests on.
 Hz: How often a seam is polled each second.
@@ -159,6 +160,7 @@ masked: Status: samples were changed, and the drone flew the same to the bit.
 meaning: What the value beside it says.
 message: The type of the samples of a seam, with named fields.
 minimal | minimal mutants | minimal so far: Mutants that no other mutant subsumes: who kills these kills all.
+mission: Of a find: flights of the unmutated drone that hold every operability requirement and meet every axis value.
 mixed: No short condition describes the situations with a kill; `scaloft-fi kills ID` lists them.
 monotone: A stronger magnitude is killed wherever a milder one is.
 mutant | mutants: A drone with one fault: a cell, an operator, a magnitude and a time.

@@ -105,7 +105,7 @@ def test_situations_of_the_grid_asked_for_and_their_other_names_are_completed(
     assert complete("run --situation T1O1W1D1") == ["T1O1W1D1H0", "T1O1W1D1H1"]
     assert complete("kills --situation 3") == ["3", "32"]
     assert complete("run --grid wide --situation T0O2") == []
-    assert complete("run --grid paper+found --situation shows-ASWELLAS-m") == ["shows-ASWELLAS-map"]
+    assert complete("run --grid paper+found --situation shows-ASWELLAS-w") == ["shows-ASWELLAS-waypoint@0.25m"]
     assert complete("run --grid ") == ["paper", "search", "wide", "paper+found"]
     assert complete("replay LATE-human@3s/T0O0W0D0H") == ["LATE-human@3s/T0O0W0D0H0/0", "LATE-human@3s/T0O0W0D0H1/0"]
     assert complete("replay PLA") == ["PLACEBO/"]

@@ -207,3 +207,36 @@ def test_a_study_without_the_grid_that_is_searched_by_default_is_told_to_write_o
     )
     with pytest.raises(scaloft_fi.InputError, match=r"as docs/seek\.md says, or .*, such as grid paper$"):
         scaloft_fi.open(copy).campaign(f"{tmp_path}/c").seek("baseline")
+
+
+def test_finds_are_replicated_and_what_does_not_hold_leaves(ruled: Ruled, call: Call, copy: Path) -> None:
+    saver(copy / "sim", "search")([found(LATE, "T0O0W0D0H1Cs=0.9"), found(MORE, "T0O0W0D0H0Cs=0.9")])
+    done = call("seek", "--replicate", "--jobs", "1", "--format", "json", study=copy)
+    assert done.exit_code == 0, done.output
+    told = of_form("seek", done.stdout)
+    assert [(one["mutant"], one["holds"]) for one in told["replicas"]] == [(LATE, True), (MORE, False)]
+    assert told["first"] == 100_000
+    written = read_finds(copy / "sim")
+    assert written is not None
+    assert [find.name for find in written.finds] == [f"shows-{LATE}"]
+    again = call("seek", "--replicate", "LATE-human", "--jobs", "1", "--quiet", study=copy)
+    screen = " ".join(again.stdout.split())
+    assert "Replicated: 1 of 1 pairs of find and mutant hold" in screen
+    assert "Flown on the seeds 100100, 100101" in screen
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (("--budget", "10m"), "--budget=10m must not stand with --replicate"),
+        (("--seed", "3"), "--seed=3 must not stand with --replicate"),
+        (("baseline",), "--replicate must not stand with 'baseline'"),
+        ((), "there is no find to replicate; `scaloft-fi seek` finds some"),
+        (("MORE-goal",), "there is no find of MORE-goal to replicate"),
+    ],
+)
+def test_a_replication_that_cannot_be_is_refused(
+    ruled: Ruled, call: Call, copy: Path, words: tuple[str, ...], text: str
+) -> None:
+    assert text in sentence(call("seek", "--replicate", *words, study=copy))
+    assert not (copy / "sim" / "found.yaml").exists()

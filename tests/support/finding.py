@@ -46,13 +46,14 @@ def everywhere(situation: Situation) -> float:
 class Ruled:
     """A flyer that notes on disk what it flew.
 
-    rules: robustness of SR2 by mutant; baseline: that of the drone; first: of SR1, in all flights.
+    rules: robustness of SR2 by mutant; baseline: that of the drone; first: of SR1, operable: of OP1, in all flights.
     """
 
     path: Path
     rules: Mapping[str, Rule] = field(default_factory=dict)
     baseline: Rule = lambda _situation: 0.4
     first: Rule = lambda _situation: 0.3
+    operable: Rule = lambda _situation: 0.5
     noise: float = 0.01
 
     def prepare(self, study: Study, say: Callable[[str], None]) -> None:
@@ -70,10 +71,11 @@ class Ruled:
         rule = self.rules.get(flight.subject.id, other) if mutated else self.baseline
         chance = key_words("noise", flight.situation.key, flight.seed, "mutant" if mutated else "")[0] / 2**64
         rho = rule(flight.situation) + self.noise * (2 * chance - 1)
+        able = self.operable(flight.situation)
         readings = (
             Reading("SR1", Kind.SAFETY, self.first(flight.situation), None, 1, open=False),
             Reading("SR2", Kind.SAFETY, rho, 7.0 if rho < 0 else None, 1, open=False),
-            Reading("OP1", Kind.OPERABILITY, 0.5, None, 1, open=False),
+            Reading("OP1", Kind.OPERABILITY, able, None if able > 0 else 30.0, 1, open=False),
         )
         violations = (Violation("SR2", Kind.SAFETY, 7.0, 0.0, 1.0, 1.6, "person"),) if rho < 0 else ()
         return Outcome(

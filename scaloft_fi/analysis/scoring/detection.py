@@ -27,10 +27,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
+from typing import TypeVar
 
 from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.analysis.scoring.stratified import GATE, Stratum, p_value
 from scaloft_fi.judge.requirement import Kind
+
+K = TypeVar("K")
 
 ALPHA = 0.01
 """Accepted chance that a fault which does nothing is called detected, where the study names none."""
@@ -199,12 +202,20 @@ def adjusted(
         left_out: a seed whose flights leave the pool; states of pairs and the gate stay those of the whole pool.
     """
     listed = list(samples)
-    raw = {name: p_value(_strata(listed, pool, name, left_out)) for name in names}
-    by_name, largest = {}, 0.0
-    for number, name in enumerate(sorted(names, key=lambda name: raw[name])):
-        largest = max(largest, min(1.0, (len(names) - number) * raw[name]))
-        by_name[name] = largest
-    return {name: by_name[name] for name in names}
+    return holm({name: p_value(_strata(listed, pool, name, left_out)) for name in names})
+
+
+def holm(raw: Mapping[K, float]) -> dict[K, float]:
+    """Each p adjusted for the number of tests (Holm, Scand. J. Statist. 6, 1979).
+
+    >>> holm({"a": 0.25, "b": 0.125})
+    {'a': 0.25, 'b': 0.25}
+    """
+    adjusted_p, largest = {}, 0.0
+    for number, name in enumerate(sorted(raw, key=lambda name: raw[name])):
+        largest = max(largest, min(1.0, (len(raw) - number) * raw[name]))
+        adjusted_p[name] = largest
+    return {name: adjusted_p[name] for name in raw}
 
 
 def _strata(samples: Iterable[Sample], pool: Pool, name: str, left_out: int | None) -> Iterable[Stratum]:

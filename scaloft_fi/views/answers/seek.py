@@ -10,9 +10,10 @@ from scaloft_fi.campaign.plan import choose
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.seeking.breaks import seek_breaks
-from scaloft_fi.campaign.runs.seeking.finds import break_saver, saver
+from scaloft_fi.campaign.runs.seeking.finds import break_saver, holding, keep, saver
 from scaloft_fi.campaign.runs.seeking.flights import Allowance
 from scaloft_fi.campaign.runs.seeking.proposals import require_optuna
+from scaloft_fi.campaign.runs.seeking.replicate import replicate
 from scaloft_fi.campaign.runs.seeking.seek import seek as seek_mutants
 from scaloft_fi.campaign.runs.seeking.sought import Unnamed, anew, interrupted
 from scaloft_fi.campaign.store.flown_grid import study_of
@@ -24,14 +25,14 @@ from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.mutants.derive import realise
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.sim.claims import claims_of
-from scaloft_fi.sim.found import FILE
+from scaloft_fi.sim.found import FILE, read_finds
 from scaloft_fi.sim.grids import grid_names, own_name
 from scaloft_fi.study import Study
 from scaloft_fi.views.outputs.answer import Answer
 from scaloft_fi.views.own_study import check_own
 from scaloft_fi.views.runs.breaks import breaks_table
-from scaloft_fi.views.runs.seek import seek_tables
-from scaloft_fi.views.runs.seek_record import SEEK, breaks_values, seek_values
+from scaloft_fi.views.runs.seek import replica_table, seek_tables
+from scaloft_fi.views.runs.seek_record import SEEK, breaks_values, replica_values, seek_values
 from scaloft_fi.views.snapshot import snapshot
 
 
@@ -46,6 +47,7 @@ class Search:
         allowance: its budget.
         progress: its progress display.
         anyhow: whether a situation counts where the unmutated drone does not do its mission.
+        replicate: whether the finds are flown again instead.
     """
 
     into: str
@@ -54,6 +56,7 @@ class Search:
     allowance: Allowance
     progress: Progress
     anyhow: bool = False
+    replicate: bool = False
 
 
 def study_to_search(folder: Path | None, grid: str, into: str) -> Study:
@@ -78,6 +81,7 @@ def study_to_search(folder: Path | None, grid: str, into: str) -> Study:
 def seek(study: Study, campaign: str, mutants: Sequence[str], search: Search, named: Path | None = None) -> Answer:
     """Find situations that show mutants, or with `baseline` those that break the unmutated drone.
 
+    With `search.replicate` the finds of the study are flown on fresh seeds instead, and those that hold stay.
     What is found is written to the study's `sim/found.yaml`.  The same call resumes a search that was interrupted.
 
     Args:
@@ -89,16 +93,21 @@ def seek(study: Study, campaign: str, mutants: Sequence[str], search: Search, na
 
     Raises:
         GateError: a gate failed.
-        InputError: a mutant stands beside `baseline`, Optuna is missing, nothing is left to seek, the study cannot be
-            flown, or it is that of the installation.
+        InputError: a mutant stands beside `baseline`, Optuna is missing, nothing is left to seek or to replicate, the
+            study cannot be flown, or it is that of the installation.
         Interrupted: the user stopped the search; all outcomes and finds are saved.
     """
     others = [text for text in mutants if text != BASELINE]
     if others and len(others) < len(mutants):
         raise InputError(f"mutant {others[0]!r} must not stand beside {BASELINE!r}; seek each with its own command")
-    require_optuna()
+    if search.replicate and len(others) < len(mutants):
+        raise InputError(f"--replicate must not stand with {BASELINE!r}: it flies situations that show mutants again")
+    if not search.replicate:
+        require_optuna()
     check_own(study, named, study.folder / "sim" / FILE)
     study.check()
+    if search.replicate:
+        return _replicated(study, mutants, search)
     if mutants and not others:
         return _breaks(study, search)
     return _shows(study, campaign, mutants, search)
@@ -122,6 +131,31 @@ def _shows(study: Study, campaign: str, mutants: Sequence[str], search: Search) 
         anyhow=search.anyhow,
     )
     return Answer(SEEK, lambda: seek_values(report), lambda: seek_tables(report, own_name(folder)))
+
+
+def _replicated(study: Study, mutants: Sequence[str], search: Search) -> Answer:
+    """Fly the finds of the study on fresh seeds, and keep those that hold."""
+    folder = study.folder / "sim"
+    found = read_finds(folder)
+    wanted = {mutant.id for mutant in choose.mutants(study, mutants)} if mutants else None
+    finds = found.finds if found else ()
+    ask = {find.name: [one for one in find.shows if wanted is None or one in wanted] for find in finds}
+    if found is None or not any(ask.values()):
+        which = f" of {', '.join(mutants)}" if mutants else ""
+        raise InputError(f"{folder / FILE}: there is no find{which} to replicate; `scaloft-fi seek` finds some")
+    if found.grid != study.grid.name:
+        raise InputError(f"--grid={study.grid.name!r} must be {found.grid!r}, the grid that was searched")
+    report = replicate(
+        study,
+        finds,
+        ask,
+        campaign_folder(study, search.into),
+        search.options,
+        progress=search.progress,
+        anyhow=search.anyhow,
+    )
+    keep(folder, found.grid, holding(finds, report.replicas))
+    return Answer(SEEK, lambda: replica_values(report), lambda: (replica_table(report),))
 
 
 def _breaks(study: Study, search: Search) -> Answer:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from scaloft_fi.judge.requirement import MOST, Kind
 from scaloft_fi.judge.stl import LONGEST
-from scaloft_fi.sim.found import MOST_FINDS, Break, Evidence, Find
+from scaloft_fi.sim.found import MOST_FINDS, Again, Break, Evidence, Find
 from scaloft_fi.views.documents.build import (
     Schema,
     choice,
@@ -105,7 +105,21 @@ def _evidence() -> Schema:
             "spread": number("standard deviation of the robustness over the baselines", least=0),
             "mission": whole("baselines that hold every operability requirement and meet the value of every axis"),
         },
-        {"struck": text(told["struck"], "wall")},
+        {
+            "struck": text(told["struck"], "wall"),
+            "again": mapping(
+                "The evidence of a replication, `seek --replicate`: flights on seeds that nothing before used.",
+                {
+                    "seed": whole("the first seed of them"),
+                    "p": number(attributes_of(Again)["p"], least=0, most=1),
+                    "violated": whole("flights of the mutant that violate the requirement"),
+                    "flights": whole("flights of the mutant", least=1),
+                    "held": whole("baselines that hold the requirement with a robustness above their spread"),
+                    "baselines": whole("baselines", least=1),
+                    "mission": whole("baselines that do their mission"),
+                },
+            ),
+        },
     )
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from scaloft_fi.campaign.runs.seeking.replicate import ReplicationReport
 from scaloft_fi.campaign.runs.seeking.seek import SeekReport, Sought
+from scaloft_fi.sim.found import FILE
 from scaloft_fi.views.score.finds import words
 from scaloft_fi.views.tables.table import Table
 
@@ -50,6 +52,33 @@ def seek_tables(report: SeekReport, own: str) -> tuple[Table, Table]:
             ),
         ),
     )
+
+
+def replica_table(report: ReplicationReport) -> Table:
+    """The pairs of find and mutant that were flown again, and which of them hold."""
+    rows = tuple(
+        (
+            one.mutant,
+            one.requirement,
+            f"{one.again.violated}/{one.again.flights}",
+            f"{one.again.p:.2g}",
+            f"{one.again.held}/{one.again.baselines}",
+            f"{one.again.mission}/{one.again.baselines}",
+            "yes" if one.holds else "no",
+            one.find,
+        )
+        for one in report.replicas
+    )
+    held = sum(one.holds for one in report.replicas)
+    notes = (
+        *(f"{one.find}: {one.mutant} left sim/{FILE}: {one.why}." for one in report.replicas if not one.holds),
+        f"Flown on the seeds {report.first}, {report.first + 1}, ..., which nothing before used.",
+        f"p: by the exact test, adjusted by Holm over all pairs here; a pair holds at alpha={report.alpha:g} or less.",
+        "baseline: flights that hold the requirement by more than their spread; mission: flights that do the mission.",
+        f"{report.used} flights in all, {report.flown} of them flown now.",
+    )
+    headers = ("mutant", "violates", "flights", "p", "baseline", "mission", "holds", "find")
+    return Table(f"Replicated: {held} of {len(rows)} pairs of find and mutant hold", headers, rows, notes)
 
 
 def spending(report: SeekReport) -> str:

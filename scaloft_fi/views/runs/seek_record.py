@@ -6,6 +6,7 @@ from typing import Any
 
 from scaloft_fi.analysis.plain import by_field, plain
 from scaloft_fi.campaign.runs.seeking.breaks import BreaksReport
+from scaloft_fi.campaign.runs.seeking.replicate import ReplicationReport
 from scaloft_fi.campaign.runs.seeking.seek import SeekReport
 from scaloft_fi.sim.found import Break, Find
 from scaloft_fi.views.outputs.output import Output
@@ -17,6 +18,18 @@ _NAMED = {
     "words": texts("its values that are not benign, in words"),
 }
 _ROBUST = "in the requirement's unit"
+_AGAIN = record(
+    "the evidence of a replication, from seeds that nothing before used",
+    {
+        "seed": count("the first seed"),
+        "p": number("p of the requirement by the exact test, adjusted by Holm over the pairs replicated together"),
+        "violated": count("flights of the mutant that violate the requirement"),
+        "flights": count("flights of the mutant"),
+        "held": count("baselines that hold the requirement by more than their spread"),
+        "baselines": count("baselines"),
+        "mission": count("baselines that hold every operability requirement and meet every axis value"),
+    },
+)
 SEEK = Output(
     "seek",
     "1.1",
@@ -50,6 +63,7 @@ SEEK = Output(
                                 "mission": count(
                                     "baselines that hold every operability requirement and meet every axis value"
                                 ),
+                                "again": optional(_AGAIN, "not replicated"),
                             },
                         ),
                     ),
@@ -105,6 +119,21 @@ SEEK = Output(
                 },
             ),
         ),
+        "replicas": listing(
+            "of `seek --replicate`: the pairs of find and mutant that were flown again",
+            record(
+                "a pair",
+                {
+                    "find": text("name of the find"),
+                    "mutant": text("id of the mutant"),
+                    "requirement": text("the requirement that it is to violate"),
+                    "holds": flag("whether the find holds for the mutant; else it left sim/found.yaml"),
+                    "why": text("why it does not; empty where it does"),
+                    "again": _AGAIN,
+                },
+            ),
+        ),
+        "first": optional(count("of `seek --replicate`: the first seed"), "a search"),
         "situations": optional(count("of `seek baseline`: situations flown"), "mutants were sought"),
         "broken": optional(
             count("of these situations, where the drone violates with the first seed"), "mutants were sought"
@@ -125,16 +154,28 @@ SEEK = Output(
 )
 
 
+_NONE: dict[str, Any] = {
+    **{name: [] for name in ("finds", "sought", "breaks", "replicas")},
+    **dict.fromkeys(("first", "situations", "broken", "candidates", "again", "alpha")),
+    "spent": False,
+    "anyhow": True,
+}
+"""What an answer has of the others."""
+
+
 def seek_values(report: SeekReport) -> dict[str, Any]:
     """Plain JSON values of the form `SEEK`."""
-    none = dict.fromkeys(("situations", "broken", "candidates", "again"))
-    return by_field(report) | none | {"finds": [_find(find) for find in report.finds], "breaks": []}
+    return _NONE | by_field(report) | {"finds": [_find(find) for find in report.finds]}
 
 
 def breaks_values(report: BreaksReport) -> dict[str, Any]:
     """Plain JSON values of the form `SEEK` for `seek baseline`."""
-    none = {"alpha": None, "anyhow": True}
-    return by_field(report) | none | {"finds": [], "sought": [], "breaks": [_break(one) for one in report.breaks]}
+    return _NONE | by_field(report) | {"breaks": [_break(one) for one in report.breaks]}
+
+
+def replica_values(report: ReplicationReport) -> dict[str, Any]:
+    """Plain JSON values of the form `SEEK` for `seek --replicate`."""
+    return _NONE | by_field(report) | {"replicas": [plain(one) for one in report.replicas]}
 
 
 def _find(find: Find) -> dict[str, Any]:

@@ -50,7 +50,16 @@ def facts(find: Find, mutant: str) -> str:
     return (
         f"a search found a situation that shows it, {find.name} ({words(find)}): it {effect(shown)} there, in "
         f"{shown.violated} of {shown.flights} flights (p = {shown.p:.2g}); the unmutated drone holds "
-        f"{shown.requirement} in {shown.held} of {shown.baselines} by more than its spread."
+        f"{shown.requirement} in {shown.held} of {shown.baselines} by more than its spread." + _replicated(shown)
+    )
+
+
+def _replicated(shown: Evidence) -> str:
+    if shown.again is None:
+        return "  It is not replicated yet (`scaloft-fi seek --replicate`)."
+    again = shown.again
+    return (
+        f"  On seeds that nothing before used it held again: {again.violated} of {again.flights} (p = {again.p:.2g})."
     )
 
 

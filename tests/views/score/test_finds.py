@@ -11,6 +11,7 @@ from finding import found, known
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.sim.found import Again
 from scaloft_fi.views.score.finds import facts, flies, flown_in_vain, next_find
 
 LATE, NO = "LATE-human@3s", "NO-human@100%"
@@ -59,5 +60,8 @@ def test_the_facts_are_the_situation_in_words_what_is_struck_and_the_evidence() 
     assert facts(found(LATE, struck="person"), LATE) == (
         f"a search found a situation that shows it, shows-{LATE} (human walks, cruise speed 0.8 m/s): it violates SR2 "
         "and strikes person there, in 6 of 6 flights (p = 0.00025); the unmutated drone holds SR2 in 10 of 10 by more "
-        "than its spread."
+        "than its spread.  It is not replicated yet (`scaloft-fi seek --replicate`)."
     )
+    again = replace(FIND.shows[LATE], again=Again(100_000, 0.0001, 9, 10, 30, 30, 29))
+    replicated = facts(replace(FIND, shows={LATE: again}), LATE)
+    assert replicated.endswith("On seeds that nothing before used it held again: 9 of 10 (p = 0.0001).")

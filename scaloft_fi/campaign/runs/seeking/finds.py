@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import yaml
 
+from scaloft_fi.analysis.seeking.replication import Replica
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import PLACEBO
 from scaloft_fi.output import write_whole
@@ -24,12 +25,15 @@ HEADER = """\
 #
 # finds: each shows mutants that the study's own grid does not detect: the mutant violates a safety requirement there
 # that the unmutated drone holds.  Evidence: flights with the seeds 0, 1, ..., which the search never flew, by the
-# score's own test.  `scaloft-fi run --grid NAME+found` flies them, NAME being the study's own grid.  They were chosen
-# because of verdicts: a score that uses them is called selected.
+# score's own test; again: flights of `scaloft-fi seek --replicate`, with seeds that nothing before used.
+# `scaloft-fi run --grid NAME+found` flies them, NAME being the study's own grid.  They were chosen because of verdicts:
+# a score that uses them is called selected.
 #
 # breaks: in each the unmutated drone violates a safety requirement in most of its flights with the seeds 0, 1, ...
 # They put no mutant to the test, so NAME+found leaves them out.
 """
+NAMED = "shows-"
+"""The name of a find is this and the mutant that it was found for."""
 DIGITS = 4
 """Significant digits of numbers."""
 
@@ -59,6 +63,39 @@ def break_saver(folder: Path, grid: str) -> Callable[[Sequence[Break]], None]:
     """Returns a function that writes the situations that break the unmutated drone; all else is as for `saver`."""
     earlier = _earlier(folder, grid)
     return lambda breaks: _write(folder, replace(earlier, breaks=_merged(earlier.breaks, breaks)))
+
+
+def keep(folder: Path, grid: str, finds: Sequence[Find]) -> None:
+    """Write these situations that show mutants in the place of all that the file has.
+
+    Raises:
+        InputError: as `saver`.
+    """
+    _write(folder, replace(_earlier(folder, grid), finds=tuple(finds)))
+
+
+def holding(finds: Sequence[Find], replicas: Sequence[Replica]) -> tuple[Find, ...]:
+    """The finds after a replication: without the mutants that did not hold; what was not replicated stays.
+
+    A find whose own mutant did not hold is named for the first one that did, unless that name is taken.
+    """
+    told = {(one.find, one.mutant): one for one in replicas}
+    taken = {find.name for find in finds}
+    kept = []
+    for find in finds:
+        shows = {
+            mutant: replace(evidence, again=replica.again) if replica else evidence
+            for mutant, evidence in find.shows.items()
+            if (replica := told.get((find.name, mutant))) is None or replica.holds
+        }
+        if not shows:
+            continue
+        mutant = find.mutant if find.mutant in shows else next(iter(shows))
+        name = NAMED + mutant
+        same = mutant == find.mutant or name in taken
+        taken.add(name)
+        kept.append(replace(find, name=find.name if same else name, mutant=mutant, shows=shows))
+    return tuple(sorted(kept, key=lambda find: find.name))
 
 
 def _earlier(folder: Path, grid: str) -> Finds:
@@ -123,4 +160,5 @@ def _broken(one: Break) -> dict[str, Any]:
 def _short(values: dict[str, Any]) -> dict[str, Any]:
     """Floats with few digits; what is empty left out."""
     short = {key: float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value for key, value in values.items()}
-    return {key: value for key, value in short.items() if value != ""}
+    short |= {key: _short(value) for key, value in values.items() if isinstance(value, dict)}
+    return {key: value for key, value in short.items() if value not in ("", None)}

@@ -20,7 +20,7 @@ from scaloft_fi.campaign.runs.campaign import Campaign, opened
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import write_log
 from scaloft_fi.campaign.runs.seeking.family import families
-from scaloft_fi.campaign.runs.seeking.finds import words_of
+from scaloft_fi.campaign.runs.seeking.finds import NAMED, words_of
 from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON, Allowance, SearchFlights, SpentError
 from scaloft_fi.campaign.runs.seeking.proposals import (
     Flyable,
@@ -41,8 +41,6 @@ if TYPE_CHECKING:
     from scaloft_fi.sim.grid import Grid
     from scaloft_fi.sim.situation import Situation
 
-NAMED = "shows-"
-"""The name of a find is this and the mutant that it was found for."""
 IDLE = 20
 """Turns without a new situation or candidate, after which a search without a budget ends."""
 CHUNK = 8

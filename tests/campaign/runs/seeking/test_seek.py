@@ -76,6 +76,7 @@ def search(folder: Path, flyer: Any, *mutants: Any, seed: int = 0, **more: Any) 
         proposer=more.get("proposer", Proposals),
         first=more.get("first", opening),
         shrinks=more.get("shrinks", True),
+        anyhow=more.get("anyhow", False),
     )
     return report, saved
 
@@ -232,6 +233,48 @@ def test_a_baseline_that_violates_too_hides_the_fault(tmp_path: Path, flyer: Rul
     flyer.baseline = red
     report, _ = search(tmp_path, flyer, budget="60flights")
     assert report.finds == ()
+
+
+def test_a_situation_where_the_unmutated_drone_does_not_do_its_mission_counts_only_when_asked(
+    tmp_path: Path, flyer: Ruled
+) -> None:
+    flyer.operable = lambda situation: -0.1 if situation["H"] == 1 else 0.5
+    report, _ = search(tmp_path / "a", flyer, budget="150flights")
+    assert report.finds == ()
+    assert report.sought[0].candidates == 0
+    asked, _ = search(tmp_path / "b", flyer, budget="150flights", anyhow=True)
+    (find,) = asked.finds
+    assert find.shows[LATE.id].mission == 0
+    assert asked.anyhow
+    assert not report.anyhow
+
+
+def test_candidates_are_numbered_over_all_searches_of_a_campaign(tmp_path: Path, flyer: Ruled) -> None:
+    first, _ = search(tmp_path, flyer, shrinks=False)
+    again, _ = search(tmp_path, flyer, shrinks=False)
+    assert (again.finds, again.sought) == (first.finds, first.sought), "the same search tests the same situations"
+    other, _ = search(tmp_path, flyer, seed=1, shrinks=False)
+    assert other.finds[0].situation != first.finds[0].situation
+    assert [report.finds[0].shows[LATE.id].candidate for report in (first, other)] == [1, 2]
+    assert [report.sought[0].spent for report in (first, other)] == [0.005, 0.0025]
+    assert other.finds[0].shows[LATE.id].alpha == 0.0025
+
+
+def test_a_candidate_spends_its_share_though_its_pool_is_not_fit(tmp_path: Path, flyer: Ruled) -> None:
+    """The first seeds of the search do the mission, those of the confirmation do not."""
+    fit = Ruled(tmp_path / "fit.txt", {LATE.id: fast})
+    unfit = Ruled(tmp_path / "unfit.txt", {LATE.id: fast}, operable=lambda _situation: -0.1)
+
+    class Turning(Ruled):
+        def __call__(self, study: Study, flight: Any) -> Any:
+            return (fit if flight.seed in SEEN_ON else unfit)(study, flight)
+
+    report, _ = search(tmp_path, Turning(tmp_path / "flown.txt"), budget="200flights")
+    (sought,) = report.sought
+    assert report.finds == ()
+    assert sought.candidates >= 2
+    assert sought.spent == pytest.approx(sum(0.01 * 2.0**-one for one in range(1, sought.candidates + 1)))
+    assert not any(name.startswith(LATE.id) for name in unfit.flown), "a pool that is not fit is seen before the mutant"
 
 
 @pytest.mark.parametrize("together", [1, 2])
