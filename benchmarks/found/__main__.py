@@ -1,15 +1,13 @@
-"""Which tests are missing?  `seek` for all that the paper's grid does not detect; its finds, each flown alone.
+"""Which tests are missing?  `seek` for all that the paper's grid does not detect; its finds, on fresh seeds.
 
-    python benchmarks/found --search [--budget 60m] [--seed 0] [--jobs N]
-    python benchmarks/found --again [--jobs N]
-    python benchmarks/found --false N --flights F [--jobs N]
+    python benchmarks/found --search [--budget 10610flights] [--seed 0] [--jobs N]
+    python benchmarks/found --replicate [--jobs N]
     python benchmarks/found --pages [--output FILE]
 
 `--search` searches a copy of the study without finds, and writes the finds into `sim/found.yaml` and what it says of
-itself into `results/published/found_search.json`; give it an empty `--campaigns` to time it.  `--again` flies the finds
-of `sim/found.yaml`, wherever they come from.  `--false` searches N times for the unmutated drone under other seeds,
-with F flights each, into `found_false.json`.  Their flights are published as `found_flights.jsonl.gz`.  `--pages`
-writes the page from these files and flies nothing.
+itself into `results/published/found_search.json`; give it an empty `--campaigns` to time it.  `--replicate` flies the
+finds of `sim/found.yaml` on fresh seeds, keeps those that hold, and writes `found_replication.json`.  Their flights are
+published as `found_flights.jsonl.gz`.  `--pages` writes the page from these files and flies nothing.
 """
 
 from __future__ import annotations
@@ -36,14 +34,14 @@ from kept_flights import read, write
 from published_outcomes import rows_of
 from search_or_chance.sample import survivors
 
-from found.flying import AGAIN, GRID, Place, again, false, finds_of, flights_in, search
+from found.flying import Place, finds_of, flights_in, replicate, search
 from found.page import Evidence, page
 from scaloft_fi.campaign.processes.start import cores
 from scaloft_fi.study import Study
 
 PUBLISHED = ROOT / "results" / "published"
 OUTPUT = PUBLISHED / "found.md"
-SEARCH, FALSE, FLIGHTS = "found_search.json", "found_false.json", "found_flights.jsonl.gz"
+SEARCH, REPLICATION, FLIGHTS = "found_search.json", "found_replication.json", "found_flights.jsonl.gz"
 
 
 def evidence(folder: Path) -> Evidence:
@@ -51,11 +49,11 @@ def evidence(folder: Path) -> Evidence:
     paper, wide = (Study.open(ROOT, name) for name in ("paper", "wide"))
     rows = rows_of(PUBLISHED / "reference" / "outcomes.parquet")
     return Evidence(
-        study=Study.open(ROOT, AGAIN),
+        study=paper,
         finds=finds_of(ROOT),
         search=_read(folder / SEARCH) or {},
-        false=_read(folder / FALSE) or [],
-        again=read(folder / FLIGHTS).get("again", {}),
+        replication=_read(folder / REPLICATION) or {},
+        flights=read(folder / FLIGHTS),
         survivors=survivors(paper, rows),
         wide=survivors(wide, rows_of(PUBLISHED / "wide_outcomes.parquet")),
     )
@@ -66,12 +64,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("--search", action="store_true", help="search for the mutants")
-    what.add_argument("--again", action="store_true", help="fly the finds again")
-    what.add_argument("--false", type=int, metavar="N", help="search N times for the unmutated drone")
+    what.add_argument("--replicate", action="store_true", help="fly the finds on fresh seeds")
     what.add_argument("--pages", action="store_true", help="fly nothing: the page")
-    parser.add_argument("--budget", default="60m", help="of the search (default: 60m)")
+    parser.add_argument("--budget", default="10610flights", help="of the search (default: 10610flights)")
     parser.add_argument("--seed", type=int, default=0, help="of the search (default: 0)")
-    parser.add_argument("--flights", type=int, default=400, help="budget of each false search (default: 400)")
     parser.add_argument("--jobs", type=int, default=cores(), help="number of processes")
     parser.add_argument("--campaigns", type=Path, default=ROOT / "results" / "campaigns" / "found")
     parser.add_argument("--output", type=Path, default=OUTPUT, help="the page; the other files stand beside it")
@@ -81,20 +77,15 @@ def main(arguments: Sequence[str] | None = None) -> None:
         rows = rows_of(PUBLISHED / "reference" / "outcomes.parquet")
         sought = survivors(Study.open(ROOT), rows)
         _write(folder / SEARCH, search(place, sought, options.budget, options.seed))
-        _publish(folder, "search", place, GRID)
-    if options.again:
-        again(place)
-        _publish(folder, "again", place, AGAIN)
-    if options.false:
-        seeds = range(1, options.false + 1)
-        _write(folder / FALSE, false(place, seeds, options.flights))
-        for seed in seeds:
-            _publish(folder, f"false{seed}", place, GRID)
+        _publish(folder, "search", place)
+    if options.replicate:
+        _write(folder / REPLICATION, replicate(place))
+        _publish(folder, "replication", place)
     options.output.write_text(page(evidence(folder)), encoding="utf-8")
 
 
-def _publish(folder: Path, name: str, place: Place, grid: str) -> None:
-    write(folder / FLIGHTS, read(folder / FLIGHTS) | {name: flights_in(place, name, grid)})
+def _publish(folder: Path, name: str, place: Place) -> None:
+    write(folder / FLIGHTS, read(folder / FLIGHTS) | {name: flights_in(place, name)})
 
 
 def _write(path: Path, value: object) -> None:

@@ -1,4 +1,4 @@
-"""The flights of the page: the search, its finds flown again, and searches for a fault that does nothing."""
+"""The flights of the page: the search, and the replication of its finds."""
 
 from __future__ import annotations
 
@@ -15,18 +15,16 @@ from typing import Any
 
 from checkout import ROOT
 
-from scaloft_fi.analysis.scoring.pool import LEAST
 from scaloft_fi.campaign.store.folder import STORE_NAME
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.sim.found import Finds, read_finds
 from scaloft_fi.study import Study
 
 PARTS = ("hazop", "mutants", "sim")
 FILE = "found.yaml"
-GRID, AGAIN = "search", "paper+found"
+GRID = "search"
 Record = dict[str, Any]
 
 
@@ -35,7 +33,7 @@ class Place:
     """Where the flights are.
 
     Attributes:
-        folder: holds a campaign for the search, one for its finds flown again, one for each false search.
+        folder: holds a campaign for the search and one for the replication of its finds.
         jobs: number of processes.
     """
 
@@ -68,24 +66,11 @@ def search(place: Place, mutants: Sequence[str], budget: str, seed: int) -> Reco
     return {"budget": budget, "seed": seed, "jobs": place.jobs, **took, **report}
 
 
-def again(place: Place) -> None:
-    """Fly the finds of the checkout, each with the mutants that it shows and with as many seeds as confirmed them."""
-    for find in finds_of(ROOT).finds:
-        seeds = max(evidence.flights for evidence in find.shows.values())
-        words = [word for mutant in find.shows for word in ("--mutant", mutant)]
-        pool = ("--seeds", str(seeds), "--baseline-seeds", str(max(seeds, LEAST)))
-        where = ("--grid", AGAIN, "--campaign", str(place.folder / "again"))
-        place.call(ROOT, "run", *where, "--situation", find.name, *words, *pool, "--quiet")
-
-
-def false(place: Place, seeds: Sequence[int], budget: int) -> list[Record]:
-    """Search for the unmutated drone under other seeds, once with each seed of the search."""
-    told = []
-    for seed in seeds:
-        where = ("--grid", GRID, "--into", str(place.folder / f"false{seed}"), "--budget", f"{budget}flights")
-        report = place.call(place.study, "seek", PLACEBO.id, "--seed", str(seed), *where, "--quiet", "--format", "json")
-        told.append({"seed": seed, **json.loads(report)})
-    return told
+def replicate(place: Place) -> Record:
+    """Fly the finds of the checkout on fresh seeds, and keep those that hold; what the replication says of itself."""
+    where = ("--grid", GRID, "--into", str(place.folder / "replication"))
+    record: Record = json.loads(place.call(ROOT, "seek", "--replicate", *where, "--quiet", "--format", "json"))
+    return record
 
 
 def finds_of(folder: Path) -> Finds:
@@ -93,13 +78,13 @@ def finds_of(folder: Path) -> Finds:
     return read_finds(folder / "sim") or Finds(GRID, ())
 
 
-def flights_in(place: Place, name: str, grid: str) -> dict[str, Outcome]:
+def flights_in(place: Place, name: str) -> dict[str, Outcome]:
     """The flights of a campaign by name; none where it was not flown."""
     path = place.folder / name / STORE_NAME
     if not path.exists():
         return {}
     with Store(path, create=False) as store:
-        return {outcome.name: outcome for outcome in current_in(Study.open(ROOT, grid), store)}
+        return {outcome.name: outcome for outcome in current_in(Study.open(ROOT, GRID), store)}
 
 
 def _processor_s() -> float:

@@ -1,19 +1,18 @@
-"""The page of the finds: what was found, each find flown alone, why the others were not found, false finds."""
+"""The page of the finds: what was found, what held on fresh seeds, and why the others were not found."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
-from scaloft_fi.analysis.scoring.pool import LEAST
-from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.analysis.seeking.effort import Effort
+from scaloft_fi.analysis.seeking.replication import Replica, replicas
 from scaloft_fi.campaign.runs.seeking.seek import Sought
 from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.sim.found import Evidence as Shown
 from scaloft_fi.sim.found import Find, Finds
 from scaloft_fi.study import Study
 from scaloft_fi.views.runs.seek import why_not
@@ -51,98 +50,120 @@ class Evidence:
     """The published files.
 
     Attributes:
-        study: the study with the finds beside the paper's grid.
-        finds: of the study.
+        study: the study with the paper's grid.
+        finds: of the study: what held.
         search: what the search says of itself; empty before it was flown.
-        false: what each search for the unmutated drone says of itself.
-        again: the flights of the finds, flown again, by name.
+        replication: what the replication says of itself; empty before it was flown.
+        flights: of both, by arm and name.
         survivors: mutants that the paper's grid does not detect; wide: those that the wide grid does not detect.
     """
 
     study: Study
     finds: Finds
     search: Mapping[str, Any]
-    false: Sequence[Mapping[str, Any]]
-    again: Mapping[str, Outcome]
+    replication: Mapping[str, Any]
+    flights: Mapping[str, Mapping[str, Outcome]]
     survivors: Sequence[str]
     wide: Sequence[str]
 
-    @property
-    def shown(self) -> list[tuple[Find, str]]:
-        """Each find with each mutant that it shows."""
-        return [(find, mutant) for find in self.finds.finds for mutant in find.shows]
+    @cached_property
+    def found(self) -> tuple[Find, ...]:
+        """What the search found, before the replication."""
+        return tuple(
+            Find(
+                **{key: one[key] for key in ("name", "situation", "mutant", "seed")},
+                words=tuple(one["words"]),
+                shows={row["mutant"]: _shown(row) for row in one["shows"]},
+            )
+            for one in self.search["finds"]
+        )
 
     @cached_property
-    def alone(self) -> Mapping[tuple[str, str], MutantScore]:
-        """The score of each mutant by the flights of one find alone, by name of the find and mutant."""
-        scores: dict[tuple[str, str], MutantScore] = {}
-        for find, mutant in self.shown:
-            seeds = find.shows[mutant].flights
-            most = {mutant: seeds, BASELINE: max(seeds, LEAST)}
-            flown = [
-                one
-                for one in self.again.values()
-                if one.situation == find.situation and one.seed < most.get(one.mutant, 0)
-            ]
-            own = score(flown, self.study.roster, self.study.space).mutants
-            scores.update(((find.name, mutant), one) for one in own if one.subject.id == mutant)
-        return scores
+    def replicas(self) -> Sequence[Replica]:
+        """Each pair of find and mutant, judged again from the published flights of the replication."""
+        flown = list(self.flights.get("replication", {}).values())
+        pairs = {
+            (find.name, mutant): [one for one in flown if (one.mutant, one.situation) == (mutant, find.situation)]
+            for find in self.found
+            for mutant in find.shows
+        }
+        pools: dict[str, list[Outcome]] = {find.situation: [] for find in self.found}
+        for one in flown:
+            if one.mutant == BASELINE:
+                pools[one.situation].append(one)
+        first = self.replication["first"]
+        return replicas(self.found, pairs, pools, first, self.study.alpha) if flown else ()
 
     @property
-    def detected(self) -> list[str]:
-        """The mutants that a find detects alone when it is flown again."""
-        return [mutant for (_, mutant), scored in self.alone.items() if scored.detected]
+    def held(self) -> list[str]:
+        """The mutants that a find shows after the replication."""
+        return [one.mutant for one in self.replicas if one.holds]
+
+    @cached_property
+    def left_out(self) -> tuple[int, int]:
+        """Least and greatest number of pairs that hold when one seed is left out of all flights of the replication."""
+        flown = self.flights["replication"]
+        counts = []
+        for seed in sorted({one.seed for one in flown.values()}):
+            rest = {name: one for name, one in flown.items() if one.seed != seed}
+            counts.append(len(replace(self, flights={"replication": rest}).held))
+        return min(counts), max(counts)
+
+
+def _shown(row: Mapping[str, Any]) -> Shown:
+    return Shown(**{key: value for key, value in row.items() if key not in ("mutant", "again")})
 
 
 def page(evidence: Evidence) -> str:
     """The page."""
     lines = [PLAN]
     if evidence.search:
-        lines += [*_summary(evidence), "", *_by_parameter(evidence), "", *_finds(evidence), "", *_lacking(evidence)]
-    if evidence.false:
-        lines += ["", *_false(evidence.false)]
+        lines += [*_searched(evidence)]
+    if evidence.replication:
+        lines += ["", *_summary(evidence), "", *_by_parameter(evidence), "", *_finds(evidence)]
+    if evidence.search:
+        lines += ["", *_lacking(evidence)]
     return "\n".join(lines) + "\n"
 
 
-def _summary(evidence: Evidence) -> Iterator[str]:
-    search, total = evidence.search, len(evidence.study.roster.defaults)
-    found, again = len(evidence.shown), len(evidence.detected)
-    before = total - len(evidence.survivors)
-    yield "## Found"
+def _searched(evidence: Evidence) -> Iterator[str]:
+    search = evidence.search
+    shown = sum(len(find.shows) for find in evidence.found)
+    tested = [one for one in search["sought"] if one["candidates"]]
+    yield "## Searched"
     yield ""
     yield f"The search took {search['wall_s'] / 60:.0f} min, {search['processor_s'] / 60:.0f} min of processor time, on"
-    yield f"{search['jobs']} processors, for {search['flown']:,} flights with seed {search['seed']}; it began with an"
-    yield f"empty store.  {len(evidence.finds.finds)} situations show {found} of {len(evidence.survivors)} mutants."
+    yield f"{search['jobs']} processors, for {search['flown']:,} flights."
+    yield f"{len(evidence.found)} situations show {shown} of {len(evidence.survivors)} mutants."
+    yield f"It tested {sum(one['candidates'] for one in tested)} candidates of"
+    yield f"{len(tested)} mutants, which spent {sum(one['spent'] for one in tested):.2g} of alpha summed over all,"
+    yield f"at most {max(one['spent'] for one in tested):.2g} of {search['alpha']:g} for one mutant."
+
+
+def _summary(evidence: Evidence) -> Iterator[str]:
+    total, held = len(evidence.study.roster.defaults), set(evidence.held)
+    before = total - len(evidence.survivors)
+    least, most = evidence.left_out
+    yield "## Replicated"
+    yield ""
+    yield f"{len(evidence.flights['replication'])} flights on the seeds from {evidence.replication['first']:,} on:"
+    yield f"**{len(held)} of {len(evidence.replicas)} pairs hold**, in {len(evidence.finds.finds)} situations;"
+    yield f"with any one seed left out of all of them {least if least == most else f'{least} to {most}'}."
     yield ""
     yield "| detected | of | by |"
     yield "|---|---|---|"
     yield f"| {before} | {total} | the paper's 32 situations |"
-    yield f"| **{before + again}** | {total} | these, and each of the others by its find alone, flown again |"
+    yield f"| **{before + len(held)}** | {total} | these, and each of the others by its find alone, replicated |"
     wide = set(evidence.survivors) - set(evidence.wide)
     yield f"| {before + len(wide)} | {total} | the paper's situations, and the wide grid (43 situations, three seeds) |"
-    yield f"| {before + len(wide | set(evidence.detected))} | {total} | all three |"
-    yield ""
-    yield f"{found - again} of {found} were not detected again; {_equal(evidence)} violated as often as in the search."
-
-
-def _equal(evidence: Evidence) -> int:
-    """Finds that violate as often when they are flown again."""
-    same = 0
-    for find, mutant in evidence.shown:
-        told = find.shows[mutant]
-        flown = [
-            one
-            for one in evidence.again.values()
-            if (one.mutant, one.situation) == (mutant, find.situation) and one.seed < told.flights
-        ]
-        violated = sum(any(own.requirement == told.requirement for own in one.violations) for one in flown)
-        same += (violated, len(flown)) == (told.violated, told.flights)
-    return same
+    yield f"| {before + len(wide | held)} | {total} | all three |"
+    yield f"| 78 | {total} | as the first row but one, by the first search, whose finds nobody should use |"
+    yield f"| 52 | {total} | by those of its finds that were free of the faults above; none of them was replicated |"
 
 
 def _by_parameter(evidence: Evidence) -> Iterator[str]:
     sought = Counter(mutant.split("@")[0].split("-")[1] for mutant in evidence.survivors)
-    found = Counter(mutant.split("@")[0].split("-")[1] for mutant in evidence.detected)
+    found = Counter(mutant.split("@")[0].split("-")[1] for mutant in evidence.held)
     yield from _table(
         ("parameter", "sought", "found"), ((name, number, found[name]) for name, number in sought.items())
     )
@@ -151,25 +172,31 @@ def _by_parameter(evidence: Evidence) -> Iterator[str]:
 def _finds(evidence: Evidence) -> Iterator[str]:
     yield "## The finds"
     yield ""
-    yield "flights: violating of the confirming ones; alone: the score's verdict on the find's flights, flown again."
+    yield "flights: violating of those that confirmed it in the search; again: of those of the replication; p: of the"
+    yield "replication; baseline, mission: of its thirty baselines those that hold the requirement by more than their"
+    yield "spread, and those that do the mission."
     yield ""
     rows = []
-    for find, mutant in evidence.shown:
-        told, scored = find.shows[mutant], evidence.alone.get((find.name, mutant))
+    for one in evidence.replicas:
+        find = next(find for find in evidence.found if find.name == one.find)
+        told = find.shows[one.mutant]
         rows.append(
             (
-                find.situation if mutant == find.mutant else "same",
-                mutant,
+                find.situation if one.mutant == find.mutant else "same",
+                one.mutant,
                 f"{told.requirement} {told.struck}".strip(),
                 f"{told.violated}/{told.flights}",
-                f"{told.p:.1g}",
-                f"{told.held}/{told.baselines}",
-                scored.verdict.value if scored else "not flown",
+                f"{one.again.violated}/{one.again.flights}",
+                f"{one.again.p:.1g}",
+                f"{one.again.held}/{one.again.baselines}",
+                f"{one.again.mission}/{one.again.baselines}",
+                "yes" if one.holds else f"no: {one.why}",
             )
         )
-    yield from _table(("situation", "mutant", "violates", "flights", "p", "baselines", "alone"), rows)
+    head = ("situation", "mutant", "violates", "flights", "again", "p", "baseline", "mission", "holds")
+    yield from _table(head, rows)
     yield ""
-    for find in evidence.finds.finds:
+    for find in evidence.found:
         yield f"- `{find.situation}`: {', '.join(find.words)}"
 
 
@@ -187,21 +214,6 @@ def _lacking(evidence: Evidence) -> Iterator[str]:
         ("mutant", "situations", "why", "wide"),
         ((one.mutant, one.effort.situations, why_not(one), "yes" * (one.mutant in wide)) for one in left),
     )
-
-
-def _false(searches: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    found = sum(bool(one["finds"]) for one in searches)
-    yield "## False finds"
-    yield ""
-    yield f"{len(searches)} searches for the unmutated drone under other seeds, treated as a mutant, each with a seed"
-    yield f"of its own: **{found}** found anything."
-    yield ""
-    rows = (
-        (one["seed"], one["used"], own["effort"]["situations"], own["effort"]["showed"], own["candidates"])
-        for one in searches
-        for own in one["sought"]
-    )
-    yield from _table(("seed", "flights", "situations", "violated with the first seed", "candidates"), rows)
 
 
 def _table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> Iterator[str]:
