@@ -1,0 +1,80 @@
+"""What every verb that flies nothing prints, in every format, on two small campaigns.
+
+`python tests/support/outputs.py` writes `outputs.json.gz`: exit code, output and messages of each command.
+A test holds that they stay.  The campaigns are archives with their own study: four mutants in four situations of the paper's grid
+with three seeds, and three mutants in four situations of the wide grid with one.
+"""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+from click.testing import CliRunner
+
+from scaloft_fi.cli.main import main as scaloft_fi
+
+ROOT = Path(__file__).resolve().parents[2]
+RECORD = Path(__file__).with_name("outputs.json.gz")
+CAMPAIGNS = {name: Path(__file__).parent / "campaigns" / f"{name}.zip" for name in ("paper", "wide")}
+TABLES = ("table", "markdown", "csv", "json", "latex")
+EXPORTS = ("csv", "gsn", "json", "junit", "markdown", "mutation-testing", "sace", "sace-json", "sarif")
+OF_A_CAMPAIGN = (
+    *(("score",), ("score", "--all"), ("score", "--by", "guideword"), ("score", "--by", "severity")),
+    *(("kills", "--show", what) for what in ("conditions", "situations", "suite", "subsumption", "survivors")),
+    *(("kills", "LATE-human"), ("worksheet",), ("coverage",), ("status",), ("dispositions",), ("matrix",)),
+)
+OF_A_STUDY = (
+    *(("matrix",), ("mutants", "LATE-*"), ("signals",), ("seams",), ("operators",)),
+    *(("axes",), ("axes", "--grid", "wide"), ("map", "T1O1W1D1H1"), ("check",), ("seek", "--help"), ("run", "--help")),
+)
+OTHERS = (("--help",), ("score", "--format", "json", "--fail-under", "0.99"), ("score", "--fail-under-firm", "1"))
+LONGEST = 20_000
+"""Of longer outputs the record has the hash [characters]."""
+
+
+def commands() -> Iterator[tuple[str, ...]]:
+    """The commands, with `{paper}` and `{wide}` for the campaigns."""
+    for name in CAMPAIGNS:
+        here = ("--campaign", f"{{{name}}}")
+        yield from ((*words, *here, "--format", style) for words in OF_A_CAMPAIGN for style in TABLES)
+        yield from (("export", *here, "--format", style) for style in EXPORTS)
+        yield from ((*words, *here) for words in OTHERS[1:])
+    yield ("diff", "{paper}", "{wide}")
+    for words in OF_A_STUDY:
+        yield from ((*words, *(("--format", style) if "--help" not in words else ())) for style in TABLES)
+    yield OTHERS[0]
+
+
+def printed(words: tuple[str, ...]) -> list[object]:
+    """Exit code, output and messages of a command; of a long text the hash."""
+    places = {name: str(path) for name, path in CAMPAIGNS.items()}
+    called = [word.format(**places) if word.startswith("{") else word for word in words]
+    done = CliRunner().invoke(scaloft_fi, [*called, "--study", str(ROOT)] if _takes_study(words) else called)
+    texts = (done.stdout, done.stderr)
+    for name, path in places.items():
+        texts = tuple(text.replace(path, f"{{{name}}}") for text in texts)
+    return [done.exit_code, *map(_short, texts)]
+
+
+def _takes_study(words: tuple[str, ...]) -> bool:
+    return "--help" not in words and "--campaign" not in words and words[0] != "diff"
+
+
+def _short(text: str) -> str:
+    kept = text.replace(str(ROOT), "ROOT")
+    return kept if len(kept) <= LONGEST else f"sha256 {hashlib.sha256(kept.encode()).hexdigest()}"
+
+
+def recorded() -> dict[str, list[object]]:
+    """The record, by command."""
+    record: dict[str, list[object]] = json.loads(gzip.decompress(RECORD.read_bytes()))
+    return record
+
+
+if __name__ == "__main__":
+    said = {" ".join(words): printed(words) for words in dict.fromkeys(commands())}
+    RECORD.write_bytes(gzip.compress(json.dumps(said, indent=1).encode(), mtime=0))
