@@ -1,8 +1,8 @@
 """What every verb that flies nothing prints, in every format, on two small campaigns.
 
 `python tests/support/outputs.py` writes `outputs.json.gz`: exit code, output and messages of each command.
-A test holds that they stay.  The campaigns are archives with their own study: four mutants in four situations of the paper's grid
-with three seeds, and three mutants in four situations of the wide grid with one.
+A test holds that they stay.  The campaigns are archives with their own study: four mutants in four situations of the
+paper's grid with three seeds, and three mutants in four situations of the wide grid with one.
 """
 
 from __future__ import annotations
