@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from scaloft_fi.campaign.store.checked import MOST_TRACK_BYTES, checked
@@ -105,7 +105,9 @@ def test_a_wrong_track_is_refused(track: bytes) -> None:
 
 
 @given(st.recursive(st.none() | st.integers() | st.text() | st.floats(), lambda inner: st.lists(inner, max_size=20)))
+@example([None] * (len(COLUMNS) - 1))
 def test_no_other_values_are_an_outcome(row: Any) -> None:
+    assume(not (isinstance(row, list) and len(row) == len(COLUMNS)))
     with pytest.raises(ValueError, match="an outcome is a list"):
         checked(row, b"")
 
