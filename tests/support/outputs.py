@@ -10,6 +10,7 @@ from __future__ import annotations
 import gzip
 import hashlib
 import json
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -75,6 +76,21 @@ def recorded() -> dict[str, list[object]]:
     return record
 
 
+def differences(every: int) -> tuple[int, list[str]]:
+    """How many commands were tried, each `every`th of the record, and what is printed now where it differs."""
+    record = recorded()
+    asked = list(dict.fromkeys(commands()))
+    assert [" ".join(words) for words in asked] == list(record), "the record is made by python tests/support/outputs.py"
+    tried = {" ".join(words): printed(words) for words in asked[::every]}
+    return len(tried), [
+        f"{name}: {now}\nrecorded: {record[name]}" for name, now in tried.items() if now != record[name]
+    ]
+
+
 if __name__ == "__main__":
+    if sys.argv[1:2] == ["check"]:
+        count, differing = differences(int(sys.argv[2]))
+        sys.stdout.write("\n".join([f"{count} commands tried", *differing, ""]))
+        sys.exit(bool(differing))
     said = {" ".join(words): printed(words) for words in dict.fromkeys(commands())}
     RECORD.write_bytes(gzip.compress(json.dumps(said, indent=1).encode(), mtime=0))
