@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 
 import outputs
 from effort import usually
+
+from scaloft_fi.terminal import PIPED
 
 EVERY = usually(6, release=1)
 
@@ -14,6 +17,7 @@ EVERY = usually(6, release=1)
 def test_each_verb_prints_what_is_recorded_in_every_format() -> None:
     # A process of its own: operators that other tests declare would be counted.
     asked = [sys.executable, outputs.__file__, "check", str(EVERY)]
-    done = subprocess.run(asked, capture_output=True, text=True, check=False)
+    wide = {**os.environ, "COLUMNS": str(PIPED)}
+    done = subprocess.run(asked, capture_output=True, text=True, check=False, env=wide)
     assert done.returncode == 0, done.stdout + done.stderr
     assert int(done.stdout.split()[0]) >= len(outputs.recorded()) // EVERY
