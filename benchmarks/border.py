@@ -23,10 +23,9 @@ import numpy as np
 
 from scaloft_fi.outside.exchange import Exchange
 from scaloft_fi.outside.settings import OutsideConfig, ProcessConfig, SeamConfig
+from scaloft_fi.stack.declaration import TICK_S, PlainWire
 from scaloft_fi.stack.messages import DepthFrame
-from scaloft_fi.stack.rates import TICK_S
 from scaloft_fi.stack.reference.messages import PoseEstimate
-from scaloft_fi.stack.seam import PlainWire
 
 SIZE = (48, 64)
 WARM = 100

@@ -21,7 +21,7 @@ from scaloft_fi.campaign.plan.choose import seeds as seeds_of
 from scaloft_fi.judge.requirement import judge
 from scaloft_fi.sim.flight import fly
 from scaloft_fi.sim.load import load
-from scaloft_fi.stack.seam import PlainWire
+from scaloft_fi.stack.declaration import PlainWire
 from scaloft_fi.study import Study
 
 LATENCY, SHEEN, THICKNESS = "sensors.depth.latency_s", "world.bodies.bar.reflectivity", "world.bodies.bar.radius_m"

@@ -37,7 +37,7 @@ from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.plan.plan import plan
 from scaloft_fi.campaign.processes.pool import Pool
 from scaloft_fi.judge.outcome import BASELINE, Outcome
-from scaloft_fi.mutants.derive import defaults, realise
+from scaloft_fi.mutants.catalogue import defaults, realise
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.sim import flight as flight_module
 from scaloft_fi.study import Study

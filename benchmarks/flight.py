@@ -38,12 +38,12 @@ from scaloft_fi.sim.observer import Observer
 from scaloft_fi.sim.sensors import suite
 from scaloft_fi.sim.sensors.camera import DepthSensor
 from scaloft_fi.sim.sensors.detector import Detector
+from scaloft_fi.stack.declaration import PlainWire
 from scaloft_fi.stack.reference import companion
 from scaloft_fi.stack.reference.estimator import Estimator
 from scaloft_fi.stack.reference.memory import ObstacleMemory
 from scaloft_fi.stack.reference.planner import Planner
 from scaloft_fi.stack.reference.proximity import ProximityMonitor
-from scaloft_fi.stack.seam import PlainWire
 from scaloft_fi.study import Study
 
 # The timed functions: (owner, attribute, part).  The time of a nested part is subtracted from the outer part.

@@ -30,7 +30,7 @@ from reflown import published
 from varied import Varied
 
 from scaloft_fi.campaign.processes.start import cores
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
 
 

@@ -33,7 +33,7 @@ from scaloft_fi.analysis.scoring.detection import Detection, Sample, Spending, d
 from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.document import load
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.mutants.select import select
+from scaloft_fi.mutants.catalogue import select
 from scaloft_fi.study import Study
 
 PUBLISHED = ROOT / "results" / "published"

@@ -33,7 +33,7 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.output import write_whole
 from scaloft_fi.sim.flight import fly
 from scaloft_fi.sim.log import FlightLog
-from scaloft_fi.stack.seam import Wire
+from scaloft_fi.stack.declaration import Wire
 from scaloft_fi.study import Study
 
 FLIGHTS = (

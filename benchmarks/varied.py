@@ -24,7 +24,7 @@ from scaloft_fi.campaign.plan.arrange import together
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.workers.local import Local
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.sim.grid import Grid
 from scaloft_fi.sim.load import SimConfig, load
 from scaloft_fi.sim.log import FlightLog

@@ -9,38 +9,57 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.mutants.argument import (
+from scaloft_fi.mutants.operator import (
+    ANYTHING,
+    IMAGE,
+    NUMBERS,
+    STAMP,
     Axis,
     Component,
     Degrees,
+    Example,
     Factor,
+    Facts,
     Hold,
     Metres,
+    Need,
     Number,
     NumericField,
     Period,
     Range,
     Seconds,
     Share,
+    Tap,
+    TapContext,
+    Windows,
+    operator,
+    the,
 )
-from scaloft_fi.mutants.facts import Facts
-from scaloft_fi.mutants.need import ANYTHING, IMAGE, NUMBERS, STAMP, Need, the
-from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
 from scaloft_fi.mutants.sample import on_each, within
-from scaloft_fi.mutants.window import Windows
 from scaloft_fi.sim.claims import declare_claims
 from scaloft_fi.sim.measures import signal
 from scaloft_fi.sim.stacks import declare_stack
 from scaloft_fi.stack import messages
-from scaloft_fi.stack.belief import Belief, Mark
-from scaloft_fi.stack.claim import Claim, Instant
 from scaloft_fi.stack.config import Bounds
-from scaloft_fi.stack.contract import PlainStack, Stack, Task
-from scaloft_fi.stack.declaration import Declaration
-from scaloft_fi.stack.fast_path import FastPath
-from scaloft_fi.stack.fields import Array, Image, Point, Stamp, Vector
-from scaloft_fi.stack.rates import STEP_HZ, STEP_S, TICK_HZ, TICK_S
-from scaloft_fi.stack.seam import PlainWire, Seam, Wire
+from scaloft_fi.stack.declaration import (
+    STEP_HZ,
+    STEP_S,
+    TICK_HZ,
+    TICK_S,
+    Belief,
+    Claim,
+    Declaration,
+    FastPath,
+    Instant,
+    Mark,
+    PlainStack,
+    PlainWire,
+    Seam,
+    Stack,
+    Task,
+    Wire,
+)
+from scaloft_fi.stack.messages import Array, Image, Point, Stamp, Vector
 from scaloft_fi.streams import Table
 
 if TYPE_CHECKING:

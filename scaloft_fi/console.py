@@ -1,21 +1,198 @@
-"""Standard output and standard error, whatever they are: terminals, files on a full disk, closed pipes, nothing.
+r"""Standard output and standard error, whatever they are: terminals, files on a full disk, closed pipes, nothing.
 
-Every text that leaves through them is made inert here.  A reader that leaves early is no error; a result that cannot be
-written is one; a message that cannot be written never stops the work that it is about.
+Every text that leaves through them is made inert here: control characters (C0, C1, DEL), characters that are not seen
+or turn the direction of writing (zero width, bidirectional formatting, tags), line separators and lone surrogates of
+file names are written as `\x1b`, `\u202e` and so on.  Line breaks and tabs stay, except where a text must be one
+line. Lines end between words: never within an id or a path, a command that fits a line, or before a `%`.  A reader
+that leaves early is no error; a result that cannot be written is one; a message that cannot be written never stops
+the work that it is about.
 """
 
 from __future__ import annotations
 
 import errno
 import io
+import json
 import os
+import re
 import sys
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from typing import TextIO
+from enum import StrEnum
+from textwrap import wrap
+from typing import Any, TextIO
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.inert import line, printable
-from scaloft_fi.terminal import Marked, Style, coloured, styled
+
+_OBEYED = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\xad\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f"
+    "\ud800-\udfff\ufeff\ufff9-\ufffb\ufffe\uffff\U000e0000-\U000e007f]"
+)
+
+
+def printable(text: str) -> str:
+    r"""The text with every character spelled out that a terminal would obey or hide; other texts stay as they are.
+
+    >>> printable("a\x1b[31mb\tc")
+    'a\\x1b[31mb\tc'
+    """
+    return text if text.isprintable() else _OBEYED.sub(lambda found: repr(found[0])[1:-1], text)
+
+
+def line(text: str) -> str:
+    """The printable text on one line."""
+    shown = printable(text)
+    return " ".join(shown.split()) if "\n" in shown or "\t" in shown else shown.strip()
+
+
+def json_text(values: Any, *, indent: int | None = None, letters: bool = False) -> str:
+    r"""JSON in which everything is escaped that a terminal would obey or hide.
+
+    Args:
+        values: plain JSON values.
+        indent: as of `json.dumps`.
+        letters: whether letters beyond ASCII stand as they are.
+
+    >>> json_text("\x7f\x9b Ü"), json_text("\x7f\x9b Ü", letters=True)
+    ('"\\u007f\\u009b \\u00dc"', '"\\u007f\\u009b Ü"')
+
+    Raises:
+        ValueError: a number is not finite.
+    """
+    text = json.dumps(values, indent=indent, ensure_ascii=not letters, allow_nan=False).replace("\x7f", "\\u007f")
+    return _OBEYED.sub(lambda found: json.dumps(found[0])[1:-1], text) if letters else text
+
+
+def all_printable(values: Any) -> Any:
+    r"""Plain JSON values with every text printable, keys too.
+
+    >>> all_printable({"struck": ["\x1b[2J", 1.5]})
+    {'struck': ['\\x1b[2J', 1.5]}
+    """
+    if isinstance(values, str):
+        return printable(values)
+    if isinstance(values, Mapping):
+        return {all_printable(key): all_printable(value) for key, value in values.items()}
+    if isinstance(values, list | tuple):
+        return [all_printable(value) for value in values]
+    return values
+
+
+PIPED = 100
+"""Width of a text that goes to no terminal [characters]."""
+LEAST = 40
+"""Texts are laid out for no less than this [characters]."""
+PROSE = 100
+"""Sentences are no longer than this on a wider terminal [characters]."""
+
+
+class Style(StrEnum):
+    """A way to mark a text on a terminal, as the number that ANSI has for it.  A style never says what no word says."""
+
+    STRONG = "1"
+    BAD = "31"
+    GOOD = "32"
+    DOUBT = "33"
+    COMMAND = "36"
+
+
+class Marked(str):
+    """A text with the marks of styles; every text that came from elsewhere was made printable before."""
+
+    __slots__ = ()
+
+
+def width() -> int:
+    """How wide texts may be: $COLUMNS, else the width of the terminal, else `PIPED` [characters]."""
+    told = os.environ.get("COLUMNS", "")
+    columns = int(told) if told.isdecimal() and len(told) < 5 else 0
+    if not columns:
+        try:
+            columns = os.get_terminal_size(sys.stdout.fileno()).columns
+        except (OSError, ValueError):  # ValueError: the stream has no descriptor
+            columns = 0
+    return max(LEAST, columns) if columns else PIPED
+
+
+def coloured(stream: TextIO | None = None) -> bool:
+    """Whether a stream gets colours; standard output when None.
+
+    $NO_COLOR forbids them (https://no-color.org), $FORCE_COLOR and $CLICOLOR_FORCE demand them even where no terminal
+    is; else a terminal gets them that is not dumb.
+    """
+    said = os.environ.get
+    if said("NO_COLOR"):
+        return False
+    if any(said(name, "0") not in ("", "0") for name in ("FORCE_COLOR", "CLICOLOR_FORCE")):
+        return True
+    return (stream or sys.stdout).isatty() and said("TERM") != "dumb" and said("CLICOLOR") != "0"
+
+
+def styled(text: str, style: Style) -> str:
+    r"""The text with the marks of a style.
+
+    >>> styled("killed", Style.BAD)
+    '\x1b[31mkilled\x1b[0m'
+    """
+    return f"\x1b[{style}m{text}\x1b[0m" if text else text
+
+
+def joined(texts: Sequence[str]) -> str:
+    """Texts below each other; marked if any of them is, and then the others must be printable."""
+    text = "\n".join(texts)
+    return Marked(text) if any(isinstance(each, Marked) for each in texts) else text
+
+
+_COMMAND = re.compile(r"`[^`\n]+`")
+_BLANK = "\x00"
+"""Stands for a blank at which no line may end; no printable text holds it."""
+
+
+_PERCENT = re.compile(r"(?<=\d) (?=%)")
+
+
+def kept_together(text: str) -> str:
+    """The text with a sign that is no blank before each `%`, so that it stays beside its number."""
+    return _PERCENT.sub(_BLANK, text)
+
+
+def broken(text: str, width: int, first: str = "", rest: str = "") -> list[str]:
+    """The lines of a text; the arguments are those of `wrapped`, which keeps commands whole, too.
+
+    >>> broken("8/32 = 25 %", 10)
+    ['8/32 =', '25 %']
+    """
+    lines = wrap(
+        kept_together(text),
+        width,
+        initial_indent=first,
+        subsequent_indent=rest,
+        break_on_hyphens=False,
+        break_long_words=False,
+    )
+    return [line.replace(_BLANK, " ") for line in lines]
+
+
+def wrapped(text: str, width: int, first: str = "", rest: str = "") -> str:
+    """The text in lines of `width` characters; a word that is longer keeps a line of its own.
+
+    Args:
+        text: of one paragraph; a command stands between backticks.
+        width: of the lines with their indent [characters].
+        first: stands before the first line.
+        rest: stands before each other line.
+
+    >>> print(wrapped("fly it again: `scaloft-fi replay NO-depth@3s/T0/0`", 40))
+    fly it again:
+    `scaloft-fi replay NO-depth@3s/T0/0`
+    """
+    room = width - max(len(first), len(rest))
+
+    def held(command: re.Match[str]) -> str:
+        return command[0].replace(" ", _BLANK) if len(command[0]) <= room else command[0]
+
+    return "\n".join(broken(_COMMAND.sub(held, text), width, first, rest))
+
 
 _STYLES = {"error": Style.BAD, "ratchet": Style.BAD, "warning": Style.DOUBT}
 

@@ -1,16 +1,295 @@
-"""Reads YAML documents into items that keep their places, within limits that hold before memory is used."""
+"""Read the YAML documents of users: regular files up to a size, into items that know their places.
+
+No other module of the package opens such a file, because a pipe, a device or an endless file must never hang a verb or
+fill the memory.
+"""
 
 from __future__ import annotations
 
+import difflib
+import hashlib
+import math
+import os
+import stat
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from functools import lru_cache
+from io import BufferedReader
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from scaloft_fi.errors import InputError, shown
-from scaloft_fi.item import ITEMS, Item, Scalar
-from scaloft_fi.reading import read_text
+from scaloft_fi.errors import InputError, did_you_mean, shown
+
+MIB = 1 << 20
+DOCUMENT_BYTES = 4 * MIB
+"""Largest YAML file; those of the reference study have at most 25 kB."""
+CATALOGUE_BYTES = 16 * MIB
+"""Largest catalogue: some 60,000 mutants."""
+FILE_BYTES = 1024 * MIB
+"""Largest file of any other kind in a study."""
+
+_KINDS = {
+    stat.S_IFDIR: "a folder",
+    stat.S_IFIFO: "a pipe",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+    stat.S_IFSOCK: "a socket",
+}
+
+
+class UnreadableError(InputError):
+    """A file cannot be read.  path: the file; reason: why, without the name of the file."""
+
+    def __init__(self, path: Path, reason: str) -> None:
+        super().__init__(path, reason)
+        self.path = path
+        self.reason = reason
+
+    def __str__(self) -> str:
+        """The sentence."""
+        return f"{self.path}: cannot be read: {self.reason}"
+
+
+def read_bytes(path: Path, most_bytes: int = FILE_BYTES) -> bytes:
+    """The content of a file.
+
+    Raises:
+        UnreadableError: the file is no regular file, is larger than `most_bytes`, or cannot be opened.
+    """
+    with opened(path, most_bytes) as file:
+        content = file.read(most_bytes + 1)
+    if len(content) > most_bytes:  # it has grown since it was opened, or its file system gives no sizes
+        raise UnreadableError(path, _too_large(most_bytes))
+    return content
+
+
+def read_text(path: Path, most_bytes: int = DOCUMENT_BYTES) -> str:
+    """The content of a text file.
+
+    Raises:
+        UnreadableError: as `read_bytes`, or the content is not UTF-8.
+    """
+    try:
+        return read_bytes(path, most_bytes).decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise UnreadableError(path, "not UTF-8 text") from error
+
+
+def digest(path: Path, most_bytes: int = FILE_BYTES) -> str:
+    """SHA-256 of a file, read piece by piece.
+
+    Raises:
+        UnreadableError: as `read_bytes`.
+    """
+    with opened(path, most_bytes) as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def is_file(path: Path) -> bool:
+    """Whether `path` is a regular file; False also where the system refuses the name (`Path.is_file` would raise)."""
+    return os.path.isfile(path)  # noqa: PTH113
+
+
+def is_folder(path: Path) -> bool:
+    """Whether `path` is a folder; False also where the system refuses the name."""
+    return os.path.isdir(path)  # noqa: PTH112
+
+
+def is_there(path: Path) -> bool:
+    """Whether `path` names anything, a link that leads nowhere included: such a link is refused, not overlooked."""
+    return os.path.lexists(path)
+
+
+@contextmanager
+def opened(path: Path, most_bytes: int = FILE_BYTES) -> Iterator[BufferedReader]:
+    """The file, open for reading; the open file itself is checked, so that nobody can exchange it after the check.
+
+    Raises:
+        UnreadableError: as `read_bytes`.
+    """
+    try:
+        # Without O_NONBLOCK, opening a pipe waits for a writer.
+        number = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    except (OSError, ValueError) as error:
+        raise _unreadable(path, error) from error
+    try:
+        _check(path, os.fstat(number), most_bytes)
+    except UnreadableError:
+        os.close(number)
+        raise
+    try:
+        with open(number, "rb") as file:  # noqa: PTH123 - it is open
+            yield file
+    except OSError as error:
+        raise _unreadable(path, error) from error
+
+
+def _check(path: Path, status: os.stat_result, most_bytes: int) -> None:
+    if not stat.S_ISREG(status.st_mode):
+        kind = _KINDS.get(stat.S_IFMT(status.st_mode), "of another kind")
+        raise UnreadableError(path, f"it is {kind}, and must be a regular file")
+    if status.st_size > most_bytes:
+        raise UnreadableError(path, _too_large(most_bytes))
+
+
+def _unreadable(path: Path, error: OSError | ValueError) -> UnreadableError:
+    """The refusal of the system; a ValueError is a NUL in the name."""
+    return UnreadableError(path, (error.strerror if isinstance(error, OSError) else None) or str(error))
+
+
+def _too_large(most_bytes: int) -> str:
+    return f"it is larger than {most_bytes:,} bytes"
+
+
+LARGEST = 1e9
+"""Largest number of a setting that states no bounds of its own."""
+ITEMS = 30_000
+"""Most values of a document, those that an alias repeats included."""
+MOST = 1_000
+"""Most entries of a list or mapping of which each entry costs time or memory in every flight."""
+
+Scalar = str | int | float | bool | None
+
+
+@dataclass(frozen=True)
+class Item:
+    """One YAML value with its place.  `value` is a scalar, a tuple of items, or a mapping of items by key."""
+
+    path: Path
+    line: int
+    name: str
+    value: Scalar | tuple[Item, ...] | dict[str, Item]
+    _taken: set[str] = field(default_factory=set, compare=False, repr=False)
+
+    @property
+    def place(self) -> str:
+        """`file:line`, the beginning of every error message."""
+        return f"{self.path}:{self.line}"
+
+    def error(self, allowed: str) -> InputError:
+        """The error for a value that is not allowed here."""
+        value = "{...}" if isinstance(self.value, dict) else "[...]" if isinstance(self.value, tuple) else None
+        return InputError(f"{self.place}: {self.name}={value or shown(self.value)} must be {allowed}")
+
+    def mapping(self, *, most: int = ITEMS) -> dict[str, Item]:
+        """The entries of a mapping by key, at most `most` of them."""
+        if not isinstance(self.value, dict):
+            raise self.error("a mapping of keys to values")
+        if len(self.value) > most:
+            raise self.error(f"a mapping of at most {most:,} keys")
+        return self.value
+
+    def items(self, *, most: int = ITEMS) -> tuple[Item, ...]:
+        """The entries of a list, at most `most` of them."""
+        if not isinstance(self.value, tuple):
+            raise self.error("a list")
+        if len(self.value) > most:
+            raise self.error(f"a list of at most {most:,} values")
+        return self.value
+
+    def __iter__(self) -> Iterator[Item]:
+        return iter(self.items())
+
+    def text(self) -> str:
+        """A non-empty string."""
+        if not isinstance(self.value, str) or not self.value.strip():
+            raise self.error("a text")
+        return " ".join(self.value.split())
+
+    def number(
+        self, *, least: float = -LARGEST, most: float = LARGEST, above: float = -math.inf, infinite: bool = False
+    ) -> float:
+        """A number within `least` <= value <= `most` and value > `above`; `infinite` allows the infinities too."""
+        if isinstance(self.value, bool) or not isinstance(self.value, int | float) or math.isnan(self.value):
+            raise self.error("a number")
+        if math.isinf(self.value):
+            if infinite:
+                return self.value
+            raise self.error("a finite number")
+        if not (least <= self.value <= most and self.value > above):
+            lowest = (f"> {above:g}", above) if above >= least else (f">= {least:g}", least)
+            beyond = abs(self.value) > LARGEST
+            told = [text for text, bound in (lowest, (f"<= {most:g}", most)) if beyond or abs(bound) < LARGEST]
+            raise self.error(" and ".join(told))
+        return float(self.value)
+
+    def whole(self, *, least: int = 0, most: int = int(LARGEST)) -> int:
+        """A whole number within `least` <= value <= `most`."""
+        if isinstance(self.value, bool) or not isinstance(self.value, int) or not least <= self.value <= most:
+            within = f" and <= {most}" if isinstance(self.value, int) and self.value > most else ""
+            raise self.error(f"a whole number >= {least}{within}")
+        return self.value
+
+    def flag(self) -> bool:
+        """Either true or false."""
+        if not isinstance(self.value, bool):
+            raise self.error("true or false")
+        return self.value
+
+    def choice(self, allowed: Sequence[str]) -> str:
+        """One of `allowed`."""
+        if str(self.value) not in allowed:
+            hint = did_you_mean(str(self.value), allowed)
+            raise InputError(f"{self.place}: {self.name}={shown(self.value)} is not known{hint}")
+        return str(self.value)
+
+    def numbers(self, count: int | None = None, *, least: float = -LARGEST, most: float = LARGEST) -> tuple[float, ...]:
+        """A list of numbers within `least` <= value <= `most`, `count` of them when given."""
+        values = tuple(item.number(least=least, most=most) for item in self.items())
+        if count is not None and len(values) != count:
+            raise self.error(f"a list of {count} numbers")
+        return values
+
+    def plain(self) -> Any:
+        """The bare Python value: dicts, lists and scalars.
+
+        Raises:
+            InputError: a number is not finite.
+        """
+        if isinstance(self.value, dict):
+            return {key: item.plain() for key, item in self.value.items()}
+        if isinstance(self.value, tuple):
+            return [item.plain() for item in self.value]
+        if isinstance(self.value, float) and not math.isfinite(self.value):
+            raise self.error("a finite number")
+        return self.value
+
+    def get(self, key: str) -> Item | None:
+        """The entry of a mapping under `key`, or None; from now on the key counts as known."""
+        self._taken.add(key)
+        return self.mapping().get(key)
+
+    def need(self, key: str, meaning: str = "") -> Item:
+        """The entry of a mapping under `key`.
+
+        Args:
+            key: the key.
+            meaning: what it is to hold, for those who left it out.
+
+        Raises:
+            InputError: there is none.
+        """
+        entry = self.get(key)
+        if entry is None:
+            entries = self.mapping()
+            for near in difflib.get_close_matches(key, sorted(entries.keys() - self._taken)[:MOST], n=1, cutoff=0.75):
+                raise InputError(f"{entries[near].place}: unknown key {near!r} in {self.name}; did you mean {key!r}?")
+            raise InputError(f"{self.place}: {self.name} lacks the key {key!r}{f': {meaning}' if meaning else ''}")
+        return entry
+
+    def close(self) -> None:
+        """Refuse unknown keys: the keys that no call of `get` or `need` has read.
+
+        Raises:
+            InputError: a key is unknown; the message names the first unknown key and the nearest known key.
+        """
+        for key, item in self.mapping().items():
+            if key not in self._taken:
+                raise InputError(f"{item.place}: unknown key {key!r} in {self.name}{did_you_mean(key, self._taken)}")
+
 
 DEPTH = 50
 """Deepest nesting of a document."""

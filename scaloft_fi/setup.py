@@ -10,9 +10,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.document import load
+from scaloft_fi.document import is_there, load
 from scaloft_fi.errors import InputError
-from scaloft_fi.reading import is_there
 from scaloft_fi.registry import in_one_line
 from scaloft_fi.sim.stacks import StackChoice
 from scaloft_fi.stack.declaration import Declaration

@@ -1,22 +1,25 @@
-"""A study: the folder that a user edits, read part by part, and the checks across its parts."""
+"""A study: the folder that a user edits, read part by part, with its accepted survivors, and checks across parts."""
 
 from __future__ import annotations
 
 import hashlib
 import json
+import re
 import sys
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from datetime import date
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.document import load
+from scaloft_fi.analysis.disposition import Disposition
+from scaloft_fi.document import Item, digest, is_file, is_there, load, read_text
 from scaloft_fi.errors import InputError, did_you_mean, shown
-from scaloft_fi.hazop.folder import find_study
-from scaloft_fi.hazop.load import load_matrix
+from scaloft_fi.hazop.load import find_study, load_matrix
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.reading import digest, is_file, is_there
+from scaloft_fi.mutants.catalogue import realise
+from scaloft_fi.output import write_whole
 from scaloft_fi.registry import load_plugins
 from scaloft_fi.setup import Setup
 from scaloft_fi.sim.grids import FOLDER, grid_names
@@ -24,11 +27,126 @@ from scaloft_fi.sim.roles import ROLES
 from scaloft_fi.sources import closure, digest_of
 
 if TYPE_CHECKING:
-    from scaloft_fi.analysis.disposition import Disposition
     from scaloft_fi.analysis.roster import Roster
     from scaloft_fi.mutants.mutant import Mutant
     from scaloft_fi.sim.known_finds import KnownFinds
     from scaloft_fi.sim.situation import Situation
+
+
+HEADER = """\
+# Accepted survivors; `scaloft-fi score --ratchet` fails on any other survivor.
+# Each entry names the person responsible (owner), the reason, and the last day of its validity (expires);
+# optional `situations` limit the entry: a survival in another situation is not accepted.
+"""
+
+
+def load_dispositions(path: Path, matrix: Matrix, situations: Collection[str]) -> tuple[Disposition, ...]:
+    """Read the dispositions of a study; a study without the file has none.
+
+    Args:
+        path: `hazop/dispositions.yaml`.
+        matrix: matrix of the study.
+        situations: keys of its grids.
+
+    Raises:
+        InputError: a mutant, a situation or a date does not exist, a key is missing, empty or unknown, or a mutant
+            occurs twice; the message names the place.
+    """
+    if not is_there(path):
+        return ()
+    dispositions: dict[str, Disposition] = {}
+    for name, item in load(path).mapping().items():
+        disposition = read_disposition(name, item, matrix, situations)
+        if disposition.mutant in dispositions:
+            first = dispositions[disposition.mutant].place
+            raise InputError(f"{item.place}: mutant {name!r} is {disposition.mutant!r}, which is already at {first}")
+        dispositions[disposition.mutant] = disposition
+    return tuple(dispositions.values())
+
+
+def read_disposition(name: str, item: Item, matrix: Matrix, situations: Collection[str]) -> Disposition:
+    """Read one disposition.
+
+    Args:
+        name: the mutant, in any form.
+        item: its entry.
+        matrix: matrix of the study.
+        situations: keys of its grids.
+
+    Raises:
+        InputError: a mutant, a situation or a date does not exist, or a key is missing, empty or unknown.
+    """
+    try:
+        mutant = realise(matrix, name)
+    except InputError as error:
+        raise InputError(f"{item.place}: {error}") from None
+    item.need("status").choice(("accepted",))
+    only = item.get("situations")
+    keys = tuple(_situation(entry, situations) for entry in only.items()) if only else ()
+    if only is not None and not keys:
+        raise only.error("a list of at least one, or left out")
+    disposition = Disposition(
+        mutant=mutant.id,
+        owner=item.need("owner").text(),
+        reason=item.need("reason").text(),
+        expires=_date(item.need("expires")),
+        situations=keys,
+        place=item.place,
+    )
+    item.close()
+    return disposition
+
+
+def _situation(item: Item, situations: Collection[str]) -> str:
+    if item.value not in situations:
+        raise InputError(f"{item.place}: no situation {item.value!r}{did_you_mean(str(item.value), situations)}")
+    return str(item.value)
+
+
+def _date(item: Item) -> date:
+    day = parse_date(str(item.value))
+    if day is None:
+        raise item.error("a date such as 2027-01-31")
+    return day
+
+
+def parse_date(text: str) -> date | None:
+    """Parse a date in the form YYYY-MM-DD of ISO 8601; None for any other text.
+
+    >>> parse_date("2027-01-31"), parse_date("2027-02-30"), parse_date("20270131")
+    (datetime.date(2027, 1, 31), None, None)
+    """
+    if not re.fullmatch(r"\d{4}-\d{2}-\d{2}", text):
+        return None
+    try:
+        return date.fromisoformat(text)
+    except ValueError:
+        return None
+
+
+def append_drafts(path: Path, mutants: Iterable[str]) -> None:
+    """Append an entry for each mutant to `hazop/dispositions.yaml`, which is made where it is missing.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    before = read_text(path) if is_there(path) else HEADER
+    try:
+        write_whole(path, (before.rstrip("\n") + "\n" + draft(mutants)).encode())
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror}") from error
+
+
+def draft(mutants: Iterable[str]) -> str:
+    """Draft the YAML entries of survivors that are not accepted yet.
+
+    The keys that need a decision are empty; the file is refused until a person has filled them in.
+
+    Args:
+        mutants: canonical ids.
+    """
+    return "".join(f'\n{mutant}:\n  status: accepted\n  owner: ""\n  reason: ""\n  expires: ""\n' for mutant in mutants)
+
 
 PACKAGE = Path(__file__).resolve().parent
 FLYING = ("scaloft_fi.campaign.flights.share", "scaloft_fi.setup")
@@ -92,7 +210,7 @@ class Study(Setup):
     @cached_property
     def matrix(self) -> Matrix:
         """The deviation matrix."""
-        from scaloft_fi.mutants.derive import with_events
+        from scaloft_fi.mutants.catalogue import with_events
         from scaloft_fi.sim.occasions import events_in
 
         matrix, world = load_matrix(self.folder / "hazop", self.stack.by_name), self.folder / "sim" / "world.yaml"
@@ -101,16 +219,16 @@ class Study(Setup):
     @cached_property
     def catalogue(self) -> tuple[Mutant, ...]:
         """Every mutant; checked to equal the mutants derived from the matrix."""
-        from scaloft_fi.mutants.catalogue import check
+        from scaloft_fi.mutants.catalogue import check_catalogue
 
-        return check(self.folder / "mutants", self.matrix)
+        return check_catalogue(self.folder / "mutants", self.matrix)
 
     @cached_property
     def roster(self) -> Roster:
         """The mutants for scores."""
         from scaloft_fi.analysis.roster import Roster
-        from scaloft_fi.hazop.cell import CellStatus
-        from scaloft_fi.mutants.derive import default_of
+        from scaloft_fi.hazop.matrix import CellStatus
+        from scaloft_fi.mutants.catalogue import default_of
 
         credible = [cell for cell in self.matrix if cell.status is CellStatus.CREDIBLE]
         controls = frozenset(cell.name for cell in self.matrix if cell.status is CellStatus.CONTROL)
@@ -142,8 +260,6 @@ class Study(Setup):
     @cached_property
     def dispositions(self) -> tuple[Disposition, ...]:
         """The accepted survivors."""
-        from scaloft_fi.dispositions import load_dispositions
-
         return load_dispositions(self.dispositions_path, self.matrix, SituationKeys(self))
 
     @cached_property

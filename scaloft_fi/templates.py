@@ -13,10 +13,10 @@ from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
 
+from scaloft_fi.document import is_folder, is_there, read_bytes
 from scaloft_fi.errors import InputError, shown
-from scaloft_fi.hazop.folder import reference_study
+from scaloft_fi.hazop.load import reference_study
 from scaloft_fi.output import write_whole
-from scaloft_fi.reading import is_folder, is_there, read_bytes
 
 Files = Mapping[str, bytes]
 """Content by path, relative to the new folder."""

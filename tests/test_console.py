@@ -6,8 +6,8 @@ import io
 import pytest
 
 from scaloft_fi import console
+from scaloft_fi.console import Marked
 from scaloft_fi.errors import InputError
-from scaloft_fi.terminal import Marked
 
 
 class Failing(io.StringIO):

@@ -9,10 +9,10 @@ import pytest
 from builders import GRID
 
 from scaloft_fi.analysis.disposition import Disposition
-from scaloft_fi.dispositions import draft, load_dispositions
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
-from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.stack.reference.stack import REFERENCE
+from scaloft_fi.study import draft, load_dispositions
 
 MATRIX = load_matrix(Path(__file__).parents[1] / "hazop", REFERENCE.by_name)
 KEYS = [key for key, _ in GRID.points]

@@ -7,9 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.document import load
+from scaloft_fi.document import ITEMS, load
 from scaloft_fi.errors import InputError
-from scaloft_fi.item import ITEMS
 
 
 @pytest.fixture

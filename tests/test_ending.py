@@ -34,7 +34,7 @@ def test_a_signal_ends_the_process_wherever_it_is_even_where_exceptions_are_swal
     number: signal.Signals, tmp_path: Path
 ) -> None:
     swallowing = "while True:\n    try:\n        time.sleep(60)\n    except BaseException:\n        pass\n"
-    program = "import time; from scaloft_fi import ending; ending.end_at_signals(); print('ready', flush=True)\n"
+    program = "import time; from scaloft_fi import output; output.end_at_signals(); print('ready', flush=True)\n"
     process = _started(program + swallowing, tmp_path)
     process.send_signal(number)
     _, said = process.communicate(timeout=30)
@@ -44,7 +44,7 @@ def test_a_signal_ends_the_process_wherever_it_is_even_where_exceptions_are_swal
 def test_a_file_that_is_being_written_is_gone_and_the_earlier_one_is_whole(tmp_path: Path) -> None:
     (tmp_path / "report.html").write_text("earlier")
     program = (
-        "import os, time; from pathlib import Path; from scaloft_fi import ending, output; ending.end_at_signals()\n"
+        "import os, time; from pathlib import Path; from scaloft_fi import output; output.end_at_signals()\n"
         "def slow(_): print('ready', flush=True); time.sleep(60)\n"
         "os.fsync = slow\n"
         "output.write_whole(Path('report.html'), b'new')\n"
@@ -59,8 +59,8 @@ def test_a_file_that_is_being_written_is_gone_and_the_earlier_one_is_whole(tmp_p
 
 def test_what_nohup_ignores_stays_ignored(tmp_path: Path) -> None:
     program = (
-        "import signal; from scaloft_fi import ending; signal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
-        "ending.end_at_signals(); print('ready', flush=True); signal.raise_signal(signal.SIGHUP)\n"
+        "import signal; from scaloft_fi import output; signal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
+        "output.end_at_signals(); print('ready', flush=True); signal.raise_signal(signal.SIGHUP)\n"
     )
     process = _started(program, tmp_path)
     _, said = process.communicate(timeout=30)

@@ -4,8 +4,7 @@ import ast
 from pathlib import Path
 
 from scaloft_fi.campaign.workers import interrupt
-from scaloft_fi.errors import GateError, InputError, ScaloftError
-from scaloft_fi.exit_codes import ExitCode
+from scaloft_fi.errors import ExitCode, GateError, InputError, ScaloftError
 
 PACKAGE = Path(__file__).parents[1] / "scaloft_fi"
 

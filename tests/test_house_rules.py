@@ -39,7 +39,7 @@ def test_tests_are_not_a_package() -> None:
 
 
 READERS = {
-    "reading.py": "the one reader",
+    "document.py": "the one reader",
     "sources.py": "source files of packages",
     "stack/kernel.py": "source files of the kernels",
     "campaign/store/fingerprint.py": "/proc/cpuinfo",
@@ -63,7 +63,7 @@ def _opens(node: ast.AST) -> bool:
         return False
     owner, _, name = ast.unparse(node.func).rpartition(".")
     if name in {"read_text", "read_bytes"}:
-        return bool(owner) and owner not in NO_FILES  # without an owner it is the function of `reading.py`
+        return bool(owner) and owner not in NO_FILES  # without an owner it is the function of `document.py`
     return name in {"open", "fdopen"} and owner not in NO_FILES
 
 

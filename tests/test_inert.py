@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from obeyed import obeyed
 
-from scaloft_fi.inert import all_printable, json_text, line, printable
+from scaloft_fi.console import all_printable, json_text, line, printable
 
 texts = st.text(st.characters(), max_size=40)  # lone surrogates too
 values = st.recursive(

@@ -9,7 +9,7 @@ import sys
 import outputs
 from effort import usually
 
-from scaloft_fi.terminal import PIPED
+from scaloft_fi.console import PIPED
 
 EVERY = usually(6, release=1)
 

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi import reading
-from scaloft_fi.reading import UnreadableError, digest, read_bytes, read_text
+from scaloft_fi import document
+from scaloft_fi.document import UnreadableError, digest, read_bytes, read_text
 
 
 def pipe(path: Path) -> None:
@@ -46,8 +46,8 @@ def test_what_is_no_regular_file_is_refused_at_once(tmp_path, monkeypatch, kind,
 def test_a_name_that_the_system_refuses_is_refused_in_a_sentence(tmp_path, name):
     with pytest.raises(UnreadableError, match="cannot be read: "):
         read_bytes(tmp_path / name)
-    assert not reading.is_file(tmp_path / name)
-    assert not reading.is_folder(tmp_path / name)
+    assert not document.is_file(tmp_path / name)
+    assert not document.is_folder(tmp_path / name)
 
 
 def test_a_file_of_the_largest_size_is_read_and_a_larger_file_is_refused_with_the_limit(tmp_path):
@@ -77,8 +77,8 @@ def test_bytes_that_are_no_text_are_refused(tmp_path):
 
 def test_a_link_that_leads_nowhere_is_there(tmp_path):
     (tmp_path / "a").symlink_to("nowhere")
-    assert reading.is_there(tmp_path / "a")
-    assert not reading.is_there(tmp_path / "b")
+    assert document.is_there(tmp_path / "a")
+    assert not document.is_there(tmp_path / "b")
 
 
 def test_the_refusal_survives_the_way_between_processes(tmp_path):

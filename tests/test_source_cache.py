@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.source_cache import SourceCache
+from scaloft_fi.sources import SourceCache
 
 
 @pytest.fixture(autouse=True)

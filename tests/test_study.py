@@ -229,7 +229,7 @@ def test_the_code_of_a_mutant_adds_the_module_of_its_operator_and_no_other_opera
 
 def test_what_a_plugin_imports_of_the_api_brings_no_code_of_tables_scores_or_runs(study: Study) -> None:
     added = closure(["scaloft_fi.api"], beside=closure(study.flying_modules)).keys()
-    assert {name.split(".")[1] for name in added} == {"api", "mutants", "sim", "stack"}
+    assert {name.split(".")[1] for name in added} <= {"api", "mutants", "sim", "stack"}
 
 
 @pytest.mark.flight

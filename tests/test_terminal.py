@@ -11,8 +11,8 @@ from termios import TIOCSWINSZ
 
 import pytest
 
-from scaloft_fi import terminal
-from scaloft_fi.terminal import LEAST, PIPED, Marked, coloured, joined, width
+from scaloft_fi import console
+from scaloft_fi.console import LEAST, PIPED, Marked, coloured, joined, width
 
 
 class Screen(io.StringIO):
@@ -40,7 +40,7 @@ def test_columns_tell_the_width(said: str, found: int, monkeypatch: pytest.Monke
 def test_a_terminal_tells_its_width() -> None:
     ours, theirs = pty.openpty()
     ioctl(theirs, TIOCSWINSZ, struct.pack("HHHH", 24, 73, 0, 0))
-    program = "from scaloft_fi.terminal import width; print(width())"
+    program = "from scaloft_fi.console import width; print(width())"
     subprocess.run([sys.executable, "-c", program], stdout=theirs, check=True)
     assert os.read(ours, 100).split() == [b"73"]
 
@@ -71,4 +71,4 @@ def test_colours_are_where_a_terminal_is_or_the_user_wants_them(
 def test_marks_are_kept_where_texts_are_joined() -> None:
     assert isinstance(joined([Marked("a"), "b"]), Marked)
     assert type(joined(["a", "b"])) is str
-    assert terminal.styled("", terminal.Style.BAD) == ""
+    assert console.styled("", console.Style.BAD) == ""

@@ -3,7 +3,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.wrapping import wrapped
+from scaloft_fi.console import wrapped
 
 WORDS = st.lists(st.sampled_from(["NO-depth@3s", "a", "`scaloft-fi run --seeds 3`", "p/" * 30]), max_size=20)
 

@@ -13,7 +13,7 @@ import numpy as np
 from bugs.bug import Bug
 from bugs.staged import Parts
 from scaloft_fi.stack.messages import DepthFrame
-from scaloft_fi.stack.reference import strapdown, voxels
+from scaloft_fi.stack.reference import estimator, memory
 from scaloft_fi.stack.reference.memory import ObstacleMemory
 from scaloft_fi.stack.reference.messages import Clearing, PoseEstimate
 
@@ -38,9 +38,9 @@ class ViewTooWide(ObstacleMemory):
     def _beside_the_picture(self, pose: PoseEstimate) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
         """Which cells lie in the assumed view, but beside the camera's."""
         c, camera, turn = self.config, self.camera, np.empty((3, 3))
-        strapdown.rotation(pose.attitude, turn)
+        estimator.rotation(pose.attitude, turn)
         eye = pose.position + camera.ahead_m * turn[:, 0]
-        centres = voxels.centres(self._cells, eye, c.voxel_m, np.inf)
+        centres = memory.centres(self._cells, eye, c.voxel_m, np.inf)
         ahead, left, up = ((centres - eye) @ turn).T
         in_range = (ahead > c.min_range_m) & (ahead < c.max_range_m)
         side, height = (abs(first) + 0.5 * abs(step) for first, step in (camera.column, camera.row))

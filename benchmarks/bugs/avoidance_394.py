@@ -9,10 +9,9 @@ from __future__ import annotations
 
 from bugs.bug import Bug
 from bugs.staged import Parts
-from scaloft_fi.stack.reference.companion import Companion, CompanionConfig, Stages
+from scaloft_fi.stack.declaration import Wire
+from scaloft_fi.stack.reference.companion import Companion, CompanionConfig, PoseBuffer, Stages
 from scaloft_fi.stack.reference.messages import PoseEstimate, Route
-from scaloft_fi.stack.reference.pose_buffer import PoseBuffer
-from scaloft_fi.stack.seam import Wire
 
 
 class NewestOnly(PoseBuffer):

@@ -10,7 +10,7 @@ import numpy as np
 
 from bugs.bug import Bug
 from bugs.staged import Parts
-from scaloft_fi.stack.fields import Array
+from scaloft_fi.stack.messages import Array
 from scaloft_fi.stack.reference.estimator import Estimator, EstimatorConfig
 
 OFFSET_M = (0.5, 0.5, 0.0)

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from bugs.bug import Bug
 from bugs.staged import Parts, Receiver
+from scaloft_fi.stack.declaration import TICK_HZ
 from scaloft_fi.stack.messages import SensorFrames
-from scaloft_fi.stack.rates import TICK_HZ
 
 INTEGRATED_S = 1.0 / TICK_HZ
 """Integration time of a depth frame [s]."""

@@ -15,7 +15,7 @@ import numpy as np
 from bugs.bug import Bug
 from bugs.staged import Parts
 from bugs.travel import Travel
-from scaloft_fi.stack.fields import Array
+from scaloft_fi.stack.messages import Array
 from scaloft_fi.stack.reference.messages import PoseEstimate
 from scaloft_fi.stack.reference.planner import LocalPlan, shape_velocity
 

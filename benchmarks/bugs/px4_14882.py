@@ -9,8 +9,7 @@ from __future__ import annotations
 from bugs.bug import Bug
 from bugs.staged import Parts
 from scaloft_fi.stack.messages import Imu
-from scaloft_fi.stack.reference.estimator import Estimator
-from scaloft_fi.stack.reference.strapdown import RATE_BIAS
+from scaloft_fi.stack.reference.estimator import RATE_BIAS, Estimator
 
 
 class BiasTwice(Estimator):

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from bugs.bug import Bug
 from bugs.staged import Parts
-from scaloft_fi.stack.fields import Array
+from scaloft_fi.stack.messages import Array
 from scaloft_fi.stack.reference.estimator import Estimator, EstimatorConfig
 
 

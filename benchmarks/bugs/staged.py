@@ -10,25 +10,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scaloft_fi.stack.contract import Stack, Task
-from scaloft_fi.stack.declaration import Declaration
+from scaloft_fi.stack.declaration import Declaration, Stack, Task, Wire
 from scaloft_fi.stack.messages import SensorFrames
-from scaloft_fi.stack.reference.battery_monitor import BatteryMonitor
-from scaloft_fi.stack.reference.companion import Companion, Stages
-from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.stack.reference.companion import Companion, ExposureControl, Stages
 from scaloft_fi.stack.reference.estimator import Estimator
-from scaloft_fi.stack.reference.exposure import ExposureControl
-from scaloft_fi.stack.reference.flight_control import FlightControl
-from scaloft_fi.stack.reference.inner_loop import InnerLoop
+from scaloft_fi.stack.reference.flight_control import FlightControl, InnerLoop
 from scaloft_fi.stack.reference.memory import ObstacleMemory
 from scaloft_fi.stack.reference.messages import Route
-from scaloft_fi.stack.reference.mission import Mission
+from scaloft_fi.stack.reference.mission import BatteryMonitor, Mission, SpeedLimitStage
 from scaloft_fi.stack.reference.planner import Planner
-from scaloft_fi.stack.reference.proximity import ProximityMonitor
-from scaloft_fi.stack.reference.recoil import Recoil
-from scaloft_fi.stack.reference.speed_limit import SpeedLimitStage
-from scaloft_fi.stack.reference.stack import ReferenceConfig, ReferenceStack
-from scaloft_fi.stack.seam import Wire
+from scaloft_fi.stack.reference.proximity import ProximityMonitor, Recoil
+from scaloft_fi.stack.reference.stack import REFERENCE, ReferenceConfig, ReferenceStack
 
 
 class Receiver:

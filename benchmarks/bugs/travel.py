@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from scaloft_fi.stack.fields import Array
+from scaloft_fi.stack.messages import Array
 from scaloft_fi.stack.reference.companion import Companion
 from scaloft_fi.stack.reference.messages import PoseEstimate, VelocityCommand
 from scaloft_fi.stack.reference.planner import LocalPlan, shape_velocity

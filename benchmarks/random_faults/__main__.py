@@ -38,8 +38,7 @@ from random_faults.page import flown
 from random_faults.plan import FAULTS, PLAN, names_of
 from scaloft_fi.campaign.processes.start import cores
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.mutants.catalogue import lines
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import catalogue_lines, realise
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.study import Study
 
@@ -56,7 +55,7 @@ def drawn(study: Study) -> tuple[Mutant, ...]:
 
 def text_of(faults: Sequence[Mutant]) -> str:
     """The file of faults, one line of JSON for each."""
-    return "".join(f"{line}\n" for line in lines(faults))
+    return "".join(f"{line}\n" for line in catalogue_lines(faults))
 
 
 def read_faults() -> tuple[Mutant, ...]:

@@ -25,14 +25,12 @@ from functools import cached_property
 import numpy as np
 
 from random_faults.quantities import Quantity, places, quantities, shortest_s
-from scaloft_fi.hazop.cell import Value
-from scaloft_fi.mutants.argument import ALL, Argument
+from scaloft_fi.hazop.matrix import Value
 from scaloft_fi.mutants.mutant import Mutant
-from scaloft_fi.mutants.operator import Operator
+from scaloft_fi.mutants.operator import ALL, Argument, Operator
 from scaloft_fi.mutants.operators import OPERATORS
-from scaloft_fi.stack.declaration import Declaration
-from scaloft_fi.stack.fields import field_type, number_fields, vector_fields
-from scaloft_fi.stack.seam import UNITS, Seam
+from scaloft_fi.stack.declaration import UNITS, Declaration, Seam
+from scaloft_fi.stack.messages import field_type, number_fields, vector_fields
 from scaloft_fi.streams import generator
 from scaloft_fi.study import Study
 

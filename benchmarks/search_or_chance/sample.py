@@ -11,7 +11,7 @@ from wide import POOL, SEEDS
 from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study
 

@@ -15,7 +15,7 @@ from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.seeking.flights import Allowance
 from scaloft_fi.campaign.runs.seeking.proposals import Possible, Proposal, Proposer, opening
 from scaloft_fi.campaign.runs.seeking.seek import seek
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.output import write_whole
 from scaloft_fi.sim.found import Evidence
 from scaloft_fi.study import Study

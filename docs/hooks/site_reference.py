@@ -20,10 +20,10 @@ from scaloft_fi.analysis.scoring.pool import State
 from scaloft_fi.analysis.tried import Reaction
 from scaloft_fi.checks.finding import Severity
 from scaloft_fi.cli.reference import command_reference
-from scaloft_fi.hazop.cell import CellStatus
+from scaloft_fi.hazop.matrix import CellStatus
 from scaloft_fi.judge.requirement import Compliance, Kind
 from scaloft_fi.judge.status import Status
-from scaloft_fi.mutants.need import Need
+from scaloft_fi.mutants.operator import Need
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.study import Study
 from scaloft_fi.views.exchange.format import FORMATS

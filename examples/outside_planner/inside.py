@@ -8,10 +8,10 @@ from dataclasses import replace
 
 from planner import Planner
 
-from scaloft_fi.api import declare_stack
 from scaloft_fi.outside.declaration import OUTSIDE, seams_of, shaped
 from scaloft_fi.outside.ports import Land, Motion
 from scaloft_fi.outside.stack import DeclaredWire, VelocityStack, words_of
+from scaloft_fi.sim.stacks import declare_stack
 
 
 class Round:

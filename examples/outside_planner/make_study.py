@@ -9,7 +9,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from scaloft_fi.api import Study
+from scaloft_fi.study import Study
 
 HERE = Path(__file__).parent
 SHARED = ("world.yaml", "vehicle.yaml", "sensors.yaml", "situations.yaml")

@@ -7,7 +7,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from scaloft_fi.api import Study
+from scaloft_fi.study import Study
 
 
 def copy_study(folder: Path, source: Path | None = None) -> None:

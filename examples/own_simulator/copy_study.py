@@ -9,7 +9,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from scaloft_fi.api import Study
+from scaloft_fi.study import Study
 
 HERE = Path(__file__).resolve().parent
 PARTS = ("hazop", "mutants", "sim")

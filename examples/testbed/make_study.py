@@ -10,8 +10,8 @@ import shutil
 import sys
 from pathlib import Path
 
-from scaloft_fi.api import Study
 from scaloft_fi.errors import InputError
+from scaloft_fi.study import Study
 
 HERE = Path(__file__).parent
 SHARED = ("vehicle.yaml", "sensors.yaml")

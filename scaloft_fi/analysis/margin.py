@@ -12,9 +12,7 @@ from dataclasses import dataclass
 
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.tried import FAILING, PhasedFault, Reaction, Tried, tried_in
-from scaloft_fi.hazop.cell import CellStatus, Magnitude
-from scaloft_fi.hazop.ladder import Worse, neutral, worse
-from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.matrix import CellStatus, Magnitude, Matrix, Worse, neutral, worse
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
 

@@ -6,10 +6,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from scaloft_fi.hazop.cell import CellStatus
-from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.matrix import CellStatus, Matrix, SeverityClass
 from scaloft_fi.hazop.name import cell_of
-from scaloft_fi.hazop.severity import SeverityClass
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Subject
 
 

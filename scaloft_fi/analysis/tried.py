@@ -11,8 +11,7 @@ from enum import StrEnum
 from scaloft_fi.analysis.scoring.detection import Detection
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore, Result
 from scaloft_fi.analysis.scoring.score import Score
-from scaloft_fi.hazop.cell import Fault
-from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.matrix import Fault, Matrix
 from scaloft_fi.hazop.name import Name, parse, split_magnitude
 from scaloft_fi.judge.flights import apart
 from scaloft_fi.judge.outcome import Outcome

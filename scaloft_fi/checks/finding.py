@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TypeVar
 
+from scaloft_fi.document import UnreadableError
 from scaloft_fi.errors import InputError
-from scaloft_fi.reading import UnreadableError
 from scaloft_fi.registry import in_one_line, plugin_behind
 
 T = TypeVar("T")

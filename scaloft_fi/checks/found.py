@@ -6,11 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scaloft_fi.checks.finding import Findings
-from scaloft_fi.dispositions import read_disposition
-from scaloft_fi.document import load
-from scaloft_fi.item import Item
-from scaloft_fi.reading import is_there
+from scaloft_fi.document import Item, is_there, load
 from scaloft_fi.sim.found import FILE
+from scaloft_fi.study import read_disposition
 
 if TYPE_CHECKING:
     from collections.abc import Collection

@@ -7,16 +7,20 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from scaloft_fi.checks.finding import Finding, Findings, Severity, finding_of
-from scaloft_fi.document import load
+from scaloft_fi.document import is_there, load
 from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.hazop.cell import Cell, CellStatus
-from scaloft_fi.hazop.guideword import Guideword
 from scaloft_fi.hazop.load import SHEETS, load_guidewords, load_parameters, misnamed_cells, misnamed_sheets, read_cell
-from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.hazop.parameter import Parameter
-from scaloft_fi.hazop.severity import SEVERITIES, SeverityClass, load_severities
-from scaloft_fi.mutants.derive import derive
-from scaloft_fi.reading import is_there
+from scaloft_fi.hazop.matrix import (
+    SEVERITIES,
+    Cell,
+    CellStatus,
+    Guideword,
+    Matrix,
+    Parameter,
+    SeverityClass,
+    load_severities,
+)
+from scaloft_fi.mutants.catalogue import derive
 
 if TYPE_CHECKING:
     from scaloft_fi.stack.declaration import Declaration

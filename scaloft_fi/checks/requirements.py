@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scaloft_fi.checks.finding import Findings
-from scaloft_fi.document import load
+from scaloft_fi.document import Item, load
 from scaloft_fi.errors import InputError
-from scaloft_fi.item import Item
 from scaloft_fi.judge.bounds import Spans, bounds_of, constants, verdict
 from scaloft_fi.judge.caps import within_caps
 from scaloft_fi.judge.ranges import ANY, Ranges

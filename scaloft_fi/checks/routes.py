@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from scaloft_fi.checks.finding import Findings
-from scaloft_fi.item import Item
+from scaloft_fi.document import Item
 from scaloft_fi.sim.mesh import Array
 from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.world import GROUND, WALL, Point, World

@@ -11,9 +11,8 @@ from scaloft_fi.analysis.situations.covering import greedy_array
 from scaloft_fi.checks.finding import Finding, Findings, Severity, finding_of
 from scaloft_fi.checks.requirements import KnownSignals, check_predicate
 from scaloft_fi.checks.routes import RouteCheck
-from scaloft_fi.document import load
+from scaloft_fi.document import Item, load
 from scaloft_fi.errors import InputError
-from scaloft_fi.item import Item
 from scaloft_fi.judge.space import MOST_LISTED
 from scaloft_fi.judge.stl import FormulaError
 from scaloft_fi.sim.constraint import read_constraints

@@ -11,11 +11,9 @@ from typing import TYPE_CHECKING
 
 from scaloft_fi.checks.finding import Finding, Findings, Severity, finding_of
 from scaloft_fi.checks.requirements import KnownSignals
-from scaloft_fi.document import load
+from scaloft_fi.document import Item, is_file, is_there, load
 from scaloft_fi.errors import InputError
-from scaloft_fi.item import Item
 from scaloft_fi.judge.ranges import ANY, Ranges, ranges_of, within_rock, without
-from scaloft_fi.reading import is_file, is_there
 from scaloft_fi.registry import PLUGIN_GROUP, load_plugin
 from scaloft_fi.sim.grids import FILE, FOLDER
 from scaloft_fi.sim.measures import SIGNALS

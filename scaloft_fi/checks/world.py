@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from scaloft_fi.checks.finding import Findings, Severity, finding_of
-from scaloft_fi.document import load
-from scaloft_fi.item import Item
+from scaloft_fi.document import Item, load
 from scaloft_fi.sim.happenings import check_happenings, read_happening
 from scaloft_fi.sim.mesh_flaws import flaws_of
 from scaloft_fi.sim.mine import Mine, read_mine

@@ -9,7 +9,7 @@ import click
 from scaloft_fi.cli.answer import answer, tables_option
 from scaloft_fi.cli.options import format_option, study_option
 from scaloft_fi.cli.verb import verb
-from scaloft_fi.exit_codes import ExitCode
+from scaloft_fi.errors import ExitCode
 
 
 @verb(
@@ -31,7 +31,7 @@ def check_command(study_folder: Path | None, *, fly: bool, style: str, tables_fo
     somebody should know.  Nothing in the study is written.
     """
     from scaloft_fi.checks.check import check_study
-    from scaloft_fi.hazop.folder import find_study
+    from scaloft_fi.hazop.load import find_study
     from scaloft_fi.views.answers.check import checked
 
     check = check_study(find_study(study_folder), fly=fly)

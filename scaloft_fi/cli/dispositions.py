@@ -12,7 +12,7 @@ from scaloft_fi.cli.answer import answer
 from scaloft_fi.cli.options import campaign_option, format_option, study_option, today_option
 from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say
-from scaloft_fi.exit_codes import ExitCode
+from scaloft_fi.errors import ExitCode
 from scaloft_fi.views.own_study import check_own
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ def ratchet(study: Study, scored: Score, today: date | None) -> int:
 def _draft(path: Path, survivors: Columns) -> None:
     """Append an entry for each survivor that nobody has accepted, and say so."""
     from scaloft_fi.analysis.disposition import Standing
-    from scaloft_fi.dispositions import append_drafts
+    from scaloft_fi.study import append_drafts
 
     opened = list(survivors["mutant"][survivors["state"] == Standing.OPEN])
     if not opened:

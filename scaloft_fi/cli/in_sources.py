@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
 
-from scaloft_fi.reading import read_text
+from scaloft_fi.document import read_text
 
 BELIEF, FORMAT, OPERATOR, SEAM, SIGNAL = "Belief", "@export_format", "@operator", "Seam", "@signal"
 """What a declaration begins with; its first argument is the name."""

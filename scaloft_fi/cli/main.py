@@ -17,11 +17,9 @@ from scaloft_fi.cli.refusal import check_memory, refusal
 from scaloft_fi.cli.shells import COMPLETION, answered
 from scaloft_fi.cli.verb import REST, Example, HelpPage, Page
 from scaloft_fi.cli.verbs import GROUPS, VERBS, command_of
-from scaloft_fi.console import lost, say, stand, tell
-from scaloft_fi.errors import ScaloftError, did_you_mean
-from scaloft_fi.exit_codes import ExitCode
+from scaloft_fi.console import Marked, lost, say, stand, tell
+from scaloft_fi.errors import ExitCode, ScaloftError, did_you_mean
 from scaloft_fi.registry import in_one_line, plugin_behind
-from scaloft_fi.terminal import Marked
 from scaloft_fi.version import __version__
 
 COLLECT_AFTER = (100_000, 50, 100)

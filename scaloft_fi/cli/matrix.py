@@ -11,15 +11,12 @@ import click
 from scaloft_fi.cli import names
 from scaloft_fi.cli.options import campaign_option, format_option, operability_option, study_option
 from scaloft_fi.cli.verb import verb
-from scaloft_fi.console import tell
-from scaloft_fi.hazop.folder import find_study
-from scaloft_fi.hazop.load import load_matrix
+from scaloft_fi.console import tell, width, wrapped
+from scaloft_fi.hazop.load import find_study, load_matrix
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.render import blocks, cells, grid_table, legend, overview, sheet, tally
 from scaloft_fi.hazop.worksheet import HEADER, SHORT_HEADER, rows, short_rows
-from scaloft_fi.terminal import width
 from scaloft_fi.views.tables.table import Format, csv_text, tabulated
-from scaloft_fi.wrapping import wrapped
 
 
 @verb(

@@ -11,9 +11,8 @@ import click
 from scaloft_fi.cli import names
 from scaloft_fi.cli.options import format_option, study_option
 from scaloft_fi.cli.verb import verb
-from scaloft_fi.console import say, tell, tell_line
+from scaloft_fi.console import say, tell, tell_line, width
 from scaloft_fi.errors import InputError
-from scaloft_fi.terminal import width
 from scaloft_fi.views.own_study import check_own
 from scaloft_fi.views.tables.table import Format, csv_text, tabulated
 from scaloft_fi.views.tables.text import body_text
@@ -68,19 +67,18 @@ def mutants_command(
         raise click.UsageError("--write and --check exclude each other")
     if (write or check) and (patterns or cells or only_defaults):
         raise click.UsageError("--write and --check are about the whole catalogue; give no pattern with them")
-    from scaloft_fi.mutants import catalogue
-    from scaloft_fi.mutants.derive import defaults, derive
+    from scaloft_fi.mutants.catalogue import CATALOGUE, check_catalogue, defaults, derive, write_catalogue
     from scaloft_fi.study import Study
     from scaloft_fi.views.mutant_record import MUTANTS, mutant_values
 
     study = Study.open(study_folder)
     folder = study.folder / "mutants"
     if write:
-        check_own(study, study_folder, folder / catalogue.FILE)
+        check_own(study, study_folder, folder / CATALOGUE)
     matrix = study.matrix
-    derived = catalogue.check(folder, matrix) if check else derive(matrix)
+    derived = check_catalogue(folder, matrix) if check else derive(matrix)
     default_ids = {mutant.id for mutant in defaults(matrix)}
-    path = catalogue.write(folder, derived) if write else folder / catalogue.FILE
+    path = write_catalogue(folder, derived) if write else folder / CATALOGUE
     current = write or check or _is_current(folder, matrix)
     chosen = derived if write or check else _chosen(derived, matrix, patterns, cells, only_defaults=only_defaults)
     if style == Format.JSON:
@@ -93,10 +91,10 @@ def mutants_command(
 
 def _is_current(folder: Path, matrix: Matrix) -> bool:
     """Whether the written catalogue is what the matrix gives; a warning says why it is not."""
-    from scaloft_fi.mutants import catalogue
+    from scaloft_fi.mutants.catalogue import check_catalogue
 
     try:
-        catalogue.check(folder, matrix)
+        check_catalogue(folder, matrix)
     except InputError as error:
         say(f"warning: {error}")
         return False
@@ -107,8 +105,7 @@ def _chosen(
     derived: Sequence[Mutant], matrix: Matrix, patterns: Sequence[str], cells: Sequence[str], *, only_defaults: bool
 ) -> Sequence[Mutant]:
     """What the user asks for; without a word the whole catalogue."""
-    from scaloft_fi.mutants.derive import default_of, defaults
-    from scaloft_fi.mutants.select import select
+    from scaloft_fi.mutants.catalogue import default_of, defaults, select
 
     for name in cells:
         default_of(matrix.cell(name))  # refuses a cell without mutants, with its reason

@@ -18,7 +18,7 @@ from click.shell_completion import CompletionItem
 from scaloft_fi.cli import in_sources
 
 if TYPE_CHECKING:
-    from scaloft_fi.item import Item
+    from scaloft_fi.document import Item
 
 MOST = 256
 """Most names that are offered at once; the next letters choose among the others."""
@@ -55,13 +55,13 @@ def _first(names: Names, typed: str) -> list[str]:
 
 
 def _study(context: click.Context) -> Path:
-    from scaloft_fi.hazop.folder import find_study
+    from scaloft_fi.hazop.load import find_study
 
     return find_study(context.params.get("study_folder"))
 
 
 def _catalogue(study: Path) -> Iterator[dict[str, Any]]:
-    from scaloft_fi.reading import CATALOGUE_BYTES, read_text
+    from scaloft_fi.document import CATALOGUE_BYTES, read_text
 
     lines = read_text(study / "mutants" / "catalogue.jsonl", CATALOGUE_BYTES).splitlines()
     return map(json.loads, filter(None, lines))

@@ -156,7 +156,7 @@ def as_of_option(function: F) -> F:
 def _day(_context: click.Context, _option: click.Parameter, text: str | None) -> date | None:
     if text is None:
         return None
-    from scaloft_fi.dispositions import parse_date
+    from scaloft_fi.study import parse_date
 
     found = parse_date(text)
     if found is None:

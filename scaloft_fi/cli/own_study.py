@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from scaloft_fi.console import say
-from scaloft_fi.hazop.folder import find_study, nearest_study
+from scaloft_fi.hazop.load import find_study, nearest_study
 from scaloft_fi.views.own_study import REMEDY
 
 

@@ -11,8 +11,8 @@ from scaloft_fi.cli.answer import answer, line_format_option
 from scaloft_fi.cli.files import check_writable, write
 from scaloft_fi.cli.options import as_of_option, campaign_option, study_option
 from scaloft_fi.cli.verb import verb
+from scaloft_fi.console import line
 from scaloft_fi.errors import InputError
-from scaloft_fi.inert import line
 
 NAME = "report.html"
 

@@ -20,8 +20,7 @@ from scaloft_fi.cli.options import (
 )
 from scaloft_fi.cli.verb import verb
 from scaloft_fi.console import say
-from scaloft_fi.errors import InputError
-from scaloft_fi.exit_codes import ExitCode
+from scaloft_fi.errors import ExitCode, InputError
 
 if TYPE_CHECKING:
     from scaloft_fi.views.outputs.output import Output

@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 
 import click
 
-from scaloft_fi.terminal import PROSE, Style, coloured, styled, width
-from scaloft_fi.wrapping import wrapped
+from scaloft_fi.console import PROSE, Style, coloured, styled, width, wrapped
 
 REST = "Options"
 """The section of the options that stand in no other."""

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from scaloft_fi.hazop.cell import Cell, CellStatus, Fault, Rung
-from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.wrapping import wrapped
+from scaloft_fi.console import wrapped
+from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Matrix, Rung
 
 LEGEND = (
     "3s       credible: can happen, and is flown at this default magnitude",
@@ -142,7 +141,7 @@ def sheet(matrix: Matrix, cell: Cell, edges: Mapping[str, str], columns: int) ->
 def ladder(fault: Fault) -> str:
     """List the magnitudes of a fault; the default has a star.
 
-    >>> from scaloft_fi.hazop.cell import Magnitude
+    >>> from scaloft_fi.hazop.matrix import Magnitude
     >>> ladder(Fault("imu", "delay", {}, Magnitude("delay_s", "ms", (5.0, 20.0), 20.0, 0.001)))
     'delay_s = 5 ms, 20 ms*  (times 0.001; * default)'
     """

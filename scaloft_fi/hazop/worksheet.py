@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from scaloft_fi.hazop.cell import Cell, Fault
-from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.matrix import Cell, Fault, Matrix, SeverityClass, class_of
 from scaloft_fi.hazop.render import expectation, ladder, mark, yaml_text
-from scaloft_fi.hazop.severity import SeverityClass, class_of
 
 HEADER = (
     "cell",

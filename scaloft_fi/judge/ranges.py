@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 from scaloft_fi.judge.caps import SIGHT_M
 from scaloft_fi.sim.measures import SIGNALS
 from scaloft_fi.sim.signals import CLEARANCE_CAP_M, FAR_M, truth_signals
-from scaloft_fi.stack.rates import TICK_S
+from scaloft_fi.stack.declaration import TICK_S
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.world import World
-    from scaloft_fi.stack.belief import Belief
+    from scaloft_fi.stack.declaration import Belief
 
 Span = tuple[float, float]
 """Least and greatest number, either may be infinite."""

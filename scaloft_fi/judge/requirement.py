@@ -12,9 +12,8 @@ from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.document import load
+from scaloft_fi.document import Item, load
 from scaloft_fi.errors import InputError
-from scaloft_fi.item import Item
 from scaloft_fi.judge.stl import FUTURE, WORDS, Formula, FormulaError, Signals, inside_always, tokenize
 
 if TYPE_CHECKING:

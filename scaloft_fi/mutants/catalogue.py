@@ -1,63 +1,253 @@
-"""The catalogue: a committed file with every mutant of the study, one on each line."""
+"""The mutants of a study: derived from the deviation matrix, selected by name, listed in a committed file."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Sequence
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from fnmatch import fnmatchcase
 from itertools import zip_longest
 from pathlib import Path
 
-from scaloft_fi.errors import InputError, shown
-from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.mutants.derive import derive
+from scaloft_fi.document import CATALOGUE_BYTES, UnreadableError, read_text
+from scaloft_fi.errors import InputError, did_you_mean, shown
+from scaloft_fi.hazop.matrix import Cell, CellStatus, Expected, Fault, Matrix, Rung
+from scaloft_fi.hazop.name import Name, parse, split_magnitude
 from scaloft_fi.mutants.mutant import Mutant
+from scaloft_fi.mutants.operator import OperatorError
+from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.output import write_whole
-from scaloft_fi.reading import CATALOGUE_BYTES, UnreadableError, read_text
 
-FILE = "catalogue.jsonl"
+
+def derive(matrix: Matrix) -> tuple[Mutant, ...]:
+    """All mutants of a matrix, in the order parameter, guideword, fault, magnitude, phase.
+
+    Raises:
+        InputError: naming file and line of an operator, seam or argument that does not exist or is not allowed.
+    """
+    return tuple(mutant for cell in matrix for fault in cell.faults for mutant in _all_of(cell, fault))
+
+
+def defaults(matrix: Matrix) -> tuple[Mutant, ...]:
+    """One mutant for each credible and each control cell: its first fault at the default magnitude, unshifted.
+
+    Raises:
+        InputError: as `derive`.
+    """
+    return tuple(default_of(cell) for cell in matrix if cell.faults)
+
+
+def default_of(cell: Cell) -> Mutant:
+    """The mutant that the bare name of a cell stands for.
+
+    Raises:
+        InputError: the cell is not meaningful; or as `derive`.
+    """
+    _refuse_blank(cell)
+    fault = cell.faults[0]
+    return _patched(cell, fault, fault.magnitude.default if fault.magnitude else None)
+
+
+def realise(matrix: Matrix, text: str) -> Mutant:
+    """The mutant that an id stands for, in the catalogue or not.
+
+    Raises:
+        InputError: the id is malformed, its cell is unknown or not meaningful, or its magnitude or phase is not
+            allowed.
+    """
+    name = parse(text)
+    cell = matrix.cell(name.cell)
+    _refuse_blank(cell)
+    fault, rung = _chosen(cell, name, text)
+    return _patched(cell, fault, rung, name.phase_s, name.event, written=text)
+
+
+def source_of(matrix: Matrix, mutant: Mutant) -> tuple[Fault, Rung | None]:
+    """The fault of the matrix that a mutant realises, and its magnitude there."""
+    cell = matrix.cells[mutant.guideword, mutant.parameter]
+    return _chosen(cell, mutant.name, mutant.id)
+
+
+def expected_of(matrix: Matrix, mutant: Mutant) -> Expected | None:
+    """The outcome that the matrix expects of a mutant, with the reason; None when it expects none."""
+    fault, rung = source_of(matrix, mutant)
+    return fault.expects(rung)
+
+
+def _refuse_blank(cell: Cell) -> None:
+    if cell.status is CellStatus.NOT_MEANINGFUL:
+        raise InputError(f"mutant {cell.name!r} does not exist; the cell is not meaningful: {cell.reason}")
+
+
+def _chosen(cell: Cell, name: Name, text: str) -> tuple[Fault, Rung | None]:
+    """The fault that the unit of the magnitude picks, and the magnitude."""
+    first = cell.faults[0]
+    if not name.magnitude:
+        return first, first.magnitude.default if first.magnitude else None
+    rung, unit = split_magnitude(name.magnitude)
+    laddered = [(fault, fault.magnitude) for fault in cell.faults if fault.magnitude is not None]
+    if not laddered:
+        raise InputError(f"mutant {text!r}: {cell.name} has no magnitude; write {cell.name!r}")
+    for fault, magnitude in laddered:
+        if unit == magnitude.unit and isinstance(rung, str) == isinstance(magnitude.ladder[0], str):
+            return fault, rung
+    ladder = [f"{cell.name}@{magnitude.text(rung)}" for _, magnitude in laddered for rung in magnitude.ladder]
+    raise InputError(f"mutant {text!r}: {name.magnitude!r} is no magnitude of {cell.name}{did_you_mean(text, ladder)}")
+
+
+def _all_of(cell: Cell, fault: Fault) -> Iterator[Mutant]:
+    for rung in fault.magnitude.ladder if fault.magnitude else (None,):
+        yield from (_patched(cell, fault, rung, phase_s) for phase_s in fault.phases_s(rung))
+        yield from (_patched(cell, fault, rung, event=event) for event in fault.events_of(rung))
+
+
+def _patched(
+    cell: Cell, fault: Fault, rung: Rung | None, phase_s: float = 0.0, event: str = "", written: str = ""
+) -> Mutant:
+    """The mutant of `fault`; errors name `written`, the id that a user wrote, or else the place in the matrix."""
+    try:
+        operator = OPERATORS[fault.operator]
+    except InputError as error:
+        raise InputError(f"{fault.place_of('operator')}: {error}") from None
+    message = fault.message
+    if message is None:
+        raise ValueError(f"{cell.name}: the matrix was read without the stack's seams")
+    magnitude = "" if fault.magnitude is None or rung is None else fault.magnitude.text(rung)
+    name = Name(cell.guideword, cell.parameter, magnitude, float(f"{phase_s:g}"), event)
+    arguments = dict(fault.arguments)
+    if fault.magnitude is not None and rung is not None:
+        arguments[fault.magnitude.argument] = fault.magnitude.value(rung)
+    if name.phase and not fault.phases:
+        bare = replace(name, phase_s=0.0, event="")
+        raise InputError(f"mutant {written!r}: {cell.name} has no phase; write {str(bare)!r}")
+    if event:
+        _check_event(name, fault, written)
+    elif fault.phases:
+        arguments["phase_s"] = name.phase_s
+    try:
+        checked = operator.check(fault.seam, message, arguments)
+    except OperatorError as error:
+        place = (
+            f"mutant {written!r}" if written else fault.place_of("phases" if error.about == "phase_s" else error.about)
+        )
+        raise InputError(f"{place}: {error}") from None
+    where = fault.seam, fault.operator, checked, event
+    return Mutant(str(name), cell.guideword, cell.parameter, magnitude, name.phase_s, *where)
+
+
+def _check_event(name: Name, fault: Fault, written: str) -> None:
+    """Refuse an event that does not exist or cannot come."""
+    if not fault.events:
+        raise InputError(f"mutant {written!r}: operator {fault.operator!r} strikes at times only, such as #5s")
+    if name.event not in fault.events:
+        raise InputError(f"mutant {written!r}: no event {name.event!r}{did_you_mean(name.event, fault.events)}")
+    if why_not := fault.events[name.event]:
+        raise InputError(f"mutant {written!r}: the event {name.event!r} cannot come: {why_not}")
+
+
+def with_events(matrix: Matrix, events: Mapping[str, str]) -> Matrix:
+    """The matrix whose faults with phases strike at events too, where their operator opens windows at events.
+
+    Args:
+        matrix: the matrix.
+        events: by name of an event of a flight why it can come in no flight of the study; "" if it can.
+    """
+
+    def struck(fault: Fault) -> Fault:
+        awaits = fault.phases and fault.operator in OPERATORS and OPERATORS[fault.operator].awaits_events
+        return replace(fault, events=events) if awaits else fault
+
+    cells = {key: replace(cell, faults=tuple(map(struck, cell.faults))) for key, cell in matrix.cells.items()}
+    return replace(matrix, cells=cells)
+
+
+_GLOB = re.compile(r"[*?\[]")
+
+
+def select(patterns: Iterable[str], matrix: Matrix, catalogue: Sequence[Mutant]) -> tuple[Mutant, ...]:
+    """The mutants that `patterns` select, without repeats, in the order of the patterns.
+
+    A bare cell name stands for the cell's default.  A pattern with `*`, `?` or `[` matches ids of the catalogue and
+    names of cells: `LATE-human*` is the whole ladder, `*-human` the defaults of every cell of `human`.  Any other id is
+    realised from the matrix, also when its magnitude or phase is not in the catalogue.
+
+    Raises:
+        InputError: a pattern matches nothing, or an id is not allowed; it names the nearest id.
+    """
+    chosen: dict[str, Mutant] = {}
+    for pattern in patterns:
+        for mutant in _selected(pattern, matrix, catalogue):
+            chosen.setdefault(mutant.id, mutant)
+    return tuple(chosen.values())
+
+
+def _selected(pattern: str, matrix: Matrix, catalogue: Sequence[Mutant]) -> Iterable[Mutant]:
+    if _GLOB.search(pattern):
+        named = {default_of(cell).id for cell in matrix if cell.faults and fnmatchcase(cell.name, pattern)}
+        matching = [mutant for mutant in catalogue if mutant.id in named or fnmatchcase(mutant.id, pattern)]
+        if not matching:
+            raise InputError(f"no mutant matches {pattern!r}{_nearest(pattern, catalogue)}")
+        return matching
+    try:
+        cell = parse(pattern).cell
+    except InputError as error:
+        raise InputError(f"{error}{_nearest(pattern, catalogue)}") from None
+    if cell not in matrix:
+        raise InputError(f"no mutant {pattern!r}{_nearest(pattern, catalogue)}")
+    return (realise(matrix, pattern),)
+
+
+def _nearest(text: str, catalogue: Sequence[Mutant]) -> str:
+    """A hint at the nearest id or cell name; upper and lower case do not matter."""
+    names = {name.casefold(): name for mutant in catalogue for name in (mutant.cell, mutant.id)}
+    return did_you_mean(names.get(text.casefold(), text), names.values())
+
+
+CATALOGUE = "catalogue.jsonl"
 LONGEST_LINE = 10_000
 """Most characters of a line; those of the reference study have at most 290."""
 _REMEDY = "write it with `scaloft-fi mutants --write`"
 
 
-def lines(catalogue: Iterable[Mutant]) -> list[str]:
+def catalogue_lines(catalogue: Iterable[Mutant]) -> list[str]:
     """One JSON object for each mutant, with sorted keys: the same mutants give the same bytes."""
     return [json.dumps(mutant.to_json(), sort_keys=True, ensure_ascii=False) for mutant in catalogue]
 
 
-def write(folder: Path, catalogue: Iterable[Mutant]) -> Path:
+def write_catalogue(folder: Path, catalogue: Iterable[Mutant]) -> Path:
     """Write the catalogue of a study's `mutants/` folder.
 
     Raises:
         InputError: the folder cannot be written to.
     """
-    path = folder / FILE
+    path = folder / CATALOGUE
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        write_whole(path, "".join(f"{line}\n" for line in lines(catalogue)).encode())
+        write_whole(path, "".join(f"{line}\n" for line in catalogue_lines(catalogue)).encode())
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from error
     return path
 
 
-def read(folder: Path) -> tuple[Mutant, ...]:
+def read_catalogue(folder: Path) -> tuple[Mutant, ...]:
     """Read the catalogue of a study's `mutants/` folder.
 
     Raises:
         InputError: there is none, or a line is not a mutant.
     """
-    return tuple(_mutant(folder / FILE, number, line) for number, line in enumerate(_text(folder), 1))
+    return tuple(_mutant(folder / CATALOGUE, number, line) for number, line in enumerate(_text(folder), 1))
 
 
-def check(folder: Path, matrix: Matrix) -> tuple[Mutant, ...]:
+def check_catalogue(folder: Path, matrix: Matrix) -> tuple[Mutant, ...]:
     """The catalogue of a study's `mutants/` folder, compared line by line with what its matrix derives.
 
     Raises:
         InputError: there is none, or it is stale; it names the first id that differs.
     """
     derived = derive(matrix)
-    path = folder / FILE
-    for number, (line, expected) in enumerate(zip_longest(_text(folder), lines(derived)), 1):
+    path = folder / CATALOGUE
+    for number, (line, expected) in enumerate(zip_longest(_text(folder), catalogue_lines(derived)), 1):
         if line == expected:
             continue
         raise InputError(
@@ -79,7 +269,7 @@ def _difference(path: Path, number: int, line: str | None, derived: Sequence[Mut
 
 
 def _text(folder: Path) -> list[str]:
-    path = folder / FILE
+    path = folder / CATALOGUE
     try:
         return read_text(path, CATALOGUE_BYTES).splitlines()
     except UnreadableError as error:

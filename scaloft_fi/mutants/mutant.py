@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from scaloft_fi.errors import InputError, shown
-from scaloft_fi.hazop.cell import Value
+from scaloft_fi.hazop.matrix import Value
 from scaloft_fi.hazop.name import Name
 
 

@@ -1,24 +1,351 @@
-"""Operators: declared factories of taps, which turn the samples of one seam into faulty samples."""
+"""Operators: declared factories of taps, which turn the samples of one seam into faulty samples.
+
+An operator declares its arguments by annotation, what it needs of a message, and an example that is its test.  It may
+know numbers of the study, never the state of the flight.  A window says when a fault is active: it opens at times, or
+whenever an event of the flight occurs.
+"""
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from types import MappingProxyType
+from typing import Annotated, Any, Literal, Protocol, get_args, get_origin, get_type_hints
 
 import numpy as np
 
 from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.hazop.cell import Value
-from scaloft_fi.mutants.argument import ALL, Argument, arguments_of, check_against_field
-from scaloft_fi.mutants.facts import Facts
-from scaloft_fi.mutants.need import ANYTHING, Need
-from scaloft_fi.mutants.window import Occurrences, Times, Windows
+from scaloft_fi.hazop.matrix import Value
 from scaloft_fi.registry import Registry
-from scaloft_fi.stack.fields import vector_fields
-from scaloft_fi.stack.rates import TICK_HZ
+from scaloft_fi.stack.declaration import TICK_HZ
+from scaloft_fi.stack.messages import field_names, field_type, image_fields, number_fields, stamp_fields, vector_fields
+
+
+@dataclass(frozen=True)
+class Facts:
+    """Facts of the situation, the vehicle and the sensors.  The defaults serve examples and tests.
+
+    Attributes:
+        duration_s: nominal mission time of the situation [s].
+        sighting_s: when the nominal flight first sees a person [s]; None when it sees none.
+        home_x_m, home_y_m: where the mission starts and ends [m, world].
+        cruise_mps, slow_mps: cruise speed, and the speed after a person was seen [m/s].
+        bearing_rad: direction of the first leg, along the wall on its right where there is one, from x [rad, world].
+        wall_m: point of the wall on the right of the first leg, nearest to its middle [m, world]; None without a wall.
+        inward: unit normal of the wall there, into the open space; zero without a wall.
+        half_width_m: half of the hull's width [m].
+        view_rad: width of the camera's view [rad].
+        gyro_sigma_radps, accel_sigma_mps2: white noise of the inertial sensor per sample [rad/s, m/s2]; by default a
+            Bosch BMI088 at 120 Hz bandwidth (data sheet: 0.014 deg/s/sqrt(Hz), 175 ug/sqrt(Hz)).
+        settings: of the stack, as in `sim/stack.yaml`, for the stack's own operators.
+    """
+
+    duration_s: float = 60.0
+    sighting_s: float | None = None
+    home_x_m: float = 0.0
+    home_y_m: float = 0.0
+    cruise_mps: float = 0.5
+    slow_mps: float = 0.2
+    bearing_rad: float = math.pi / 2
+    wall_m: tuple[float, float] | None = (1.5, 3.5)
+    inward: tuple[float, float] = (-1.0, 0.0)
+    half_width_m: float = 0.235
+    view_rad: float = math.radians(59.0)
+    gyro_sigma_radps: float = 0.0027
+    accel_sigma_mps2: float = 0.019
+    settings: Mapping[str, Any] = field(default_factory=dict, hash=False)
+
+
+@dataclass(frozen=True)
+class Need:
+    """A requirement of an operator on a message.
+
+    Attributes:
+        words: the need in words, which follow "needs" in a sentence.
+        met_by: whether a message type meets the need.
+    """
+
+    words: str
+    met_by: Callable[[type], bool]
+
+
+ANYTHING = Need("any message", lambda _message: True)
+NUMBERS = Need("a field of numbers", lambda message: bool(number_fields(message)))
+STAMP = Need("a time stamp", lambda message: bool(stamp_fields(message)))
+IMAGE = Need("an image", lambda message: bool(image_fields(message)))
+
+
+def the(message: type) -> Need:
+    """The need for a message of type `message`, or of a type derived from it.
+
+    >>> from scaloft_fi.stack.messages import Battery, Imu
+    >>> the(Imu).met_by(Imu), the(Imu).met_by(Battery), the(Imu).words
+    (True, False, 'the message Imu')
+    """
+    return Need(f"the message {message.__name__}", lambda candidate: issubclass(candidate, message))
+
+
+ALL = "all"
+"""Field name that stands for every number of the sample."""
+
+
+@dataclass(frozen=True)
+class Range:
+    """Allowed numbers: `least` <= value <= `most`, and value > `above`."""
+
+    least: float = -math.inf
+    most: float = math.inf
+    above: float = -math.inf
+
+    def __contains__(self, value: float) -> bool:
+        return self.least <= value <= self.most and value > self.above
+
+    def __str__(self) -> str:
+        bounds = [f">= {self.least:g}"] * (self.least > -math.inf) + [f"> {self.above:g}"] * (self.above > -math.inf)
+        bounds += [f"<= {self.most:g}"] * (self.most < math.inf)
+        return " and ".join(bounds) or "a finite number"
+
+
+@dataclass(frozen=True)
+class FieldName:
+    """Marks an argument that names a field of the sample; `number`: the field must be numeric, or `all`."""
+
+    number: bool = True
+
+
+@dataclass(frozen=True)
+class FieldValue:
+    """Marks an argument that becomes the value of the field that the argument `field` names."""
+
+
+Number = Annotated[float, Range(least=-1e12, most=1e12)]
+Seconds = Annotated[float, Range(least=0.0, most=1e6)]
+Hold = Annotated[float, Range(least=0.0)]
+Period = Annotated[float, Range(above=0.0, most=1e6)]
+Share = Annotated[float, Range(least=0.0, most=1.0)]
+Factor = Annotated[float, Range(least=0.0, most=1e6)]
+Metres = Annotated[float, Range(least=0.0, most=1e3)]
+Degrees = Annotated[float, Range(least=-360.0, most=360.0)]
+Place = Annotated[int, Range(least=0.0, most=1e3)]
+NumericField = Annotated[str, FieldName()]
+AnyField = Annotated[str, FieldName(number=False)]
+ValueOfField = Annotated[Value, FieldValue()]
+Axis = Literal["x", "y", "z"]
+Component = Literal["", "x", "y", "z"]
+
+
+@dataclass(frozen=True)
+class Argument:
+    """One argument of an operator.
+
+    Attributes:
+        name: in the operator's signature; it ends in the unit.
+        kind: float, int, str, bool, or object (any of float, str, bool).
+        allowed: bounds of a number.
+        choices: allowed texts; empty when every text is allowed.
+        field: how the text names a field of the sample; None for other texts.
+        of_field: whether the value becomes the value of a field.
+        default: inspect.Parameter.empty when the argument is required.
+    """
+
+    name: str
+    kind: type
+    allowed: Range
+    choices: tuple[str, ...]
+    field: FieldName | None
+    of_field: bool
+    default: Any
+
+    @property
+    def required(self) -> bool:
+        """Whether the argument has no default."""
+        return self.default is inspect.Parameter.empty
+
+    def check(self, value: Any, message: type) -> Value:
+        """`value`, converted to the argument's type.
+
+        Raises:
+            InputError: wrong type, out of range, or not one of the allowed texts.
+        """
+        if self.kind is object:
+            return value if isinstance(value, str | bool) else self._number(value)
+        if self.kind in (float, int):
+            return self._number(value)
+        if self.kind is bool:
+            if not isinstance(value, bool):
+                raise InputError(f"{self.name}={value!r} must be true or false")
+            return value
+        if not isinstance(value, str):
+            raise InputError(f"{self.name}={value!r} must be a text")
+        if self.choices and value not in self.choices:
+            raise InputError(f"{self.name}={value!r} is not known{did_you_mean(value, self.choices)}")
+        if self.field is not None:
+            known = number_fields(message) if self.field.number else field_names(message)
+            if value not in (*known, ALL):
+                kind = "numeric field" if self.field.number else "field"
+                raise InputError(
+                    f"{self.name}={value!r} is no {kind} of {message.__name__}{did_you_mean(value, known)}"
+                )
+        return value
+
+    def _number(self, value: Any) -> float:
+        if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
+            raise InputError(f"{self.name}={value!r} must be a number")
+        if value not in self.allowed:
+            raise InputError(f"{self.name}={value:g} must be {self.allowed}")
+        if self.kind is int:
+            if value != int(value):
+                raise InputError(f"{self.name}={value:g} must be a whole number")
+            return int(value)
+        return float(value)
+
+
+def arguments_of(factory: Callable[..., Any]) -> Mapping[str, Argument]:
+    """The keyword-only arguments of an operator's factory, by name, read from its annotations."""
+    hints = get_type_hints(factory, include_extras=True)
+    parameters = inspect.signature(factory).parameters.values()
+    keywords = (p for p in parameters if p.kind is inspect.Parameter.KEYWORD_ONLY)
+    return MappingProxyType({p.name: _argument(p.name, hints[p.name], p.default) for p in keywords})
+
+
+def _argument(name: str, hint: Any, default: Any) -> Argument:
+    marks: tuple[Any, ...] = ()
+    if get_origin(hint) is Annotated:
+        hint, *rest = get_args(hint)
+        marks = tuple(rest)
+    choices: tuple[str, ...] = ()
+    if get_origin(hint) is Literal:
+        choices, hint = get_args(hint), str
+    allowed = next((mark for mark in marks if isinstance(mark, Range)), Range())
+    field = next((mark for mark in marks if isinstance(mark, FieldName)), None)
+    of_field = any(isinstance(mark, FieldValue) for mark in marks)
+    return Argument(name, hint if isinstance(hint, type) else object, allowed, choices, field, of_field, default)
+
+
+def check_against_field(message: type, field: str, value: Value) -> Value:
+    """`value`, converted to the type of the field `field` of `message`.
+
+    Raises:
+        InputError: the field holds another type.
+    """
+    if field == ALL:
+        if not isinstance(value, str | bool):
+            return value
+        raise InputError(f"value={value!r} must be a number")
+    hint = field_type(message, field)
+    fits = {float: "a number", int: "a whole number", str: "a text", bool: "true or false"}
+    if hint not in fits:
+        raise InputError(f"field={field!r} of {message.__name__} holds no single value")
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if hint in (float, int):
+        if not number or (hint is int and value != int(value)):
+            raise InputError(f"value={value!r} must be {fits[hint]}, as {message.__name__}.{field} is")
+        return int(value) if hint is int else float(value)
+    if not (isinstance(value, str) if hint is str else isinstance(value, bool)):
+        raise InputError(f"value={value!r} must be {fits[hint]}, as {message.__name__}.{field} is")
+    return value
+
+
+TOLERANCE_S = 1e-6
+"""Poll times are k/20 or k/240 in floating point; with this tolerance windows open and close at the intended poll."""
+
+
+class Openings(Protocol):
+    """What opens windows."""
+
+    def latest(self, t_s: float) -> tuple[int, float] | None:
+        """Number of the latest opening at `t_s` [s], counted from 0, and the time since then [s]; None before any."""
+        ...
+
+
+@dataclass(frozen=True)
+class Times:
+    """Openings at `first_s` + `period_s` * k [s], k = 0, 1, ..."""
+
+    first_s: float
+    period_s: float = math.inf
+
+    def latest(self, t_s: float) -> tuple[int, float] | None:
+        """Return number and age of the latest opening."""
+        since_s = t_s - self.first_s + TOLERANCE_S
+        if since_s < 0:
+            return None
+        count = math.floor(since_s / self.period_s)
+        return count, since_s - self.period_s * count if count else since_s
+
+
+@dataclass(eq=False)
+class _Occurred:
+    """Openings at the occurrences of an event that come at least `apart_s` [s] after the opening before."""
+
+    apart_s: float
+    number: int = -1
+    at_s: float = -math.inf
+
+    def occur(self, t_s: float) -> None:
+        if self.number < 0 or t_s - self.at_s >= self.apart_s - TOLERANCE_S:
+            self.number, self.at_s = self.number + 1, t_s
+
+    def latest(self, t_s: float) -> tuple[int, float] | None:
+        return None if self.number < 0 else (self.number, t_s - self.at_s + TOLERANCE_S)
+
+
+class Occurrences:
+    """The occurrences of an event in one flight: the flight loop tells of each as it comes, openings follow them."""
+
+    def __init__(self) -> None:
+        self._openings: list[_Occurred] = []
+
+    @property
+    def awaited(self) -> bool:
+        """Whether anything opens at them."""
+        return bool(self._openings)
+
+    def openings(self, apart_s: float) -> Openings:
+        """An opening at each occurrence that comes `apart_s` [s] or more after the one before; inf: at the first."""
+        self._openings.append(_Occurred(apart_s))
+        return self._openings[-1]
+
+    def occur(self, t_s: float) -> None:
+        """Learn of an occurrence at `t_s` [s]."""
+        for openings in self._openings:
+            openings.occur(t_s)
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Windows of `length_s` [s] each; an opening during a window begins the next window."""
+
+    openings: Openings
+    length_s: float
+
+    @classmethod
+    def periodic(cls, period_s: float, phase_s: float, length_s: float) -> Windows:
+        """Windows at `period_s`, 2 `period_s`, ..., each `phase_s` later [s].
+
+        >>> windows = Windows.periodic(period_s=20.0, phase_s=5.0, length_s=2.0)
+        >>> [t for t in (4.95, 5.0, 24.95, 25.0, 26.95, 27.0, 45.0) if windows.open(t)]
+        [25.0, 26.95, 45.0]
+        """
+        return cls(Times(period_s + phase_s, period_s), length_s)
+
+    @classmethod
+    def since(cls, at_s: float) -> Windows:
+        """One window that opens at `at_s` [s] and never closes."""
+        return cls(Times(at_s), math.inf)
+
+    def open(self, t_s: float) -> bool:
+        """Whether a window is open at `t_s` [s]."""
+        return self.number(t_s) is not None
+
+    def number(self, t_s: float) -> int | None:
+        """Number of the window that is open at `t_s` [s], counted from 0; None between windows."""
+        opening = self.openings.latest(t_s)
+        return opening[0] if opening is not None and opening[1] < self.length_s else None
+
 
 Tap = Callable[[float, Any | None], Any | None]
 """(time [s], sample, or None when nothing is sent at this poll) -> sample that arrives, or None.

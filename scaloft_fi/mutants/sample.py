@@ -1,17 +1,38 @@
-"""Taps without memory, and changed copies of samples; a sample is never written into."""
+"""Taps without memory, changed copies of samples (a sample is never written into), and small messages for examples."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from scaloft_fi.mutants.argument import ALL
-from scaloft_fi.mutants.operator import Tap
-from scaloft_fi.mutants.window import Windows
-from scaloft_fi.stack.fields import image_fields, number_fields, stamp_fields
+from scaloft_fi.mutants.operator import ALL, Tap, Windows
+from scaloft_fi.stack.messages import Stamp, Vector, image_fields, number_fields, stamp_fields
+
+
+class Reading(NamedTuple):
+    """A number with its time."""
+
+    stamp_s: Stamp
+    value: float
+
+
+class Move(NamedTuple):
+    """A vector and an angle [rad] with their time."""
+
+    stamp_s: Stamp
+    velocity: Vector
+    angle_rad: float
+
+
+class Word(NamedTuple):
+    """A text with its time."""
+
+    stamp_s: Stamp
+    word: str
+
 
 AXES = "xyz"
 

@@ -9,12 +9,9 @@ from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
 from scaloft_fi.errors import ScaloftError
-from scaloft_fi.mutants.facts import Facts
 from scaloft_fi.mutants.mutant import EVERY_SEAM, Mutant
-from scaloft_fi.mutants.operator import OPERATORS, Tap, TapContext
-from scaloft_fi.mutants.window import Occurrences
-from scaloft_fi.stack.declaration import Declaration
-from scaloft_fi.stack.seam import PlainWire, Seam, Wire
+from scaloft_fi.mutants.operator import OPERATORS, Facts, Occurrences, Tap, TapContext
+from scaloft_fi.stack.declaration import Declaration, PlainWire, Seam, Wire
 from scaloft_fi.streams import generator
 
 S = TypeVar("S")

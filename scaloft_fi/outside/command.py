@@ -9,14 +9,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath
 from typing import Any
 
-from scaloft_fi.document import load
+from scaloft_fi.document import LARGEST, MOST, Item, load
 from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.item import LARGEST, MOST, Item
 from scaloft_fi.mutants.mutant import EVERY_SEAM
 from scaloft_fi.outside.border import BORDERS
 from scaloft_fi.outside.ports import PORTS
-from scaloft_fi.stack.declaration import Declaration
-from scaloft_fi.stack.seam import Seam
+from scaloft_fi.stack.declaration import Declaration, Seam
 
 MOST_LIMIT_S = 24 * 3600.0
 EVERY = "every"

@@ -9,10 +9,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from scaloft_fi.console import line
+from scaloft_fi.document import is_file, read_bytes
 from scaloft_fi.errors import ScaloftError
-from scaloft_fi.inert import line
 from scaloft_fi.outside.processes import Command, Processes
-from scaloft_fi.reading import is_file, read_bytes
 
 MOST_OUTPUT = 1 << 20
 """Largest end of its output that is read."""

@@ -8,13 +8,10 @@ from typing import Any
 
 from scaloft_fi.outside.ports import PORTS
 from scaloft_fi.outside.settings import OutsideConfig
-from scaloft_fi.stack.belief import Belief
 from scaloft_fi.stack.config import ConfigError
-from scaloft_fi.stack.contract import Stack, Task
-from scaloft_fi.stack.declaration import Declaration
-from scaloft_fi.stack.reference.beliefs import BELIEFS
-from scaloft_fi.stack.reference.seams import SEAMS
-from scaloft_fi.stack.seam import Seam, Wire
+from scaloft_fi.stack.declaration import Belief, Declaration, Seam, Stack, Task, Wire
+from scaloft_fi.stack.reference.messages import BELIEFS
+from scaloft_fi.stack.reference.stack import SEAMS
 
 FLIGHT_CONTROL = ("imu", "fix", "thrust")
 """Seams of our drone that are left where velocities come from outside."""

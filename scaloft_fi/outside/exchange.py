@@ -15,7 +15,7 @@ from scaloft_fi.outside.border import BORDERS, Border, BorderError
 from scaloft_fi.outside.ports import PORTS
 from scaloft_fi.outside.processes import Processes
 from scaloft_fi.outside.settings import OutsideConfig
-from scaloft_fi.stack.seam import Wire
+from scaloft_fi.stack.declaration import Wire
 
 ENDS_S = 0.3
 """How long a process that answers no more may take to end, before it counts as hung [s, wall]."""

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from scaloft_fi.mutants.argument import Hold, Period, Seconds
-from scaloft_fi.mutants.need import the
-from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
+from scaloft_fi.mutants.operator import Example, Hold, Period, Seconds, Tap, TapContext, operator, the
 from scaloft_fi.mutants.sample import within
 from scaloft_fi.stack.messages import Bumper
 

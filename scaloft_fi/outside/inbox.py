@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from scaloft_fi.inert import line as inert
+from scaloft_fi.console import line as inert
 from scaloft_fi.outside.border import Arrival, Topic
 
 AHEAD_S = 0.1

@@ -26,7 +26,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from scaloft_fi.inert import line as inert
+from scaloft_fi.console import line as inert
 from scaloft_fi.outside.border import Arrival, BorderError, Topic
 from scaloft_fi.outside.client import VARIABLE
 from scaloft_fi.outside.inbox import AHEAD_S, Inbox

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from scaloft_fi.outside.ports import Goal
-from scaloft_fi.stack.fields import Point
-from scaloft_fi.stack.messages import Detections, Person
+from scaloft_fi.stack.messages import Detections, Person, Point
 from scaloft_fi.stack.reference.messages import Failsafe, GoalCheck, PoseEstimate, Route, SpeedLimit, Target
-from scaloft_fi.stack.reference.mission import Mission
-from scaloft_fi.stack.reference.speed_limit import SpeedLimitStage
+from scaloft_fi.stack.reference.mission import Mission, SpeedLimitStage
 
 
 class GoalMission(Mission):

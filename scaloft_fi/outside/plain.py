@@ -8,7 +8,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from scaloft_fi.stack.fields import Point, field_names, image_fields
+from scaloft_fi.stack.messages import Point, field_names, image_fields
 
 SIDE = 4096
 """Greatest height and width of an image."""

@@ -10,9 +10,8 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import NamedTuple
 
-from scaloft_fi.stack.fields import Point, Stamp, Vector
-from scaloft_fi.stack.messages import Battery, Bumper, DepthFrame, Detections, Imu
-from scaloft_fi.stack.rates import STEP_HZ, TICK_HZ
+from scaloft_fi.stack.declaration import STEP_HZ, TICK_HZ
+from scaloft_fi.stack.messages import Battery, Bumper, DepthFrame, Detections, Imu, Point, Stamp, Vector
 from scaloft_fi.stack.reference.messages import PoseEstimate, SpeedLimit
 
 

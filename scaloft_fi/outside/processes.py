@@ -14,7 +14,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from scaloft_fi.inert import line as inert
+from scaloft_fi.console import line as inert
 from scaloft_fi.outside import guard
 from scaloft_fi.outside.border import BorderError
 

@@ -14,9 +14,8 @@ from typing import NamedTuple
 
 from scaloft_fi.outside.border import BORDERS, Border, BorderError, Topic
 from scaloft_fi.outside.command import ClockTopic, Relay
-from scaloft_fi.stack.declaration import Declaration
-from scaloft_fi.stack.fields import Stamp
-from scaloft_fi.stack.seam import Seam, Wire
+from scaloft_fi.stack.declaration import Declaration, Seam, Wire
+from scaloft_fi.stack.messages import Stamp
 
 CLOCK_S = 0.05
 """How often a border is told the time [s, wall]."""

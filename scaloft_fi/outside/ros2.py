@@ -16,8 +16,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from scaloft_fi.console import line as inert
 from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.inert import line as inert
 from scaloft_fi.output import write_whole
 from scaloft_fi.outside.border import Arrival, BorderError, Topic
 from scaloft_fi.outside.domains import Domain, take_domain

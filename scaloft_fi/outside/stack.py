@@ -14,20 +14,12 @@ from scaloft_fi.outside.exchange import Exchange
 from scaloft_fi.outside.mission import GoalMission, TakenLimit
 from scaloft_fi.outside.ports import CameraInfo, Motion
 from scaloft_fi.outside.settings import OutsideConfig
-from scaloft_fi.stack.camera import DepthCamera
-from scaloft_fi.stack.contract import Task
-from scaloft_fi.stack.fast_path import FastPath
-from scaloft_fi.stack.fields import Array
-from scaloft_fi.stack.messages import DepthFrame, Exposure, Imu, SensorFrames, Stamps, Thrust
-from scaloft_fi.stack.rates import STEP_HZ, TICK_S
-from scaloft_fi.stack.reference.beliefs import MODES
-from scaloft_fi.stack.reference.control import ControlConfig
+from scaloft_fi.stack.declaration import STEP_HZ, TICK_S, FastPath, Task, Wire
+from scaloft_fi.stack.messages import Array, DepthCamera, DepthFrame, Exposure, Imu, SensorFrames, Stamps, Thrust
 from scaloft_fi.stack.reference.estimator import Estimator, EstimatorConfig
-from scaloft_fi.stack.reference.flight_control import FailsafeConfig, FlightControl
-from scaloft_fi.stack.reference.inner_loop import InnerLoop
-from scaloft_fi.stack.reference.messages import PoseEstimate, VelocityCommand
+from scaloft_fi.stack.reference.flight_control import ControlConfig, FailsafeConfig, FlightControl, InnerLoop
+from scaloft_fi.stack.reference.messages import MODES, PoseEstimate, VelocityCommand
 from scaloft_fi.stack.reference.stack import ReferenceConfig, ReferenceStack
-from scaloft_fi.stack.seam import Wire
 
 S = TypeVar("S")
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.item import Item
 from scaloft_fi.sim.patch import PARTS
 
 

@@ -10,7 +10,7 @@ from typing import Any
 from scaloft_fi.sim.mesh import Mesh
 from scaloft_fi.sim.mine import SLAB_M
 from scaloft_fi.sim.world import GROUND, WALL, World
-from scaloft_fi.stack.rates import STEP_S
+from scaloft_fi.stack.declaration import STEP_S
 
 GRAVITY_MPS2 = 9.81
 

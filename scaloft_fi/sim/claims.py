@@ -10,11 +10,10 @@ from collections.abc import Collection
 
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.registry import Registry
-from scaloft_fi.stack.claim import Claim
-from scaloft_fi.stack.declaration import Declaration
+from scaloft_fi.stack.declaration import Claim, Declaration
 
 CLAIMS = Registry[tuple[Claim, ...]]("claims of the stack")
-CLAIMS.promise("reference", "scaloft_fi.stack.reference.claims:CLAIMS")
+CLAIMS.promise("reference", "scaloft_fi.stack.reference.stack:CLAIMS")
 
 
 def declare_claims(stack: str, *claims: Claim) -> None:

@@ -11,9 +11,8 @@ from scaloft_fi.sim.free_flight import free_step
 from scaloft_fi.sim.sensors import imu
 from scaloft_fi.sim.sensors.imu import ImuSensor, inertial
 from scaloft_fi.sim.vehicle import Array, actuate
-from scaloft_fi.stack.fast_path import FastPath, Kernel, Numbers
+from scaloft_fi.stack.declaration import STEP_HZ, STEP_S, FastPath, Kernel, Numbers
 from scaloft_fi.stack.kernel import jit, joined, with_globals
-from scaloft_fi.stack.rates import STEP_HZ, STEP_S
 
 Loop = Callable[[Array, int, int, int, Array, Array, Array, Array, Numbers], float]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.item import Item
 from scaloft_fi.sim.situation import Axis
 
 MOST_CONSTRAINTS = 100

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from enum import StrEnum
 
-from scaloft_fi.item import Item
+from scaloft_fi.document import Item
 
 LEAST_MASS = 1e-6
 """A normal distribution must leave this much of itself between the ends; with less, quantiles are inexact."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from scaloft_fi.sim.log import Array, Count, Event
-from scaloft_fi.stack.belief import Belief, Mark
+from scaloft_fi.stack.declaration import Belief, Mark
 
 HAPPENING = "#a16207"
 """Colour of the mark of a happening on a map."""

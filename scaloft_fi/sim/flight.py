@@ -26,14 +26,19 @@ from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.sensors import Sensors
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.sim.stepper import ServerStepper, Stepper
-from scaloft_fi.stack.camera import DepthCamera
 from scaloft_fi.stack.config import ConfigError
-from scaloft_fi.stack.contract import Stack, Task
-from scaloft_fi.stack.declaration import Declaration
-from scaloft_fi.stack.fields import Array
-from scaloft_fi.stack.messages import SensorFrames
-from scaloft_fi.stack.rates import STEP_HZ, STEP_S, STEPS_PER_TICK, TICK_HZ, TICK_S
-from scaloft_fi.stack.seam import Wire
+from scaloft_fi.stack.declaration import (
+    STEP_HZ,
+    STEP_S,
+    STEPS_PER_TICK,
+    TICK_HZ,
+    TICK_S,
+    Declaration,
+    Stack,
+    Task,
+    Wire,
+)
+from scaloft_fi.stack.messages import Array, DepthCamera, SensorFrames
 
 NO_THRUST = np.zeros(4)
 

@@ -6,10 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from scaloft_fi.document import load
+from scaloft_fi.document import Item, is_there, load
 from scaloft_fi.errors import InputError
-from scaloft_fi.item import Item
-from scaloft_fi.reading import is_there
 
 FILE = "found.yaml"
 MOST_FINDS = 1_000

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.item import Item
 from scaloft_fi.sim.constraint import read_values
 from scaloft_fi.sim.distribution import Distribution, read_distribution
 from scaloft_fi.sim.patch import found, overlap, qualified

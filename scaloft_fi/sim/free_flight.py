@@ -15,8 +15,8 @@ import numpy as np
 
 from scaloft_fi.sim.build import GRAVITY_MPS2
 from scaloft_fi.sim.vehicle import Array, Vehicle
+from scaloft_fi.stack.declaration import STEP_S
 from scaloft_fi.stack.kernel import jit
-from scaloft_fi.stack.rates import STEP_S
 
 _LARGEST_MPS = 100.0
 """Bullet limits every component of velocity and angular rate to this [m/s, rad/s]."""

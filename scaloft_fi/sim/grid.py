@@ -10,8 +10,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
+from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
-from scaloft_fi.item import Item
 from scaloft_fi.sim.addition import added
 from scaloft_fi.sim.consistency import common_paths, lonely_values
 from scaloft_fi.sim.constraint import Constraint, read_constraints

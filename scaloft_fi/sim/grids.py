@@ -7,9 +7,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from scaloft_fi.document import load
+from scaloft_fi.document import is_file, is_there, load
 from scaloft_fi.errors import InputError, did_you_mean, shown
-from scaloft_fi.reading import is_file, is_there
 from scaloft_fi.sim.found import FILE as FOUND_FILE
 from scaloft_fi.sim.found import Finds, read_finds
 from scaloft_fi.sim.grid import ALL, Grid, assembled, read_grid

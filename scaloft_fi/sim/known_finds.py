@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scaloft_fi.errors import InputError, did_you_mean, shown
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.sim.found import FILE, Break, Find, read_finds
 from scaloft_fi.sim.grids import WITH_FOUND, own_name, searched_grid
 

@@ -7,10 +7,9 @@ from dataclasses import dataclass, field, replace
 from itertools import combinations
 from pathlib import Path
 
+from scaloft_fi.document import Item, is_there
 from scaloft_fi.document import load as load_document
 from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.item import Item
-from scaloft_fi.reading import is_there
 from scaloft_fi.sim.consistency import remedy
 from scaloft_fi.sim.grid import Grid, read_grid
 from scaloft_fi.sim.grids import FILE

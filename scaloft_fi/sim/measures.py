@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from scaloft_fi.registry import Registry
-from scaloft_fi.stack.fields import Array
+from scaloft_fi.stack.messages import Array
 
 Maker = Callable[[Any], "Measure"]
 """Called with the `sim.scenario.Scenario` of the flight: situation, world, route, camera."""

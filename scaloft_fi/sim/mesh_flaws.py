@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from scaloft_fi.item import Item
+from scaloft_fi.document import Item
 from scaloft_fi.sim.mesh import Array, Faces, winding
 from scaloft_fi.sim.obj import MeshLimits, lines_of_faces, read_obj
 

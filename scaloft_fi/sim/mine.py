@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
-from scaloft_fi.item import Item
 from scaloft_fi.sim.mesh import Array, Faces, Mesh, heights_at, join, section, split_floor
 from scaloft_fi.sim.obj import FARTHEST_M, MeshLimits, read_obj
 from scaloft_fi.streams import generator

@@ -10,9 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from scaloft_fi.document import FILE_BYTES, MIB, Item, UnreadableError, read_text
 from scaloft_fi.errors import InputError, shown
-from scaloft_fi.item import Item
-from scaloft_fi.reading import FILE_BYTES, MIB, UnreadableError, read_text
 from scaloft_fi.sim.mesh import Mesh
 
 FARTHEST_M = 1e5

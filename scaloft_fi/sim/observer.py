@@ -17,7 +17,8 @@ from scaloft_fi.sim.geometry import blocked, nearest
 from scaloft_fi.sim.happenings import Surroundings
 from scaloft_fi.sim.log import NEVER_S
 from scaloft_fi.sim.measures import SIGNALS
-from scaloft_fi.sim.raster import View, pixels_of
+from scaloft_fi.sim.optics import View
+from scaloft_fi.sim.raster import pixels_of
 from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.signals import CLEARANCE_CAP_M, FAR_M, TOUCH_M, truth_signals
 from scaloft_fi.sim.vehicle import STATE_SIZE, Array, Vehicle

@@ -17,12 +17,12 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
+from scaloft_fi.document import Item
 from scaloft_fi.hazop.name import names_event
-from scaloft_fi.item import Item
 from scaloft_fi.sim.events import Strike
 from scaloft_fi.sim.roles import ROLES, Role
 from scaloft_fi.sim.signals import CLEARANCE_CAP_M, clearance_name
-from scaloft_fi.stack.belief import Belief, Mark
+from scaloft_fi.stack.declaration import Belief, Mark
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.world import World

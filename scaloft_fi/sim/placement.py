@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
+from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
-from scaloft_fi.item import Item
 
 ON_FLOOR_M = 0.05
 """Approximate height of a standing vehicle's centre [m]."""

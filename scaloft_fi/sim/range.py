@@ -13,7 +13,7 @@ from decimal import ROUND_FLOOR, Decimal
 from itertools import pairwise
 from math import inf, nextafter
 
-from scaloft_fi.item import Item
+from scaloft_fi.document import Item
 from scaloft_fi.sim.distribution import Distribution, finite, read_distribution
 from scaloft_fi.sim.patch import qualified
 

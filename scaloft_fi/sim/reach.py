@@ -10,7 +10,7 @@ import numpy as np
 
 from scaloft_fi.sim.build import GRAVITY_MPS2
 from scaloft_fi.sim.vehicle import RATE, VELOCITY, Vehicle
-from scaloft_fi.stack.rates import TICK_S
+from scaloft_fi.stack.declaration import TICK_S
 
 _GAINED_S2 = TICK_S**2 * 13.0 / 24.0
 """Distance per acceleration over 12 steps; each step first adds speed, then moves [s2]."""

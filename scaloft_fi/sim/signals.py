@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from scaloft_fi.sim.measures import SIGNALS
-from scaloft_fi.stack.belief import Belief
+from scaloft_fi.stack.declaration import Belief
 
 SAMPLE_HZ = 20.0
 FAR_M = 100.0

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from decimal import Decimal
 from math import isfinite
 
+from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
-from scaloft_fi.item import Item
 from scaloft_fi.sim.patch import qualified
 from scaloft_fi.sim.range import Range, number_text, read_range
 

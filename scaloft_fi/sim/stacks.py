@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
-from scaloft_fi.item import Item
 from scaloft_fi.registry import Registry
 from scaloft_fi.stack.config import ConfigError, build
 from scaloft_fi.stack.declaration import Declaration
 
 STACKS = Registry[Declaration]("stack")
-STACKS.promise("reference", "scaloft_fi.stack.reference.declaration:REFERENCE")
+STACKS.promise("reference", "scaloft_fi.stack.reference.stack:REFERENCE")
 STACKS.promise("outside", "scaloft_fi.outside.declaration:OUTSIDE")
 
 

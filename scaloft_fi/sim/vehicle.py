@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
-from scaloft_fi.item import Item
 from scaloft_fi.sim.build import GRAVITY_MPS2
+from scaloft_fi.stack.declaration import STEP_S
 from scaloft_fi.stack.kernel import jit
-from scaloft_fi.stack.rates import STEP_S
 
 Array = NDArray[np.float64]
 

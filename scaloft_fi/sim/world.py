@@ -9,8 +9,8 @@ from functools import cached_property
 
 import numpy as np
 
+from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.item import Item
 from scaloft_fi.sim import mesh
 from scaloft_fi.sim.happenings import Happening, Read, Surroundings, check_happenings, read_happenings
 from scaloft_fi.sim.measures import SIGNALS

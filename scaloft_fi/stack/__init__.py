@@ -5,9 +5,6 @@ a seam over a `Wire`; `check_stack` (`scaloft_fi.api`) checks all that.  `refere
 other.  Nothing here imports the rest of the package, and no stack knows that mutants exist.
 """
 
-from scaloft_fi.stack.belief import Belief, Mark
-from scaloft_fi.stack.contract import PlainStack, Stack, Task
-from scaloft_fi.stack.declaration import Declaration
-from scaloft_fi.stack.seam import PlainWire, Seam, Wire
+from scaloft_fi.stack.declaration import Belief, Declaration, Mark, PlainStack, PlainWire, Seam, Stack, Task, Wire
 
 __all__ = ["Belief", "Declaration", "Mark", "PlainStack", "PlainWire", "Seam", "Stack", "Task", "Wire"]

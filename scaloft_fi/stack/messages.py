@@ -1,16 +1,23 @@
-"""Messages between sensors, stack and rotors.  A message is a tuple; nobody writes to it after it was sent.
+"""Messages between sensors, stack and rotors, and the kinds of their fields, for which operators ask.
 
 Frames: world = x east, y north, z up [m]; body = x forward, y left, z up.
 `stamp_s` is the time of the measurement by the sender's clock [s]; the consumer compares it with its own clock.
+
+A message is a `typing.NamedTuple`.  A field's kind follows from its annotation: `float`, `int`, `bool` and `str` are
+plain; `Vector`, `Image` and `Stamp` carry a kind beside their type.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from dataclasses import dataclass, field
+from enum import StrEnum
+from functools import cache
+from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
-from scaloft_fi.stack.fields import Array, Image, Stamp, Vector
+import numpy as np
+from numpy.typing import NDArray
 
 
 class Imu(NamedTuple):
@@ -146,3 +153,131 @@ class SensorFrames:
         """Of the touch sensor, at every tick."""
         bumper: Bumper = self.by_sensor["bumper"]
         return bumper
+
+
+Array = NDArray[np.float64]
+Point = tuple[float, float, float]
+
+
+class Kind(StrEnum):
+    """The kind of a field, beside its type."""
+
+    STAMP = "a time stamp"
+    VECTOR = "a vector"
+    IMAGE = "an image"
+
+
+Stamp = Annotated[float, Kind.STAMP]
+"""A time stamp [s]."""
+Vector = Annotated[Array, Kind.VECTOR]
+"""(3,) the components x, y, z."""
+Image = Annotated[Array, Kind.IMAGE]
+"""(H, W) one number for each pixel, 0 where the sensor saw nothing."""
+
+
+def field_names(message: type) -> tuple[str, ...]:
+    """All fields of a message."""
+    return tuple(getattr(message, "_fields", ()))
+
+
+def number_fields(message: type) -> tuple[str, ...]:
+    """Fields that are a number, a tuple of numbers, or an array of numbers."""
+    return _sorted(message).numbers
+
+
+def stamp_fields(message: type) -> tuple[str, ...]:
+    """Fields that are time stamps."""
+    return _sorted(message).stamps
+
+
+def image_fields(message: type) -> tuple[str, ...]:
+    """Fields that are images."""
+    return _sorted(message).images
+
+
+def vector_fields(message: type) -> tuple[str, ...]:
+    """Fields with the components x, y, z."""
+    return _sorted(message).vectors
+
+
+def field_type(message: type, field: str) -> Any:
+    """The annotated type of one field, without its kind."""
+    return get_type_hints(message)[field]
+
+
+class _Fields(NamedTuple):
+    numbers: tuple[str, ...]
+    vectors: tuple[str, ...]
+    images: tuple[str, ...]
+    stamps: tuple[str, ...]
+
+
+@cache
+def _sorted(message: type) -> _Fields:
+    """The fields of a message by kind, cached because operators look them up at every sample."""
+    types, kinds = get_type_hints(message), get_type_hints(message, include_extras=True)
+
+    def of(kind: Kind) -> tuple[str, ...]:
+        return tuple(name for name in field_names(message) if kind in getattr(kinds[name], "__metadata__", ()))
+
+    return _Fields(
+        numbers=tuple(name for name in field_names(message) if _numeric(types[name])),
+        vectors=tuple(name for name in field_names(message) if types[name] == Point or name in of(Kind.VECTOR)),
+        images=of(Kind.IMAGE),
+        stamps=of(Kind.STAMP),
+    )
+
+
+def _numeric(hint: Any) -> bool:
+    if hint in (float, int):
+        return True
+    if get_origin(hint) is tuple:
+        return all(entry is float for entry in get_args(hint))
+    # from numpy 2.5 on the origin of `NDArray[...]` is `NDArray` itself
+    return get_origin(hint) in (np.ndarray, NDArray) and "float64" in str(hint)
+
+
+@dataclass(frozen=True, eq=False)
+class DepthCamera:
+    """A pinhole camera that looks along the body's x axis.
+
+    Attributes:
+        rays: (H, W, 3) per pixel the point at depth 1 m, (1, left, up) [m, body axes at the camera].
+        ahead_m: how far the camera sits ahead of the vehicle's centre [m].
+        column: slope (left/depth) of column 0, and its step per column.
+        row: slope (up/depth) of row 0, and its step per row.
+
+    Raises:
+        ValueError: the rays are not those of a pinhole camera.
+    """
+
+    rays: Array
+    ahead_m: float
+    column: tuple[float, float] = field(init=False)
+    row: tuple[float, float] = field(init=False)
+
+    def __post_init__(self) -> None:
+        rays = np.ascontiguousarray(self.rays, dtype=np.float64)
+        left, up = rays[0, :, 1], rays[:, 0, 2]
+        column = (float(left[0]), float(left[-1] - left[0]) / (len(left) - 1))
+        row = (float(up[0]), float(up[-1] - up[0]) / (len(up) - 1))
+        ideal = np.ones_like(rays)
+        ideal[:, :, 1] = column[0] + column[1] * np.arange(len(left))
+        ideal[:, :, 2] = (row[0] + row[1] * np.arange(len(up)))[:, None]
+        if column[1] == 0 or row[1] == 0 or not np.allclose(rays, ideal, atol=1e-9):
+            raise ValueError("rays must be those of a pinhole camera: (1, left, up), linear in column and row")
+        rays.setflags(write=False)
+        for name, value in (("rays", rays), ("column", column), ("row", row)):
+            object.__setattr__(self, name, value)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> DepthCamera:
+        return self
+
+    @classmethod
+    def pinhole(cls, width: int, height: int, fov_rad: float, ahead_m: float) -> DepthCamera:
+        """Camera of `width` x `height` square pixels, `fov_rad` wide, a ray through each pixel's centre."""
+        pitch = 2.0 * math.tan(fov_rad / 2.0) / width
+        rays = np.ones((height, width, 3))
+        rays[:, :, 1] = ((width - 1) / 2.0 - np.arange(width)) * pitch
+        rays[:, :, 2] = (((height - 1) / 2.0 - np.arange(height)) * pitch)[:, None]
+        return cls(rays, ahead_m)

@@ -14,7 +14,7 @@ from scaloft_fi.campaign.store.selection import Flown
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.hazop.name import cell_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO
-from scaloft_fi.mutants.derive import defaults
+from scaloft_fi.mutants.catalogue import defaults
 from scaloft_fi.sim.grid import ALL
 from scaloft_fi.study import Study
 from scaloft_fi.views.score.commands import MOST_NAMED, in_campaign

@@ -9,7 +9,7 @@ from typing import Any
 from scaloft_fi.checks.check import Check, Checked
 from scaloft_fi.checks.finding import Severity
 from scaloft_fi.checks.situations import GridCheck
-from scaloft_fi.inert import line
+from scaloft_fi.console import line
 from scaloft_fi.views.outputs.output import Output
 from scaloft_fi.views.outputs.shape import count, listing, optional, record, text
 from scaloft_fi.views.tables.table import Table, TableCell

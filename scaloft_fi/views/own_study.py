@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.hazop.folder import nearest_study
+from scaloft_fi.hazop.load import nearest_study
 
 if TYPE_CHECKING:
     from scaloft_fi.study import Study

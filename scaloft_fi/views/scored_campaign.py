@@ -18,11 +18,11 @@ from scaloft_fi.analysis.scoring.score import Score, score_of
 from scaloft_fi.analysis.situations.coverage import Coverage, coverage_of
 from scaloft_fi.campaign.runs.baseline_pool import borrowed
 from scaloft_fi.campaign.runs.looks import Look
+from scaloft_fi.console import joined
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.rulings import Rulings
 from scaloft_fi.study import Study
-from scaloft_fi.terminal import joined
 from scaloft_fi.views.outputs.answer import Answer
 from scaloft_fi.views.outputs.output import Output
 from scaloft_fi.views.runs.looks import look_record, look_table

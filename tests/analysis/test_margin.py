@@ -17,7 +17,7 @@ from scaloft_fi.analysis.tried import PhasedFault, Reaction, Tried
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.stack.reference.stack import REFERENCE
 from scaloft_fi.views.worksheet.margin_record import margin_values
 from scaloft_fi.views.worksheet.margin_text import margin_text
 from scaloft_fi.views.worksheet.margins import LEGEND, cell_margins, margin_tables

@@ -3,10 +3,7 @@ from __future__ import annotations
 from builders import ROSTER, subject_of
 
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.hazop.cell import Cell, CellStatus, Fault, Magnitude
-from scaloft_fi.hazop.guideword import Guideword
-from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.hazop.parameter import Parameter
+from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Guideword, Magnitude, Matrix, Parameter
 
 
 def test_a_roster_takes_the_default_of_each_credible_cell_from_the_matrix() -> None:

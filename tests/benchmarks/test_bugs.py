@@ -17,7 +17,7 @@ from published_outcomes import outcomes, rows_of
 
 from scaloft_fi.campaign.flights.fly import fly_log
 from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.hazop.cell import CellStatus
+from scaloft_fi.hazop.matrix import CellStatus
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.study import Study

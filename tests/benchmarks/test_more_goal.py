@@ -15,7 +15,7 @@ from varied import Varied
 
 from scaloft_fi.analysis.scoring.stratified import Stratum, p_value
 from scaloft_fi.judge.outcome import BASELINE, Outcome
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
 
 ROOT = Path(__file__).parents[2]

@@ -6,7 +6,7 @@ import pytest
 
 from scaloft_fi.campaign.flights.fly import fly_log
 from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
 
 ROOT = Path(__file__).parents[2]

@@ -26,11 +26,11 @@ from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.judge.space import Space
-from scaloft_fi.mutants.derive import realise, with_events
+from scaloft_fi.mutants.catalogue import realise, with_events
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.stack.declaration import Declaration
-from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.stack.reference.stack import REFERENCE
 
 KINDS = {"SR1": Kind.SAFETY, "SR2": Kind.SAFETY, "OP1": Kind.OPERABILITY}
 

@@ -17,16 +17,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaloft_fi.cli.matrix import matrix_command
+from scaloft_fi.console import PIPED
 from scaloft_fi.errors import InputError
-from scaloft_fi.hazop.cell import Cell, CellStatus
-from scaloft_fi.hazop.folder import FOLDERS
-from scaloft_fi.hazop.guideword import Guideword
-from scaloft_fi.hazop.load import load_matrix
-from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.hazop.parameter import Parameter
+from scaloft_fi.hazop.load import FOLDERS, load_matrix
+from scaloft_fi.hazop.matrix import Cell, CellStatus, Guideword, Matrix, Parameter
 from scaloft_fi.hazop.render import overview, sheet
-from scaloft_fi.stack.reference.declaration import REFERENCE
-from scaloft_fi.terminal import PIPED
+from scaloft_fi.stack.reference.stack import REFERENCE
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 MATRIX = load_matrix(CHECKOUT / "hazop", REFERENCE.by_name)

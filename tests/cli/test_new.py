@@ -16,7 +16,7 @@ from plugins import call, install_project
 
 from scaloft_fi.cli.main import main
 from scaloft_fi.document import load
-from scaloft_fi.hazop.cell import CellStatus
+from scaloft_fi.hazop.matrix import CellStatus
 from scaloft_fi.study import Study
 from scaloft_fi.views.documents.listed import DOCUMENTS
 

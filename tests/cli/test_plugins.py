@@ -12,7 +12,7 @@ STACK = """
 from dataclasses import replace
 
 from scaloft_fi.api import declare_stack
-from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.stack.reference.stack import REFERENCE
 
 def make(task, wire):
     raise LookupError("no licence")

@@ -99,7 +99,7 @@ class _Replayed:
 
     def compared(self, numpy: str, outcome: Outcome, *, clean: str = "clean 2", same_platform: bool = False) -> str:
         """What `replay` says of `outcome` on the platform `numpy`, whose baseline has the digest `clean`."""
-        self._monkeypatch.setattr("scaloft_fi.views.flights.repeated.fingerprint", lambda: {"numpy": numpy})
+        self._monkeypatch.setattr("scaloft_fi.campaign.store.fingerprint.fingerprint", lambda: {"numpy": numpy})
         again = LoggedFlight(self.study, self.clean, LOG, replace(self.baseline, digest=clean))
         self._monkeypatch.setattr("scaloft_fi.views.flights.logged_flight.fly_with_log", lambda *_: again)
         flown = LoggedFlight(self.study, self.flight, LOG, outcome)

@@ -46,7 +46,7 @@ def test_quiet_says_nothing_but_the_tables(call: Call) -> None:
 def test_without_mutant_every_cells_default_and_every_control_flies(call: Call) -> None:
     assert call("run", "--situation", "T0O0W0D0H1", "--quiet").exit_code == 0
     flown = {row["mutant"] for row in json.loads(call("export").stdout)}
-    from scaloft_fi.hazop.cell import CellStatus
+    from scaloft_fi.hazop.matrix import CellStatus
     from scaloft_fi.study import Study
 
     matrix = Study.open(Path(__file__).parents[2]).matrix

@@ -22,7 +22,7 @@ from papers import STUDY, flight
 from scaloft_fi.campaign.plan.batch import Batch
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.cli.main import main
-from scaloft_fi.inert import printable
+from scaloft_fi.console import printable
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 
@@ -108,7 +108,7 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> Told:
         return CliRunner().invoke(main, [verb, *twice, *words, *named], catch_exceptions=False)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("scaloft_fi.campaign.runs.campaign.Physics", Evil)
+        patch.setattr("scaloft_fi.campaign.flights.physics.Physics", Evil)
         flights = ("--mutant", "LATE-human", "--mutant", "NO-human", "--situation", "T0O0W0D0H1", "--seeds", "3")
         flown = telling("run", *flights, "--jobs", "1", "--warnings")
     assert flown.exit_code == 0, flown.output

@@ -10,7 +10,7 @@ import pytest
 from scaloft_fi.cli.main import main
 from scaloft_fi.cli.verb import REST, HelpPage, Page, Verb, verb
 from scaloft_fi.cli.verbs import VERBS, command_of
-from scaloft_fi.mutants.select import select
+from scaloft_fi.mutants.catalogue import select
 from scaloft_fi.study import Study
 
 ROOT = Path(__file__).parents[2]

@@ -17,7 +17,7 @@ import pytest
 from printed import printed_enumerations
 
 from scaloft_fi.cli.verbs import VERBS, command_of
-from scaloft_fi.exit_codes import ExitCode
+from scaloft_fi.errors import ExitCode
 from scaloft_fi.views.documents.listed import DOCUMENTS
 from scaloft_fi.views.flights.export import BASIS, HEAD, TAIL
 from scaloft_fi.views.glossary import TERMS

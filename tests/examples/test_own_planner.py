@@ -12,7 +12,7 @@ EXAMPLE = ROOT / "examples" / "own_planner"
 WATCH = """
 from scaloft_fi.api import Study
 from scaloft_fi.sim.flight import fly
-from scaloft_fi.stack.seam import PlainWire
+from scaloft_fi.stack.declaration import PlainWire
 
 study = Study.open(".")
 log = fly(study.sim, study.grid.situation("T0O1W0D0H0"), 0, PlainWire(), study.stack)

@@ -12,7 +12,7 @@ PROGRAM = """
 import json, sys
 from scaloft_fi.campaign.flights.fly import fly_log
 from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
 
 def digests(study, mutant, situation):

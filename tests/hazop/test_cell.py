@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.hazop.cell import Cell, CellStatus, Expected, Fault, Magnitude
+from scaloft_fi.hazop.matrix import Cell, CellStatus, Expected, Fault, Magnitude
 
 LADDER = Magnitude("delay_s", "s", (0.5, 3.0), 3.0)
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.hazop import folder
-from scaloft_fi.hazop.folder import FOLDERS, find_study
+from scaloft_fi.hazop import load
+from scaloft_fi.hazop.load import FOLDERS, find_study
 
 
 def study(path: Path) -> Path:
@@ -26,7 +26,7 @@ def test_outside_a_study_the_packaged_one_is_used(tmp_path: Path, monkeypatch: p
     packaged = study(tmp_path / "package" / "_study")
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path / "elsewhere")
-    monkeypatch.setattr(folder, "_PACKAGE", tmp_path / "package")
+    monkeypatch.setattr(load, "_PACKAGE", tmp_path / "package")
     assert find_study() == packaged
 
 
@@ -36,13 +36,13 @@ def test_without_a_packaged_one_the_study_beside_the_package_is_used(
     checkout = study(tmp_path / "checkout")
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path / "elsewhere")
-    monkeypatch.setattr(folder, "_PACKAGE", checkout / "scaloft_fi")
+    monkeypatch.setattr(load, "_PACKAGE", checkout / "scaloft_fi")
     assert find_study() == checkout
 
 
 def test_no_study_anywhere_is_one_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(folder, "_PACKAGE", tmp_path / "scaloft_fi")
+    monkeypatch.setattr(load, "_PACKAGE", tmp_path / "scaloft_fi")
     with pytest.raises(InputError, match=r"no study in .* name one with --study"):
         find_study()
 

@@ -6,10 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.hazop.cell import Magnitude
-from scaloft_fi.hazop.ladder import Worse, mild_to_strong, neutral, worse
 from scaloft_fi.hazop.load import load_matrix
-from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.hazop.matrix import Magnitude, Worse, mild_to_strong, neutral, worse
+from scaloft_fi.stack.reference.stack import REFERENCE
 
 REFERENCE = load_matrix(Path(__file__).parents[2] / "hazop", REFERENCE.by_name)
 LADDERS = [

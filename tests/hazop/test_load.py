@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.hazop.cell import CellStatus
 from scaloft_fi.hazop.load import load_matrix
+from scaloft_fi.hazop.matrix import CellStatus
 
 GUIDEWORDS = "LATE: {title: LATE, meaning: after its time}\nMORE: {title: MORE, meaning: larger}\n"
 PARAMETERS = "human: {title: person detection, intent: seen, node: detector -> limit, unit: boxes}\n"

@@ -5,10 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.hazop.cell import Cell, CellStatus
-from scaloft_fi.hazop.guideword import Guideword
-from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.hazop.parameter import Parameter
+from scaloft_fi.hazop.matrix import Cell, CellStatus, Guideword, Matrix, Parameter
 
 WORDS = st.lists(st.from_regex(r"[A-Z][A-Z0-9]{0,12}", fullmatch=True), max_size=8, unique=True)
 NAMES = st.lists(st.from_regex(r"[a-z][a-z0-9_]{0,12}", fullmatch=True), max_size=8, unique=True)

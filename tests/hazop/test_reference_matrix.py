@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.hazop.cell import Cell, CellStatus, Magnitude
 from scaloft_fi.hazop.load import load_matrix
-from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.hazop.matrix import Cell, CellStatus, Magnitude
+from scaloft_fi.stack.reference.stack import REFERENCE
 
 HAZOP = Path(__file__).resolve().parents[2] / "hazop"
 MATRIX = load_matrix(HAZOP, REFERENCE.by_name)
@@ -76,7 +76,7 @@ def test_every_seam_of_a_fault_exists_and_most_seams_are_used() -> None:
 
 
 def test_the_matrix_names_exactly_the_ids_that_are_derived() -> None:
-    derive = pytest.importorskip("scaloft_fi.mutants.derive")
+    derive = pytest.importorskip("scaloft_fi.mutants.catalogue")
     told = [
         name
         for cell in MATRIX

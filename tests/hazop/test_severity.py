@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
-from scaloft_fi.hazop.severity import SeverityClass, load_severities, worst_first
+from scaloft_fi.hazop.matrix import SeverityClass, load_severities, worst_first
 
 CLASSES = """injury: {title: a person is hurt, meaning: hurt}
 damage: {title: the drone breaks, meaning: broken}

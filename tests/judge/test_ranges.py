@@ -10,7 +10,7 @@ from scaloft_fi.sim.grids import load_grid
 from scaloft_fi.sim.happenings import HAPPENINGS
 from scaloft_fi.sim.measures import SIGNALS
 from scaloft_fi.sim.signals import TRUTH_NAMES, clearance_name
-from scaloft_fi.stack.reference.beliefs import BELIEFS
+from scaloft_fi.stack.reference.messages import BELIEFS
 
 WORLD = load_grid(Path(__file__).parents[2] / "sim").world()
 

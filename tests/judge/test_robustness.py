@@ -19,7 +19,7 @@ from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Compliance, Kind, Reading
 from scaloft_fi.judge.robustness import measured_rho
-from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.stack.reference.stack import REFERENCE
 from scaloft_fi.views.exchange.parquet import parquet
 from scaloft_fi.views.flights.export import columns, export_rows, to_csv, to_json
 from scaloft_fi.views.score.tables import requirement_table

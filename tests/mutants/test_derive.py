@@ -8,19 +8,13 @@ from typing import Any
 import pytest
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.hazop.cell import Cell, CellStatus, Expected, Fault, Magnitude
-from scaloft_fi.hazop.guideword import Guideword
-from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.hazop.parameter import Parameter
-from scaloft_fi.mutants.argument import Hold, Period, Seconds
-from scaloft_fi.mutants.derive import defaults, derive, expected_of, realise, with_events
-from scaloft_fi.mutants.facts import Facts
-from scaloft_fi.mutants.operator import Tap, TapContext
+from scaloft_fi.hazop.matrix import Cell, CellStatus, Expected, Fault, Guideword, Magnitude, Matrix, Parameter
+from scaloft_fi.mutants.catalogue import defaults, derive, expected_of, realise, with_events
+from scaloft_fi.mutants.operator import Facts, Hold, Period, Seconds, Tap, TapContext, Windows
 from scaloft_fi.mutants.operators import OPERATORS
-from scaloft_fi.mutants.window import Windows
 from scaloft_fi.mutants.wire import contexts, wire_for
 from scaloft_fi.stack.messages import Detections
-from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.stack.reference.stack import REFERENCE
 
 FACTS = Facts(settings={"memory": {"voxel_m": 0.15}})
 

@@ -8,9 +8,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.mutants.operator import TapContext
+from scaloft_fi.mutants.operator import TapContext, Windows
 from scaloft_fi.mutants.operators import OPERATORS
-from scaloft_fi.mutants.window import Windows
 from scaloft_fi.stack.messages import Person
 from scaloft_fi.stack.reference.messages import Route, Target
 

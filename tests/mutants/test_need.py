@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import pytest
 
-from scaloft_fi.mutants.need import ANYTHING, IMAGE, NUMBERS, STAMP, Need, the
+from scaloft_fi.mutants.operator import ANYTHING, IMAGE, NUMBERS, STAMP, Need, the
 from scaloft_fi.mutants.operators import OPERATORS
-from scaloft_fi.stack.fields import Image, Stamp
+from scaloft_fi.stack.messages import Image, Stamp
 
 
 class Nothing(NamedTuple):

@@ -13,9 +13,9 @@ import pytest
 from scaloft_fi.mutants.check_operator import check_operator
 from scaloft_fi.mutants.operator import Operator, TapContext
 from scaloft_fi.mutants.operators import OPERATORS
-from scaloft_fi.stack.fields import field_type, number_fields, vector_fields
-from scaloft_fi.stack.reference.declaration import REFERENCE
-from scaloft_fi.stack.seam import Seam
+from scaloft_fi.stack.declaration import Seam
+from scaloft_fi.stack.messages import field_type, number_fields, vector_fields
+from scaloft_fi.stack.reference.stack import REFERENCE
 
 
 def same(a: Any, b: Any) -> bool:

@@ -6,8 +6,7 @@ import pytest
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.mutants.derive import default_of, derive
-from scaloft_fi.mutants.select import select
+from scaloft_fi.mutants.catalogue import default_of, derive, select
 
 
 def ids(matrix: Matrix, *patterns: str) -> list[str]:

@@ -9,13 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.mutants.operator import Tap
+from scaloft_fi.mutants.operator import Occurrences, Tap, Windows
 from scaloft_fi.mutants.sample import within
 from scaloft_fi.mutants.watch import WatchingWire
-from scaloft_fi.mutants.window import Occurrences, Windows
 from scaloft_fi.mutants.wire import SeamCount, TapError, TappedWire
-from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.stack.reference.messages import Target
+from scaloft_fi.stack.reference.stack import REFERENCE
 
 
 def tapped(taps: Mapping[str, Tap]) -> TappedWire:

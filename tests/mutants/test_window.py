@@ -9,8 +9,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.mutants.operator import TapContext
-from scaloft_fi.mutants.window import Occurrences, Windows
+from scaloft_fi.mutants.operator import Occurrences, TapContext, Windows
 
 OCCURS = st.sets(st.integers(0, 400), max_size=30).map(sorted)
 RATES = st.sampled_from([20, 240])

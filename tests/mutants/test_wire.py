@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.mutants.derive import defaults, expected_of, realise
-from scaloft_fi.mutants.facts import Facts
+from scaloft_fi.mutants.catalogue import defaults, expected_of, realise
 from scaloft_fi.mutants.mutant import PLACEBO
+from scaloft_fi.mutants.operator import Facts
 from scaloft_fi.mutants.wire import SeamCount, TapError, TappedWire, contexts, wire_for
-from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.stack.declaration import PlainWire
 from scaloft_fi.stack.reference.messages import Target
-from scaloft_fi.stack.seam import PlainWire
+from scaloft_fi.stack.reference.stack import REFERENCE
 
 CONTEXT = contexts("PLACEBO", "T0O0W0D0H0", 0, Facts())
 

@@ -8,16 +8,15 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.mutants.facts import Facts
 from scaloft_fi.mutants.mutant import Mutant
+from scaloft_fi.mutants.operator import Facts
 from scaloft_fi.mutants.wire import TappedWire, contexts, wire_for
 from scaloft_fi.outside.border import BorderError
 from scaloft_fi.outside.command import ClockTopic, Relay, load_command
 from scaloft_fi.outside.command_run import Told, run_command
 from scaloft_fi.outside.relay import Relays
-from scaloft_fi.stack.declaration import Declaration
-from scaloft_fi.stack.reference.declaration import REFERENCE
-from scaloft_fi.stack.seam import PlainWire, Wire
+from scaloft_fi.stack.declaration import Declaration, PlainWire, Wire
+from scaloft_fi.stack.reference.stack import REFERENCE
 
 RELAY = {"drive": Relay("/cmd_raw", "/cmd", "lines")}
 PROGRAM = """

@@ -4,9 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.document import load
+from scaloft_fi.document import Item, load
 from scaloft_fi.errors import InputError
-from scaloft_fi.item import Item
 from scaloft_fi.sim.addition import added
 
 

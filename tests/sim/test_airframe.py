@@ -7,7 +7,7 @@ import pytest
 
 from scaloft_fi.sim.airframe import Airframe
 from scaloft_fi.sim.build import GRAVITY_MPS2, build
-from scaloft_fi.stack.rates import STEP_S
+from scaloft_fi.stack.declaration import STEP_S
 
 pytestmark = pytest.mark.flight
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 from tiny_stack import SOUND
 
-from scaloft_fi.api import Claim, Instant, declare_claims
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.claims import CLAIMS, claims_of
+from scaloft_fi.sim.claims import CLAIMS, claims_of, declare_claims
 from scaloft_fi.sources import closure
-from scaloft_fi.stack.reference import claims as reference
+from scaloft_fi.stack.declaration import Claim, Instant
+from scaloft_fi.stack.reference import stack as reference
 from scaloft_fi.study import Study
 
 STUDY = Study.open()

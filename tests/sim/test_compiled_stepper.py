@@ -17,10 +17,9 @@ from scaloft_fi.sim.compiled_stepper import CompiledStepper
 from scaloft_fi.sim.flight import FlightLoop, fly, physics_server
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.log import Ending
+from scaloft_fi.stack.declaration import STEPS_PER_TICK, PlainWire
 from scaloft_fi.stack.messages import Imu
-from scaloft_fi.stack.rates import STEPS_PER_TICK
-from scaloft_fi.stack.reference.inner_loop import InnerLoop
-from scaloft_fi.stack.seam import PlainWire
+from scaloft_fi.stack.reference.flight_control import InnerLoop
 
 SKIPPED = InnerLoop.seams
 

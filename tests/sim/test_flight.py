@@ -12,8 +12,8 @@ from scaloft_fi.mutants.wire import TapError
 from scaloft_fi.sim.flight import fly
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.log import Ending
-from scaloft_fi.stack.reference.beliefs import MODES
-from scaloft_fi.stack.seam import PlainWire
+from scaloft_fi.stack.declaration import PlainWire
+from scaloft_fi.stack.reference.messages import MODES
 
 pytestmark = pytest.mark.flight
 SIM = Path(__file__).parents[2] / "sim"

@@ -12,7 +12,7 @@ from scaloft_fi.sim.airframe import KEPT_RATES, Airframe
 from scaloft_fi.sim.build import VEHICLE_GROUP, WORLD_GROUP, connect, set_up
 from scaloft_fi.sim.flight import fly
 from scaloft_fi.sim.free_flight import attitude_of, free_step
-from scaloft_fi.stack.seam import PlainWire
+from scaloft_fi.stack.declaration import PlainWire
 from tests.sim.test_compiled_stepper import reference
 
 pytestmark = pytest.mark.flight

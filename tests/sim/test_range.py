@@ -7,8 +7,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from ranges import CRUISE, with_range
 
+from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
-from scaloft_fi.item import Item
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.range import Range, cut, number_text, read_range
 

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 from scaloft_fi.sim.signals import Side, belief_signals, signal_names, truth_signals
-from scaloft_fi.stack.reference.beliefs import BELIEFS
+from scaloft_fi.stack.reference.messages import BELIEFS
 
 
 def test_names_are_unique_and_carry_their_unit(config):

@@ -12,7 +12,7 @@ from scaloft_fi.sim.load import load
 from scaloft_fi.sim.range import number_text
 from scaloft_fi.sim.signals import signal_names
 from scaloft_fi.sim.situation import Situation
-from scaloft_fi.stack.reference.beliefs import BELIEFS
+from scaloft_fi.stack.reference.messages import BELIEFS
 
 
 def test_a_key_is_made_of_axes_and_values():

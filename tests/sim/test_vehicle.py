@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from scaloft_fi.sim.build import GRAVITY_MPS2
 from scaloft_fi.sim.vehicle import STATE_SIZE, actuate, rotor_step, wrench
-from scaloft_fi.stack.rates import STEP_S
+from scaloft_fi.stack.declaration import STEP_S
 
 thrusts = st.tuples(*[st.floats(0, 10.35)] * 4).map(np.array)
 units = st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: np.linalg.norm(q) > 0.1).map(np.array)

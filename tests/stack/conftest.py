@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 import yaml
 
-from scaloft_fi.stack.camera import DepthCamera
 from scaloft_fi.stack.config import build
-from scaloft_fi.stack.messages import DepthFrame
+from scaloft_fi.stack.messages import DepthCamera, DepthFrame
 from scaloft_fi.stack.reference.memory import MemoryConfig
 from scaloft_fi.stack.reference.messages import PoseEstimate
 from scaloft_fi.stack.reference.planner import PlannerConfig

@@ -4,7 +4,7 @@ import math
 import numpy as np
 import pytest
 
-from scaloft_fi.stack.camera import DepthCamera
+from scaloft_fi.stack.messages import DepthCamera
 
 
 def test_a_pinhole_camera_looks_ahead_and_sees_left_on_its_left():

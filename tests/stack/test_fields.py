@@ -4,7 +4,7 @@ from typing import Annotated, NamedTuple
 
 import pytest
 
-from scaloft_fi.stack.fields import (
+from scaloft_fi.stack.messages import (
     Array,
     Image,
     Point,

@@ -14,7 +14,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from scaloft_fi import document
-from scaloft_fi.item import LARGEST, Item
+from scaloft_fi.document import LARGEST, Item
 from scaloft_fi.views.documents.build import Schema
 from scaloft_fi.views.documents.listed import DOCUMENTS
 

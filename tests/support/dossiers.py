@@ -9,10 +9,7 @@ from hypothesis import strategies as st
 
 from scaloft_fi.analysis.disposition import Disposition
 from scaloft_fi.analysis.scoring.detection import Spending
-from scaloft_fi.hazop.cell import Cell, CellStatus
-from scaloft_fi.hazop.guideword import Guideword
-from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.hazop.parameter import Parameter
+from scaloft_fi.hazop.matrix import Cell, CellStatus, Guideword, Matrix, Parameter
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Requirement
 from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds

@@ -146,11 +146,11 @@ def change(path: Path, chance: random.Random) -> None:
 def probe(folder: Path) -> None:
     """Read all that a study holds, as the verbs do before a flight."""
     study = Study.open(folder)
-    with mock.patch("scaloft_fi.study.closure", lambda _modules, beside=(): dict.fromkeys(beside)):
+    with mock.patch("scaloft_fi.sources.closure", lambda _modules, beside=(): dict.fromkeys(beside)):
         _ = study.inputs
     _ = study.alpha, study.dispositions, study.roster, study.sim.numbers
     study.check(study.grid.situations[:: 1 + len(study.grid) // 3])
-    catalogue.read(folder / "mutants")
+    catalogue.read_catalogue(folder / "mutants")
 
 
 def wrong_sentence(text: str) -> str:

@@ -18,7 +18,7 @@ NOT_PRINTED = {
     "Side": "an order of signals",
     "Style": "codes of a terminal",
     "Worse": "an order of magnitudes",
-    "scaloft_fi.stack.fields.Kind": "kinds of fields of messages",
+    "scaloft_fi.stack.messages.Kind": "kinds of fields of messages",
 }
 """The others, by name or by module and name, each with what it is."""
 

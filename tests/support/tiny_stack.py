@@ -7,20 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from scaloft_fi.api import (
-    STEP_HZ,
-    TICK_HZ,
-    Array,
-    Belief,
-    Declaration,
-    PlainStack,
-    Seam,
-    Stamp,
-    Task,
-    Wire,
-    messages,
-)
+from scaloft_fi.stack import messages
+from scaloft_fi.stack.declaration import STEP_HZ, TICK_HZ, Belief, Declaration, PlainStack, Seam, Task, Wire
 from scaloft_fi.stack.kernel import jit
+from scaloft_fi.stack.messages import Array, Stamp
 
 PROFILE = ((1.0, 10.81), (2.0, 8.81), (5.0, 9.81), (5.4, 8.81))
 """Until when [s], what the rotors push [m/s2]: up a metre, hover, sink."""

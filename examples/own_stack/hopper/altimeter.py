@@ -1,7 +1,8 @@
 """The sensor: height above the floor, 20 Hz, with noise."""
 
 from hopper.messages import Height
-from scaloft_fi.api import SENSORS, SensorKind, Table
+from scaloft_fi.sim.sensors.sensor import SENSORS, SensorKind
+from scaloft_fi.streams import Table
 
 
 class Altimeter:

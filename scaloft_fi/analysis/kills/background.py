@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from scaloft_fi.hazop.cell import Fault
-from scaloft_fi.hazop.ladder import Worse, mild_to_strong, worse
-from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.mutants.derive import realise, source_of
+from scaloft_fi.hazop.matrix import Fault, Matrix, Worse, mild_to_strong, worse
+from scaloft_fi.mutants.catalogue import realise, source_of
 
 
 @dataclass(frozen=True)

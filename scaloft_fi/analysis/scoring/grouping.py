@@ -9,7 +9,7 @@ from enum import StrEnum
 from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore, Result
 from scaloft_fi.analysis.scoring.score import Score
-from scaloft_fi.hazop.severity import UNCLASSED, class_of, worst_first
+from scaloft_fi.hazop.matrix import UNCLASSED, class_of, worst_first
 from scaloft_fi.judge.space import Space
 
 

@@ -13,7 +13,7 @@ from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.scoring.detection import Detection, Sample, Spending, Verdict, detect
 from scaloft_fi.analysis.scoring.firmness import Firmness, firmness
 from scaloft_fi.analysis.scoring.pool import Pool
-from scaloft_fi.hazop.severity import SeverityClass
+from scaloft_fi.hazop.matrix import SeverityClass
 from scaloft_fi.judge.outcome import Subject
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.rulings import Ruled, Situations

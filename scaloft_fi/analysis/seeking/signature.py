@@ -18,7 +18,7 @@ from scaloft_fi.judge.outcome import Violation
 from scaloft_fi.judge.requirement import Requirement
 from scaloft_fi.judge.stl import tokenize
 from scaloft_fi.sim.signals import SAMPLE_HZ
-from scaloft_fi.stack.claim import Claim, Instant
+from scaloft_fi.stack.declaration import Claim, Instant
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.log import FlightLog

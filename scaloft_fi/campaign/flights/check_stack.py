@@ -19,10 +19,8 @@ if TYPE_CHECKING:
     from scaloft_fi.setup import Setup
     from scaloft_fi.sim.log import FlightLog
     from scaloft_fi.sim.situation import Situation
-    from scaloft_fi.stack.contract import Stack
-    from scaloft_fi.stack.declaration import Declaration
+    from scaloft_fi.stack.declaration import Declaration, Stack, Wire
     from scaloft_fi.stack.messages import Imu
-    from scaloft_fi.stack.seam import Wire
 
 S = TypeVar("S")
 
@@ -125,7 +123,7 @@ class _Inspection:
 
     def result(self) -> StackCheck:
         """Fly, and say what came of it."""
-        from scaloft_fi.stack.seam import PlainWire
+        from scaloft_fi.stack.declaration import PlainWire
 
         declared = guarded(self.setup.stack)
         first = self.flown(PlainWire(), declared, "the first baseline flight")
@@ -171,7 +169,7 @@ class _Inspection:
 
     def _check_claims(self, declared: Declaration, first: FlightLog) -> None:
         from scaloft_fi.sim.claims import claims_of
-        from scaloft_fi.stack.claim import Instant
+        from scaloft_fi.stack.declaration import Instant
 
         try:
             claims = claims_of(declared, first.signals)
@@ -189,7 +187,7 @@ class _Inspection:
                 self.failures.append(f"claim {claim.stage!r} has the error {off} at the end of a flight")
 
     def _check_second(self, declared: Declaration, first: FlightLog) -> None:
-        from scaloft_fi.stack.seam import PlainWire
+        from scaloft_fi.stack.declaration import PlainWire
 
         if not declared.deterministic:
             return
@@ -220,7 +218,7 @@ class _Inspection:
             )
 
     def _check_raising(self, declared: Declaration, method: str) -> None:
-        from scaloft_fi.stack.seam import PlainWire
+        from scaloft_fi.stack.declaration import PlainWire
 
         broken = replace(declared, make=lambda task, wire: _Raising(declared.make(task, wire), method))
         log = self.flown(PlainWire(), broken, f"a flight in which {method!r} raises")

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from scaloft_fi.outside.records.derived import Known
     from scaloft_fi.outside.records.record_map import RecordMap
     from scaloft_fi.sim.situation import Situation
-    from scaloft_fi.stack.seam import Wire
+    from scaloft_fi.stack.declaration import Wire
     from scaloft_fi.study import Study
 
 TRACK = {"speed_mps": "the track of a flight"}

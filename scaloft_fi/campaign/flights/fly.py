@@ -13,10 +13,10 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.registry import in_one_line, plugin_behind
 
 if TYPE_CHECKING:
-    from scaloft_fi.mutants.facts import Facts
+    from scaloft_fi.mutants.operator import Facts
     from scaloft_fi.sim.log import FlightLog
     from scaloft_fi.sim.scenario import Scenario
-    from scaloft_fi.stack.seam import Wire
+    from scaloft_fi.stack.declaration import Wire
     from scaloft_fi.study import Study
 
 
@@ -61,7 +61,7 @@ def wire_of(study: Study, flight: Flight) -> Wire:
 
 def facts(scenario: Scenario, settings: Mapping[str, Any]) -> Facts:
     """The facts about situation, vehicle, sensors and the stack's `settings` that operators may use."""
-    from scaloft_fi.mutants.facts import Facts
+    from scaloft_fi.mutants.operator import Facts
 
     mission, imu, wall = scenario.world.mission, scenario.sensors.imu, scenario.wall_right
     home_x_m, home_y_m = mission.home

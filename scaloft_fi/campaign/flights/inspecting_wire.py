@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:
-    from scaloft_fi.stack.declaration import Declaration
-    from scaloft_fi.stack.seam import Seam
+    from scaloft_fi.stack.declaration import Declaration, Seam
 
 S = TypeVar("S")
 
@@ -72,7 +71,7 @@ class InspectingWire:
 
     def complaints(self, duration_s: float) -> list[str]:
         """A sentence for each thing that is not as declared."""
-        from scaloft_fi.stack.rates import TICK_HZ
+        from scaloft_fi.stack.declaration import TICK_HZ
 
         sentences = [f"seam {name!r} is used, but not declared" for name in self._strange]
         for name, polls in self._polls.items():

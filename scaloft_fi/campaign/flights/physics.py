@@ -41,8 +41,7 @@ class Physics:
         with stderr_silenced():
             import pybullet  # noqa: F401 - its first import writes to standard error
         from scaloft_fi.sim import flight
-        from scaloft_fi.stack.rates import TICK_HZ
-        from scaloft_fi.stack.seam import PlainWire
+        from scaloft_fi.stack.declaration import TICK_HZ, PlainWire
 
         notice = Timer(NOTICE_S, say, ["compiling kernels (first run only)"])
         notice.start()

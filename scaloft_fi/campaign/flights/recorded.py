@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from scaloft_fi.document import is_there
 from scaloft_fi.judge.requirement import Reading, Requirement, judge_signals
 from scaloft_fi.judge.stl import tokenize
 from scaloft_fi.outside.records.derived import Known
 from scaloft_fi.outside.records.record_map import RecordMap, load_record_map, own_map
 from scaloft_fi.outside.records.recorded import flight_log
-from scaloft_fi.reading import is_there
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.log import FlightLog

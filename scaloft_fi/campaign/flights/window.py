@@ -10,7 +10,7 @@ from scaloft_fi.campaign.flights.fly import wire_of
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.log import FlightLog
-from scaloft_fi.stack.rates import TICK_S
+from scaloft_fi.stack.declaration import TICK_S
 from scaloft_fi.study import Study
 
 DISTANCE_M, TURN_DEG, TILT_DEG = 3.0, 15.0, -60.0

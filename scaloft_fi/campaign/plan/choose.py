@@ -6,10 +6,9 @@ import re
 from collections.abc import Sequence
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.hazop.cell import CellStatus
-from scaloft_fi.mutants.derive import defaults
+from scaloft_fi.hazop.matrix import CellStatus
+from scaloft_fi.mutants.catalogue import defaults, select
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
-from scaloft_fi.mutants.select import select
 from scaloft_fi.study import Study
 
 MOST_SEEDS = 100_000

@@ -9,8 +9,7 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any, TextIO
 
-from scaloft_fi.console import marked_sentence, show
-from scaloft_fi.inert import line
+from scaloft_fi.console import line, marked_sentence, show
 
 LIVE_EVERY_S = 0.5
 LINE_EVERY_S = 10.0

@@ -28,13 +28,11 @@ from scaloft_fi.campaign.store.folder import STORE_NAME, promising
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
-from scaloft_fi.hazop.cell import Fault
-from scaloft_fi.hazop.ladder import mild_to_strong
-from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.matrix import Fault, Matrix, mild_to_strong
 from scaloft_fi.hazop.name import cell_of
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.mutants.derive import realise, source_of
+from scaloft_fi.mutants.catalogue import realise, source_of
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.inert import json_text
+from scaloft_fi.console import json_text
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space

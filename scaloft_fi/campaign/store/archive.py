@@ -30,11 +30,11 @@ from scaloft_fi.campaign.store.origin import Origin
 from scaloft_fi.campaign.store.selection import Flown, Stands
 from scaloft_fi.campaign.store.store import NOTE, Store
 from scaloft_fi.campaign.store.tables import Planned
+from scaloft_fi.document import FILE_BYTES, is_file, is_folder, opened, read_bytes
 from scaloft_fi.errors import InputError, shown
-from scaloft_fi.hazop.folder import FOLDERS
+from scaloft_fi.hazop.load import FOLDERS
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.reading import FILE_BYTES, is_file, is_folder, opened, read_bytes
 from scaloft_fi.study import Study
 
 OUTCOMES, TRACKS = "outcomes.parquet", "tracks.parquet"

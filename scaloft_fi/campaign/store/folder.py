@@ -6,8 +6,8 @@ import os
 from contextlib import suppress
 from pathlib import Path
 
+from scaloft_fi.document import is_file
 from scaloft_fi.errors import InputError, did_you_mean, shown
-from scaloft_fi.reading import is_file
 from scaloft_fi.study import Study
 
 STORE_NAME = "outcomes.sqlite"

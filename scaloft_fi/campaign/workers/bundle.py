@@ -11,9 +11,9 @@ import tarfile
 import tempfile
 from pathlib import Path, PurePosixPath
 
+from scaloft_fi.document import is_file, read_bytes
 from scaloft_fi.errors import InputError
-from scaloft_fi.hazop.folder import FOLDERS
-from scaloft_fi.reading import is_file, read_bytes
+from scaloft_fi.hazop.load import FOLDERS
 
 MOST_FILES = 10_000
 """Greatest number of files in a bundle."""

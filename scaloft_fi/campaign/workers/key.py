@@ -10,8 +10,8 @@ from dataclasses import astuple, dataclass
 from pathlib import Path
 from typing import Any, Final
 
+from scaloft_fi.document import read_bytes
 from scaloft_fi.errors import InputError
-from scaloft_fi.reading import read_bytes
 
 VARIABLE: Final = "SCALOFT_CLUSTER_KEY"
 """The environment variable with the path of the key file."""

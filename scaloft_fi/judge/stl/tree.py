@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from scaloft_fi.stack.rates import TICK_S
+from scaloft_fi.stack.declaration import TICK_S
 
 SAMPLE_MS = round(1000 * TICK_S)
 """Sampling period of the flight log [ms]."""

@@ -8,12 +8,22 @@ from typing import Any
 
 import numpy as np
 
-from scaloft_fi.mutants.argument import Factor, Hold, Metres, Period, Seconds, Share
-from scaloft_fi.mutants.facts import Facts
-from scaloft_fi.mutants.need import the
-from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
+from scaloft_fi.mutants.operator import (
+    TOLERANCE_S,
+    Example,
+    Factor,
+    Facts,
+    Hold,
+    Metres,
+    Period,
+    Seconds,
+    Share,
+    Tap,
+    TapContext,
+    operator,
+    the,
+)
 from scaloft_fi.mutants.sample import on_each
-from scaloft_fi.mutants.window import TOLERANCE_S
 from scaloft_fi.stack.messages import Detections, Person
 
 _SILENCE_S = 0.5  # a detector that was silent for this time reports nobody

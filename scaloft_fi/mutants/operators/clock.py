@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from scaloft_fi.mutants.argument import Hold, Number, Period, Range, Seconds
-from scaloft_fi.mutants.need import STAMP
-from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
+from scaloft_fi.mutants.operator import STAMP, Example, Hold, Number, Period, Range, Seconds, Tap, TapContext, operator
 from scaloft_fi.mutants.sample import on_each, reclocked, within
 from scaloft_fi.stack.messages import Stamps
 

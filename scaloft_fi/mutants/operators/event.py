@@ -4,13 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaloft_fi.mutants.argument import Component, Hold, Number, NumericField, Period, Seconds
-from scaloft_fi.mutants.need import NUMBERS
-from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
+from scaloft_fi.mutants.operator import (
+    NUMBERS,
+    Component,
+    Example,
+    Hold,
+    Number,
+    NumericField,
+    Period,
+    Seconds,
+    Tap,
+    TapContext,
+    Windows,
+    operator,
+)
 from scaloft_fi.mutants.sample import altered, within
-from scaloft_fi.mutants.window import Windows
+from scaloft_fi.stack.declaration import STEP_HZ
 from scaloft_fi.stack.messages import Exposure, Imu, Stamps
-from scaloft_fi.stack.rates import STEP_HZ
 
 _EXPOSURE = Exposure(1.0, 2.0, 0.0)
 _REST = Imu(0.0, np.array([0.1, -0.2, 0.3]), np.array([0.0, 0.0, 9.81]))

@@ -7,12 +7,21 @@ from typing import Any, Literal
 
 import numpy as np
 
-from scaloft_fi.mutants.argument import Hold, Metres, Period, Seconds, Share
-from scaloft_fi.mutants.need import IMAGE
-from scaloft_fi.mutants.operator import Example, Samples, Tap, TapContext, operator
+from scaloft_fi.mutants.operator import (
+    IMAGE,
+    Example,
+    Hold,
+    Metres,
+    Period,
+    Samples,
+    Seconds,
+    Share,
+    Tap,
+    TapContext,
+    operator,
+)
 from scaloft_fi.mutants.sample import on_each, redrawn, within
-from scaloft_fi.stack.fields import Array
-from scaloft_fi.stack.messages import DepthFrame
+from scaloft_fi.stack.messages import Array, DepthFrame
 
 _ROW = DepthFrame(0.0, np.array([[1.0, 2.0, 3.0, 0.0]] * 4))
 

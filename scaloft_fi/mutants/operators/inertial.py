@@ -8,13 +8,22 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from scaloft_fi.mutants.argument import Hold, Period, Range, Seconds
-from scaloft_fi.mutants.need import the
-from scaloft_fi.mutants.operator import Example, Samples, Tap, TapContext, operator
+from scaloft_fi.mutants.operator import (
+    Example,
+    Hold,
+    Period,
+    Range,
+    Samples,
+    Seconds,
+    Tap,
+    TapContext,
+    Windows,
+    operator,
+    the,
+)
 from scaloft_fi.mutants.sample import on_each
-from scaloft_fi.mutants.window import Windows
+from scaloft_fi.stack.declaration import STEP_HZ
 from scaloft_fi.stack.messages import Imu
-from scaloft_fi.stack.rates import STEP_HZ
 
 Positive = Annotated[float, Range(above=0.0, most=1e6)]
 _REST = Imu(0.0, np.array([0.1, -0.2, 0.3]), np.array([0.5, 0.0, 9.81]))

@@ -4,12 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaloft_fi.mutants.argument import Hold, Seconds, Share
-from scaloft_fi.mutants.facts import Facts
-from scaloft_fi.mutants.need import the
-from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
+from scaloft_fi.mutants.operator import Example, Facts, Hold, Seconds, Share, Tap, TapContext, Windows, operator, the
 from scaloft_fi.mutants.sample import on_each, within
-from scaloft_fi.mutants.window import Windows
 from scaloft_fi.stack.messages import Battery, Thrust
 
 _FULL = Battery(0.0, 0.9, 16.0, 4)

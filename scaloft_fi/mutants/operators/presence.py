@@ -8,10 +8,19 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from scaloft_fi.mutants.argument import Hold, Period, Range, Seconds, Share
-from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
-from scaloft_fi.mutants.sent import Reading
-from scaloft_fi.mutants.window import TOLERANCE_S
+from scaloft_fi.mutants.operator import (
+    TOLERANCE_S,
+    Example,
+    Hold,
+    Period,
+    Range,
+    Seconds,
+    Share,
+    Tap,
+    TapContext,
+    operator,
+)
+from scaloft_fi.mutants.sample import Reading
 from scaloft_fi.stack.messages import Detections as Boxes
 from scaloft_fi.stack.messages import Person
 

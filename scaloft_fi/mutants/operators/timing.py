@@ -6,11 +6,19 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import Annotated, Any
 
-from scaloft_fi.mutants.argument import Hold, Period, Range, Seconds
-from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
-from scaloft_fi.mutants.sample import restamped
-from scaloft_fi.mutants.sent import Reading
-from scaloft_fi.mutants.window import TOLERANCE_S, Windows
+from scaloft_fi.mutants.operator import (
+    TOLERANCE_S,
+    Example,
+    Hold,
+    Period,
+    Range,
+    Seconds,
+    Tap,
+    TapContext,
+    Windows,
+    operator,
+)
+from scaloft_fi.mutants.sample import Reading, restamped
 
 _A, _B, _C, _D = (Reading(0.0, float(i)) for i in range(4))
 

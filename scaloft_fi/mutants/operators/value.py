@@ -8,22 +8,25 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from scaloft_fi.mutants.argument import (
+from scaloft_fi.mutants.operator import (
     ALL,
+    NUMBERS,
     AnyField,
     Axis,
     Component,
     Degrees,
+    Example,
     Factor,
     Number,
     NumericField,
     Range,
+    Samples,
+    Tap,
+    TapContext,
     ValueOfField,
+    operator,
 )
-from scaloft_fi.mutants.need import NUMBERS
-from scaloft_fi.mutants.operator import Example, Samples, Tap, TapContext, operator
-from scaloft_fi.mutants.sample import altered, on_each
-from scaloft_fi.mutants.sent import Move, Word
+from scaloft_fi.mutants.sample import Move, Word, altered, on_each
 from scaloft_fi.stack.messages import Metering
 
 _FORWARD = Move(0.0, np.array([0.1, 0.5, -0.2]), 1.5)

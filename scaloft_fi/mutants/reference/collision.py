@@ -7,9 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from scaloft_fi.mutants.argument import Degrees, Hold, Period, Seconds, Share
-from scaloft_fi.mutants.need import the
-from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
+from scaloft_fi.mutants.operator import Degrees, Example, Hold, Period, Seconds, Share, Tap, TapContext, operator, the
 from scaloft_fi.mutants.sample import on_each
 from scaloft_fi.stack.messages import Bumper
 from scaloft_fi.stack.reference.messages import CollisionFlag, Proximity

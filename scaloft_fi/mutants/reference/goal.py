@@ -5,11 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from scaloft_fi.mutants.argument import Axis, Period, Place, Seconds
-from scaloft_fi.mutants.need import the
-from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
+from scaloft_fi.mutants.operator import (
+    TOLERANCE_S,
+    Axis,
+    Example,
+    Period,
+    Place,
+    Seconds,
+    Tap,
+    TapContext,
+    operator,
+    the,
+)
 from scaloft_fi.mutants.sample import AtEach, altered, on_each
-from scaloft_fi.mutants.window import TOLERANCE_S
 from scaloft_fi.stack.reference.messages import GoalCheck
 
 _FAR = GoalCheck(0, (0.0, 2.0, 0.0), (1.0, 1.0, 0.0), 0.15, 0.5)

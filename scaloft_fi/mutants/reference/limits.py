@@ -7,11 +7,8 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import Annotated, Any
 
-from scaloft_fi.mutants.argument import Period, Range, Seconds
-from scaloft_fi.mutants.need import the
-from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
+from scaloft_fi.mutants.operator import TOLERANCE_S, Example, Period, Range, Seconds, Tap, TapContext, operator, the
 from scaloft_fi.mutants.sample import on_each
-from scaloft_fi.mutants.window import TOLERANCE_S
 from scaloft_fi.stack.reference.messages import SpeedLimit
 
 Speed = Annotated[float, Range(above=0.0, most=100.0)]

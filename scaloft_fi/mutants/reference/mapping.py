@@ -6,12 +6,22 @@ import math
 
 import numpy as np
 
-from scaloft_fi.mutants.argument import Degrees, Metres, Period, Seconds, Share
-from scaloft_fi.mutants.facts import Facts
-from scaloft_fi.mutants.need import the
-from scaloft_fi.mutants.operator import Example, Samples, Tap, TapContext, operator
+from scaloft_fi.mutants.operator import (
+    Degrees,
+    Example,
+    Facts,
+    Metres,
+    Period,
+    Samples,
+    Seconds,
+    Share,
+    Tap,
+    TapContext,
+    operator,
+    the,
+)
 from scaloft_fi.mutants.sample import AtEach, on_each
-from scaloft_fi.stack.fields import Array
+from scaloft_fi.stack.messages import Array
 from scaloft_fi.stack.reference.messages import Clearing, ObstacleMap
 
 _HERE = np.array([0.0, 0.0, 1.5])

@@ -8,11 +8,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from scaloft_fi.mutants.argument import Seconds
-from scaloft_fi.mutants.need import the
-from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
-from scaloft_fi.mutants.window import TOLERANCE_S
-from scaloft_fi.stack.fields import Array
+from scaloft_fi.mutants.operator import TOLERANCE_S, Example, Seconds, Tap, TapContext, operator, the
+from scaloft_fi.stack.messages import Array
 from scaloft_fi.stack.reference.messages import PoseEstimate
 
 

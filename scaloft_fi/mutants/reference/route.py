@@ -7,12 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from scaloft_fi.mutants.argument import Metres, Place, Seconds
-from scaloft_fi.mutants.need import the
-from scaloft_fi.mutants.operator import Example, Tap, TapContext, operator
+from scaloft_fi.mutants.operator import TOLERANCE_S, Example, Metres, Place, Seconds, Tap, TapContext, operator, the
 from scaloft_fi.mutants.sample import on_each, within
-from scaloft_fi.mutants.window import TOLERANCE_S
-from scaloft_fi.stack.fields import Point
+from scaloft_fi.stack.messages import Point
 from scaloft_fi.stack.reference.messages import Route, Target
 
 Points = tuple[Point, ...]

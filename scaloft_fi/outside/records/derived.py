@@ -10,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from scaloft_fi.sim.signals import clearance_name
-from scaloft_fi.stack.fields import Array, Point
+from scaloft_fi.stack.messages import Array, Point
 
 PASS_M = 0.5
 """A waypoint counts as passed within this horizontal distance [m]."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
+from scaloft_fi.document import is_folder
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.outside.records.source import Series, Source, Timing
-from scaloft_fi.reading import is_folder
 from scaloft_fi.registry import Registry
 
 FOLDER = "folder"

@@ -8,11 +8,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from scaloft_fi.document import opened
 from scaloft_fi.errors import InputError
 from scaloft_fi.outside.records.kind import RecordKind
 from scaloft_fi.outside.records.messages import Message, collect, fields_of, topics_of
 from scaloft_fi.outside.records.source import MOST_MESSAGES, Series, Source, Timing, damaged, too_many
-from scaloft_fi.reading import opened
 from scaloft_fi.registry import in_one_line
 
 CHUNK_BYTES = 256 << 20

@@ -8,9 +8,8 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from pathlib import Path
 
-from scaloft_fi.document import load
+from scaloft_fi.document import LARGEST, MOST, Item, load
 from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.item import LARGEST, MOST, Item
 from scaloft_fi.outside.records.source import Source, Timing
 
 UNITS: Mapping[str, tuple[float, float]] = {

@@ -16,7 +16,7 @@ from scaloft_fi.outside.records.sampling import instants, moment_s, sampled
 from scaloft_fi.outside.records.source import Series, Source
 from scaloft_fi.sim.log import NEVER_S, Count, Ending, FlightLog
 from scaloft_fi.sim.signals import clearance_name
-from scaloft_fi.stack.fields import Array
+from scaloft_fi.stack.messages import Array
 
 PLACE = ("x_m", "y_m", "z_m")
 """Signals that every record must have: a violation has a place."""

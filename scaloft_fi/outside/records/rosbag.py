@@ -7,11 +7,11 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
+from scaloft_fi.document import is_folder, opened
 from scaloft_fi.errors import InputError
 from scaloft_fi.outside.records.kind import RecordKind
 from scaloft_fi.outside.records.messages import Message, collect, fields_of, topics_of
 from scaloft_fi.outside.records.source import Series, Source, Timing, damaged
-from scaloft_fi.reading import is_folder, opened
 
 MOST_FILES = 1_000
 """Most files of a record that is a folder."""

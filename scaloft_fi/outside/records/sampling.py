@@ -15,7 +15,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.outside.records.record_map import Entry, Keep, Moment
 from scaloft_fi.outside.records.source import Series
 from scaloft_fi.sim.signals import SAMPLE_HZ
-from scaloft_fi.stack.fields import Array
+from scaloft_fi.stack.messages import Array
 
 LONGEST_S = 3 * 3600.0
 """Longest flight of a record [s]."""

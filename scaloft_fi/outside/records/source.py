@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.stack.fields import Array
+from scaloft_fi.stack.messages import Array
 
 MOST_MESSAGES = 5_000_000
 """Most messages, or rows, of a record that are read."""

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
+from scaloft_fi.document import read_text
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.outside.records.kind import RecordKind
 from scaloft_fi.outside.records.source import MOST_MESSAGES, Series, Source, Timing, lacks, number, too_many
-from scaloft_fi.reading import read_text
 
 TABLE_BYTES = 256 << 20
 """Largest table."""

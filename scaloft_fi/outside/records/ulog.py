@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from scaloft_fi.document import opened
 from scaloft_fi.errors import InputError
 from scaloft_fi.outside.records.kind import RecordKind
 from scaloft_fi.outside.records.messages import topics_of
 from scaloft_fi.outside.records.source import MOST_MESSAGES, Series, Source, Timing, damaged, lacks, number, too_many
-from scaloft_fi.reading import opened
 
 TIME = "timestamp"
 """Field with the time of a message [us]."""

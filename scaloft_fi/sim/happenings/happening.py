@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from scaloft_fi.sim.optics import Faces, Scene
-from scaloft_fi.stack.fields import Point
+from scaloft_fi.stack.messages import Point
 
 
 @dataclass(frozen=True)

@@ -24,8 +24,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
-from scaloft_fi.item import Item
 from scaloft_fi.registry import Registry
 from scaloft_fi.sim.happenings.happening import Effect, Happening, Start
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from scaloft_fi.item import Item
+from scaloft_fi.document import Item
 from scaloft_fi.sim.happenings.happening import Effect, Surroundings
 from scaloft_fi.sim.happenings.kinds import HAPPENINGS, HappeningKind
 

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.item import Item
 from scaloft_fi.sim.happenings.happening import Effect, Surroundings
 from scaloft_fi.sim.happenings.kinds import HAPPENINGS, HappeningKind
 

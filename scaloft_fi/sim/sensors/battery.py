@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from scaloft_fi.item import Item
+from scaloft_fi.document import Item
 from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
+from scaloft_fi.stack.declaration import TICK_S
 from scaloft_fi.stack.messages import Battery
-from scaloft_fi.stack.rates import TICK_S
 from scaloft_fi.streams import Array
 
 PERIOD_TICKS = 20

@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from scaloft_fi.item import Item
-from scaloft_fi.sim.raster import Camera, View
+from scaloft_fi.document import Item
+from scaloft_fi.sim.optics import Camera, View
 from scaloft_fi.sim.sensors.sensor import LONGEST_S, SENSORS, FlightSetting, Moment, SensorKind
 from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.messages import DepthFrame

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaloft_fi.item import Item
-from scaloft_fi.sim.raster import View
+from scaloft_fi.document import Item
+from scaloft_fi.sim.optics import View
 from scaloft_fi.sim.sensors.sensor import LONGEST_S, SENSORS, FlightSetting, Moment, SensorKind
 from scaloft_fi.stack.messages import Detections, Exposure, Person
 from scaloft_fi.streams import Table

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from scaloft_fi.item import Item
+from scaloft_fi.document import Item
 from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
 from scaloft_fi.stack.messages import Exposure, Metering
 from scaloft_fi.streams import Table

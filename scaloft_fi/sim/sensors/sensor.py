@@ -18,11 +18,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
-from scaloft_fi.item import Item
+from scaloft_fi.document import Item
 from scaloft_fi.registry import Registry
 from scaloft_fi.sim.contact import Contact
 from scaloft_fi.sim.happenings import Surroundings
-from scaloft_fi.sim.raster import Scene, View
+from scaloft_fi.sim.optics import Scene, View
 from scaloft_fi.stack.messages import Exposure, Stamps
 from scaloft_fi.streams import Array
 

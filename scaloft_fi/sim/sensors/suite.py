@@ -8,10 +8,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
-from scaloft_fi.item import Item
+from scaloft_fi.document import Item
 from scaloft_fi.sim.contact import Contact
 from scaloft_fi.sim.happenings import Surroundings
-from scaloft_fi.sim.raster import View, look
+from scaloft_fi.sim.optics import View
+from scaloft_fi.sim.raster import look
 from scaloft_fi.sim.sensors import bumper, positioning  # noqa: F401 - they declare their sensors
 from scaloft_fi.sim.sensors.battery import BatteryConfig
 from scaloft_fi.sim.sensors.camera import DepthConfig
@@ -20,8 +21,8 @@ from scaloft_fi.sim.sensors.imu import ImuConfig, ImuSensor
 from scaloft_fi.sim.sensors.metering import MeteringConfig
 from scaloft_fi.sim.sensors.positioning import PositioningConfig
 from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, Sensor
+from scaloft_fi.stack.declaration import TICK_S
 from scaloft_fi.stack.messages import Exposure, Imu, SensorFrames, Stamps
-from scaloft_fi.stack.rates import TICK_S
 from scaloft_fi.streams import Array
 
 M = TypeVar("M")

@@ -7,26 +7,114 @@ stages crosses the wire.
 from __future__ import annotations
 
 import math
+from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
 
 from scaloft_fi.stack.config import Count
-from scaloft_fi.stack.fields import Array
-from scaloft_fi.stack.messages import Bumper, DepthFrame, Exposure, SensorFrames
-from scaloft_fi.stack.reference.battery_monitor import BatteryMonitor
-from scaloft_fi.stack.reference.beliefs import NOBODY_M
-from scaloft_fi.stack.reference.exposure import ExposureControl
+from scaloft_fi.stack.declaration import Wire
+from scaloft_fi.stack.messages import Array, Bumper, DepthFrame, Exposure, Metering, SensorFrames
 from scaloft_fi.stack.reference.flight_control import FlightControl
 from scaloft_fi.stack.reference.memory import ObstacleMemory
-from scaloft_fi.stack.reference.messages import PoseEstimate, Proximity, Route, SpeedLimit, Target, VelocityCommand
-from scaloft_fi.stack.reference.mission import Mission
+from scaloft_fi.stack.reference.messages import (
+    NOBODY_M,
+    PoseEstimate,
+    Proximity,
+    Route,
+    SpeedLimit,
+    Target,
+    VelocityCommand,
+)
+from scaloft_fi.stack.reference.mission import BatteryMonitor, Mission, SpeedLimitStage
 from scaloft_fi.stack.reference.planner import LocalPlan, Planner, shape_velocity
-from scaloft_fi.stack.reference.pose_buffer import PoseBuffer
-from scaloft_fi.stack.reference.proximity import ProximityMonitor
-from scaloft_fi.stack.reference.recoil import Recoil
-from scaloft_fi.stack.reference.speed_limit import SpeedLimitStage
-from scaloft_fi.stack.seam import Wire
+from scaloft_fi.stack.reference.proximity import ProximityMonitor, Recoil
+
+
+class PoseBuffer:
+    """Poses of the last `span_s` seconds; interpolates between them, extrapolates up to `reach_s` past the newest."""
+
+    def __init__(self, span_s: float, reach_s: float) -> None:
+        self.span_s, self.reach_s = span_s, reach_s
+        self._poses: deque[PoseEstimate] = deque()
+
+    def add(self, pose: PoseEstimate) -> None:
+        """Add a pose; a pose that is not newer than the last one is dropped, as in transform buffers."""
+        if self._poses and pose.stamp_s <= self._poses[-1].stamp_s:
+            return
+        self._poses.append(pose)
+        while pose.stamp_s - self._poses[0].stamp_s > self.span_s:
+            self._poses.popleft()
+
+    @property
+    def newest(self) -> PoseEstimate | None:
+        """The pose that was added last."""
+        return self._poses[-1] if self._poses else None
+
+    def at(self, stamp_s: float) -> PoseEstimate | None:
+        """The pose at `stamp_s`; None when that is older than the buffer or beyond its reach."""
+        if not self._poses or stamp_s < self._poses[0].stamp_s or stamp_s > self._poses[-1].stamp_s + self.reach_s:
+            return None
+        after = self._poses[-1]
+        if stamp_s >= after.stamp_s:
+            ahead_s = stamp_s - after.stamp_s
+            return (
+                after
+                if ahead_s == 0.0
+                else after._replace(stamp_s=stamp_s, position=after.position + ahead_s * after.velocity)
+            )
+        for before in reversed(self._poses):
+            if before.stamp_s <= stamp_s:
+                return _between(before, after, stamp_s)
+            after = before
+        return None
+
+
+def _between(before: PoseEstimate, after: PoseEstimate, stamp_s: float) -> PoseEstimate:
+    share = (stamp_s - before.stamp_s) / (after.stamp_s - before.stamp_s)
+    if share < 1e-9:
+        return before
+    turned = math.remainder(after.yaw_rad - before.yaw_rad, 2.0 * math.pi)
+    # Neighbours are 50 ms apart, so a normalised blend of the quaternions is within 1e-4 rad of the great circle.
+    sign = 1.0 if float(before.attitude @ after.attitude) >= 0.0 else -1.0
+    attitude = (1.0 - share) * before.attitude + share * sign * after.attitude
+    return PoseEstimate(
+        stamp_s,
+        before.position + share * (after.position - before.position),
+        before.velocity + share * (after.velocity - before.velocity),
+        before.yaw_rad + share * turned,
+        attitude / float(attitude @ attitude) ** 0.5,
+    )
+
+
+@dataclass(frozen=True)
+class ExposureConfig:
+    """Settings of the exposure loop.
+
+    Attributes:
+        gain: share of the metered error corrected per tick.
+        limit_ev: the loop stays within +- this [EV].
+        gain_from_ev: above this the sensor gain doubles with every EV.
+    """
+
+    gain: float
+    limit_ev: float
+    gain_from_ev: float
+
+
+class ExposureControl:
+    """An integrating loop on the light meter's error."""
+
+    def __init__(self, config: ExposureConfig) -> None:
+        self.config = config
+        self._ev = 0.0
+
+    def meter(self, metering: Metering | None) -> Exposure:
+        """The order to the camera; without a message of the light meter the order stays."""
+        config = self.config
+        if metering is not None:
+            self._ev = min(config.limit_ev, max(-config.limit_ev, self._ev + config.gain * metering.error_ev))
+        return Exposure(self._ev, 2.0 ** max(0.0, self._ev - config.gain_from_ev), 0.0)
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,14 @@
 """State estimation: strapdown integration at the inertial rate, corrected by fixes in an error-state Kalman filter.
 
+Products of matrices are fused multiply-adds in the order of the terms, one rounding each, so that their bits are the
+same on every processor; the bits of a BLAS depend on the kernels that it chooses for the processor.
+
+filterpy imports `scipy.stats` for likelihoods and `scipy.ndimage` for its discrete filters; SciPy imports all that
+NumPy has, its reader of Fortran too.  Here each is a stand-in, which imports its module when a function is called.
+
+The error is of (position, velocity, attitude, rate bias, force bias); attitude errors are small rotation vectors in the
+world frame.  A fix measures position x, y, z and heading.
+
 The filter is `filterpy.kalman.KalmanFilter` over the error of the state.  A late fix is compared with the estimate for
 the time of its stamp.
 """
@@ -7,31 +16,456 @@ the time of its stamp.
 from __future__ import annotations
 
 import math
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib import import_module
+from types import ModuleType
+from typing import Any, cast
 
 import numpy as np
+from numba import types
+from numba.extending import intrinsic
 
 from scaloft_fi.stack.config import NotNegative, Positive
-from scaloft_fi.stack.fields import Array
-from scaloft_fi.stack.messages import Fix, Imu
-from scaloft_fi.stack.reference.error_state import error_filter, plausible, transition
-from scaloft_fi.stack.reference.history import History
+from scaloft_fi.stack.declaration import TICK_S
+from scaloft_fi.stack.kernel import jit
+from scaloft_fi.stack.messages import Array, Fix, Imu
 from scaloft_fi.stack.reference.messages import PoseEstimate
-from scaloft_fi.stack.reference.strapdown import (
-    ATTITUDE,
-    NUMBERS,
-    POSITION,
-    RATE_BIAS,
-    STAMP_S,
-    USED_S,
-    VELOCITY,
-    correct,
-    integrate,
-    parts_of,
-    rotation,
-    turn,
-    yaw_of,
-)
+
+GRAVITY_MPS2 = 9.81
+
+# Layout of the nominal state.
+POSITION, VELOCITY, ATTITUDE, RATE_BIAS, FORCE_BIAS, STATE_SIZE = 0, 3, 6, 10, 13, 16
+
+# Layout of the numbers that a sample changes: state, its rotation matrix, integrated force, last rate, two times.
+_ROTATION, _FORCE, _RATE, _TIMES = STATE_SIZE, STATE_SIZE + 9, STATE_SIZE + 12, STATE_SIZE + 15
+NUMBERS = STATE_SIZE + 17
+
+# Layout of the times.
+STAMP_S, USED_S = 0, 1
+
+GAP_S = 0.1
+"""An inertial sample that is more than this later than the one before is not integrated [s]."""
+
+
+@jit
+def parts_of(numbers: Array) -> tuple[Array, Array, Array, Array, Array]:
+    """State (16,), rotation (3, 3), integrated force (3,), rate (3,) and times (2,) as views of `numbers` (33,)."""
+    rotated = numbers[_ROTATION:_FORCE].reshape((3, 3))
+    return numbers[:STATE_SIZE], rotated, numbers[_FORCE:_RATE], numbers[_RATE:_TIMES], numbers[_TIMES:NUMBERS]
+
+
+@jit
+def rotation(q: Array, r: Array) -> None:
+    """Write the rotation matrix of quaternion `q` (4,) [x, y, z, w], body to world, into `r` (3, 3)."""
+    x, y, z, w = q[0], q[1], q[2], q[3]
+    r[0, 0] = 1.0 - 2.0 * (y * y + z * z)
+    r[0, 1] = 2.0 * (x * y - z * w)
+    r[0, 2] = 2.0 * (x * z + y * w)
+    r[1, 0] = 2.0 * (x * y + z * w)
+    r[1, 1] = 1.0 - 2.0 * (x * x + z * z)
+    r[1, 2] = 2.0 * (y * z - x * w)
+    r[2, 0] = 2.0 * (x * z - y * w)
+    r[2, 1] = 2.0 * (y * z + x * w)
+    r[2, 2] = 1.0 - 2.0 * (x * x + y * y)
+
+
+@jit
+def turn(q: Array, dx: float, dy: float, dz: float, in_world: bool) -> None:
+    """Turn quaternion `q` (4,) in place by the rotation vector (dx, dy, dz) [rad], of the body or the world frame."""
+    angle = math.sqrt(dx * dx + dy * dy + dz * dz)
+    s = 0.5 if angle < 1e-9 else math.sin(0.5 * angle) / angle
+    ex, ey, ez, ew = dx * s, dy * s, dz * s, math.cos(0.5 * angle)
+    x, y, z, w = q[0], q[1], q[2], q[3]
+    if in_world:
+        x, y, z, w, ex, ey, ez, ew = ex, ey, ez, ew, x, y, z, w
+    nx = w * ex + x * ew + y * ez - z * ey
+    ny = w * ey - x * ez + y * ew + z * ex
+    nz = w * ez + x * ey - y * ex + z * ew
+    nw = w * ew - x * ex - y * ey - z * ez
+    norm = math.sqrt(nx * nx + ny * ny + nz * nz + nw * nw)
+    q[0], q[1], q[2], q[3] = nx / norm, ny / norm, nz / norm, nw / norm
+
+
+@jit
+def integrate(now_s: float, stamp_s: float, rate: Array, force: Array, numbers: Array) -> None:
+    """Integrate one inertial sample.
+
+    A sample that is not newer than the one before it, or newer by `GAP_S` or more, only sets the stamp.
+
+    Args:
+        now_s: own time [s].
+        stamp_s: of the sample [s].
+        rate, force: (3,) of the sample [rad/s, m/s2, body].
+        numbers: (33,) see `parts_of`; the times are the last sample's stamp and the time of the last integration [s].
+    """
+    state, r, world_force, body_rate, times = parts_of(numbers)
+    dt_s = stamp_s - times[STAMP_S]
+    times[STAMP_S] = stamp_s
+    if 0.0 < dt_s < GAP_S:
+        times[USED_S] = now_s
+        propagate(state, rate, force, dt_s, r, world_force, body_rate)
+
+
+@jit
+def propagate(
+    state: Array, rate: Array, force: Array, dt_s: float, r: Array, world_force: Array, body_rate: Array
+) -> None:
+    """Advance the nominal state by one inertial sample, in place.
+
+    Args:
+        state: (16,) position [m], velocity [m/s], attitude x, y, z, w, rate bias [rad/s], force bias [m/s2].
+        rate: (3,) angular rate [rad/s, body].
+        force: (3,) specific force [m/s2, body].
+        dt_s: time since the last sample [s].
+        r: (3, 3) receives the rotation matrix of the new attitude.
+        world_force: (3,) sum of specific force x dt since it was last cleared [m/s, world].
+        body_rate: (3,) receives the angular rate without its bias [rad/s, body].
+    """
+    q = state[ATTITUDE:RATE_BIAS]
+    rotation(q, r)
+    fx, fy, fz = force[0] - state[13], force[1] - state[14], force[2] - state[15]
+    for i in range(3):
+        f = r[i, 0] * fx + r[i, 1] * fy + r[i, 2] * fz
+        world_force[i] += f * dt_s
+        a = f - (GRAVITY_MPS2 if i == 2 else 0.0)
+        state[i] += state[3 + i] * dt_s + 0.5 * a * dt_s * dt_s
+        state[3 + i] += a * dt_s
+        body_rate[i] = rate[i] - state[10 + i]
+    turn(q, body_rate[0] * dt_s, body_rate[1] * dt_s, body_rate[2] * dt_s, False)
+    rotation(q, r)
+
+
+@jit
+def correct(state: Array, error: Array) -> None:
+    """Take the estimated `error` (15,) out of the nominal state (16,), in place.
+
+    Args:
+        state: (16,) as `propagate` has it.
+        error: (15,) of position [m], velocity [m/s], attitude [rad, world], rate bias [rad/s], force bias [m/s2].
+    """
+    for i in range(6):
+        state[i] += error[i]
+        state[10 + i] += error[9 + i]
+    turn(state[ATTITUDE:RATE_BIAS], error[6], error[7], error[8], True)
+
+
+@jit
+def yaw_of(q: Array) -> float:
+    """Heading [rad] of quaternion `q` (4,) [x, y, z, w]."""
+    return math.atan2(2.0 * (q[3] * q[2] + q[0] * q[1]), 1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2]))
+
+
+SIZE = 15
+"""Components of the error: position, velocity, attitude, rate bias, force bias, three each."""
+MEASURED = (0, 1, 2, 8)
+"""Components of the error that a fix measures: position x, y, z and heading."""
+_FIX = len(MEASURED)
+_BLOCK = 5  # columns that are summed at once: while one sum waits for its last term, the others go on
+
+
+def _emit_fused(_typing: Any, _a: Any, _b: Any, _c: Any) -> Any:
+    def emit(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        return builder.fma(*arguments)
+
+    return types.float64(types.float64, types.float64, types.float64), emit
+
+
+fused = cast(Callable[[float, float, float], float], intrinsic(_emit_fused))
+"""a * b + c, rounded once."""
+
+
+@jit
+def _product(a: Array, b: Array, out: Array) -> None:
+    """Write a b into `out`; all (SIZE, SIZE)."""
+    for i in range(SIZE):
+        for j in range(0, SIZE, _BLOCK):
+            s = t = u = v = w = 0.0
+            for k in range(SIZE):
+                x = a[i, k]
+                s, t, u = fused(x, b[k, j], s), fused(x, b[k, j + 1], t), fused(x, b[k, j + 2], u)
+                v, w = fused(x, b[k, j + 3], v), fused(x, b[k, j + 4], w)
+            out[i, j], out[i, j + 1], out[i, j + 2], out[i, j + 3], out[i, j + 4] = s, t, u, v, w
+
+
+@jit
+def _both_sides(f: Array, p: Array) -> Array:
+    """The product f p f', (SIZE, SIZE) as both are."""
+    half, turned, out = np.empty((SIZE, SIZE)), np.empty((SIZE, SIZE)), np.empty((SIZE, SIZE))
+    for i in range(SIZE):
+        for j in range(SIZE):
+            turned[j, i] = f[i, j]
+    _product(f, p, half)
+    _product(half, turned, out)
+    return out
+
+
+@jit
+def carried(f: Array, p: Array, noise: Array) -> Array:
+    """The covariance after a step: f p f' + noise; all (SIZE, SIZE)."""
+    out = _both_sides(f, p)
+    for i in range(SIZE):
+        for j in range(SIZE):
+            out[i, j] += noise[i, j]
+    return out
+
+
+@jit
+def innovation(p: Array, noise: Array) -> Array:
+    """Covariance (4, 4) of the innovation: that of the estimate's measured components plus `noise`, that of the fix."""
+    s = np.empty((_FIX, _FIX))
+    for i in range(_FIX):
+        for j in range(_FIX):
+            s[i, j] = p[MEASURED[i], MEASURED[j]] + noise[i, j]
+    return s
+
+
+@jit
+def corrected(p: Array, noise: Array, inverse: Array, z: Array) -> tuple[Array, Array, Array]:
+    """Gain (SIZE, 4), error (SIZE,) and covariance (SIZE, SIZE) after a fix, in Joseph's form.
+
+    Args:
+        p: (SIZE, SIZE) covariance before the fix.
+        noise: (4, 4) covariance of a fix.
+        inverse: (4, 4) inverse of the innovation's covariance.
+        z: (4,) the innovation, fix minus estimate.
+    """
+    gain, error, kept, spread = np.empty((SIZE, _FIX)), np.empty(SIZE), np.zeros((SIZE, SIZE)), np.empty((SIZE, _FIX))
+    for i in range(SIZE):
+        kept[i, i] = 1.0
+        for j in range(_FIX):
+            total = 0.0
+            for k in range(_FIX):
+                total = fused(p[i, MEASURED[k]], inverse[k, j], total)
+            gain[i, j] = total
+            kept[i, MEASURED[j]] -= total
+        # summed in pairs, as numpy does, and from +0: an innovation of 0 gives an error of +0, not of -0
+        error[i] = 0.0 + ((gain[i, 0] * z[0] + gain[i, 2] * z[2]) + (gain[i, 1] * z[1] + gain[i, 3] * z[3]))
+        for j in range(_FIX):
+            total = 0.0
+            for k in range(_FIX):
+                total = fused(gain[i, k], noise[k, j], total)
+            spread[i, j] = total
+    left = _both_sides(kept, p)
+    for i in range(SIZE):
+        for j in range(SIZE):
+            total = 0.0
+            for k in range(_FIX):
+                total = fused(spread[i, k], gain[j, k], total)
+            left[i, j] += total
+    return gain, error, left
+
+
+LATE = ("scipy.stats", "scipy.ndimage", "scipy.ndimage.filters", "scipy.ndimage.interpolation", "numpy.f2py")
+"""The last two of `scipy.ndimage` are where filterpy 1.4.5 looks for what newer ones find in it."""
+
+
+class _Late:
+    """Something of a late module, found when it is called."""
+
+    def __init__(self, module: str, path: tuple[str, ...]) -> None:
+        self._module, self._path = module, path
+
+    def __getattr__(self, name: str) -> _Late:
+        return _Late(self._module, (*self._path, name))
+
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+        if isinstance(sys.modules.get(self._module), _StandIn):
+            return None  # filterpy asks while it is imported whether an argument is known, which it has been since 2014
+        found: Any = import_module(self._module)
+        for name in self._path:
+            found = getattr(found, name)
+        return found(*args, **kwargs)
+
+
+class _StandIn(ModuleType):
+    def __getattr__(self, name: str) -> _Late:
+        return _Late(self.__name__, (name,))
+
+
+@contextmanager
+def _stood_in() -> Iterator[None]:
+    """Stand-ins for the late modules that nobody has imported yet."""
+    late = {name: _StandIn(name) for name in LATE if name not in sys.modules}
+    sys.modules.update(late)
+    places = [(import_module(package), module) for package, _, module in (name.rpartition(".") for name in late)]
+    for (package, module), stand_in in zip(places, late.values(), strict=True):
+        setattr(package, module, stand_in)
+    try:
+        yield
+    finally:
+        for name in late:
+            del sys.modules[name]
+        for package, module in places:
+            delattr(package, module)
+
+
+with _stood_in():
+    from filterpy.kalman import KalmanFilter as KalmanFilter
+    from scipy.linalg.lapack import dgesv as dgesv
+
+
+_IDENTITY = np.eye(len(MEASURED))
+
+
+class ErrorFilter(KalmanFilter):  # type: ignore[misc]
+    """`KalmanFilter` for an error that is zero before each correction and of which four components are measured.
+
+    It keeps filterpy's matrices, makes none of filterpy's copies for inspection, and computes in compiled kernels.
+    """
+
+    P: Array
+
+    def predict(self) -> None:
+        """Carry the covariance over one step; an error of zero stays zero."""
+        self.P = carried(self.F, self.P, self.Q)
+
+    def update(self, z: Array) -> None:
+        """Correct by the innovation `z` (4,), fix minus estimate: x, y, z [m] and heading [rad].
+
+        Raises:
+            numpy.linalg.LinAlgError: the covariance of the innovation is singular.
+        """
+        self.S = innovation(self.P, self.R)
+        *_, inverse, singular = dgesv(self.S, _IDENTITY)
+        if singular:
+            raise np.linalg.LinAlgError("Singular matrix")
+        self.K, self.x, self.P = corrected(self.P, self.R, inverse, z)
+
+
+def error_filter(
+    force_noise: float,
+    rate_noise: float,
+    rate_bias_walk: float,
+    force_bias_walk: float,
+    fix_sigma_m: float,
+    fix_yaw_sigma_rad: float,
+) -> ErrorFilter:
+    """The filter before take-off; the noises are those of `EstimatorConfig`."""
+    kf = ErrorFilter(dim_x=SIZE, dim_z=len(MEASURED))
+    kf.x = np.zeros(SIZE)
+    kf.P = np.diag([1e-4] * 3 + [1e-4] * 3 + [1e-4] * 3 + [1e-5] * 3 + [1e-3] * 3)
+    kf.Q = np.diag(
+        [1e-10] * 3
+        + [force_noise**2 * TICK_S] * 3
+        + [rate_noise**2 * TICK_S] * 3
+        + [rate_bias_walk**2 * TICK_S] * 3
+        + [force_bias_walk**2 * TICK_S] * 3
+    )
+    kf.H = np.eye(SIZE)[list(MEASURED)]
+    kf.R = np.diag([fix_sigma_m**2] * 3 + [fix_yaw_sigma_rad**2])
+    return kf
+
+
+@jit
+def transition(f: Array, dt_s: float, world_force: Array, r: Array) -> None:
+    """Write the transition of the error over `dt_s` into the matrix `f` (15, 15).
+
+    Args:
+        f: (15, 15) the identity but for the entries that this function writes.
+        dt_s: time since the last prediction [s].
+        world_force: (3,) sum of specific force x dt in that time [m/s, world].
+        r: (3, 3) attitude, body to world.
+    """
+    ax, ay, az = world_force[0], world_force[1], world_force[2]
+    f[3, 7], f[3, 8] = az, -ay
+    f[4, 6], f[4, 8] = -az, ax
+    f[5, 6], f[5, 7] = ay, -ax
+    for i in range(3):
+        f[i, 3 + i] = dt_s
+        for k in range(3):
+            f[3 + i, 12 + k] = f[6 + i, 9 + k] = -dt_s * r[i, k]
+
+
+@jit
+def plausible(error: Array, covariance: Array, noise: Array, gate_sigma: float) -> bool:
+    """Whether each component of `error` (4,) is within `gate_sigma` standard deviations.
+
+    Args:
+        error: (4,) fix minus estimate: position x, y, z [m] and heading [rad].
+        covariance: (15, 15) of the estimator's error.
+        noise: (4, 4) covariance of a fix.
+        gate_sigma: greatest accepted number of standard deviations.
+    """
+    for i in range(4):
+        k = i if i < 3 else 8
+        if not abs(error[i]) <= gate_sigma * math.sqrt(covariance[k, k] + noise[i, i]):
+            return False
+    return True
+
+
+_ROWS = 64
+
+
+class History:
+    """Estimates of the last `span_s` seconds, as rows of time [s], position x, y, z [m, world] and heading [rad]."""
+
+    def __init__(self, span_s: float) -> None:
+        self._span_s = span_s
+        self._rows = np.empty((_ROWS, 5))
+        self._first = self._end = 0
+
+    def __len__(self) -> int:
+        return self._end - self._first
+
+    def add(self, now_s: float, position: Array, yaw_rad: float) -> None:
+        """Add the estimate of `now_s` and drop estimates that are older than the span."""
+        if self._end == len(self._rows):
+            kept = self._rows[self._first :].copy()
+            if 2 * len(kept) > len(self._rows):
+                self._rows = np.empty((2 * len(self._rows), 5))
+            self._rows[: len(kept)] = kept
+            self._first, self._end = 0, len(kept)
+        self._first = _add(self._rows, self._first, self._end, now_s, position, yaw_rad, self._span_s)
+        self._end += 1
+
+    def at(self, stamp_s: float) -> tuple[Array, float]:
+        """Position (3,) and heading at `stamp_s`, interpolated; outside the history those of its last or first row."""
+        position = np.empty(3)
+        share, yaw_rad, later_rad = _at(self._rows, self._first, self._end, stamp_s, position)
+        if share > 0.0:
+            yaw_rad += share * math.remainder(later_rad - yaw_rad, 2.0 * math.pi)
+        return position, yaw_rad
+
+    def shift(self, position: Array, yaw_rad: float) -> None:
+        """Apply a correction to the recent past as well; otherwise late fixes would correct the same error twice."""
+        _shift(self._rows, self._first, self._end, position, yaw_rad)
+
+
+@jit
+def _add(rows: Array, first: int, end: int, now_s: float, position: Array, yaw_rad: float, span_s: float) -> int:
+    """Write row `end`; returns the number of the first row that is not older than the span."""
+    rows[end, 0], rows[end, 4] = now_s, yaw_rad
+    for k in range(3):
+        rows[end, 1 + k] = position[k]
+    while now_s - rows[first, 0] > span_s:
+        first += 1
+    return first
+
+
+@jit
+def _at(rows: Array, first: int, end: int, stamp_s: float, position: Array) -> tuple[float, float, float]:
+    """Interpolate `position` (3,); returns the share of the later one of two rows, and their headings."""
+    i = end - 1
+    while i > first and not rows[i, 0] <= stamp_s:
+        i -= 1
+    later = min(i + 1, end - 1)
+    span_s = rows[later, 0] - rows[i, 0]
+    share = min(1.0, (stamp_s - rows[i, 0]) / span_s) if span_s > 0.0 and rows[i, 0] <= stamp_s else 0.0
+    for k in range(1, 4):
+        position[k - 1] = rows[i, k] + share * (rows[later, k] - rows[i, k]) if share > 0.0 else rows[i, k]
+    return share, rows[i, 4], rows[later, 4]
+
+
+@jit
+def _shift(rows: Array, first: int, end: int, position: Array, yaw_rad: float) -> None:
+    """Add to position (3,) and heading of the rows from `first` to before `end`."""
+    for i in range(first, end):
+        for k in range(3):
+            rows[i, 1 + k] += position[k]
+        rows[i, 4] += yaw_rad
 
 
 @dataclass(frozen=True)

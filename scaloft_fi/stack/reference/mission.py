@@ -1,11 +1,104 @@
-"""The mission: take off, fly the waypoints, come home, land.  The planner gets one waypoint at a time."""
+"""The mission and what changes it: waypoints one at a time, the speed limit for people, the battery fail-safe."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from scaloft_fi.stack.fields import Point
-from scaloft_fi.stack.reference.messages import Failsafe, GoalCheck, PoseEstimate, Route, Target
+from scaloft_fi.stack.messages import Battery, Detections, Person, Point
+from scaloft_fi.stack.reference.messages import Failsafe, GoalCheck, PoseEstimate, Route, SpeedLimit, Target
+
+
+@dataclass(frozen=True)
+class SpeedLimitConfig:
+    """The rule of the published mission script, with the distance of requirement SR2.
+
+    Attributes:
+        label: class of box that counts.
+        min_score: least confidence that counts.
+        max_range_m: farthest person that counts [m].
+    """
+
+    label: str
+    min_score: float
+    max_range_m: float
+
+
+class SpeedLimitStage:
+    """Publishes the limit at the start, and the slow limit with every message that shows a person.
+
+    Attributes:
+        cruise_mps: limit without a person [m/s].
+        slow_mps: limit from the first person on [m/s].
+    """
+
+    def __init__(self, config: SpeedLimitConfig, cruise_mps: float, slow_mps: float) -> None:
+        self.config = config
+        self.cruise_mps, self.slow_mps = cruise_mps, slow_mps
+        self._published = False
+
+    def update(self, now_s: float, detections: Detections | None) -> tuple[SpeedLimit | None, Person | None]:
+        """The limit to publish at this tick, and the nearest person that counts; None for each that there is not."""
+        person = self._nearest(detections) if detections is not None else None
+        if person is not None:
+            self._published = True
+            return SpeedLimit(now_s, self.slow_mps, "euclidean"), person
+        if not self._published:
+            self._published = True
+            return SpeedLimit(now_s, self.cruise_mps, "euclidean"), None
+        return None, None
+
+    def _nearest(self, detections: Detections) -> Person | None:
+        config = self.config
+        near = [
+            p
+            for p in detections.persons
+            if p.label == config.label and p.score >= config.min_score and p.range_m <= config.max_range_m
+        ]
+        return min(near, key=lambda p: p.range_m, default=None)
+
+
+@dataclass(frozen=True)
+class BatteryConfig:
+    """Thresholds of the battery monitor.
+
+    Attributes:
+        low_charge: state of charge at which to return (PX4 BAT_LOW_THR 0.15).
+        critical_charge: state of charge at which to land (PX4 BAT_CRIT_THR 0.07).
+        empty_cell_v: voltage of an empty cell [V]; below it the pack counts as empty, whatever the gauge reads.
+        lost_s: after this time without telemetry the pack counts as empty [s].
+    """
+
+    low_charge: float
+    critical_charge: float
+    empty_cell_v: float
+    lost_s: float
+
+
+class BatteryMonitor:
+    """Watches the telemetry and requests each action once."""
+
+    def __init__(self, config: BatteryConfig) -> None:
+        self.config = config
+        self._received_s = 0.0
+        self._requested = ""
+
+    def update(self, now_s: float, battery: Battery | None) -> Failsafe | None:
+        """Process the telemetry of one tick; returns a new request to the mission, None when there is none."""
+        config = self.config
+        action = ""
+        if battery is not None:
+            self._received_s = now_s
+            cell_v = battery.voltage_v / max(1, battery.cells)
+            if cell_v < config.empty_cell_v or battery.charge <= config.critical_charge:
+                action = "land"
+            elif battery.charge <= config.low_charge:
+                action = "return"
+        elif now_s - self._received_s > config.lost_s:
+            action = "land"
+        if not action or action == self._requested or self._requested == "land":
+            return None
+        self._requested = action
+        return Failsafe(now_s, action)
 
 
 @dataclass(frozen=True)

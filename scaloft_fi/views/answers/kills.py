@@ -14,7 +14,7 @@ from scaloft_fi.analysis.kills.subsumption import Subsumption, kills_by_requirem
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.judge.outcome import BASELINE
-from scaloft_fi.mutants.select import select
+from scaloft_fi.mutants.catalogue import select
 from scaloft_fi.study import Study
 from scaloft_fi.views.kills import kill_tables as tables
 from scaloft_fi.views.kills.kill_record import KILLS, kill_values

@@ -13,7 +13,7 @@ from scaloft_fi.campaign.store.folder import campaign_folder
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.name import cell_of
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.mutants.derive import realise, source_of
+from scaloft_fi.mutants.catalogue import realise, source_of
 from scaloft_fi.study import Study
 from scaloft_fi.views.outputs.answer import Answer
 from scaloft_fi.views.snapshot import snapshot

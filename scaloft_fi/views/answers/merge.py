@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from scaloft_fi.campaign.runs.merge import merge as merged_into
 from scaloft_fi.campaign.store.folder import campaign_folder
-from scaloft_fi.inert import line
+from scaloft_fi.console import line
 from scaloft_fi.study import Study
 from scaloft_fi.views.outputs.answer import Answer
 from scaloft_fi.views.runs.merged import MERGE, merge_values

@@ -20,9 +20,9 @@ from scaloft_fi.campaign.store.flown_grid import study_of
 from scaloft_fi.campaign.store.folder import campaign_folder
 from scaloft_fi.defaults import SEARCHED
 from scaloft_fi.errors import InputError
-from scaloft_fi.hazop.folder import find_study
+from scaloft_fi.hazop.load import find_study
 from scaloft_fi.judge.outcome import BASELINE
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.sim.claims import claims_of
 from scaloft_fi.sim.found import FILE, read_finds

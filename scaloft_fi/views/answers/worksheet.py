@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from scaloft_fi.console import PIPED
 from scaloft_fi.errors import InputError
 from scaloft_fi.output import write_named
 from scaloft_fi.study import Study
-from scaloft_fi.terminal import PIPED
 from scaloft_fi.views.outputs.answer import Answer
 from scaloft_fi.views.snapshot import snapshot
 from scaloft_fi.views.stale import Stale

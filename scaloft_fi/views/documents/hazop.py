@@ -6,11 +6,9 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from scaloft_fi.analysis.scoring.detection import ALPHA, MOST_ALPHA
-from scaloft_fi.hazop.cell import PERIODS
-from scaloft_fi.hazop.ladder import Worse
 from scaloft_fi.hazop.load import MOST_ENTRIES
-from scaloft_fi.mutants.argument import Argument
-from scaloft_fi.mutants.operator import Operator
+from scaloft_fi.hazop.matrix import PERIODS, Worse
+from scaloft_fi.mutants.operator import Argument, Operator
 from scaloft_fi.views.documents.build import (
     Schema,
     anything,

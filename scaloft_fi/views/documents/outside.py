@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from scaloft_fi.item import MOST
+from scaloft_fi.document import MOST
 from scaloft_fi.outside.border import BORDERS
 from scaloft_fi.outside.command import MOST_LIMIT_S
 from scaloft_fi.outside.ports import PORTS

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from scaloft_fi.item import LARGEST, Item
+from scaloft_fi.document import LARGEST, Item
 from scaloft_fi.views.documents.build import Schema
 
 

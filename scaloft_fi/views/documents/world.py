@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from scaloft_fi.reading import FILE_BYTES
+from scaloft_fi.document import FILE_BYTES
 from scaloft_fi.sim.mine import MOST_CORNERS
 from scaloft_fi.sim.obj import FARTHEST_M, MeshLimits
 from scaloft_fi.sim.world import LEAST_M, MOST_BODIES, MOST_WAYPOINTS

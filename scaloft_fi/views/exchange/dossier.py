@@ -14,10 +14,8 @@ from scaloft_fi.analysis.scoring.detection import Spending, Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.score import Score, score
 from scaloft_fi.analysis.situations.coverage import Coverage, coverage
-from scaloft_fi.hazop.cell import Cell
-from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.matrix import Cell, Matrix, worst_first
 from scaloft_fi.hazop.name import cell_of
-from scaloft_fi.hazop.severity import worst_first
 from scaloft_fi.judge.flights import JudgedFlight, flights_of
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Requirement

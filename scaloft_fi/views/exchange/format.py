@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from scaloft_fi.inert import json_text, printable
+from scaloft_fi.console import json_text, printable
 from scaloft_fi.registry import Registry
 from scaloft_fi.views.exchange.dossier import Dossier
 

@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from scaloft_fi.defaults import SEARCHED
-from scaloft_fi.reading import is_there, read_text
+from scaloft_fi.document import is_there, read_text
 from scaloft_fi.sim.grids import FOLDER
 from scaloft_fi.study import Study
 from scaloft_fi.version import __version__

@@ -14,7 +14,7 @@ from xml.etree import ElementTree as ET
 
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
-from scaloft_fi.inert import line
+from scaloft_fi.console import line
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.format import export_format
 

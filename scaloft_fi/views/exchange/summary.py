@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from scaloft_fi.analysis.scoring.detection import Verdict
-from scaloft_fi.hazop.severity import class_of
+from scaloft_fi.hazop.matrix import class_of
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.format import export_format

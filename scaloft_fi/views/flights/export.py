@@ -23,7 +23,7 @@ from functools import cache
 from typing import Any
 
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.inert import json_text
+from scaloft_fi.console import json_text
 from scaloft_fi.judge.flights import JudgedFlight, flights_of
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.robustness import measured_rho

@@ -9,8 +9,8 @@ from __future__ import annotations
 import io
 from typing import TYPE_CHECKING, Any
 
+from scaloft_fi.console import json_text
 from scaloft_fi.errors import InputError
-from scaloft_fi.inert import json_text
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.log import FlightLog

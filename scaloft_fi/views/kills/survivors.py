@@ -20,7 +20,7 @@ from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.pool import LEAST, State
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.defaults import CAMPAIGN
-from scaloft_fi.hazop.severity import class_of, worst_first
+from scaloft_fi.hazop.matrix import class_of, worst_first
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Requirement
 from scaloft_fi.judge.status import Status

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any, get_args, get_origin
 
-from scaloft_fi.stack.fields import (
+from scaloft_fi.stack.declaration import UNITS, Seam
+from scaloft_fi.stack.messages import (
     Point,
     field_names,
     field_type,
@@ -13,7 +14,6 @@ from scaloft_fi.stack.fields import (
     stamp_fields,
     vector_fields,
 )
-from scaloft_fi.stack.seam import UNITS, Seam
 
 _PLAIN = {float: "number", int: "whole number", str: "text", bool: "true or false"}
 

@@ -6,10 +6,9 @@ import inspect
 import math
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.mutants.argument import Argument
-from scaloft_fi.mutants.operator import Operator
+from scaloft_fi.mutants.operator import Argument, Operator
 from scaloft_fi.mutants.operators import OPERATORS
-from scaloft_fi.stack.seam import UNITS
+from scaloft_fi.stack.declaration import UNITS
 from scaloft_fi.views.lists.listing import Listing, Record, number_range
 from scaloft_fi.views.lists.origin import package_of
 from scaloft_fi.views.lists.samples import example_of

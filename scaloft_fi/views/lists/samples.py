@@ -16,7 +16,7 @@ MOST_NUMBERS = 8
 def sample_text(sample: Any) -> str:
     """A sample by its fields; `nothing` where none is sent.
 
-    >>> from scaloft_fi.mutants.sent import Reading
+    >>> from scaloft_fi.mutants.sample import Reading
     >>> sample_text(Reading(0.05, 1.0)), sample_text(None)
     ('stamp_s=0.05, value=1', 'nothing')
     """

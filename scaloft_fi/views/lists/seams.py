@@ -7,8 +7,8 @@ from types import CodeType
 from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.mutants.operators import OPERATORS
-from scaloft_fi.stack.fields import field_names
-from scaloft_fi.stack.seam import Seam
+from scaloft_fi.stack.declaration import Seam
+from scaloft_fi.stack.messages import field_names
 from scaloft_fi.views.lists.fields import fields_of
 from scaloft_fi.views.lists.listing import Listing, Record
 from scaloft_fi.views.outputs.output import Output

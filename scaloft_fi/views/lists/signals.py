@@ -7,13 +7,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from scaloft_fi.document import is_there
 from scaloft_fi.judge.caps import Cap, cap_of
-from scaloft_fi.reading import is_there
 from scaloft_fi.sim.happenings import HAPPENINGS
 from scaloft_fi.sim.measures import SIGNALS
 from scaloft_fi.sim.signals import CLEARANCE_CAP_M, Signal, belief_signals, clearance_name, truth_signals
-from scaloft_fi.stack.belief import Belief
-from scaloft_fi.stack.seam import UNITS
+from scaloft_fi.stack.declaration import UNITS, Belief
 from scaloft_fi.views.lists.listing import Listing, Record, number_range
 from scaloft_fi.views.lists.origin import OWN, package_of
 from scaloft_fi.views.lists.signal_facts import MEANINGS, SignalFact, fact_of

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from scaloft_fi.inert import json_text
+from scaloft_fi.console import json_text
 from scaloft_fi.views.outputs.shape import Shape, listing, record, text
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"

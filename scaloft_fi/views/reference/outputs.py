@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from scaloft_fi.exit_codes import ExitCode
+from scaloft_fi.errors import ExitCode
 from scaloft_fi.views.outputs.csv_tables import table_names
 from scaloft_fi.views.outputs.flat import SUMMARY
 from scaloft_fi.views.outputs.listed import outputs

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from scaloft_fi.inert import all_printable
+from scaloft_fi.console import all_printable
 from scaloft_fi.judge.flights import JudgedFlight, flight_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.judge.requirement import Reading

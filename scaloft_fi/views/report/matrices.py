@@ -14,9 +14,8 @@ from scaloft_fi.analysis.scoring.mutant_score import Kill, MutantScore, Result
 from scaloft_fi.analysis.scoring.pool import Pool
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.campaign.runs.seeking.finds import words_of
-from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.matrix import Matrix, class_of
 from scaloft_fi.hazop.name import cell_of
-from scaloft_fi.hazop.severity import class_of
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.rulings import Ruled, Rulings, Situations
 from scaloft_fi.judge.space import Space

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from importlib.resources import files
 from typing import Any
 
-from scaloft_fi.inert import all_printable
+from scaloft_fi.console import all_printable
 from scaloft_fi.views.report.evidence import Evidence
 from scaloft_fi.views.report.figures import figures
 from scaloft_fi.views.report.flights import DETAILS, columns, packs

@@ -7,11 +7,10 @@ from collections.abc import Iterable
 
 from scaloft_fi.analysis.scoring.detection import Spending
 from scaloft_fi.analysis.scoring.score import score_of
+from scaloft_fi.console import width, wrapped
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.rulings import rulings_of
 from scaloft_fi.study import Study
-from scaloft_fi.terminal import width
-from scaloft_fi.wrapping import wrapped
 
 
 def detected_so_far(study: Study, outcomes: Iterable[Outcome], spending: Spending) -> list[str]:

@@ -11,7 +11,7 @@ from typing import Any
 from scaloft_fi.campaign.processes.start import THREAD_SETTINGS, cores
 from scaloft_fi.campaign.store.fingerprint import DECIDES, fingerprint
 from scaloft_fi.errors import ScaloftError
-from scaloft_fi.hazop.folder import find_study
+from scaloft_fi.hazop.load import find_study
 from scaloft_fi.registry import PLUGIN_GROUP, in_one_line
 from scaloft_fi.study import Study
 from scaloft_fi.views.outputs.output import Output

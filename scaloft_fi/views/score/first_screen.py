@@ -19,22 +19,20 @@ from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.situations.coverage import Coverage
+from scaloft_fi.console import PROSE, Marked, Style, coloured, line, styled, wrapped
+from scaloft_fi.console import width as terminal_width
 from scaloft_fi.defaults import CAMPAIGN
-from scaloft_fi.hazop.severity import class_of, worst_first
-from scaloft_fi.inert import line
+from scaloft_fi.hazop.matrix import class_of, worst_first
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Status
 from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
-from scaloft_fi.terminal import PROSE, Marked, Style, coloured, styled
-from scaloft_fi.terminal import width as terminal_width
 from scaloft_fi.views.score.accepted import accepted_line
 from scaloft_fi.views.score.answers import Line, answers
 from scaloft_fi.views.score.next_step import SHORT, Next, next_steps, short_step
 from scaloft_fi.views.score.noise import noise_line
 from scaloft_fi.views.tables.meaning import commands
 from scaloft_fi.views.tables.table import Format, Table, render
-from scaloft_fi.wrapping import wrapped
 
 MANY, SHOWN = 12, 10
 """Of a group of more mutants than `MANY` the first `SHOWN` are shown."""

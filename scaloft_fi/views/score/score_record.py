@@ -13,7 +13,7 @@ from scaloft_fi.analysis.scoring.grouping import Group
 from scaloft_fi.analysis.scoring.mutant_score import Kill, Moment, MutantScore
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.situations.coverage import Coverage
-from scaloft_fi.hazop.severity import class_of
+from scaloft_fi.hazop.matrix import class_of
 from scaloft_fi.views.coverage.coverage_record import coverage_record
 from scaloft_fi.views.score.accepted import accepted_values
 from scaloft_fi.views.stale import NONE, Stale

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from functools import cache, lru_cache
 from itertools import accumulate
 
-from scaloft_fi.wrapping import kept_together
+from scaloft_fi.console import kept_together
 
 GAP = 2
 """Between two columns [characters]."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from html import escape
 
-from scaloft_fi.inert import line, printable
+from scaloft_fi.console import line, printable
 
 _MARKDOWN = re.compile(r"([\\`*_\[\]<>&|~$#])")
 _LATEX = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from scaloft_fi.terminal import Style, styled
+from scaloft_fi.console import Style, styled
 
 _GOOD = ("detected", "held", "steady", "accepted")
 _BAD = ("not detected", "violated", "red", "invalid", "expired", "uncovered")

@@ -9,9 +9,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
-from scaloft_fi.inert import json_text, line
-from scaloft_fi.terminal import Marked, coloured
-from scaloft_fi.terminal import width as terminal_width
+from scaloft_fi.console import Marked, coloured, json_text, line
+from scaloft_fi.console import width as terminal_width
 from scaloft_fi.views.tables.literal import markdown, spreadsheet_text
 from scaloft_fi.views.tables.text import body_text, heading, note
 

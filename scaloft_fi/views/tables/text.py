@@ -8,10 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from scaloft_fi.terminal import PROSE, Style, styled
+from scaloft_fi.console import PROSE, Style, broken, styled, wrapped
 from scaloft_fi.views.tables.columns import height, limits
 from scaloft_fi.views.tables.meaning import commands, style_of
-from scaloft_fi.wrapping import broken, wrapped
 
 INDENT = "  "
 Cells = Sequence[Sequence[str]]

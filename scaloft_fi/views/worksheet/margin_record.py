@@ -10,8 +10,7 @@ from scaloft_fi.analysis.margin import Margin, lowest, margins
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.tried import PhasedFault, Reaction, Tried, detection_of, phased_fault
 from scaloft_fi.analysis.when import When
-from scaloft_fi.hazop.cell import Cell, CellStatus
-from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.matrix import Cell, CellStatus, Matrix
 from scaloft_fi.hazop.name import parse
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind

@@ -11,8 +11,7 @@ from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.tried import PhasedFault, Reaction, Tried, detection_of, phased_fault
 from scaloft_fi.defaults import CAMPAIGN
-from scaloft_fi.hazop.cell import Cell, CellStatus, Fault
-from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Matrix
 from scaloft_fi.hazop.name import parse
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Requirement

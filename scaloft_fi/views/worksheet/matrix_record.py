@@ -6,9 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from scaloft_fi.hazop.cell import Cell, CellStatus
-from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.hazop.severity import SeverityClass
+from scaloft_fi.hazop.matrix import Cell, CellStatus, Matrix, SeverityClass
 from scaloft_fi.hazop.worksheet import record as cell_record
 from scaloft_fi.views.outputs.output import Output
 from scaloft_fi.views.outputs.shape import (

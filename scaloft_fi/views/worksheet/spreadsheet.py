@@ -12,8 +12,8 @@ import zipfile
 from collections.abc import Sequence
 from typing import Any
 
+from scaloft_fi.console import printable
 from scaloft_fi.errors import InputError
-from scaloft_fi.inert import printable
 from scaloft_fi.views.tables.literal import FORMULA
 from scaloft_fi.views.worksheet.worksheet import COLUMNS, FINDINGS, TEAM, Column, SheetRow, SheetValue, population
 from scaloft_fi.views.worksheet.worksheet_text import (

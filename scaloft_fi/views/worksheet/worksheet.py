@@ -16,14 +16,11 @@ from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.defaults import CAMPAIGN
-from scaloft_fi.hazop.cell import Cell, CellStatus
-from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.hazop.parameter import Parameter
+from scaloft_fi.hazop.matrix import Cell, CellStatus, Matrix, Parameter, SeverityClass
 from scaloft_fi.hazop.render import ladder
-from scaloft_fi.hazop.severity import SeverityClass
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.space import Space
-from scaloft_fi.mutants.derive import default_of
+from scaloft_fi.mutants.catalogue import default_of
 from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
 from scaloft_fi.views.score.accepted import acceptance
 from scaloft_fi.views.score.finds import effect, flies, next_find, words

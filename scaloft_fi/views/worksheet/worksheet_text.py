@@ -7,9 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from scaloft_fi.hazop.cell import CellStatus
-from scaloft_fi.hazop.severity import worst_first
-from scaloft_fi.inert import line
+from scaloft_fi.console import line
+from scaloft_fi.hazop.matrix import CellStatus, worst_first
 from scaloft_fi.views.tables.literal import latex, markdown
 from scaloft_fi.views.tables.table import Format, Table, csv_text, render
 from scaloft_fi.views.worksheet.worksheet import COLUMNS, FOUND, SPARE, Column, SheetRow, SheetValue, population

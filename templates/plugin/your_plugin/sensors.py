@@ -3,7 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from scaloft_fi.api import SENSORS, Array, SensorKind, Stamp, Table, Vector
+from scaloft_fi.sim.sensors.sensor import SENSORS, SensorKind
+from scaloft_fi.stack.messages import Array, Stamp, Vector
+from scaloft_fi.streams import Table
 
 
 class Pose(NamedTuple):

@@ -14,7 +14,7 @@ from scaloft_fi.errors import ScaloftError
 from scaloft_fi.judge.outcome import Violation
 from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.sim.log import Ending, FlightLog
-from scaloft_fi.stack.claim import Claim, Instant
+from scaloft_fi.stack.declaration import Claim, Instant
 
 TICKS = 200
 SR1 = Requirement("SR1", Kind.SAFETY, "always(clearance_m > 0)")

@@ -11,11 +11,11 @@ from random_faults.draw import DECADES, GUIDEWORD, PACKAGES, TIMES, Draw, fields
 from random_faults.plan import FAULTS, LARGEST
 
 from scaloft_fi.hazop.name import parse
-from scaloft_fi.mutants.argument import ALL
 from scaloft_fi.mutants.mutant import Mutant
+from scaloft_fi.mutants.operator import ALL
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.mutants.wire import contexts, wire_for
-from scaloft_fi.stack.fields import field_type, number_fields, vector_fields
+from scaloft_fi.stack.messages import field_type, number_fields, vector_fields
 from scaloft_fi.streams import generator
 from scaloft_fi.study import Study
 

@@ -20,7 +20,7 @@ from scaloft_fi.analysis.scoring.pool import State
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.store.fingerprint import fingerprint
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.study import Study
 

@@ -30,7 +30,7 @@ from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON
 from scaloft_fi.campaign.runs.seeking.proposals import OPENING
 from scaloft_fi.campaign.runs.seeking.seek import CHUNK
 from scaloft_fi.judge.outcome import BASELINE, Outcome
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.sim.found import Evidence as Shown
 from scaloft_fi.study import Study
 

@@ -15,20 +15,11 @@ import numpy as np
 import pytest
 from tiny_stack import SOUND, FastHop, Hop, Level, hop
 
-from scaloft_fi.api import (
-    TICK_HZ,
-    Claim,
-    Declaration,
-    Instant,
-    Seam,
-    StackCheck,
-    Task,
-    Wire,
-    check_stack,
-    messages,
-)
+from scaloft_fi.campaign.flights.check_stack import StackCheck, check_stack
 from scaloft_fi.sim.claims import CLAIMS
 from scaloft_fi.sim.stacks import STACKS
+from scaloft_fi.stack import messages
+from scaloft_fi.stack.declaration import TICK_HZ, Claim, Declaration, Instant, Seam, Task, Wire
 
 ROOT = Path(__file__).resolve().parents[3]
 pytestmark = pytest.mark.flight

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from scaloft_fi.campaign.flights.fly import facts
-from scaloft_fi.mutants.facts import Facts
+from scaloft_fi.mutants.operator import Facts
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.mine import Mine
 

@@ -21,7 +21,7 @@ from scaloft_fi.campaign.plan.arrange import alone
 from scaloft_fi.campaign.plan.batch import Batch
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.study import Study
 

@@ -10,7 +10,7 @@ import pytest
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.plan.plan import plan
 from scaloft_fi.campaign.progress.forecast import FLIGHT_S, SHARE, Forecast
-from scaloft_fi.mutants.derive import defaults
+from scaloft_fi.mutants.catalogue import defaults
 
 
 def _flights(study: Any, mutants: int = 10) -> list[Flight]:

@@ -17,7 +17,7 @@ from scaloft_fi.campaign.progress.reporter import Reporter
 from scaloft_fi.campaign.progress.violations import Violations
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 
 
 def _flights(study: Any) -> list[Flight]:

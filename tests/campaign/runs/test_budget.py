@@ -22,7 +22,7 @@ from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import Report, run
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.mutants.derive import defaults, realise
+from scaloft_fi.mutants.catalogue import defaults, realise
 from scaloft_fi.views.flights.export import export_rows, to_json
 from scaloft_fi.views.runs.unflown import unflown, unflown_tables
 

@@ -18,7 +18,7 @@ from scaloft_fi.campaign.runs.run import run
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.track import TRACK_COLUMNS, pack_track
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.sim import observer
 
 ERROR = "autopilot at 0.000 s: RuntimeError: no bus"

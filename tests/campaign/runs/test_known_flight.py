@@ -40,7 +40,7 @@ class Recorded:
 
 def _fly(monkeypatch: pytest.MonkeyPatch, platform: dict[str, str], **changes: Any) -> str:
     known = published()
-    monkeypatch.setattr("scaloft_fi.campaign.runs.known_flight.fingerprint", lambda: platform)
+    monkeypatch.setattr("scaloft_fi.campaign.store.fingerprint.fingerprint", lambda: platform)
     study = packaged_study()
     mutant, situation, seed = known.name.split("/")
     assert mutant == "baseline"

@@ -20,7 +20,7 @@ from scaloft_fi.campaign.runs.run import Report
 from scaloft_fi.campaign.workers.interrupt import Interrupted
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.views.flights.export import export_rows, to_json
 from scaloft_fi.views.runs.looks import look_table
 

@@ -23,7 +23,7 @@ from scaloft_fi.campaign.store.folder import LOG_NAME, STORE_NAME
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 
 
 def _run(study: Any, flyer: Any, *, jobs: int = 1) -> int:

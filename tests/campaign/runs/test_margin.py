@@ -23,7 +23,7 @@ from scaloft_fi.campaign.store.folder import STORE_NAME
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.study import Study
 from scaloft_fi.views.worksheet.margin_text import margin_text

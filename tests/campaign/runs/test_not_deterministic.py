@@ -24,7 +24,7 @@ from scaloft_fi.judge.flights import flights_of
 from scaloft_fi.judge.outcome import PLACEBO, Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import Status
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 
 SEEDS = tuple(range(10))
 
@@ -88,8 +88,8 @@ def test_no_flight_shares_a_baseline(noisy: Any, log: Any, monkeypatch: pytest.M
         batches.extend(made := [Batch((flight,)) for flight in flights])
         return made
 
-    monkeypatch.setattr("scaloft_fi.campaign.runs.campaign.alone", noted)
-    monkeypatch.setattr("scaloft_fi.campaign.runs.campaign.together", None)  # calling it would raise
+    monkeypatch.setattr("scaloft_fi.campaign.plan.arrange.alone", noted)
+    monkeypatch.setattr("scaloft_fi.campaign.plan.arrange.together", None)  # calling it would raise
     with opened(
         noisy, noisy.folder / "c", RunOptions(), progress=Progress(stream=io.StringIO()), flyer=log, first=()
     ) as campaign:

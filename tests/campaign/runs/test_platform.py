@@ -27,7 +27,7 @@ from scaloft_fi.campaign.workers.interrupt import Interrupted
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.flights import flights_of
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 
 CONTROL, LATE = "REVERSE-velcmd", "LATE-human@3s"
 FLIGHTS = 13

@@ -15,7 +15,7 @@ from pathlib import Path
 import published_flights
 import pytest
 
-from scaloft_fi.mutants.derive import defaults, expected_of
+from scaloft_fi.mutants.catalogue import defaults, expected_of
 from scaloft_fi.study import Study
 
 ROOT = Path(__file__).parents[3]

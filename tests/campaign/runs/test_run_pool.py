@@ -14,7 +14,7 @@ from scaloft_fi.campaign.progress.progress import Silence
 from scaloft_fi.campaign.runs.run import Report, run
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 
 LATE, CONTROL = "LATE-human@3s", "REVERSE-velcmd"
 

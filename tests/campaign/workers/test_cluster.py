@@ -22,7 +22,7 @@ from scaloft_fi.campaign.workers.cluster import Cluster
 from scaloft_fi.campaign.workers.interrupt import Interrupted
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
 
 ROOT = Path(__file__).parents[3]
@@ -131,7 +131,7 @@ def test_a_further_grid_is_flown_by_its_own_situations(address: str, flyer: Any)
 
 
 def test_another_platform_is_said(address: str, reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("scaloft_fi.campaign.workers.cluster_run.fingerprint", lambda: {"machine": "PDP-11"})
+    monkeypatch.setattr("scaloft_fi.campaign.store.fingerprint.fingerprint", lambda: {"machine": "PDP-11"})
     home, said = _flown(address, reference, flyer(), _flights(reference))
     assert len(home) == 3
     assert len(said) == 1
@@ -160,7 +160,7 @@ def test_a_worker_with_other_code_flies_nothing_while_others_do(
 def test_a_flight_over_which_every_worker_dies_is_invalid_with_the_reason(
     dask: Any, reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("scaloft_fi.campaign.workers.cluster_run.ATTEMPTS", 1)  # a worker takes seconds to come back
+    monkeypatch.setattr("scaloft_fi.campaign.processes.patience.ATTEMPTS", 1)  # a worker takes seconds to come back
     address = dask.scheduler(DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES="0")
     dask.worker(address, "--nanny")
     flights = _flights(reference, LATE, MORE)

@@ -18,7 +18,7 @@ from scaloft_fi.campaign.workers.plain import (
     outcome_to_plain,
 )
 from scaloft_fi.errors import InputError
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.study import Study
 

@@ -19,7 +19,7 @@ from scaloft_fi.campaign.workers.inbox import Inbox
 from scaloft_fi.campaign.workers.plain import batch_to_plain, flyer_to_plain
 from scaloft_fi.campaign.workers.slot import fly_batch
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
 
 HUGE_MB = 64

@@ -7,8 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from scaloft_fi.mutants.facts import Facts
-from scaloft_fi.mutants.operator import TapContext
+from scaloft_fi.mutants.operator import Facts, TapContext
 from scaloft_fi.mutants.reference.mapping import invert_map
 from scaloft_fi.stack.reference.messages import ObstacleMap
 

@@ -14,8 +14,7 @@ from scaloft_fi.sim.contact import Feeler
 from scaloft_fi.sim.flight import fly
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.log import FlightLog
-from scaloft_fi.stack.rates import STEP_S, TICK_S
-from scaloft_fi.stack.seam import PlainWire
+from scaloft_fi.stack.declaration import STEP_S, TICK_S, PlainWire
 
 pytestmark = pytest.mark.flight
 

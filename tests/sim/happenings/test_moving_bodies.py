@@ -125,7 +125,7 @@ def test_the_line_of_sight_is_tried_to_where_the_person_is(server, monkeypatch) 
         tried.append(arguments[-1][:2].copy())
         return True
 
-    monkeypatch.setattr("scaloft_fi.sim.observer.blocked", blocked)
+    monkeypatch.setattr("scaloft_fi.sim.geometry.blocked", blocked)
     observer = Observer(client, ids, body, scenario.vehicle, scenario, around)
     state = np.zeros(STATE_SIZE)
     state[:3], state[6] = (0.0, 2.0, 0.85), 1.0

@@ -9,7 +9,7 @@ import pytest
 from scaloft_fi.sim.build import GRAVITY_MPS2
 from scaloft_fi.sim.sensors.imu import ImuConfig, ImuSensor
 from scaloft_fi.sim.vehicle import STATE_SIZE
-from scaloft_fi.stack.rates import STEP_S
+from scaloft_fi.stack.declaration import STEP_S
 
 IDEAL = ImuConfig(rate_sigma_radps=0, rate_bias_radps=0, force_sigma_mps2=0, force_bias_mps2=0)
 

@@ -10,7 +10,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.sim.flight import FlightLoop, physics_server
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.sensors.sensor import SENSORS, SensorKind
-from scaloft_fi.stack.seam import PlainWire
+from scaloft_fi.stack.declaration import PlainWire
 from scaloft_fi.streams import Table
 
 

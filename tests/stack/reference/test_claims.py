@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from scaloft_fi.stack.claim import Instant
-from scaloft_fi.stack.reference.claims import CLAIMS
+from scaloft_fi.stack.declaration import Instant
 from scaloft_fi.stack.reference.messages import ObstacleMap
-from scaloft_fi.stack.reference.seams import SEAMS
+from scaloft_fi.stack.reference.stack import CLAIMS, SEAMS
 
 BY_STAGE = {claim.stage: claim for claim in CLAIMS}
 CLEAN = {

@@ -4,18 +4,18 @@ import numpy as np
 import pytest
 
 from scaloft_fi.stack.messages import Fix, Imu
-from scaloft_fi.stack.reference.control import (
+from scaloft_fi.stack.reference.estimator import Estimator, EstimatorConfig, rotation
+from scaloft_fi.stack.reference.flight_control import (
     HOLD_MODE,
     LAND_MODE,
     MEMORY_SIZE,
     VELOCITY_MODE,
     ControlConfig,
+    FailsafeConfig,
+    FlightControl,
     control,
 )
-from scaloft_fi.stack.reference.estimator import Estimator, EstimatorConfig
-from scaloft_fi.stack.reference.flight_control import FailsafeConfig, FlightControl
 from scaloft_fi.stack.reference.messages import VelocityCommand
-from scaloft_fi.stack.reference.strapdown import rotation
 
 CONFIG = ControlConfig(
     mass_kg=1.5,

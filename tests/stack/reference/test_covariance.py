@@ -8,8 +8,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.stack.fields import Array
-from scaloft_fi.stack.reference.covariance import MEASURED, SIZE, carried, corrected, innovation
+from scaloft_fi.stack.messages import Array
+from scaloft_fi.stack.reference.estimator import MEASURED, SIZE, carried, corrected, innovation
 
 seeds = st.integers(0, 2**32 - 1)
 

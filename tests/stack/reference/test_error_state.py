@@ -4,7 +4,7 @@ from filterpy.kalman import KalmanFilter
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.stack.reference.error_state import error_filter, plausible, transition
+from scaloft_fi.stack.reference.estimator import error_filter, plausible, transition
 
 triples = st.tuples(*[st.floats(-5, 5)] * 3).map(np.array)
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.stack.reference.history import History
+from scaloft_fi.stack.reference.estimator import History
 
 SPAN_S = 0.6
 small = st.floats(-10, 10)

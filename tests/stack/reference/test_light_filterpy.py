@@ -13,7 +13,7 @@ PROGRAM = """
 import sys
 import numpy
 import scipy
-from scaloft_fi.stack.reference.light_filterpy import LATE, KalmanFilter
+from scaloft_fi.stack.reference.estimator import LATE, KalmanFilter
 assert not {*LATE} & {*sys.modules}
 assert not {"stats", "ndimage"} & {*vars(scipy)} and "f2py" not in vars(numpy)
 from filterpy.stats import logpdf

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from scaloft_fi.stack.messages import DepthFrame
-from scaloft_fi.stack.reference.memory import ObstacleMemory
+from scaloft_fi.stack.reference.memory import ObstacleMemory, cells_at
 from scaloft_fi.stack.reference.messages import Clearing
-from scaloft_fi.stack.reference.voxels import cells_at
 
 
 @pytest.fixture

@@ -12,12 +12,10 @@ from hypothesis import strategies as st
 
 from scaloft_fi.stack.config import Bounds, ConfigError, Count, Positive, build
 from scaloft_fi.stack.messages import Battery, Detections, Metering, Person
-from scaloft_fi.stack.reference.battery_monitor import BatteryConfig, BatteryMonitor
-from scaloft_fi.stack.reference.exposure import ExposureConfig, ExposureControl
+from scaloft_fi.stack.reference.companion import ExposureConfig, ExposureControl, PoseBuffer
 from scaloft_fi.stack.reference.messages import CollisionFlag, PoseEstimate
-from scaloft_fi.stack.reference.pose_buffer import PoseBuffer
-from scaloft_fi.stack.reference.recoil import Recoil, RecoilConfig
-from scaloft_fi.stack.reference.speed_limit import SpeedLimitConfig, SpeedLimitStage
+from scaloft_fi.stack.reference.mission import BatteryConfig, BatteryMonitor, SpeedLimitConfig, SpeedLimitStage
+from scaloft_fi.stack.reference.proximity import Recoil, RecoilConfig
 
 
 def pose(stamp_s=0.0, x=0.0, y=0.0, yaw_rad=0.0, v=(0.0, 0.0, 0.0)):

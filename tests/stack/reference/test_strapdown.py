@@ -2,7 +2,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.stack.reference.strapdown import STATE_SIZE, correct, propagate, turn
+from scaloft_fi.stack.reference.estimator import STATE_SIZE, correct, propagate, turn
 
 seeds = st.integers(0, 2**32 - 1)
 

@@ -18,8 +18,7 @@ from every_key import every_key_study
 from jsonschema import Draft202012Validator
 from plugins import call, install_project
 
-from scaloft_fi.document import load
-from scaloft_fi.item import LARGEST, Item
+from scaloft_fi.document import LARGEST, Item, load
 from scaloft_fi.outside.command import load_command
 from scaloft_fi.outside.records.record_map import load_record_map
 from scaloft_fi.sim.grids import WITH_FOUND, grid_names

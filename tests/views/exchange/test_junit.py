@@ -10,7 +10,7 @@ from junitparser import Error, Failure, JUnitXml, Skipped
 
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
-from scaloft_fi.inert import line
+from scaloft_fi.console import line
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.junit import junit

@@ -10,8 +10,8 @@ from scaloft_fi.analysis.kills.minimal_suite import minimal_suite
 from scaloft_fi.analysis.kills.situation_kills import chosen_kills, situation_kills
 from scaloft_fi.analysis.kills.subsumption import redundancies, subsumption
 from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.console import PIPED
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.terminal import PIPED
 from scaloft_fi.views.kills import kill_tables as tables
 from scaloft_fi.views.tables.table import Format, Table, render
 

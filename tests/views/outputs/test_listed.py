@@ -7,7 +7,7 @@ from forms import of_form
 from jsonschema import Draft202012Validator
 
 from scaloft_fi.cli.verbs import VERBS
-from scaloft_fi.exit_codes import ExitCode
+from scaloft_fi.errors import ExitCode
 from scaloft_fi.views.outputs.listed import OUTPUTS, output_of, schema_texts
 from scaloft_fi.views.outputs.shape import Shape, inner
 from scaloft_fi.views.reference.outputs import outputs_page

@@ -84,7 +84,7 @@ def hostile(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> Callable[[Evidence], dict[str, Any]]:
     """The figures without what follows from the flights, which takes longest."""
-    monkeypatch.setattr("scaloft_fi.views.report.figures.analyses", lambda *_: {})
+    monkeypatch.setattr("scaloft_fi.views.report.analyses.analyses", lambda *_: {})
     return figures
 
 

@@ -10,7 +10,7 @@ from browsing import Opened
 from papers import BAR, HOSTILE, SHAKY
 from reading import embedded, unpacked
 
-from scaloft_fi.inert import printable
+from scaloft_fi.console import printable
 from scaloft_fi.views.report.evidence import Evidence
 from scaloft_fi.views.report.page import page as page_of
 

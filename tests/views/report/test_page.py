@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from papers import HOSTILE, MUTANTS, campaign, evidence_of, jitter
 from reading import embedded
 
-from scaloft_fi.inert import all_printable, printable
+from scaloft_fi.console import all_printable, printable
 from scaloft_fi.study import Study
 from scaloft_fi.views.report.evidence import Evidence
 from scaloft_fi.views.report.flights import DETAILS

@@ -11,13 +11,12 @@ from scaloft_fi.analysis.kills.background import Background
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.analysis.situations.coverage import coverage
+from scaloft_fi.console import PIPED, wrapped
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
-from scaloft_fi.terminal import PIPED
 from scaloft_fi.views.score.answers import NAMES, answers
 from scaloft_fi.views.score.commands import MOST_NAMED, command
 from scaloft_fi.views.score.first_screen import LEGEND, MANY, SHOWN, WITH_FIND, first_screen, screen_text
 from scaloft_fi.views.tables.table import Table
-from scaloft_fi.wrapping import wrapped
 
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
 HUMAN = ["T0O0W0D0H1", "T0O1W0D0H1", "T1O0W0D0H1"]

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.inert import line, printable
+from scaloft_fi.console import line, printable
 from scaloft_fi.views.tables.literal import _LATEX, FORMULA, latex, markdown, spreadsheet_text, xml
 
 HOSTILE = (

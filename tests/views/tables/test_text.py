@@ -5,7 +5,7 @@ from click import unstyle
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.terminal import Marked
+from scaloft_fi.console import Marked
 from scaloft_fi.views.tables.table import Format, Table, render
 
 IDS = st.sampled_from(["LATE-human@3s", "NO-depth@3s#5s", "UNINTENDED-collision@20s#waypoint", "T0O0W0D0H1"])

@@ -13,11 +13,10 @@ from builders import GRID, outcome, pool
 
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.score import score
-from scaloft_fi.hazop.cell import CellStatus
 from scaloft_fi.hazop.load import load_matrix
-from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.mutants.derive import derive
-from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.hazop.matrix import CellStatus, Matrix
+from scaloft_fi.mutants.catalogue import derive
+from scaloft_fi.stack.reference.stack import REFERENCE
 from scaloft_fi.views.worksheet.worksheet import worksheet
 from scaloft_fi.views.worksheet.worksheet_text import to_latex
 

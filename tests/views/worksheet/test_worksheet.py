@@ -21,13 +21,12 @@ from openpyxl import load_workbook
 from scaloft_fi.analysis.disposition import Disposition
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.score import score
-from scaloft_fi.hazop.cell import CellStatus
+from scaloft_fi.console import line, printable
 from scaloft_fi.hazop.load import load_matrix
-from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.inert import line, printable
+from scaloft_fi.hazop.matrix import CellStatus, Matrix
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.mutants.derive import derive
-from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.mutants.catalogue import derive
+from scaloft_fi.stack.reference.stack import REFERENCE
 from scaloft_fi.views.tables.literal import FORMULA, latex, markdown
 from scaloft_fi.views.worksheet.spreadsheet import LONGEST, to_xlsx
 from scaloft_fi.views.worksheet.worksheet import COLUMNS, FINDINGS, TEAM, SheetRow, population, worksheet

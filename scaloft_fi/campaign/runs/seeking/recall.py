@@ -14,7 +14,7 @@ from scaloft_fi.campaign.processes.pool import Pool
 from scaloft_fi.campaign.runs.campaign import Campaign
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.judge.outcome import Violation
-from scaloft_fi.stack.seam import PlainWire
+from scaloft_fi.stack.declaration import PlainWire
 
 if TYPE_CHECKING:
     from scaloft_fi.study import Study
@@ -56,7 +56,7 @@ def recalled(study: Study, flight: Flight, violations: Sequence[Violation]) -> T
     """
     from scaloft_fi.sim.claims import claims_of
     from scaloft_fi.sim.flight import FlightLoop, physics_server
-    from scaloft_fi.stack.rates import TICK_HZ
+    from scaloft_fi.stack.declaration import TICK_HZ
 
     claims = claims_of(study.stack, study.signals)
     wire = ListeningWire(claim.seam for claim in claims if claim.seam)

@@ -23,7 +23,7 @@ from scaloft_fi.campaign.runs.seeking.flights import Allowance, SearchFlights
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.sim.found import Find
 from scaloft_fi.study import Study
 

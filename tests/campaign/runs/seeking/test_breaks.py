@@ -153,7 +153,7 @@ def test_what_was_found_repels_the_search(
     def red(situation: Situation) -> bool:
         return situation["D"] == 1 and situation["T"] == 0
 
-    monkeypatch.setattr("scaloft_fi.campaign.runs.seeking.breaks.Proposals", Spied)
+    monkeypatch.setattr("scaloft_fi.campaign.runs.seeking.proposals.Proposals", Spied)
     flyer.baseline = lambda one: -0.2 if red(one) else 0.1 if one["T"] == 1 and one["H"] == 1 else 0.5
     report, _ = search(tmp_path, flyer)
     assert len(report.breaks) == 1

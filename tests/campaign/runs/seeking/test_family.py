@@ -7,7 +7,7 @@ from pathlib import Path
 from scaloft_fi.campaign.runs.seeking.family import EACH, GENERATION, LONGEST_REST, families
 from scaloft_fi.campaign.runs.seeking.proposals import Proposals
 from scaloft_fi.campaign.runs.seeking.quest import Quest
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
 
 STUDY = Study.open(Path(__file__).parents[4], "search")

@@ -24,7 +24,7 @@ from scaloft_fi.campaign.runs.seeking.flights import Allowance
 from scaloft_fi.campaign.runs.seeking.seek import SeekReport, seek
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study
 

@@ -13,7 +13,7 @@ from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.seeking.flights import Allowance
 from scaloft_fi.campaign.runs.seeking.seek import seek
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
 
 ROOT = Path(__file__).parents[4]

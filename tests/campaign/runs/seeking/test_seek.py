@@ -21,7 +21,7 @@ from scaloft_fi.campaign.runs.seeking.seek import SeekReport, seek
 from scaloft_fi.campaign.runs.seeking.sought import anew, interrupted
 from scaloft_fi.campaign.store.folder import STORE_NAME
 from scaloft_fi.errors import InputError
-from scaloft_fi.mutants.derive import realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.sim.found import Find
 from scaloft_fi.sim.situation import Situation
@@ -182,7 +182,7 @@ def test_a_budget_of_time_ends_among_the_flights_that_were_asked_for_together(
     def second_per_flight(seconds: float | None) -> Budget:
         return Budget(seconds, clock=lambda: float(len(flyer.flown)))
 
-    monkeypatch.setattr("scaloft_fi.campaign.runs.seeking.flights.Budget", second_per_flight)
+    monkeypatch.setattr("scaloft_fi.campaign.runs.budget.Budget", second_per_flight)
     report, _ = search(tmp_path, flyer, budget="5s")
     assert (report.spent, report.finds) == (True, ())
     assert 5 <= len(flyer.flown) < 10, "the opening asks for sixteen at once"

@@ -7,8 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaloft_fi.stack.reference.messages import ObstacleMap
-from scaloft_fi.stack.reference.planner import Planner
-from scaloft_fi.stack.reference.planner.planner import dilation_bins
+from scaloft_fi.stack.reference.planner import Planner, dilation_bins
 
 NOTHING = np.empty((0, 3))
 

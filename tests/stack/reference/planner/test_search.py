@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.stack.reference.planner import search
-from scaloft_fi.stack.reference.planner.config import settings as compiled
-from scaloft_fi.stack.reference.planner.search import BIN_DEG, COLUMNS, ROWS
+from scaloft_fi.stack.reference import planner
+from scaloft_fi.stack.reference.planner import BIN_DEG, COLUMNS, ROWS
+from scaloft_fi.stack.reference.planner import settings as compiled
 
 F = np.float32
 
@@ -51,7 +51,7 @@ def test_a_bin_holds_its_nearest_point(points, node, far):
     points = off_edge(points, np.array(node), (0.2, far))
     nearest = np.empty(ROWS * COLUMNS, np.float32)
     x, y, z = (np.ascontiguousarray(axis) for axis in points.T)
-    search.histogram(x, y, z, tuple(map(F, node)), F(0.2), F(far), nearest)
+    planner.histogram(x, y, z, tuple(map(F, node)), F(0.2), F(far), nearest)
     slow = slow_histogram(points, np.array(node), 0.2, far).reshape(-1)
     assert np.array_equal(nearest < 1e8, np.isfinite(slow))
     seen = np.isfinite(slow)
@@ -62,14 +62,14 @@ def test_points_at_the_seams_of_the_sphere_have_a_bin():
     points = np.array([[-1, 0, 0], [-1, -0.0, 0], [0, 0, 1], [0, 0, -1], [0, 1, 0]], dtype=np.float32)
     nearest = np.empty(ROWS * COLUMNS, np.float32)
     x, y, z = (np.ascontiguousarray(axis) for axis in points.T)
-    search.histogram(x, y, z, (F(0), F(0), F(0)), F(0.2), F(2.5), nearest)
+    planner.histogram(x, y, z, (F(0), F(0), F(0)), F(0.2), F(2.5), nearest)
     assert 4 <= np.sum(nearest < 1e8) <= 5
 
 
 @given(st.floats(0.2, 2.5))
 def test_the_obstacle_cost_falls_from_twice_its_scale_through_it_to_nothing(distance):
     cost = np.empty(2, np.float32)
-    search.obstacle_costs(np.array([distance**2, 1e9], dtype=np.float32), F(5000), F(1.1), F(0.2), cost)
+    planner.obstacle_costs(np.array([distance**2, 1e9], dtype=np.float32), F(5000), F(1.1), F(0.2), cost)
     q = (1.1 - distance) / 0.2
     assert cost[0] == pytest.approx(5000 * (1 + q / math.sqrt(1 + q * q)), abs=0.05)
     assert cost[1] == 0.0
@@ -91,7 +91,7 @@ def test_the_dilation_is_the_maximum_over_a_pyramid(radius):
     rng = np.random.default_rng(radius)
     cost = (rng.random((ROWS, COLUMNS)) * (rng.random((ROWS, COLUMNS)) < 0.02) * 1e4).astype(np.float32)
     out = np.zeros((ROWS, COLUMNS), np.float32)
-    search.dilate(cost, radius, 7, 23, out)
+    planner.dilate(cost, radius, 7, 23, out)
     slow = slow_dilation(cost, radius)
     assert out[7:23] == pytest.approx(slow[7:23], rel=1e-5)
     assert not out[:7].any()
@@ -102,7 +102,7 @@ def test_a_thin_obstacle_is_not_diluted():
     cost = np.zeros((ROWS, COLUMNS), np.float32)
     cost[15, 0] = 1000.0
     out = np.zeros((ROWS, COLUMNS), np.float32)
-    search.dilate(cost, 9, 7, 23, out)
+    planner.dilate(cost, 9, 7, 23, out)
     assert out[15, 0] == 1000.0
     assert out[15, 5] == out[15, COLUMNS - 5] == pytest.approx(500.0)
     assert out[15, 10] == 0.0
@@ -119,8 +119,8 @@ def test_a_direction_costs_what_the_formula_says(planner_config, goal, previous,
     out = np.zeros((ROWS, COLUMNS), np.float32)
     sizes = (COLUMNS, ROWS, COLUMNS, COLUMNS, ROWS, ROWS)
     angles = tuple(np.empty(size, np.float32) for size in sizes)
-    toward = search.aim(tuple(map(F, goal)), *angles)
-    search.direction_costs(obstacle, toward, angles, tuple(map(F, previous)), compiled(planner_config), 7, 23, out)
+    toward = planner.aim(tuple(map(F, goal)), *angles)
+    planner.direction_costs(obstacle, toward, angles, tuple(map(F, previous)), compiled(planner_config), 7, 23, out)
     azimuth = math.degrees(math.atan2(goal[1], goal[0]))
     elevation = math.degrees(math.atan2(goal[2], math.hypot(goal[0], goal[1])))
     assert math.remainder(toward[0] - azimuth, 360) == pytest.approx(0.0, abs=1e-3)

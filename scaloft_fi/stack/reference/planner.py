@@ -1,17 +1,93 @@
-"""The compiled planner: polar histogram, obstacle dilation, costs of directions, look-ahead tree.
+"""The local planner of the 3DVFH* kind (PX4-Avoidance local_planner): histogram, costs, look-ahead tree, velocity.
 
 Positions are relative to the vehicle and in single precision, which suffices for bins of 6 deg and doubles the width
 of the vector units.  Grids are (elevation, azimuth): row e covers -90 + 6 e to -84 + 6 e deg, column a -180 + 6 a to
 -174 + 6 a.
+
+It deviates from its model in four ways: obstacles are dilated by the maximum instead of a sum, because a sum dilutes
+thin bars; a bin holds its nearest point instead of the mean; the costs are tuned for a tunnel; a bin that holds the
+goal stands for the goal's exact bearing.  Like its model it knows no hard safety margin.
 """
 
 from __future__ import annotations
 
 import math
+from collections import namedtuple
+from dataclasses import astuple, dataclass, fields
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
+from scaloft_fi.stack.config import Bounds, Count, NotNegative, Positive
 from scaloft_fi.stack.kernel import jit
+from scaloft_fi.stack.messages import Array, Point
+from scaloft_fi.stack.reference.messages import ObstacleMap, PoseEstimate, SpeedLimit
+
+
+@dataclass(frozen=True)
+class PlannerConfig:
+    """Settings of the local planner, with the values that a vehicle of 0.5 m needs in a tunnel 3 m wide.
+
+    Attributes:
+        obstacle_cost: scale of the obstacle term (PX4-Avoidance distance cost: 5000).
+        obstacle_weight: gain of the dilated obstacle term against the other costs.
+        obstacle_m: distance at which the obstacle term is half its maximum [m] (PX4-Avoidance obstacle_cost_param).
+        obstacle_width_m: over which distance the term falls off [m].
+        dilation_bins: radius of the obstacle dilation [bins of 6 deg] at inflation 1.
+        yaw_cost: per squared degree off the goal's azimuth (PX4-Avoidance: 3).
+        pitch_cost: per squared degree off the goal's elevation (PX4-Avoidance: 25).
+        inertia_cost: of turning by a right angle from the direction flown before (PX4-Avoidance velocity cost: 6000
+            per m/s, 4000 here, at the cruise speed of 0.5 m/s).
+        elevation_limit_deg: steepest direction that is considered [deg].
+        range_m: points farther than this from a tree node are ignored: their cost is below 1 % of the maximum [m].
+        near_m: points nearer than this to a tree node are ignored [m] (PX4-Avoidance min_sensor_range).
+        node_m: length of a tree edge [m].
+        expansions: tree nodes that are expanded at most.
+        children: directions followed from a node at most.
+        separation_m: tree nodes are at least this far apart [m] (PX4-Avoidance: 0.2).
+        heuristic_cost: per metre to the goal.
+        beyond_goal_m: points farther away than the goal plus this are ignored [m].
+        straight_in_m: inside this distance of the goal the vehicle flies straight to it [m].
+        full_off_axis_rad: up to this angle off the camera's axis the vehicle flies at full speed [rad].
+        stop_off_axis_rad: from this angle on the vehicle only turns [rad].
+        slow_radius_m: inside this distance of the goal the vehicle slows down [m] (PX4-Avoidance: 1 m).
+        slow_gain_per_s: speed inside `slow_radius_m`, per metre to the goal [1/s].
+        creep_mps: least speed inside `slow_radius_m`, unless the speed limit is lower [m/s].
+    """
+
+    obstacle_cost: float
+    obstacle_weight: float
+    obstacle_m: Positive
+    obstacle_width_m: Positive
+    dilation_bins: Annotated[int, Bounds(least=0, most=1_000)]
+    yaw_cost: float
+    pitch_cost: float
+    inertia_cost: float
+    elevation_limit_deg: float
+    range_m: NotNegative
+    near_m: NotNegative
+    node_m: Annotated[float, Bounds(least=0.01)]
+    expansions: Count
+    children: Count
+    separation_m: NotNegative
+    heuristic_cost: float
+    beyond_goal_m: float
+    straight_in_m: float
+    full_off_axis_rad: float
+    stop_off_axis_rad: float
+    slow_radius_m: float
+    slow_gain_per_s: float
+    creep_mps: float
+
+
+# the same fields as compiled code takes them
+Settings: Any = namedtuple("Settings", [field.name for field in fields(PlannerConfig)])  # type: ignore[misc]
+
+
+def settings(config: PlannerConfig) -> Any:
+    """`config` for compiled code."""
+    return Settings(*astuple(config))
+
 
 BIN_DEG = 6.0
 ROWS, COLUMNS = 30, 60
@@ -296,3 +372,82 @@ def search(points, origin, target, previous, radius, p):  # type: ignore[no-unty
             if is_open[i] and (depth[i] > depth[chosen] or (depth[i] == depth[chosen] and f < value)):
                 chosen, value = i, f
     return start[chosen, :3].astype(np.float64), float(start[chosen, 3]), expanded
+
+
+_STEEP = 0.2  # a direction with less than this share in the plane has no bearing
+
+
+def permitted_mps(direction: Array, limit: SpeedLimit) -> float:
+    """Greatest speed along the unit vector `direction` (3,) within `limit` [m/s]."""
+    if limit.norm == "per_axis":
+        return limit.limit_mps / float(np.max(np.abs(direction)))
+    return limit.limit_mps
+
+
+def shape_velocity(
+    plan: LocalPlan, pose: PoseEstimate, limit: SpeedLimit, config: PlannerConfig
+) -> tuple[Array, float]:
+    """Velocity (3,) [m/s, world] and heading to take [rad, world] to follow `plan`.
+
+    The speed falls to zero with the angle between the plan's bearing and the camera's axis, and near the goal.  The
+    heading is the plan's bearing: flight control limits how fast the vehicle turns.
+    """
+    x, y, z = plan.direction.tolist()
+    flat, length = math.hypot(x, y), math.sqrt(x * x + y * y + z * z)
+    if not length > 0.0:
+        return np.zeros(3), pose.yaw_rad
+    share, heading = 1.0, pose.yaw_rad
+    if flat > _STEEP * length:
+        heading = math.atan2(y, x)
+        off_axis = abs(math.remainder(heading - pose.yaw_rad, 2.0 * math.pi))
+        fade = config.stop_off_axis_rad - config.full_off_axis_rad
+        share = min(max((config.stop_off_axis_rad - off_axis) / fade, 0.0), 1.0)
+    speed = permitted_mps(plan.direction, limit)
+    if plan.distance_m < config.slow_radius_m:
+        speed = min(speed, max(config.creep_mps, config.slow_gain_per_s * plan.distance_m))
+    return plan.direction * (share * speed), heading
+
+
+class LocalPlan(NamedTuple):
+    """The direction to fly.
+
+    direction: (3,) unit vector [world], zero at the goal itself; distance_m: to the goal [m];
+    blocked: the way starts towards an obstacle nearer than the planner's half-cost distance; expanded: tree nodes.
+    """
+
+    direction: Array
+    distance_m: float
+    blocked: bool
+    expanded: int
+
+
+class Planner:
+    """Plans a direction.  It remembers its last direction, because the cost of a turn is measured from there."""
+
+    def __init__(self, config: PlannerConfig) -> None:
+        self.config = config
+        self._settings = settings(config)
+        self._previous = np.zeros(3)
+
+    def plan(self, obstacles: ObstacleMap, target: Point, pose: PoseEstimate) -> LocalPlan:
+        """Plan from `pose` to `target` [m, world] past `obstacles`."""
+        c = self.config
+        goal = np.array(target, dtype=np.float64)
+        offset = goal - pose.position
+        distance = math.sqrt(float(offset @ offset))
+        if not math.isfinite(distance):
+            return LocalPlan(np.zeros(3), distance, blocked=True, expanded=0)
+        if distance <= c.straight_in_m:
+            direction = offset / distance if distance > 0.0 else np.zeros(3)
+            return LocalPlan(direction, distance, blocked=False, expanded=0)
+        radius = dilation_bins(c.dilation_bins, obstacles.inflation)
+        direction, cost, expanded = search(
+            np.ascontiguousarray(obstacles.points), pose.position, goal, self._previous, radius, self._settings
+        )
+        self._previous = direction
+        return LocalPlan(direction, distance, cost >= c.obstacle_cost * c.obstacle_weight, expanded)
+
+
+def dilation_bins(bins: int, inflation: float) -> int:
+    """Radius of the dilation [bins] at `inflation`, at most what the histogram's width allows."""
+    return int(min(max(round(bins * inflation), 0), MAX_DILATION)) if math.isfinite(inflation) else bins
