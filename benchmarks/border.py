@@ -21,8 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from scaloft_fi.outside.exchange import Exchange
-from scaloft_fi.outside.settings import OutsideConfig, ProcessConfig, SeamConfig
+from scaloft_fi.outside.exchange import Exchange, OutsideConfig, ProcessConfig, SeamConfig
 from scaloft_fi.stack.declaration import TICK_S, PlainWire
 from scaloft_fi.stack.messages import DepthFrame
 from scaloft_fi.stack.reference.messages import PoseEstimate

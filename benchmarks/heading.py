@@ -15,8 +15,8 @@ from collections.abc import Mapping, Sequence
 
 from varied import Beside, main, outcomes
 
-from scaloft_fi.judge.flights import flight_of
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.status import flight_of
 from scaloft_fi.study import Study
 
 YAW, PAUSES = "world.mission.yaw_deg", ("stack.mission.dwell_s", "world.mission.nominal.dwell_s")

@@ -15,8 +15,8 @@ from scaloft_fi.analysis.scoring.mutant_score import MutantScore, mutant_score
 from scaloft_fi.analysis.scoring.pool import Pool
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.judge.rulings import rulings_of
 from scaloft_fi.judge.space import Space
+from scaloft_fi.judge.status import rulings_of
 
 SAFETY, HELD = ("SR1", "SR2"), ("SR1", "SR2", "OP1")
 Row = Sequence[object]

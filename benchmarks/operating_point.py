@@ -19,8 +19,8 @@ from typing import NamedTuple
 import numpy as np
 from varied import Beside, flown, main, outcomes
 
-from scaloft_fi.judge.flights import flight_of
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.status import flight_of
 from scaloft_fi.study import Study
 
 LIGHT = tuple(f"T{t}O{o}W{w}D0H{h}" for t, o, w, h in itertools.product((0, 1), repeat=4))

@@ -33,8 +33,8 @@ from coverage_against_kills.__main__ import pages as of_situations
 from scaloft_fi.campaign.store.archive import OUTCOMES, TRACKS
 from scaloft_fi.campaign.store.folder import MANIFEST
 from scaloft_fi.cli.main import main as scaloft_fi
-from scaloft_fi.judge.track import TRACK_COLUMNS, unpack_track
-from scaloft_fi.sim.signals import FAR_M
+from scaloft_fi.judge.outcome import TRACK_COLUMNS, unpack_track
+from scaloft_fi.sim.log import FAR_M
 from scaloft_fi.study import Study
 from scaloft_fi.views import snapshot
 from scaloft_fi.views.exchange.archive import archive_files

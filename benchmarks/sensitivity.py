@@ -29,8 +29,8 @@ from pathlib import Path
 from varied import Beside, flown
 
 from scaloft_fi.errors import ScaloftError
-from scaloft_fi.judge.flights import flight_of
 from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.judge.status import flight_of
 from scaloft_fi.study import Study
 
 PUBLISHED = ROOT / "results" / "published"

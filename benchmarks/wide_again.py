@@ -13,7 +13,7 @@ from scaloft_fi.analysis.scoring.mutant_score import MutantScore, mutant_score
 from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.judge.rulings import Rulings, rulings_of
+from scaloft_fi.judge.status import Rulings, rulings_of
 from scaloft_fi.study import Study
 
 ALL, FIRST, SECOND = range(20), range(10), range(10, 20)

@@ -36,9 +36,8 @@ from scaloft_fi.mutants.operator import (
     the,
 )
 from scaloft_fi.mutants.sample import on_each, within
-from scaloft_fi.sim.claims import declare_claims
-from scaloft_fi.sim.measures import signal
-from scaloft_fi.sim.stacks import declare_stack
+from scaloft_fi.sim.load import declare_claims, declare_stack
+from scaloft_fi.sim.log import signal
 from scaloft_fi.stack import messages
 from scaloft_fi.stack.config import Bounds
 from scaloft_fi.stack.declaration import (
@@ -67,8 +66,8 @@ if TYPE_CHECKING:
     from scaloft_fi.campaign.runs.strategy import Asked, strategy
     from scaloft_fi.mutants.check_operator import OperatorCheck, check_operator, operators_of
     from scaloft_fi.sim.happenings import HAPPENINGS, Effect, HappeningKind, Surroundings
-    from scaloft_fi.sim.roles import ROLES, Role
     from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
+    from scaloft_fi.sim.world import ROLES, Role
     from scaloft_fi.study import Study
     from scaloft_fi.views.exchange import Dossier, export_format
 
@@ -82,8 +81,8 @@ LATE = {
     "FlightSetting": "scaloft_fi.sim.sensors.sensor",
     "Moment": "scaloft_fi.sim.sensors.sensor",
     "OperatorCheck": "scaloft_fi.mutants.check_operator",
-    "ROLES": "scaloft_fi.sim.roles",
-    "Role": "scaloft_fi.sim.roles",
+    "ROLES": "scaloft_fi.sim.world",
+    "Role": "scaloft_fi.sim.world",
     "SENSORS": "scaloft_fi.sim.sensors.sensor",
     "SensorKind": "scaloft_fi.sim.sensors.sensor",
     "StackCheck": "scaloft_fi.campaign.flights.check_stack",

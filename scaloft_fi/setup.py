@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from scaloft_fi.document import is_there, load
 from scaloft_fi.errors import InputError
 from scaloft_fi.registry import in_one_line
-from scaloft_fi.sim.stacks import StackChoice
+from scaloft_fi.sim.load import StackChoice
 from scaloft_fi.stack.declaration import Declaration
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ class Setup:
         Raises:
             InputError: a predicate of an axis compares a signal with a threshold beyond its cap.
         """
-        from scaloft_fi.judge.caps import check_caps
+        from scaloft_fi.judge.bounds import check_caps
         from scaloft_fi.judge.stl import FormulaError
         from scaloft_fi.sim.grids import load_grid
 
@@ -102,7 +102,7 @@ class Setup:
     @cached_property
     def signals(self) -> tuple[str, ...]:
         """Names of the signals that requirements and situations may use; a command adds those of its record."""
-        from scaloft_fi.sim.signals import signal_names
+        from scaloft_fi.sim.log import signal_names
 
         world = self.grid.world()
         ours = signal_names(world.surfaces, self.stack.beliefs, world.signals)
@@ -118,7 +118,7 @@ class Setup:
         return self._caps(self.grid)
 
     def _caps(self, grid: Grid) -> Mapping[str, float]:
-        from scaloft_fi.sim.measures import SIGNALS
+        from scaloft_fi.sim.log import SIGNALS
 
         optional = (SIGNALS[name] for name in grid.world().signals)
         return {**self.stack.caps, **{signal.name: signal.most for signal in optional if math.isfinite(signal.most)}}
@@ -126,7 +126,7 @@ class Setup:
     @cached_property
     def requirements(self) -> tuple[Requirement, ...]:
         """The requirements."""
-        from scaloft_fi.judge.caps import within_caps
+        from scaloft_fi.judge.bounds import within_caps
         from scaloft_fi.judge.requirement import load_requirements
         from scaloft_fi.judge.stl import Formula
 

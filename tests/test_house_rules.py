@@ -50,7 +50,7 @@ READERS = {
     "console.py": "the standard streams",
     "output.py": "the files that it writes",
     "views/runs/installation.py": "/proc/meminfo",
-    "outside/processes.py": "the output of its processes, which the guard bounds",
+    "outside/exchange.py": "the output of its processes, which the guard bounds",
     "outside/guard.py": "the output of its processes, and /proc",
 }
 """The modules that open files, and which."""

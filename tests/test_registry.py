@@ -61,7 +61,7 @@ def test_a_promise_outlives_a_failed_import(site: Path) -> None:
         ("raise SystemExit(3)", "SystemExit: 3"),
         ("raise RuntimeError('two\\nlines')", "RuntimeError: two lines"),
         (
-            "from scaloft_fi.sim.roles import ROLES, Role\nROLES.declare('person', Role('another'))",
+            "from scaloft_fi.sim.world import ROLES, Role\nROLES.declare('person', Role('another'))",
             "ValueError: role of a body 'person' is declared twice",
         ),
     ],

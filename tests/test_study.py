@@ -13,7 +13,7 @@ import pytest
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.sim.happenings import HAPPENINGS, Effect, HappeningKind, Surroundings
-from scaloft_fi.sim.roles import ROLES
+from scaloft_fi.sim.world import ROLES
 from scaloft_fi.sources import closure
 from scaloft_fi.study import PACKAGE, Study
 
@@ -213,7 +213,7 @@ def test_the_code_that_enters_keys_flies_and_judges_and_shows_nothing(study: Stu
 def test_the_code_that_enters_keys_leaves_out_how_flights_are_planned_stored_and_handed_out(study: Study) -> None:
     names = {name.removeprefix("scaloft_fi.") for name in closure(study.flying_modules)}
     assert {"setup", "document", "registry", "sim.flight", "judge.outcome", "mutants.watch"} <= names
-    assert not {"study", "campaign.plan.plan", "campaign.processes.pool", "mutants.derive", "hazop.load"} & names
+    assert not {"study", "campaign.plan.plan", "campaign.processes.pool", "mutants.catalogue", "hazop.load"} & names
     assert not {name for name in names if name.startswith(("mutants.operators", "mutants.reference"))}
 
 

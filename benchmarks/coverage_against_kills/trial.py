@@ -16,9 +16,8 @@ from scaloft_fi.analysis.scoring.detection import Spending
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore, mutant_score
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.situations.t_way import choices, ids, levels_of, t_way
-from scaloft_fi.judge.rulings import Rulings, Situations
 from scaloft_fi.judge.space import Space
-from scaloft_fi.judge.status import INVALID
+from scaloft_fi.judge.status import INVALID, Rulings, Situations
 
 STRENGTHS = (1, 2, 3, 4)
 """Strengths whose coverage is followed, as far as there are axes."""

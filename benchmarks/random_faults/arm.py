@@ -12,8 +12,8 @@ from scaloft_fi.analysis.scoring.mutant_score import MutantScore, mutant_score
 from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.judge.rulings import Rulings, rulings_of
 from scaloft_fi.judge.space import Space
+from scaloft_fi.judge.status import Rulings, rulings_of
 
 Kills = frozenset[tuple[str, str]]
 """Situations and requirements that kill a fault."""

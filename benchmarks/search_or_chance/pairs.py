@@ -11,7 +11,7 @@ from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.sim.free_axis import DEVIATES
+from scaloft_fi.sim.situation import DEVIATES
 from scaloft_fi.streams import key_words
 
 if TYPE_CHECKING:

@@ -20,8 +20,7 @@ from scaloft_fi.campaign.runs.seeking.proposals import (
     at_shares,
     placed,
 )
-from scaloft_fi.sim.free_axis import DEVIATES
-from scaloft_fi.sim.situation import Situation
+from scaloft_fi.sim.situation import DEVIATES, Situation
 from scaloft_fi.streams import key_words
 from search_or_chance.pairs import Share, array
 

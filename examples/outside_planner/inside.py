@@ -8,10 +8,9 @@ from dataclasses import replace
 
 from planner import Planner
 
-from scaloft_fi.outside.declaration import OUTSIDE, seams_of, shaped
-from scaloft_fi.outside.ports import Land, Motion
-from scaloft_fi.outside.stack import DeclaredWire, VelocityStack, words_of
-from scaloft_fi.sim.stacks import declare_stack
+from scaloft_fi.outside.border import Land, Motion
+from scaloft_fi.outside.stack import OUTSIDE, DeclaredWire, VelocityStack, seams_of, shaped, words_of
+from scaloft_fi.sim.load import declare_stack
 
 
 class Round:

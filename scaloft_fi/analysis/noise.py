@@ -10,10 +10,9 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from scaloft_fi.judge.flights import baselines_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
-from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.judge.robustness import measured_rho
+from scaloft_fi.judge.requirement import Kind, measured_rho
+from scaloft_fi.judge.status import baselines_of
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,9 @@ from scaloft_fi.analysis.scoring.mutant_score import MutantScore, Result
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.hazop.matrix import Fault, Matrix
 from scaloft_fi.hazop.name import Name, parse, split_magnitude
-from scaloft_fi.judge.flights import apart
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.judge.robustness import measured_rho
+from scaloft_fi.judge.requirement import Kind, measured_rho
+from scaloft_fi.judge.status import apart
 
 
 class Reaction(StrEnum):

@@ -13,9 +13,9 @@ from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.tried import detection_of, steady_of
 from scaloft_fi.hazop.name import parse
-from scaloft_fi.judge.flights import apart
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.judge.status import apart
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,7 @@ from typing import TYPE_CHECKING
 from scaloft_fi.checks.finding import Findings
 from scaloft_fi.document import Item, load
 from scaloft_fi.errors import InputError
-from scaloft_fi.judge.bounds import Spans, bounds_of, constants, verdict
-from scaloft_fi.judge.caps import within_caps
-from scaloft_fi.judge.ranges import ANY, Ranges
+from scaloft_fi.judge.bounds import ANY, Ranges, Spans, bounds_of, constants, verdict, within_caps
 from scaloft_fi.judge.requirement import MOST, TRIGGER, Check, Kind, Requirement, read_definition, read_requirement
 from scaloft_fi.judge.stl import Formula, inside_always, tokenize
 

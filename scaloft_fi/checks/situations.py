@@ -15,13 +15,12 @@ from scaloft_fi.document import Item, load
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.space import MOST_LISTED
 from scaloft_fi.judge.stl import FormulaError
-from scaloft_fi.sim.constraint import read_constraints
 from scaloft_fi.sim.grid import Grid, assembled, contradictions
 from scaloft_fi.sim.grids import FILE, FOLDER, WITH_FOUND
 from scaloft_fi.sim.happenings import HAPPENINGS
+from scaloft_fi.sim.log import clearance_name
 from scaloft_fi.sim.patch import PARTS, leaves
-from scaloft_fi.sim.signals import clearance_name
-from scaloft_fi.sim.situation import Axis, AxisValue, read_axis
+from scaloft_fi.sim.situation import Axis, AxisValue, read_axis, read_constraints
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.load import SimConfig

@@ -13,17 +13,16 @@ from scaloft_fi.checks.finding import Finding, Findings, Severity, finding_of
 from scaloft_fi.checks.requirements import KnownSignals
 from scaloft_fi.document import Item, is_file, is_there, load
 from scaloft_fi.errors import InputError
-from scaloft_fi.judge.ranges import ANY, Ranges, ranges_of, within_rock, without
+from scaloft_fi.judge.bounds import ANY, Ranges, ranges_of, within_rock, without
 from scaloft_fi.registry import PLUGIN_GROUP, load_plugin
 from scaloft_fi.sim.grids import FILE, FOLDER
-from scaloft_fi.sim.measures import SIGNALS
+from scaloft_fi.sim.load import StackChoice
+from scaloft_fi.sim.log import SIGNALS, signal_names
 from scaloft_fi.sim.patch import leaves
-from scaloft_fi.sim.signals import signal_names
-from scaloft_fi.sim.stacks import StackChoice
 from scaloft_fi.sim.world import GROUND, WALL
 
 if TYPE_CHECKING:
-    from scaloft_fi.outside.settings import OutsideConfig
+    from scaloft_fi.outside.exchange import OutsideConfig
     from scaloft_fi.sim.world import World
     from scaloft_fi.stack.declaration import Declaration
     from scaloft_fi.study import Study

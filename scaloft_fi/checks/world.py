@@ -10,12 +10,11 @@ from typing import Any
 from scaloft_fi.checks.finding import Findings, Severity, finding_of
 from scaloft_fi.document import Item, load
 from scaloft_fi.sim.happenings import check_happenings, read_happening
-from scaloft_fi.sim.mesh_flaws import flaws_of
+from scaloft_fi.sim.mesh import flaws_of
 from scaloft_fi.sim.mine import Mine, read_mine
-from scaloft_fi.sim.placement import misplaced
 from scaloft_fi.sim.sensors import read_sensors
 from scaloft_fi.sim.vehicle import read_vehicle
-from scaloft_fi.sim.world import World, assembled, read_body, read_light, read_mission, read_waypoint
+from scaloft_fi.sim.world import World, assembled, misplaced, read_body, read_light, read_mission, read_waypoint
 
 MOST_TIMES, LEAST_WAY_M = 10.0, 10.0
 """A mesh more than this many times as large, in every direction, as the way is long, or as this [m], is told of."""

@@ -42,7 +42,7 @@ def new_command(folder: Path, plugin: bool, name: str | None, style: str) -> Non
     The first line of each document names its JSON Schema in schemas/, with which an editor completes keys; in a
     package, `scaloft-fi schema --write` makes that folder once the package is installed.
     """
-    from scaloft_fi.sim.stacks import STACKS
+    from scaloft_fi.sim.load import STACKS
     from scaloft_fi.templates import check_package_name, plugin_files, study_files, write_new
     from scaloft_fi.views.documents.beside import pointed, schema_files
     from scaloft_fi.views.outputs.answer import Answer

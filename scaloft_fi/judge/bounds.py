@@ -1,14 +1,22 @@
-"""Bounds of a formula's robustness in any flight: a comparison that is true or false in every flight tests nothing."""
+"""What a formula can yield in any flight: bounds of its robustness, caps and ranges of the signals that it reads.
+
+Beyond its cap a signal is constant.  A comparison with a threshold there is true in every flight, or false in every
+flight, or equals the comparison with the cap: `person_sight_m < 8` equals `person_sight_m < 6`.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from itertools import product
-from typing import assert_never
+from types import MappingProxyType
+from typing import TYPE_CHECKING, assert_never
 
-from scaloft_fi.judge.ranges import ANY, Ranges, Span
-from scaloft_fi.judge.stl import Formula
+from scaloft_fi.judge.requirement import Check
+from scaloft_fi.judge.stl import Formula, FormulaError, tokenize
+from scaloft_fi.judge.stl.parse import parse
 from scaloft_fi.judge.stl.tree import (
     Arithmetic,
     Comparison,
@@ -23,6 +31,225 @@ from scaloft_fi.judge.stl.tree import (
     parts,
 )
 from scaloft_fi.judge.stl.write import written
+from scaloft_fi.sim.log import CLEARANCE_CAP_M, FAR_M, SIGNALS, truth_signals
+from scaloft_fi.stack.declaration import TICK_S
+
+if TYPE_CHECKING:
+    from scaloft_fi.sim.world import World
+    from scaloft_fi.stack.declaration import Belief
+
+
+SIGHT_M = 6.0
+"""Greatest distance of a person in sight [m]; equals `SIGHT_M` of `sim/observer.py`, which imports the compiler."""
+
+
+@dataclass(frozen=True)
+class Cap:
+    """The cap of a signal.
+
+    Attributes:
+        most_m: greatest measured value [m].
+        beyond: the value beyond the cap, in words.
+        itself: whether a threshold may equal `most_m`.
+    """
+
+    most_m: float
+    beyond: str
+    itself: bool = False
+
+    def allows(self, threshold_m: float) -> bool:
+        """Whether a formula may compare the signal with `threshold_m` [m]."""
+        return threshold_m < self.most_m or (self.itself and threshold_m == self.most_m)
+
+
+_CLEARANCE = re.compile(r"clearance_(\w+_)?m")
+_CLEAR = Cap(CLEARANCE_CAP_M, f"{CLEARANCE_CAP_M:g} m beyond")
+_NOBODY = Cap(FAR_M, f"{FAR_M:g} m without a person")
+NO_BELIEFS: Mapping[str, float] = MappingProxyType({})
+_CAPS: Mapping[str, Cap] = {
+    "waypoint_wall_m": _CLEAR,
+    "person_sight_m": Cap(SIGHT_M, f"{FAR_M:g} m beyond", itself=True),
+    "person_range_m": _NOBODY,
+}
+
+
+def cap_of(signal: str, beliefs: Mapping[str, float] = NO_BELIEFS) -> Cap | None:
+    """The cap of a signal; None for a signal without a cap.
+
+    Args:
+        signal: name of the signal.
+        beliefs: cap of each belief that has one (`stack.belief.Belief.most`).
+
+    >>> cap_of("clearance_wall_m").most_m
+    1.0
+    """
+    if signal in beliefs:
+        return Cap(beliefs[signal], f"{beliefs[signal]:g} m beyond")
+    return _CLEAR if _CLEARANCE.fullmatch(signal) else _CAPS.get(signal)
+
+
+def within_caps(check: Check, beliefs: Mapping[str, float] = NO_BELIEFS) -> Check:
+    """Extend `check`: first compare the thresholds of the text with the caps of its signals."""
+
+    def checked(text: str, signals: Collection[str]) -> Formula:
+        check_caps(text, beliefs)
+        return check(text, signals)
+
+    return checked
+
+
+def check_caps(text: str, beliefs: Mapping[str, float] = NO_BELIEFS) -> None:
+    """Check each comparison of a signal with a number against the cap of the signal.
+
+    Other comparisons pass, and so do words that are no formula, which `Formula.parse` refuses.
+
+    Raises:
+        FormulaError: a threshold lies beyond the cap, or a character belongs to no word.
+    """
+    tokens = tokenize(text)
+    try:
+        tree = parse(tokens)
+    except FormulaError:
+        return
+    for shown, signal, threshold in comparisons(tree):
+        cap = cap_of(signal, beliefs)
+        if cap and not cap.allows(threshold):
+            allowed = f"{'at most' if cap.itself else 'less than'} {cap.most_m:g} m"
+            raise FormulaError(
+                f"compares {signal} with {threshold:g} m in '{shown}', but it is measured up to {cap.most_m:g} m and"
+                f" reads {cap.beyond}; it must be compared with {allowed}"
+            )
+
+
+def comparisons(tree: Node) -> Iterator[tuple[str, str, float]]:
+    """Yield each comparison of one signal with a number: its text, the signal, the threshold in the signal's unit.
+
+    >>> list(comparisons(parse(tokenize("always(a / 3 <= 1 and 2 > b - 0.5)"))))
+    [('a / 3 <= 1', 'a', 3.0), ('2 > b - 0.5', 'b', 2.5)]
+    """
+    if isinstance(tree, Comparison):
+        whole = _difference(_line(tree.left), _line(tree.right))
+        factors = [(name, factor) for name, factor in whole[0].items() if factor] if whole else []
+        if whole and len(factors) == 1:
+            ((name, factor),) = factors
+            yield written(tree), name, round(-whole[1] / factor, 9)
+    for part in parts(tree):
+        yield from comparisons(part)
+
+
+_Line = tuple[Mapping[str, float], float]
+"""A linear expression: factor of each signal, and a constant."""
+
+
+def _line(node: Node) -> _Line | None:
+    """A part as a linear expression; None for any other."""
+    match node:
+        case Signal(name):
+            return {name: 1.0}, 0.0
+        case Number(value):
+            return {}, value
+        case Arithmetic(sign, left, right):
+            return _joined(sign, _line(left), _line(right))
+        case _:
+            return None
+
+
+def _joined(mark: str, left: _Line | None, right: _Line | None) -> _Line | None:
+    if left is None or right is None:
+        return None
+    if mark in "+-":
+        return _difference(left, right if mark == "-" else _scaled(right, -1.0))
+    if mark == "/":
+        return _scaled(left, 1.0 / right[1]) if not right[0] and right[1] else None
+    if not left[0]:
+        return _scaled(right, left[1])
+    return _scaled(left, right[1]) if not right[0] else None
+
+
+def _difference(left: _Line | None, right: _Line | None) -> _Line | None:
+    if left is None or right is None:
+        return None
+    names = left[0].keys() | right[0].keys()
+    return {name: left[0].get(name, 0.0) - right[0].get(name, 0.0) for name in names}, left[1] - right[1]
+
+
+def _scaled(line: _Line, factor: float) -> _Line:
+    return {name: factor * own for name, own in line[0].items()}, factor * line[1]
+
+
+Span = tuple[float, float]
+"""Least and greatest number, either may be infinite."""
+Ranges = Mapping[str, tuple[Span, ...]]
+"""By name of a signal the spans that hold everything that it can read, in order."""
+
+ANY: tuple[Span, ...] = ((-math.inf, math.inf),)
+NEVER_BELOW_0: tuple[Span, ...] = ((0.0, math.inf),)
+SHARE: tuple[Span, ...] = ((0.0, 1.0),)
+_SIGNED: tuple[Span, ...] = ((-1.0, 1.0),)
+CLEARANCE: tuple[Span, ...] = ((-math.inf, CLEARANCE_CAP_M),)
+TRUTH: Ranges = {
+    "elapsed_s": NEVER_BELOW_0,
+    "remaining_s": ((-TICK_S, math.inf),),
+    "qx": _SIGNED,
+    "qy": _SIGNED,
+    "qz": _SIGNED,
+    "qw": _SIGNED,
+    "yaw_rad": ((-math.pi, math.pi),),
+    "speed_mps": NEVER_BELOW_0,
+    "clearance_m": CLEARANCE,
+    "person_range_m": ((0.0, FAR_M),),
+    "person_sight_m": ((0.0, SIGHT_M), (FAR_M, FAR_M)),
+    "waypoints_left": NEVER_BELOW_0,
+    "home_m": NEVER_BELOW_0,
+    "landed": ((0.0, 0.0), (1.0, 1.0)),
+    "light": SHARE,
+    "obstacle_pixels": NEVER_BELOW_0,
+    "waypoint_wall_m": (*CLEARANCE, (FAR_M, FAR_M)),
+    "mass_kg": NEVER_BELOW_0,
+    "takeoff_charge": SHARE,
+    "haze_per_m": NEVER_BELOW_0,
+}
+"""The signals of the package that something bounds in every study; a flight may outlast its limit by part of a tick."""
+_NO_PERSON: tuple[Span, ...] = ((FAR_M, FAR_M),)
+
+
+def ranges_of(world: World, beliefs: Iterable[Belief], names: Iterable[str]) -> Ranges:
+    """What the signals of a study can read.
+
+    Args:
+        world: the study's world.
+        beliefs: of the stack.
+        names: names of the signals; those of which nothing is known can read any number.
+    """
+    known = {signal.name: CLEARANCE for signal in truth_signals(world.surfaces) if signal.name.startswith("clearance_")}
+    known |= {signal.name: ((-math.inf, signal.most),) for signal in SIGNALS.values()}
+    known |= TRUTH
+    for belief in beliefs:
+        marks = belief.mark.values if belief.mark else ()
+        known[belief.name] = ((0.0, len(marks) - 1.0),) if marks else ((-math.inf, belief.most),)
+    return {name: known.get(name, ANY) for name in names}
+
+
+def without(world: World) -> Ranges:
+    """What signals read in a study that has nobody, and no obstacle, that they could measure."""
+    from scaloft_fi.sim.world import ROLES
+
+    roles = [ROLES[body.role] for body in world.bodies.values()]
+    empty: dict[str, tuple[Span, ...]] = {}
+    if not any(role.is_person for role in roles):
+        empty |= {"person_range_m": _NO_PERSON, "person_sight_m": _NO_PERSON}
+    if not any(role.is_obstacle for role in roles):
+        empty["obstacle_pixels"] = ((0.0, 0.0),)
+    return empty
+
+
+def within_rock(world: World) -> Ranges:
+    """Where the centre of a vehicle can be in the mine [m]."""
+    corners = world.mine.wall.vertices, world.mine.ground.vertices
+    low = [min(float(part[:, axis].min()) for part in corners) for axis in range(3)]
+    high = [max(float(part[:, axis].max()) for part in corners) for axis in range(3)]
+    return {name: ((low[axis], high[axis]),) for axis, name in enumerate(("x_m", "y_m", "z_m"))}
+
 
 MOST_SPANS = 32
 """With more spans, one span stands for all of them."""

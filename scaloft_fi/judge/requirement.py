@@ -19,6 +19,26 @@ from scaloft_fi.judge.stl import FUTURE, WORDS, Formula, FormulaError, Signals, 
 if TYPE_CHECKING:
     from scaloft_fi.sim.log import FlightLog
 
+
+def measured_rho(reading: Reading) -> float | None:
+    """The robustness of a reading in the requirement's unit; None where the flight did not test the requirement.
+
+    Without a trigger and without a violation the number measures the distance to the trigger, or the cap of a signal,
+    in another unit.  This holds for vacuous readings, and for `open` readings of a flight that was cut short before its
+    first trigger.
+    """
+    return reading.rho if reading.triggered or reading.violated else None
+
+
+def rho_text(rho: float | None) -> str:
+    """Format a robustness for tables.
+
+    >>> rho_text(0.25), rho_text(None)
+    ('0.250', 'n/a')
+    """
+    return "n/a" if rho is None else f"{rho:.3f}"
+
+
 TRIGGER = "trigger"
 """The name of its own trigger in a formula."""
 

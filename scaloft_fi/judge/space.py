@@ -12,10 +12,8 @@ from scaloft_fi.judge.stl import Formula, FormulaError, Signals
 from scaloft_fi.sim.situation import Situation
 
 if TYPE_CHECKING:
-    from scaloft_fi.sim.free_axis import FreeAxis
     from scaloft_fi.sim.grid import Grid
-    from scaloft_fi.sim.range import Range
-    from scaloft_fi.sim.situation import Axis, AxisValue
+    from scaloft_fi.sim.situation import Axis, AxisValue, FreeAxis, Range
 
 MOST_LISTED = 256
 """Most situations of a grid that lists and tables show whole; of a larger grid they show what was flown."""

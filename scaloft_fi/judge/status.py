@@ -1,16 +1,18 @@
-"""What a flight's status says: the stage of reach, infect, propagate, reveal where the fault stopped."""
+"""What a flight's status says: the stage of reach, infect, propagate, reveal where the fault stopped; rulings."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
-from operator import attrgetter
+from hashlib import sha256
+from operator import attrgetter, itemgetter
 from typing import NamedTuple
 
-from scaloft_fi.judge.outcome import Outcome, Violation
+from scaloft_fi.judge.outcome import BASELINE, TRACK_COLUMNS, Outcome, Subject, Violation, unpack_track
 from scaloft_fi.judge.requirement import Kind, Reading
 
 
@@ -173,3 +175,231 @@ def baseline_status(baseline: Outcome) -> str:
 def furthest(statuses: Iterable[Status]) -> Status:
     """The furthest stage that flights reached; invalid when there is none."""
     return max(statuses, key=_STAGES.__getitem__, default=Status.INVALID)
+
+
+class Ruled(NamedTuple):
+    """A mutant's flight with its ruling.
+
+    Attributes:
+        seed: seed of the noise.
+        ruling: result of the comparison with the baseline.
+        violations: first violation of each violated requirement.
+    """
+
+    seed: int
+    ruling: Ruling
+    violations: Sequence[Violation]
+
+
+Situations = Mapping[str, Sequence[Ruled]]
+"""Flights of a mutant by situation, in the order of their seeds."""
+
+
+@dataclass(frozen=True)
+class Rulings:
+    """The flights of a campaign.
+
+    Attributes:
+        baselines: outcomes of the drone without a fault.
+        mutants: flights by mutant (PLACEBO included).
+        draws: situations and seeds with a valid flight of a mutant.
+        behaviours: by id of the mutant a digest of all its valid flights; equal ones flew the same everywhere.
+    """
+
+    baselines: tuple[Outcome, ...]
+    mutants: Mapping[Subject, Situations]
+    draws: frozenset[tuple[str, int]]
+    behaviours: Mapping[str, str]
+
+    @property
+    def situations(self) -> set[str]:
+        """Keys of the flown situations."""
+        return {outcome.situation for outcome in self.baselines}.union(*self.mutants.values())
+
+    def __bool__(self) -> bool:
+        """Whether there is any flight."""
+        return bool(self.baselines or self.mutants)
+
+
+def rulings_of(outcomes: Iterable[Outcome]) -> Rulings:
+    """The rulings of outcomes, which may be in any order."""
+    baselines, flown = apart(outcomes)
+    counted = {(baseline.situation, baseline.seed): counting(baseline) for baseline in baselines}
+    subjects = {outcome.subject.id: outcome.subject for outcome in flown}
+    flights = defaultdict[tuple[str, str], list[Ruled]](list)
+    digests = defaultdict[str, list[str]](list)
+    for outcome in flown:
+        ruling = rule(outcome, counted.get((outcome.situation, outcome.seed)))
+        violations = () if ruling is INVALID else outcome.violations
+        flights[outcome.subject.id, outcome.situation].append(Ruled(outcome.seed, ruling, violations))
+        if not outcome.invalid:
+            digests[outcome.subject.id].append(f"{outcome.situation}/{outcome.seed} {outcome.digest}")
+    mutants = defaultdict[Subject, dict[str, Sequence[Ruled]]](dict)
+    for (mutant, situation), ruled in flights.items():
+        mutants[subjects[mutant]][situation] = sorted(ruled, key=_seed)
+    draws = frozenset((outcome.situation, outcome.seed) for outcome in flown if not outcome.invalid)
+    behaviours = {mutant: sha256("\n".join(sorted(own)).encode()).hexdigest() for mutant, own in digests.items()}
+    return Rulings(tuple(baselines), dict(mutants), draws, behaviours)
+
+
+_seed = itemgetter(0)
+
+
+@dataclass(frozen=True, slots=True)
+class JudgedFlight:
+    """A mutant's flight, compared with its baseline.
+
+    Attributes:
+        outcome: outcome of the flight.
+        baseline: baseline of the same situation and seed; None without a valid one.
+        ruling: result of the comparison.
+    """
+
+    outcome: Outcome
+    baseline: Outcome | None
+    ruling: Ruling
+
+    @property
+    def status(self) -> Status:
+        """Highest rung that the fault reached."""
+        return self.ruling.status
+
+    @property
+    def revealed(self) -> tuple[str, ...]:
+        """Safety requirements that the flight violates and the baseline held until then, earliest first."""
+        return self.ruling.revealed
+
+    @property
+    def operability_revealed(self) -> tuple[str, ...]:
+        """Operability requirements that the flight violates and the baseline held until then, earliest first."""
+        return self.ruling.operability_revealed
+
+
+def flight_of(outcome: Outcome, baseline: Outcome | None) -> JudgedFlight:
+    """Compare a mutant's flight with the baseline of its situation and seed; invalid without a valid baseline."""
+    return _beside(outcome, counting(baseline))
+
+
+def flights_of(outcomes: Iterable[Outcome]) -> list[JudgedFlight]:
+    """Compare every flight of a mutant (PLACEBO included) with its baseline, in the given order."""
+    baselines, flown = apart(outcomes)
+    known = {(baseline.situation, baseline.seed): counting(baseline) for baseline in baselines}
+    return [_beside(outcome, known.get((outcome.situation, outcome.seed))) for outcome in flown]
+
+
+def _beside(outcome: Outcome, baseline: Baseline | None) -> JudgedFlight:
+    ruling = rule(outcome, baseline)
+    return JudgedFlight(outcome, None if baseline is None or ruling is INVALID else baseline.outcome, ruling)
+
+
+def baselines_of(outcomes: Iterable[Outcome]) -> dict[tuple[str, int], Outcome]:
+    """The baselines by situation and seed."""
+    return {(outcome.situation, outcome.seed): outcome for outcome in outcomes if outcome.subject.id == BASELINE}
+
+
+def apart(outcomes: Iterable[Outcome]) -> tuple[list[Outcome], list[Outcome]]:
+    """Split outcomes into baselines and flights of mutants (PLACEBO included), each in the given order."""
+    clean: list[Outcome] = []
+    flown: list[Outcome] = []
+    for outcome in outcomes:
+        (clean if outcome.subject.id == BASELINE else flown).append(outcome)
+    return clean, flown
+
+
+APART_M = 0.001
+"""Distance of two positions at which two tracks part [m]; a track of single floats resolves 1e-5 m in a mine."""
+_TIME, _PLACE = TRACK_COLUMNS.index("elapsed_s"), slice(TRACK_COLUMNS.index("x_m"), TRACK_COLUMNS.index("z_m") + 1)
+
+
+@dataclass(frozen=True)
+class Facts:
+    """The facts of a flight.
+
+    Attributes:
+        status: status beside the baseline of the same situation, seed and platform; of a baseline, held or violated.
+        ending: how the flight ended; empty when invalid.
+        violated: the violated requirements, in the study's order.
+    """
+
+    status: str
+    ending: str
+    violated: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return ", ".join(filter(None, (f"{self.status} {' '.join(self.violated)}".strip(), self.ending)))
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """What two sets of outcomes say of the flights that both have.
+
+    Attributes:
+        equal: flights with equal digests.
+        bits: flights with other digests and the same facts.
+        facts: flights with other facts, with the facts of the first set and of the second set.
+    """
+
+    equal: tuple[str, ...]
+    bits: tuple[str, ...]
+    facts: Mapping[str, tuple[Facts, Facts]]
+
+    def named(self, most: int = 3) -> str:
+        """The first `most` flights with other facts, each with its facts, and the number of the others."""
+        told = [f"{name} ({second} here, {first} there)" for name, (first, second) in self.facts.items()]
+        return ", ".join(told[:most]) + (f" and {len(told) - most} more" if len(told) > most else "")
+
+
+def digests(outcome: Outcome) -> tuple[str, str]:
+    """The digests that decide whether two flights are equal, bit for bit."""
+    return outcome.digest, outcome.perceived_digest
+
+
+def facts_of(outcomes: Iterable[Outcome]) -> dict[str, Facts]:
+    """The facts of each flight by name; a mutant is judged beside its baseline among the same `outcomes`."""
+    listed = list(outcomes)
+    statuses = {flight.outcome.name: flight.status.value for flight in flights_of(listed)}
+    return {
+        outcome.name: Facts(
+            baseline_status(outcome) if outcome.mutant == BASELINE else statuses[outcome.name],
+            outcome.ending,
+            tuple(reading.requirement for reading in outcome.readings if reading.violated),
+        )
+        for outcome in listed
+    }
+
+
+def parting_s(first: bytes, second: bytes) -> float | None:
+    """The first time at which two tracks are more than `APART_M` apart; None if they never are [s from take-off]."""
+    for one, other in zip(unpack_track(first), unpack_track(second), strict=False):
+        if math.dist(one[_PLACE], other[_PLACE]) > APART_M:
+            return one[_TIME]
+    return None
+
+
+def in_step(first: bytes, second: bytes) -> bool:
+    """Whether two tracks have samples at the same times as long as both last."""
+    pairs = zip(unpack_track(first), unpack_track(second), strict=False)
+    return all(one[_TIME] == other[_TIME] for one, other in pairs)
+
+
+def agreement(first: Iterable[Outcome], second: Iterable[Outcome]) -> Agreement:
+    """Compare the valid flights that both sets have, in the order of `second`; each set has its own baselines.
+
+    The status of a mutant is compared only where both sets have a valid baseline of its situation and seed.
+    """
+    ours, theirs = list(first), list(second)
+    known = {outcome.name: outcome for outcome in ours if not outcome.invalid}
+    mine, other = facts_of(ours), facts_of(theirs)
+    equal, bits, facts = [], [], {}
+    for outcome in theirs:
+        if outcome.invalid or outcome.name not in known:
+            continue
+        one, two = mine[outcome.name], other[outcome.name]
+        judged = Status.INVALID.value not in (one.status, two.status)
+        if digests(known[outcome.name]) == digests(outcome):
+            equal.append(outcome.name)
+        elif (one.ending, one.violated) == (two.ending, two.violated) and (one.status == two.status or not judged):
+            bits.append(outcome.name)
+        else:
+            facts[outcome.name] = one, two
+    return Agreement(tuple(equal), tuple(bits), facts)

@@ -1,15 +1,37 @@
-"""A border: it carries samples between a flight and the processes outside, topic by topic."""
+"""A border carries samples between a flight and the processes outside, topic by topic, as plain values or mapped.
+
+Frames: world = x east, y north, z up [m]; body = x forward, y left, z up.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import base64
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol, get_args, get_origin, get_type_hints
 
+import numpy as np
+
+from scaloft_fi.console import line as inert
 from scaloft_fi.registry import Registry
 from scaloft_fi.sim.flight import StackError
+from scaloft_fi.stack.declaration import STEP_HZ, TICK_HZ
+from scaloft_fi.stack.messages import (
+    Battery,
+    Bumper,
+    DepthFrame,
+    Detections,
+    Imu,
+    Point,
+    Stamp,
+    Vector,
+    field_names,
+    image_fields,
+)
+from scaloft_fi.stack.reference.messages import PoseEstimate, SpeedLimit
 
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 
@@ -133,3 +155,332 @@ BORDERS = Registry[BorderKind]("border")
 BORDERS.promise("lines", "scaloft_fi.outside.lines:LinesBorder")
 BORDERS.promise("ros2", "scaloft_fi.outside.ros2:Ros2Border")
 BORDERS.promise("ros1", "scaloft_fi.outside.ros1:Ros1Border")
+
+
+AHEAD_S = 0.1
+"""A message may be stamped this much later than the flight's clock [s]."""
+SAID = 300
+"""Most characters of a sentence on a refused message."""
+
+
+@dataclass
+class Inbox:
+    """What came since it was last taken.
+
+    Attributes:
+        topic: the topic.
+        sample: the newest sound sample.
+        count: number of messages.
+        refused: about the first refused message.
+        fresh: whether a sound one came since the last clock.
+    """
+
+    topic: Topic
+    sample: Any | None = None
+    count: int = 0
+    refused: str = ""
+    fresh: bool = False
+
+    def begin_tick(self) -> None:
+        """What comes from now on answers this tick."""
+        self.fresh = False
+
+    def refuse(self, reason: str) -> None:
+        """Note why a message was refused, if it is the first one."""
+        self.refused = self.refused or f"{self.topic.name}: {inert(reason)[:SAID]}"
+
+    def take(self) -> Arrival:
+        """What came, and an empty box."""
+        arrival = Arrival(self.sample, self.count, self.refused)
+        self.sample, self.count, self.refused = None, 0, ""
+        return arrival
+
+
+AXES = {"x": 0, "y": 1, "z": 2}
+
+
+class Mapped(NamedTuple):
+    """A path of the sample, and what its number is multiplied by in the border's message."""
+
+    path: tuple[str, ...]
+    factor: float = 1.0
+
+
+def mapped(text: str) -> Mapped:
+    """Read `velocity.x` or `velocity.x * 1000`.
+
+    >>> mapped("velocity.x * 1000")
+    Mapped(path=('velocity', 'x'), factor=1000.0)
+
+    Raises:
+        ValueError: the factor is no number, or zero.
+    """
+    path, _, factor = text.partition("*")
+    number = float(factor) if factor else 1.0
+    if not number or number != number:
+        raise ValueError(f"{text!r}: the factor must be a number other than zero")
+    return Mapped(tuple(path.strip().split(".")), number)
+
+
+def given(plain: Any, fields: Mapping[str, str]) -> Any:
+    """The border's message for the plain values of a sample; without fields they are the message.
+
+    >>> given({"velocity": [1.0, 2.0, 3.0]}, {"linear.x": "velocity.x * 100"})
+    {'linear': {'x': 100.0}}
+    """
+    if not fields:
+        return plain
+    message: dict[str, Any] = {}
+    for theirs, ours in fields.items():
+        way, factor = mapped(ours)
+        value = plain
+        for key in way:
+            value = value[AXES[key]] if isinstance(value, list) else value[key]
+        *parents, last = theirs.split(".")
+        place = message
+        for parent in parents:
+            place = place.setdefault(parent, {})
+        place[last] = value if factor == 1.0 else value * factor
+    return message
+
+
+def taken(message: Any, fields: Mapping[str, str]) -> Any:
+    """The plain values of a sample for a message of the border.
+
+    >>> taken({"linear": {"x": 100.0}}, {"linear.x": "velocity.x * 100"})
+    {'velocity': [1.0, 0.0, 0.0]}
+
+    Raises:
+        MisfitError: the message lacks a field.
+    """
+    if not fields:
+        return message
+    plain: dict[str, Any] = {}
+    for theirs, ours in fields.items():
+        way, factor = mapped(ours)
+        value = message
+        for key in theirs.split("."):
+            if not isinstance(value, dict) or key not in value:
+                raise MisfitError(f"{theirs} is missing")
+            value = value[key]
+        if factor != 1.0:
+            if isinstance(value, bool) or not isinstance(value, int | float):
+                raise MisfitError(f"{theirs} must be a number")
+            value = _divided(theirs, value, factor)
+        if way[-1] in AXES and len(way) == 2:
+            plain.setdefault(way[0], [0.0, 0.0, 0.0])[AXES[way[-1]]] = value
+        else:
+            plain[way[0]] = value
+    return plain
+
+
+def _divided(path: str, value: float, factor: float) -> float:
+    try:
+        return value / factor
+    except OverflowError:
+        raise MisfitError(f"{path} is too large") from None
+
+
+def picked(message: object, paths: Iterable[str]) -> Any:
+    """The attributes of a message that stand at these paths, as nested mappings; what is missing is left out.
+
+    >>> from types import SimpleNamespace
+    >>> picked(SimpleNamespace(linear=SimpleNamespace(x=1.0, y=2.0)), ["linear.x", "angular.z"])
+    {'linear': {'x': 1.0}}
+    """
+    plain: dict[str, Any] = {}
+    for path in paths:
+        value: Any = message
+        for key in path.split("."):
+            value = getattr(value, key, None)
+        if value is None:
+            continue
+        *parents, last = path.split(".")
+        place = plain
+        for parent in parents:
+            place = place.setdefault(parent, {})
+        place[last] = value
+    return plain
+
+
+SIDE = 4096
+"""Greatest height and width of an image."""
+LARGEST = 1 << 1023
+"""Greatest whole number that is read as a number with a point."""
+LONGEST = 1_000
+"""Greatest length of a tuple, and of a text."""
+
+
+class MisfitError(ValueError):
+    """A value does not fit its field; the message names the field."""
+
+
+def to_plain(sample: Any) -> Any:
+    """The plain values of a sample: named tuples are mappings, vectors are lists, images packed little-endian doubles.
+
+    >>> from scaloft_fi.stack.messages import Bumper
+    >>> to_plain(Bumper(1.5, hull=True, gear=False))
+    {'stamp_s': 1.5, 'hull': True, 'gear': False}
+    """
+    if hasattr(sample, "_fields"):
+        images = image_fields(type(sample))
+        return {name: (_packed if name in images else to_plain)(getattr(sample, name)) for name in sample._fields}
+    if isinstance(sample, np.ndarray):
+        return sample.tolist()
+    if isinstance(sample, tuple):
+        return [to_plain(entry) for entry in sample]
+    return sample
+
+
+def _packed(image: Any) -> dict[str, Any]:
+    height, width = image.shape
+    data = base64.b64encode(np.ascontiguousarray(image, dtype="<f8").tobytes()).decode("ascii")
+    return {"height": height, "width": width, "data": data}
+
+
+def from_plain(message: type, value: Any, name: str = "data") -> Any:
+    """The sample of a message type that plain values stand for.
+
+    Raises:
+        MisfitError: a field is missing, unknown, of another type, not finite or too large.
+    """
+    if not isinstance(value, dict):
+        raise MisfitError(f"{name} must be a mapping")
+    hints = get_type_hints(message)
+    images = image_fields(message)
+    unknown = sorted(str(key) for key in value.keys() - hints.keys())
+    if unknown:
+        raise MisfitError(f"{name}.{unknown[0]} is no field of {message.__name__}: {', '.join(hints)}")
+    made = {}
+    for key in field_names(message):
+        path = f"{name}.{key}"
+        if key not in value:
+            if key in getattr(message, "_field_defaults", ()):
+                continue
+            raise MisfitError(f"{path} is missing")
+        made[key] = (_image if key in images else _value)(hints[key], value[key], path)
+    return message(**made)
+
+
+def _value(hint: Any, value: Any, path: str) -> Any:
+    if hint is float:
+        return _number(value, path)
+    if hint is int:
+        if isinstance(value, bool) or not isinstance(value, int) or abs(value) > 1 << 53:
+            raise MisfitError(f"{path} must be a whole number")
+        return value
+    if hint is bool:
+        if not isinstance(value, bool):
+            raise MisfitError(f"{path} must be true or false")
+        return value
+    if hint is str:
+        if not isinstance(value, str) or len(value) > LONGEST:
+            raise MisfitError(f"{path} must be a text of at most {LONGEST} characters")
+        return value
+    if hint == Point:
+        return tuple(_numbers(value, path, 3))
+    if get_origin(hint) is tuple:
+        if not isinstance(value, list) or len(value) > LONGEST:
+            raise MisfitError(f"{path} must be a list of at most {LONGEST}")
+        return tuple(from_plain(get_args(hint)[0], entry, f"{path}[{place}]") for place, entry in enumerate(value))
+    return np.array(_numbers(value, path, 4 if path.endswith("attitude") else 3))
+
+
+def _number(value: Any, path: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise MisfitError(f"{path} must be a number")
+    if (isinstance(value, int) and abs(value) > LARGEST) or not math.isfinite(value):
+        raise MisfitError(f"{path}={value!r:.20} must be finite")
+    return float(value)
+
+
+def _numbers(value: Any, path: str, count: int) -> list[float]:
+    if not isinstance(value, list) or len(value) != count:
+        raise MisfitError(f"{path} must be a list of {count} numbers")
+    return [_number(entry, f"{path}[{place}]") for place, entry in enumerate(value)]
+
+
+def _image(_hint: Any, value: Any, path: str) -> Any:
+    packed = isinstance(value, dict) and value.keys() == {"height", "width", "data"}
+    if not packed or not all(isinstance(value[side], int) and 0 < value[side] <= SIDE for side in ("height", "width")):
+        raise MisfitError(f"{path} must have height, width (at most {SIDE}) and data")
+    shape = value["height"], value["width"]
+    try:
+        data = base64.b64decode(value["data"], validate=True)
+        image = np.frombuffer(data, dtype="<f8").reshape(shape).astype(np.float64)
+    except (ValueError, TypeError) as error:
+        raise MisfitError(f"{path}.data must be {shape[0] * shape[1]} packed numbers: {error}") from error
+    if not np.isfinite(image).all():
+        raise MisfitError(f"{path}.data must be finite")
+    return image
+
+
+class CameraInfo(NamedTuple):
+    """Geometry of the depth camera, with each image.  fx, fy: focal lengths; cx, cy: optical centre [pixel]."""
+
+    stamp_s: Stamp
+    width: int
+    height: int
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+
+
+class Motion(NamedTuple):
+    """A velocity command.  velocity: (3,) [m/s, in the frame of the topic]; turn_radps: rate of turn, left positive."""
+
+    velocity: Vector
+    turn_radps: float
+
+
+class Goal(NamedTuple):
+    """The place to fly to [m, world]."""
+
+    point: Point
+
+
+class Land(NamedTuple):
+    """The order to land here and now."""
+
+    stamp_s: Stamp
+
+
+@dataclass(frozen=True)
+class Port:
+    """What a seam of a stage outside may carry.
+
+    Attributes:
+        message: type of the sample.
+        outward: whether the simulator offers it; otherwise it takes it.
+        meaning: in words.
+        rate_hz: how often it is polled [Hz].
+        units: of the fields whose name does not end in their unit.
+    """
+
+    message: type
+    outward: bool
+    meaning: str
+    rate_hz: float = TICK_HZ
+    units: Mapping[str, str] = field(default_factory=dict)
+
+
+PORTS: Mapping[str, Port] = MappingProxyType(
+    {
+        "odometry": Port(
+            PoseEstimate, True, "pose and velocity by the autopilot's estimate", TICK_HZ,
+            {"position": "m", "velocity": "m/s"},
+        ),
+        "depth": Port(DepthFrame, True, "depth image", TICK_HZ, {"depth": "m"}),
+        "camera_info": Port(CameraInfo, True, "geometry of the depth camera, with each image"),
+        "inertial": Port(Imu, True, "angular rate and specific force", STEP_HZ, {"rate": "rad/s", "force": "m/s2"}),
+        "detections": Port(Detections, True, "persons in a picture, if there are any"),
+        "battery": Port(Battery, True, "charge and voltage"),
+        "contacts": Port(Bumper, True, "whether hull and landing gear touch something"),
+        "velocity": Port(Motion, False, "velocity command to flight control", TICK_HZ, {"velocity": "m/s"}),
+        "goal": Port(Goal, False, "place to fly to, for our planner", TICK_HZ, {"point": "m"}),
+        "speed_limit": Port(SpeedLimit, False, "speed limit of our planner"),
+        "land": Port(Land, False, "order to land"),
+    }
+)  # fmt: skip
+"""All ports by name."""

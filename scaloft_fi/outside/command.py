@@ -1,20 +1,27 @@
-"""A simulator of one's own: the command that flies a flight, as `sim/flyer.yaml` declares it."""
+"""A simulator of one's own: the command that flies a flight, as `sim/flyer.yaml` declares it, within bounds.
+
+The simulator, or a remapping of its launch file, writes `/x_raw` where it used to write `/x`; the relay reads `/x_raw`,
+lets the wire of the flight carry the sample over the seam, and writes `/x`.
+"""
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath
-from typing import Any
+from typing import Any, NamedTuple
 
-from scaloft_fi.document import LARGEST, MOST, Item, load
-from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.console import line
+from scaloft_fi.document import LARGEST, MOST, Item, is_file, load, read_bytes
+from scaloft_fi.errors import InputError, ScaloftError, did_you_mean
 from scaloft_fi.mutants.mutant import EVERY_SEAM
-from scaloft_fi.outside.border import BORDERS
-from scaloft_fi.outside.ports import PORTS
-from scaloft_fi.stack.declaration import Declaration, Seam
+from scaloft_fi.outside.border import BORDERS, PORTS, Border, BorderError, Topic
+from scaloft_fi.outside.exchange import Command, Processes
+from scaloft_fi.stack.declaration import Declaration, Seam, Wire
+from scaloft_fi.stack.messages import Stamp
 
 MOST_LIMIT_S = 24 * 3600.0
 EVERY = "every"
@@ -240,3 +247,252 @@ def _relay(item: Item) -> Relay:
         raise item.error("between two topics: to= must not be from=")
     item.close()
     return relay
+
+
+CLOCK_S = 0.05
+"""How often a border is told the time [s, wall]."""
+_RAW, _CLOCK = "_raw", "_clock"
+
+
+class Tick(NamedTuple):
+    """The simulated time."""
+
+    stamp_s: Stamp
+
+
+@dataclass
+class _Line:
+    """One relay under way.  polled_s: when its seam was polled last [s, wall]; t_s: the time of that poll."""
+
+    seam: Seam
+    polled_s: float = 0.0
+    t_s: float = 0.0
+
+
+@dataclass
+class Relays:
+    """All relays of one flight.
+
+    A seam is polled whenever a message comes, and at its rate while none comes, so that a late sample can be delivered.
+    Time is that of the simulator's clock since it was first told; without a clock that of the stamps of the messages
+    since the first one, and it passes as the wall clock between them.
+
+    Attributes:
+        relays: by name of the seam.
+        stack: declares the seams.
+        wire: carries the samples.
+        folder: empty, for the borders.
+        clock: the topic of the simulator's clock; None without one.
+    """
+
+    relays: Mapping[str, Relay]
+    stack: Declaration
+    wire: Wire
+    folder: Path
+    clock: ClockTopic | None = None
+    _borders: dict[str, Border] = field(default_factory=dict)
+    _lines: dict[str, _Line] = field(default_factory=dict)
+    _first_stamp_s: float | None = None
+    _clock_s: float = 0.0
+    _began_s: float = 0.0
+    _told_s: float = 0.0
+
+    def begin(self) -> Mapping[str, str]:
+        """Open the borders; returns what the simulator needs in its environment to find them.
+
+        Raises:
+            BorderError: a border cannot be opened.
+        """
+        self._began_s = time.monotonic()
+        environment: dict[str, str] = {}
+        clocks = [self.clock.border] if self.clock and self.relays else []
+        for name in dict.fromkeys([*(relay.border for relay in self.relays.values()), *clocks]):
+            folder = self.folder / name
+            folder.mkdir()
+            topics = [
+                topic for seam, relay in self.relays.items() if relay.border == name for topic in self._pair(seam)
+            ]
+            if self.clock and self.clock.border == name:
+                topics.append(Topic(_CLOCK, self.clock.name, Tick, outward=False, type=self.clock.type))
+            border = BORDERS[name](topics, folder)
+            self._borders[name] = border
+            border.open()
+            environment |= border.environment
+        self._lines = {name: _Line(self.stack.by_name[name]) for name in self.relays}
+        return environment
+
+    def _pair(self, seam: str) -> tuple[Topic, Topic]:
+        relay = self.relays[seam]
+        written = Topic(
+            seam=seam,
+            name=relay.to,
+            message=self.stack.by_name[seam].message,
+            outward=True,
+            type=relay.type,
+            frame=relay.frame,
+            qos=relay.qos,
+            fields=relay.fields,
+        )
+        return replace(written, seam=seam + _RAW, name=relay.source, outward=False), written
+
+    def attend(self) -> None:
+        """Carry what has come since the last call.
+
+        Raises:
+            BorderError: a message does not fit its seam, or messages came faster than they can be carried.
+        """
+        now_s = time.monotonic()
+        if self.clock:
+            self._hear(self._borders[self.clock.border], self.clock.name)
+        for name, relay in self.relays.items():
+            border, line = self._borders[relay.border], self._lines[name]
+            arrival = border.take(name + _RAW)
+            if arrival.refused:
+                raise BorderError(f"the relay of seam {name!r} cannot read {relay.source}: {arrival.refused}")
+            if arrival.count > 1:
+                raise BorderError(
+                    f"the relay of seam {name!r} lost {arrival.count - 1} messages, which came all at once"
+                )
+            since_s = self._clock_s - line.t_s if self.clock else now_s - line.polled_s
+            if arrival.sample is None and since_s < 1.0 / line.seam.rate_hz:
+                continue
+            line.t_s = max(line.t_s, self._time(line, arrival.sample, now_s))
+            line.polled_s = now_s
+            delivered = self.wire.cross(name, line.t_s, arrival.sample)
+            if delivered is not None:
+                border.send(name, line.t_s, delivered)
+        if now_s - self._told_s >= CLOCK_S:
+            self._told_s = now_s
+            for border in self._borders.values():
+                border.clock(max(line.t_s for line in self._lines.values()))
+
+    def _hear(self, border: Border, name: str) -> None:
+        """Take the simulator's time, if it was told."""
+        arrival = border.take(_CLOCK)
+        if arrival.refused:
+            raise BorderError(f"the relays cannot read the clock {name}: {arrival.refused}")
+        if arrival.sample is not None:
+            if self._first_stamp_s is None:
+                self._first_stamp_s = float(arrival.sample.stamp_s)
+            self._clock_s = float(arrival.sample.stamp_s) - self._first_stamp_s
+
+    def _time(self, line: _Line, sample: object, now_s: float) -> float:
+        """The time of a poll since the first message, or since the borders were opened [s]."""
+        if self.clock:
+            return self._clock_s
+        stamp_s = getattr(sample, "stamp_s", None)
+        if isinstance(stamp_s, int | float):
+            if self._first_stamp_s is None:
+                self._first_stamp_s = float(stamp_s)
+            return float(stamp_s) - self._first_stamp_s
+        since_s = line.polled_s or self._began_s
+        return line.t_s + now_s - since_s
+
+    def close(self) -> None:
+        """Close the borders; may be called twice."""
+        for border in self._borders.values():
+            border.close()
+        self._borders.clear()
+
+
+MOST_OUTPUT = 1 << 20
+"""Largest end of its output that is read."""
+LOOK_S = 0.002
+"""How often a running command is looked at [s, wall]."""
+DONE = "ended with code 0"
+_HOW = re.compile(r"(ended with code -?\d+|was ended by \w+|cannot be started: .*)$")
+SHOWN_LINES, SHOWN = 5, 400
+"""How many of its last lines an error shows, and how many characters of them."""
+MOST_COUNTED = 10**12
+
+
+class CommandError(ScaloftError):
+    """The command failed: a failure of the harness, not of the drone."""
+
+
+@dataclass(frozen=True)
+class Told:
+    """What the last line of the command's output says, a JSON object.
+
+    Attributes:
+        altered, carried: how many samples the fault altered, and how many its seam carried; None = not told.
+        first_altered_s: time of the first altered sample [s]; None = never, or not told.
+        stack_error: exception of the stack under test, after which the flight went on; "" without one.
+    """
+
+    altered: int | None = None
+    carried: int | None = None
+    first_altered_s: float | None = None
+    stack_error: str = ""
+
+
+def run_command(
+    words: Sequence[str],
+    env: Mapping[str, str],
+    cwd: Path,
+    limit_s: float,
+    folder: Path,
+    attend: Callable[[], None] | None = None,
+) -> Told:
+    """Run a command to its end; returns what its last line of output says.
+
+    Args:
+        words: program and arguments.
+        env: environment variables beside ours.
+        cwd: where it runs.
+        limit_s: longest time that it may take [s, wall].
+        folder: empty folder for the end of its output.
+        attend: called again and again while it runs.
+
+    Raises:
+        BorderError: it cannot be started, or its guard has died.
+        CommandError: it takes longer, or fails.
+    """
+    processes = Processes([Command(tuple(words), env)], cwd, {}, folder)
+    due_s, how = time.monotonic() + limit_s, ""
+    try:
+        processes.start()
+        while not (how := processes.ended()) and time.monotonic() < due_s:
+            if attend is not None:
+                attend()
+            time.sleep(LOOK_S)
+    finally:
+        processes.stop()
+    said = processes.last_lines(SHOWN_LINES)[-SHOWN:] or "nothing"
+    if not how:
+        raise CommandError(f"the command ran longer than {limit_s:g} s; it said last: {said}")
+    if not how.endswith(DONE):
+        ended = _HOW.search(how)
+        raise CommandError(f"the command {ended[0] if ended else how}; it said last: {said}")
+    lines = [text for text in _output(folder).decode("utf-8", "replace").splitlines() if text.strip()]
+    return told(lines[-1] if lines else "")
+
+
+def _output(folder: Path) -> bytes:
+    """The end of the command's output, of which the older part may be missing."""
+    paths = [path for path in (folder / "output.old", folder / "output") if is_file(path)]
+    return b"".join(read_bytes(path, MOST_OUTPUT) for path in paths)
+
+
+def told(last: str) -> Told:
+    """What the last line of output says; nothing where it is no JSON object.
+
+    Raises:
+        CommandError: it is one, with a value that is not allowed.
+    """
+    if not last.lstrip().startswith("{"):
+        return Told()
+    try:
+        said = json.loads(last)
+    except (ValueError, RecursionError):
+        return Told()
+    counts = {name: said.get(name) for name in ("altered", "carried")}
+    for name, count in counts.items():
+        if count is not None and (
+            isinstance(count, bool) or not isinstance(count, int) or not 0 <= count <= MOST_COUNTED
+        ):
+            raise CommandError(f"the last line says {name}={str(count)[:40]}, which must be a whole number >= 0")
+    first, error = said.get("first_altered_s"), said.get("stack_error") or ""
+    if first is not None and (isinstance(first, bool) or not isinstance(first, int | float) or not 0.0 <= first < 1e9):
+        raise CommandError(f"the last line says first_altered_s={str(first)[:40]}, which must be a number >= 0")
+    return Told(counts["altered"], counts["carried"], None if first is None else float(first), line(str(error))[:SHOWN])

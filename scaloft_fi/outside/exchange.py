@@ -1,21 +1,338 @@
-"""The exchange of one flight with its stages outside: processes, border, and one round over the seams at each tick."""
+"""The exchange of one flight with its stages outside: settings, processes, border, one round over the seams a time."""
 
 from __future__ import annotations
 
+import difflib
+import json
+import os
+import select
+import signal
+import subprocess
+import sys
 import tempfile
 import time
-from collections.abc import Mapping
-from contextlib import ExitStack
+from collections.abc import Collection, Mapping, Sequence
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from shutil import rmtree
-from typing import Any
+from typing import Annotated, Any
 
-from scaloft_fi.outside.border import BORDERS, Border, BorderError
-from scaloft_fi.outside.ports import PORTS
-from scaloft_fi.outside.processes import Processes
-from scaloft_fi.outside.settings import OutsideConfig
+from scaloft_fi.console import line as inert
+from scaloft_fi.outside import guard
+from scaloft_fi.outside.border import BORDERS, PORTS, Border, BorderError, Topic
+from scaloft_fi.stack.config import Bounds, ConfigError, Scalar
 from scaloft_fi.stack.declaration import Wire
+
+START_S, STOP_S = 10.0, 5.0
+"""Greatest time in which the guard starts, and in which it ends everything [s, wall]."""
+LINE = 300
+"""Most characters of a line of output in a sentence."""
+
+
+@dataclass(frozen=True)
+class Command:
+    """A program that runs during a flight.
+
+    Attributes:
+        run: program and arguments; `{python}` is this interpreter, `{study}` the folder of the study.
+        env: environment variables beside those of this process and of the border.
+        folder: where it runs, in the folder of the study.
+    """
+
+    run: tuple[str, ...]
+    env: Mapping[str, str] = field(default_factory=dict)
+    folder: str = "."
+
+
+class Processes:
+    """The processes of one flight.
+
+    The process that uses them flies this flight only: orphans that a killed guard leaves are adopted by it, and `stop`
+    ends whatever it has below it.
+
+    Args:
+        commands: what to start, in order, without a shell.
+        study: folder of the study.
+        environment: what the border adds to their environment.
+        folder: private to the flight; the end of their output is kept there.
+
+    Attributes:
+        killed: whether the first of them that has ended was ended by SIGKILL.
+    """
+
+    def __init__(self, commands: Sequence[Command], study: Path, environment: Mapping[str, str], folder: Path) -> None:
+        self._commands, self._study, self._output = commands, study.absolute(), folder / "output"
+        self._environment = environment
+        self._guard: subprocess.Popen[bytes] | None = None
+        self._news = b""
+        self._ended = ""
+        self.killed = False
+        self._spared: frozenset[int] = frozenset()
+
+    def start(self) -> None:
+        """Start all of them.
+
+        Raises:
+            BorderError: one cannot be started; the sentence names it.  Or their guard has died.
+        """
+        guard.prctl(guard.PR_SET_CHILD_SUBREAPER, 1)
+        self._spared = frozenset(guard.descendants(os.getpid()))
+        order = {"commands": [self._order(command) for command in self._commands], "output": str(self._output)}
+        self._guard = subprocess.Popen(
+            [sys.executable, "-I", "-S", guard.__file__],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            start_new_session=True,
+        )
+        assert self._guard.stdin is not None
+        with suppress(OSError):  # the guard has just died; the next lines say so
+            self._guard.stdin.write(json.dumps(order).encode() + b"\n")
+            self._guard.stdin.flush()
+        due_s = time.monotonic() + START_S
+        while not self._ended and b"started" not in self._news and time.monotonic() < due_s:
+            self._listen(0.05)
+        if self._ended or b"started" not in self._news:
+            raise BorderError(self._ended or f"the guard of the processes did not start within {START_S:g} s")
+
+    def _order(self, command: Command) -> Mapping[str, object]:
+        def replaced(text: str) -> str:
+            return text.replace("{python}", sys.executable).replace("{study}", str(self._study))
+
+        env = {name: replaced(text) for name, text in command.env.items()}
+        return {
+            "run": [replaced(text) for text in command.run],
+            "env": {**os.environ, **self._environment, **env},
+            "folder": str(self._study / command.folder),
+        }
+
+    def ended(self, within_s: float = 0.0) -> str:
+        """A sentence on the first of them that has ended; "" while all run.
+
+        Args:
+            within_s: how long to wait for an end [s, wall].
+
+        Raises:
+            BorderError: their guard has died, which is no fault of theirs.
+        """
+        if not self._ended and self._guard is not None:
+            self._listen(within_s)
+        return self._ended
+
+    def _listen(self, wait_s: float) -> None:
+        """Read what the guard tells."""
+        assert self._guard is not None
+        assert self._guard.stdout is not None
+        while select.select([self._guard.stdout], [], [], wait_s)[0]:
+            text = os.read(self._guard.stdout.fileno(), guard.CHUNK)
+            if not text and not self._ended:
+                raise BorderError(f"the guard of the processes ended; their last lines: {self.last_lines() or 'none'}")
+            if not text:
+                return
+            self._news += text
+            wait_s = 0.0
+        *whole, rest = self._news.split(b"\n")
+        for line in whole:
+            what, number, detail = line.decode(errors="replace").split(" ", 2)
+            if what in ("failed", "ended") and not self._ended:
+                self._ended = f"{self._name(int(number))} {_how(what, detail)}"
+                self.killed = what == "ended" and int(detail) == -signal.SIGKILL
+        self._news = b"\n".join([line for line in whole if line.startswith(b"started")] + [rest])
+
+    def _name(self, number: int) -> str:
+        """The program: that of an interpreter is its first argument."""
+        program, *arguments = self._commands[number].run
+        if program == "{python}" or Path(program).name.startswith("python"):
+            program = next((one for one in arguments if not one.startswith("-")), program)
+        return inert(Path(program).name)[:LINE]
+
+    def last_lines(self, count: int = 5) -> str:
+        """The last lines that they wrote, made inert and joined by " / "; "" for none."""
+        text = b""
+        for path in (self._output.with_name(f"{self._output.name}.old"), self._output):
+            with suppress(OSError):
+                text += path.read_bytes()
+        lines = [line.strip() for line in text.decode(errors="replace").splitlines() if line.strip()]
+        return " / ".join(inert(line)[:LINE] for line in lines[-count:])
+
+    def stop(self) -> None:
+        """End them: SIGINT, SIGTERM, SIGKILL in turn, half a second apart; nothing is left.  May be called twice."""
+        if self._guard is None:
+            return
+        ending, self._guard = self._guard, None
+        for pipe in (ending.stdin, ending.stdout):
+            if pipe is not None:
+                with suppress(OSError):
+                    pipe.close()
+        try:
+            ending.wait(STOP_S)
+        except subprocess.TimeoutExpired:
+            ending.kill()
+            ending.wait()
+        guard.kill_below(os.getpid(), self._spared)
+
+
+def _how(what: str, detail: str) -> str:
+    """How a process ended.
+
+    >>> _how("ended", "-9"), _how("ended", "3"), _how("failed", "No such file or directory")
+    ('was ended by SIGKILL', 'ended with code 3', 'cannot be started: No such file or directory')
+    """
+    if what == "failed":
+        return f"cannot be started: {detail}"
+    code = int(detail)
+    return f"was ended by {signal.Signals(-code).name}" if code < 0 else f"ended with code {code}"
+
+
+BELOW = {"flight_control": ("velocity", "land"), "planner": ("goal", "speed_limit", "land")}
+"""What of our drone flies below the stages outside, and the ports that it takes orders from."""
+FRAMES = ("", "world", "body")
+
+Wait = Annotated[float, Bounds(least=1e-3, most=60.0)]
+
+
+@dataclass(frozen=True)
+class ProcessConfig:
+    """A process of every flight.
+
+    Attributes:
+        run: program and arguments; `{study}`, `{python}`, `{route}`, `{home}`, `{altitude_m}`, `{cruise_mps}`,
+            `{slow_mps}`, `{yaw_deg}` and `{situation}` stand for what they say, in JSON where it is no plain number or
+            text.
+        env: environment variables beside those of the run.
+        folder: where it runs, in the folder of the study.
+    """
+
+    run: tuple[str, ...]
+    env: Mapping[str, str] = field(default_factory=dict)
+    folder: str = "."
+
+    def command(self, words: Mapping[str, str]) -> Command:
+        """The command with every word in braces replaced."""
+        env = {name: replaced(text, words) for name, text in self.env.items()}
+        return Command(tuple(replaced(text, words) for text in self.run), env, self.folder)
+
+
+def replaced(text: str, words: Mapping[str, str]) -> str:
+    """`text` with `{word}` replaced for each of `words`; other braces stay.
+
+    >>> replaced("--speed={cruise_mps} {x}", {"cruise_mps": "0.5"})
+    '--speed=0.5 {x}'
+    """
+    for word, value in words.items():
+        text = text.replace(f"{{{word}}}", value)
+    return text
+
+
+@dataclass(frozen=True)
+class SeamConfig:
+    """A seam whose samples go over a topic.
+
+    Attributes:
+        topic: its name on the border.
+        carries: the port, what the samples are.
+        type: type of the border's messages; "" = its usual one for the port.
+        frame: frame id of messages that go out; "world" or "body" for a velocity that comes.
+        qos: quality of service, as the border names it.
+        fields: fields of the border's message by path to those of the sample; empty = the border's usual mapping.
+        awaited: whether the flight waits before take-off until the topic has its other end.
+    """
+
+    topic: str
+    carries: str
+    type: str = ""
+    frame: str = ""
+    qos: Mapping[str, Scalar] = field(default_factory=dict)
+    fields: Mapping[str, str] = field(default_factory=dict)
+    awaited: bool = True
+
+    def as_topic(self, seam: str) -> Topic:
+        """The topic of the border."""
+        port = PORTS[self.carries]
+        return Topic(
+            seam, self.topic, port.message, port.outward, self.type, self.frame, self.qos, self.fields, self.awaited
+        )
+
+
+@dataclass(frozen=True)
+class OutsideConfig:
+    """All settings of a stack outside.
+
+    Attributes:
+        border: name of the border.
+        below: what of our drone flies below the stages outside, a key of `BELOW`.
+        processes: what is started for every flight, in order.
+        seams: the seams at the border, by name.
+        inside: settings of the part that flies below; the flights have them in its schema.
+        answer: the seam whose sample answers each tick, which puts the flight into lock step; "" = without.
+        answer_s: how long a tick waits for its answer [s, wall].
+        ready_s: how long the processes may take to come up [s, wall].
+        pace: greatest simulated time per wall time; 0 = as fast as the answers come.
+        silent_ticks: ticks in a row without an answer after which the stack outside counts as hung.
+        deterministic: whether two flights of the same subject, situation and seed have the same bits.
+        version: of the programs outside the study, in words; another one means other flights.
+    """
+
+    border: str
+    below: str
+    processes: tuple[ProcessConfig, ...]
+    seams: Mapping[str, SeamConfig]
+    inside: Any
+    answer: str = ""
+    answer_s: Wait = 0.5
+    ready_s: Wait = 30.0
+    pace: Annotated[float, Bounds(least=0.0, most=1000.0)] = 0.0
+    silent_ticks: Annotated[int, Bounds(least=1, most=1000)] = 20
+    deterministic: bool = False
+    version: str = ""
+
+    def check(self) -> None:
+        """Refuse what does not fit together.
+
+        Raises:
+            ConfigError: naming the setting.
+        """
+        _one_of("border", self.border, tuple(BORDERS))
+        _one_of("below", self.below, tuple(BELOW))
+        if not self.seams:
+            raise ConfigError("stack.seams", "must have a seam")
+        for name, seam in self.seams.items():
+            self._check_seam(f"seams.{name}", seam)
+            misfit = BORDERS[self.border].misfit(seam.as_topic(name))
+            if misfit:
+                raise ConfigError(f"stack.seams.{name}", misfit)
+        ports = [seam.carries for seam in self.seams.values()]
+        if BELOW[self.below][0] not in ports:
+            allowed = f"needs a seam that carries {BELOW[self.below][0]!r}, because below={self.below!r}"
+            raise ConfigError("stack.seams", allowed)
+        if self.answer:
+            _one_of(
+                "answer", self.answer, [name for name, seam in self.seams.items() if not PORTS[seam.carries].outward]
+            )
+        elif not self.pace:
+            raise ConfigError("stack", "needs `answer`, the seam that answers each tick, or `pace`, such as 1.0")
+
+    def _check_seam(self, path: str, seam: SeamConfig) -> None:
+        _one_of(f"{path}.carries", seam.carries, tuple(PORTS))
+        _one_of(f"{path}.frame", seam.frame, FRAMES if seam.carries == "velocity" else (seam.frame,))
+        if not PORTS[seam.carries].outward and seam.carries not in BELOW[self.below]:
+            taken = ", ".join(BELOW[self.below])
+            raise ConfigError(
+                f"stack.{path}.carries", f"{seam.carries!r} is not taken where below={self.below!r}: {taken}"
+            )
+        twins = [name for name, other in self.seams.items() if other.carries == seam.carries]
+        if len(twins) > 1 and not PORTS[seam.carries].outward:
+            raise ConfigError(
+                f"stack.{path}.carries", f"{seam.carries!r} is carried by {' and '.join(twins)}; one is allowed"
+            )
+
+
+def _one_of(path: str, value: str, allowed: Collection[str]) -> None:
+    if value not in allowed:
+        near = difflib.get_close_matches(value, list(allowed), n=1)
+        hint = f"; did you mean {near[0]!r}?" if near else f"; there are {', '.join(map(repr, allowed))}"
+        raise ConfigError(f"stack.{path}", f"{value!r} is not known{hint}")
+
 
 ENDS_S = 0.3
 """How long a process that answers no more may take to end, before it counts as hung [s, wall]."""

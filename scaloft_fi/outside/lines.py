@@ -27,11 +27,19 @@ from pathlib import Path
 from typing import Any
 
 from scaloft_fi.console import line as inert
-from scaloft_fi.outside.border import Arrival, BorderError, Topic
+from scaloft_fi.outside.border import (
+    AHEAD_S,
+    Arrival,
+    BorderError,
+    Inbox,
+    MisfitError,
+    Topic,
+    from_plain,
+    given,
+    taken,
+    to_plain,
+)
 from scaloft_fi.outside.client import VARIABLE
-from scaloft_fi.outside.inbox import AHEAD_S, Inbox
-from scaloft_fi.outside.paths import given, taken
-from scaloft_fi.outside.plain import MisfitError, from_plain, to_plain
 
 LONGEST_LINE = 1 << 20
 """Most bytes of a line."""

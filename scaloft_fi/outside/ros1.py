@@ -20,13 +20,10 @@ from pathlib import Path
 from typing import Any
 
 from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.outside.border import Arrival, BorderError, Topic
+from scaloft_fi.outside.border import Arrival, BorderError, Topic, from_plain, taken
+from scaloft_fi.outside.exchange import Command, Processes
 from scaloft_fi.outside.lines import Codec, LinesBorder
-from scaloft_fi.outside.paths import taken
-from scaloft_fi.outside.plain import from_plain
-from scaloft_fi.outside.processes import Command, Processes
-from scaloft_fi.outside.ros1_messages import LAYOUTS_1
-from scaloft_fi.outside.ros_messages import Layout, layout_of
+from scaloft_fi.outside.ros_messages import LAYOUTS_1, Layout, layout_of
 
 PYTHON = "SCALOFT_ROS1_PYTHON"
 """The environment variable with the Python that has rospy; by default the system's `python3`."""

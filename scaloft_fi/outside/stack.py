@@ -1,4 +1,4 @@
-"""A stack whose stages run in other processes, above flight control, or flight control and planner, of our drone."""
+"""A stack whose stages run in other processes: above flight control, or flight control and planner of our drone."""
 
 from __future__ import annotations
 
@@ -6,20 +6,208 @@ import json
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 
-from scaloft_fi.outside.exchange import Exchange
-from scaloft_fi.outside.mission import GoalMission, TakenLimit
-from scaloft_fi.outside.ports import CameraInfo, Motion
-from scaloft_fi.outside.settings import OutsideConfig
-from scaloft_fi.stack.declaration import STEP_HZ, TICK_S, FastPath, Task, Wire
-from scaloft_fi.stack.messages import Array, DepthCamera, DepthFrame, Exposure, Imu, SensorFrames, Stamps, Thrust
+from scaloft_fi.outside.border import PORTS, CameraInfo, Goal, Motion
+from scaloft_fi.outside.exchange import Exchange, OutsideConfig
+from scaloft_fi.stack.config import ConfigError
+from scaloft_fi.stack.declaration import STEP_HZ, TICK_S, Belief, Declaration, FastPath, Seam, Stack, Task, Wire
+from scaloft_fi.stack.messages import (
+    Array,
+    DepthCamera,
+    DepthFrame,
+    Detections,
+    Exposure,
+    Imu,
+    Person,
+    Point,
+    SensorFrames,
+    Stamps,
+    Thrust,
+)
 from scaloft_fi.stack.reference.estimator import Estimator, EstimatorConfig
 from scaloft_fi.stack.reference.flight_control import ControlConfig, FailsafeConfig, FlightControl, InnerLoop
-from scaloft_fi.stack.reference.messages import MODES, PoseEstimate, VelocityCommand
-from scaloft_fi.stack.reference.stack import ReferenceConfig, ReferenceStack
+from scaloft_fi.stack.reference.messages import (
+    BELIEFS,
+    MODES,
+    Failsafe,
+    GoalCheck,
+    PoseEstimate,
+    Route,
+    SpeedLimit,
+    Target,
+    VelocityCommand,
+)
+from scaloft_fi.stack.reference.mission import Mission, SpeedLimitStage
+from scaloft_fi.stack.reference.stack import SEAMS, ReferenceConfig, ReferenceStack
+
+FLIGHT_CONTROL = ("imu", "fix", "thrust")
+"""Seams of our drone that are left where velocities come from outside."""
+REPLACED = ("person", "route", "goal", "speedlimit")
+"""Seams of the reference stack that nobody uses where the mission is outside."""
+_MOVED = tuple(one for one in BELIEFS if one.name.startswith(("cmd_", "est_")) or one.name == "mode")
+
+
+def seams_of(config: OutsideConfig) -> tuple[Seam, ...]:
+    """The seams at the border, then those of the part of our drone that flies below.
+
+    Raises:
+        ConfigError: two seams have one name.
+    """
+    border = tuple(_seam(name, config) for name in config.seams)
+    own = tuple(
+        seam
+        for seam in SEAMS
+        if (seam.name in FLIGHT_CONTROL if config.below == "flight_control" else seam.name not in REPLACED)
+    )
+    for seam in own:
+        if seam.name in config.seams:
+            raise ConfigError(f"stack.seams.{seam.name}", "is the name of a seam of our drone, give it another one")
+    return (*border, *own)
+
+
+def _seam(name: str, config: OutsideConfig) -> Seam:
+    declared = config.seams[name]
+    port = PORTS[declared.carries]
+    ends = ("our drone", declared.topic) if port.outward else (declared.topic, "our drone")
+    return Seam(name, port.message, port.rate_hz, " -> ".join(ends), units=port.units)
+
+
+def beliefs_of(config: OutsideConfig) -> tuple[Belief, ...]:
+    """The beliefs of the part of our drone that flies below."""
+    return _MOVED if config.below == "flight_control" else BELIEFS
+
+
+def shaped(settings: Any) -> Declaration:
+    """The declaration that follows from the settings.
+
+    Raises:
+        ConfigError: the settings do not fit together.
+    """
+    config: OutsideConfig = settings
+    config.check()
+    orders = [name for name, seam in config.seams.items() if not PORTS[seam.carries].outward]
+    odometry = [name for name, seam in config.seams.items() if seam.carries == "odometry"]
+    return replace(
+        OUTSIDE,
+        seams=seams_of(config),
+        beliefs=beliefs_of(config),
+        settings=_with_velocities if config.below == "flight_control" else _with_goals,
+        canaries=(*orders[:1], *odometry[:1]),
+        deterministic=config.deterministic,
+    )
+
+
+def _make(task: Task, wire: Wire) -> Stack:
+    from scaloft_fi.outside.exchange import Exchange
+
+    config: OutsideConfig = task.settings
+    declared = DeclaredWire(wire, [seam.name for seam in seams_of(config)])
+    exchange = Exchange.begin(config, declared, Path(task.folder), words_of(task))
+    try:
+        return _stack(task, declared, exchange)
+    except BaseException:
+        exchange.close()
+        raise
+
+
+def _rehearsed(task: Task, wire: Wire) -> Stack:
+    from scaloft_fi.outside.border import BORDERS
+
+    BORDERS[task.settings.border].need()
+    return _stack(task, wire, None)
+
+
+def _stack(task: Task, wire: Wire, exchange: Any) -> Stack:
+
+    config: OutsideConfig = task.settings
+    return (VelocityStack if config.below == "flight_control" else GoalStack)(task, wire, exchange)
+
+
+def _settings() -> type:
+    return OutsideConfig
+
+
+def _with_velocities() -> type:
+
+    return VelocityConfig
+
+
+def _with_goals() -> type:
+
+    return GoalConfig
+
+
+OUTSIDE = Declaration(
+    name="outside",
+    seams=(),
+    beliefs=(),
+    make=_make,
+    settings=_settings,
+    operators=("scaloft_fi.mutants.reference", "scaloft_fi.outside.faults"),
+    deterministic=False,
+    forks=False,
+    shape=shaped,
+    rehearse=_rehearsed,
+)
+
+
+class GoalMission(Mission):
+    """The mission is outside: its newest goal is the planner's target, until it orders to land.
+
+    Attributes:
+        goal: the newest goal [m, world]; None before the first one, so the drone holds its place.
+    """
+
+    goal: Point | None = None
+    _returns = False
+
+    def fly_to(self, goal: Goal | None) -> None:
+        """Take a goal, if one came; each goal at another place is another leg."""
+        if goal is None or self._returns or goal.point == self.goal:
+            return
+        self.index += self.goal is not None
+        self.goal = goal.point
+
+    def land(self) -> None:
+        """Follow the order to land here."""
+        self.phase = "land"
+
+    def plan(self, route: Route | None) -> None:
+        """Take no route: the mission outside has its own."""
+
+    def follow(self, failsafe: Failsafe | None) -> None:
+        """Follow our battery monitor, which overrules the mission outside."""
+        if failsafe is not None and failsafe.action == "land":
+            self.land()
+        elif failsafe is not None:
+            self.goal, self._returns = self.home, True
+
+    def check(self, pose: PoseEstimate) -> GoalCheck | None:
+        """Return None: the mission outside tests itself whether a goal is reached."""
+        return None
+
+    def target(self) -> Target | None:
+        """The newest goal, for the planner."""
+        return Target(self.index, self.goal) if self.phase == "fly" and self.goal is not None else None
+
+
+class TakenLimit(SpeedLimitStage):
+    """The speed limit comes from outside; cruise speed holds until the first one comes."""
+
+    newest: SpeedLimit | None = None
+
+    def update(self, now_s: float, detections: Detections | None) -> tuple[SpeedLimit | None, Person | None]:
+        """The limit that came at this tick; at the first tick cruise speed."""
+        limit, self.newest = self.newest, None
+        if limit is None and not self._published:
+            limit = SpeedLimit(now_s, self.cruise_mps, "euclidean")
+        self._published = True
+        return limit, None
+
 
 S = TypeVar("S")
 

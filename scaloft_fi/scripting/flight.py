@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.judge.robustness import measured_rho
+from scaloft_fi.judge.requirement import measured_rho
 from scaloft_fi.judge.status import baseline_status
 from scaloft_fi.scripting.arguments import in_python
 from scaloft_fi.scripting.figure import Figure

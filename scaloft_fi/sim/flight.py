@@ -12,20 +12,16 @@ import numpy as np
 
 from scaloft_fi.errors import InputError, ScaloftError
 from scaloft_fi.mutants.wire import TapError
-from scaloft_fi.sim.agreement import agrees
-from scaloft_fi.sim.airframe import Airframe
 from scaloft_fi.sim.build import build, connect, place
-from scaloft_fi.sim.compiled_stepper import CompiledStepper
 from scaloft_fi.sim.contact import Feeler
-from scaloft_fi.sim.events import events_of
 from scaloft_fi.sim.load import SimConfig
 from scaloft_fi.sim.log import Count, Ending, FlightLog, Recorder
-from scaloft_fi.sim.observer import Observer
-from scaloft_fi.sim.occasions import Lookout
+from scaloft_fi.sim.observer import Lookout, Observer, events_of
 from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.sensors import Sensors
 from scaloft_fi.sim.situation import Situation
-from scaloft_fi.sim.stepper import ServerStepper, Stepper
+from scaloft_fi.sim.stepper import CompiledStepper, ServerStepper, Stepper, agrees
+from scaloft_fi.sim.vehicle import Airframe
 from scaloft_fi.stack.config import ConfigError
 from scaloft_fi.stack.declaration import (
     STEP_HZ,

@@ -6,23 +6,67 @@ import fnmatch
 import itertools
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.addition import added
-from scaloft_fi.sim.consistency import common_paths, lonely_values
-from scaloft_fi.sim.constraint import Constraint, read_constraints
-from scaloft_fi.sim.free_axis import FreeAxis, numbers_off, read_free_axes
 from scaloft_fi.sim.happenings import signals_of
+from scaloft_fi.sim.log import clearance_name
 from scaloft_fi.sim.mine import Mine, read_mine
-from scaloft_fi.sim.patch import PARTS, patched
-from scaloft_fi.sim.range import number_text
-from scaloft_fi.sim.signals import clearance_name
-from scaloft_fi.sim.situation import Axis, AxisValue, Situation, read_axis
+from scaloft_fi.sim.patch import PARTS, added, overlap, patched
+from scaloft_fi.sim.situation import (
+    Axis,
+    AxisValue,
+    Constraint,
+    FreeAxis,
+    Situation,
+    number_text,
+    numbers_off,
+    read_axis,
+    read_constraints,
+    read_free_axes,
+)
 from scaloft_fi.sim.world import World, read_world
+
+
+def lonely_values(
+    axes: Sequence[Axis], situations: Sequence[Situation], constraints: Sequence[Constraint]
+) -> Iterator[InputError]:
+    """An error for each value of which the constraints exclude every situation."""
+    if not constraints:
+        return
+    left = {level for situation in situations for level in situation.levels}
+    for axis in axes:
+        for value in axis.values:
+            if (axis.id, value.id) not in left:
+                wanted = f"constraints must leave every value a situation, {axis.id}{value.id} has none"
+                yield InputError(f"{constraints[0].place}: {wanted}")
+
+
+def common_paths(axes: Sequence[Axis], situations: Sequence[Situation]) -> Iterator[InputError]:
+    """An error for each two values of two axes that set one path, or a path and a part of it, in a situation."""
+    for first, second in itertools.combinations(axes, 2):
+        for one, other in itertools.product(first.values, second.values):
+            twice = next((path for path in other.changes for set_ in one.changes if overlap(path, set_)), None)
+            pair = {(first.id, one.id), (second.id, other.id)}
+            if twice is None or not (both := [s.key for s in situations if pair.issubset(s.levels)]):
+                continue
+            names = f"{first.id}{one.id} and {second.id}{other.id}"
+            sentence = f"{other.changes[twice].place}: {names} both set {twice}, in situation {both[0]}"
+            yield InputError(f"{sentence}; {remedy((first.id, one.id), (second.id, other.id))}")
+
+
+def remedy(*levels: tuple[str, int]) -> str:
+    """The constraint that excludes a combination of values, as advice.
+
+    >>> remedy(("T", 1), ("W", 2))
+    'exclude them under constraints: {exclude: {T: 1, W: 2}, reason: ...}'
+    """
+    values = ", ".join(f"{axis}: {level}" for axis, level in levels)
+    return f"exclude them under constraints: {{exclude: {{{values}}}, reason: ...}}"
+
 
 MOST_POINTS = 1_000_000
 """Largest product of the axes; all points are held in memory."""

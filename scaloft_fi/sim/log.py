@@ -1,19 +1,182 @@
-"""The flight log: signals and events of a flight, recorded during the flight and judged afterwards."""
+"""The flight log: its signals and events, recorded during the flight and judged afterwards; optional signals.
+
+A plugin declares a signal with one decorated function, in a module that its entry point in the group
+`scaloft_fi.plugins` names:
+
+    @signal("tilt_deg", "deg", "angle between body z and the vertical")
+    def tilt(scenario):
+        return lambda state: math.degrees(math.acos(1.0 - 2.0 * (state[3] ** 2 + state[4] ** 2)))
+
+A study that lists the signal under `signals` in `world.yaml` has it in its flight logs.  Requirements and predicates of
+the study may use it, and the digest of a flight covers it.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from scaloft_fi.registry import Registry
+from scaloft_fi.stack.declaration import Belief
+
 Array = NDArray[np.float64]
+Maker = Callable[[Any], "Measure"]
+"""Called with the `sim.scenario.Scenario` of the flight: situation, world, route, camera."""
+Measure = Callable[[Array], float]
+"""Called at 20 Hz with the true state (13,) of the vehicle in the layout of `sim.vehicle`; returns the value."""
+
+
+@dataclass(frozen=True)
+class DeclaredSignal:
+    """A signal that a study can choose.
+
+    Attributes:
+        name: unique name, with the unit at the end.
+        unit: unit; "" for a dimensionless number.
+        meaning: the meaning in words.
+        make: makes the measure of a flight from its scenario; called once before the flight.
+        most: greatest value; a formula may not compare the signal with a greater number.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    make: Maker
+    most: float = math.inf
+
+
+SIGNALS = Registry[DeclaredSignal]("signal")
+
+
+def signal(name: str, unit: str, meaning: str, *, most: float = math.inf) -> Callable[[Maker], Maker]:
+    """Declare the decorated function (scenario) -> measure as the signal `name`.
+
+    Raises:
+        ValueError: the name is taken.
+    """
+
+    def declare(make: Maker) -> Maker:
+        SIGNALS.declare(name, DeclaredSignal(name, unit, meaning, make, most))
+        return make
+
+    return declare
+
+
+@signal("mass_kg", "kg", "mass of the vehicle, payload included")
+def _mass_kg(scenario: Any) -> Measure:
+    mass_kg: float = scenario.vehicle.mass_kg
+    return lambda _state: mass_kg
+
+
+@signal("takeoff_charge", "", "state of charge of the battery at take-off, 0..1", most=1.0)
+def _takeoff_charge(scenario: Any) -> Measure:
+    charge: float = scenario.sensors.battery.charge
+    return lambda _state: charge
+
+
+SAMPLE_HZ = 20.0
+FAR_M = 100.0
+"""Value of a distance to something absent [m]."""
+CLEARANCE_CAP_M = 1.0
+"""Greatest measured clearance [m]."""
+TOUCH_M = -0.001
+"""Greatest clearance during a contact [m]."""
+
+
+class Side(StrEnum):
+    """Whether a signal is ground truth or a belief of the stack."""
+
+    TRUTH = "truth"
+    PERCEIVED = "perceived"
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One column of the log.  unit: "" for a dimensionless number."""
+
+    name: str
+    unit: str
+    meaning: str
+    side: Side
+
+
+def _signals(side: Side, table: str) -> tuple[Signal, ...]:
+    rows = (line.split("|") for line in table.strip().splitlines())
+    return tuple(Signal(name.strip(), unit.strip(), meaning.strip(), side) for name, unit, meaning in rows)
+
+
+TRUTH = _signals(
+    Side.TRUTH,
+    """
+    elapsed_s          | s   | time since the start
+    remaining_s        | s   | time left until the time limit
+    x_m                | m   | position of the vehicle's centre, world
+    y_m                | m   | position, world
+    z_m                | m   | position, world
+    vx_mps             | m/s | velocity, world
+    vy_mps             | m/s | velocity, world
+    vz_mps             | m/s | velocity, world
+    qx                 |     | attitude quaternion, body to world
+    qy                 |     | attitude quaternion
+    qz                 |     | attitude quaternion
+    qw                 |     | attitude quaternion
+    yaw_rad            | rad | heading, world
+    speed_mps          | m/s | greatest speed since the last sample
+    clearance_m        | m   | least of the clearances below; at most -0.001 after any contact since the last sample
+    person_range_m     | m   | from the vehicle's centre to the nearest person's surface; 100 without one
+    person_sight_m     | m   | the same where a free straight line exists; 100 otherwise
+    waypoints_left     |     | waypoints of the route, home last, not yet passed within 0.5 m in order
+    home_m             | m   | level distance from home
+    landed             |     | 1 from the first excused touch of the ground after take-off
+    light              |     | brightness of visible light, 0..1
+    obstacle_pixels    |     | pixels of obstacles in the range of the depth camera
+    waypoint_wall_m    | m   | hull to wall while within 0.5 m of a waypoint other than home; 100 otherwise
+    """,
+)
+
+TRUTH_NAMES = tuple(signal.name for signal in TRUTH)
+
+
+def clearance_name(surface: str) -> str:
+    """The signal of the clearance to one surface.
+
+    >>> clearance_name("wall")
+    'clearance_wall_m'
+    """
+    return f"clearance_{surface}_m"
+
+
+def truth_signals(surfaces: Iterable[str], declared: Iterable[str] = ()) -> tuple[Signal, ...]:
+    """The signals of the ground truth.
+
+    Args:
+        surfaces: surfaces of the world (`World.surfaces`); each has a clearance.
+        declared: names of the optional signals that the world lists (`World.signals`).
+    """
+    clearances = tuple(
+        Signal(clearance_name(name), "m", f"hull to {name}, at most 1; 1 where it is not there or excused", Side.TRUTH)
+        for name in surfaces
+    )
+    optional = (SIGNALS[name] for name in declared)
+    return TRUTH + clearances + tuple(Signal(one.name, one.unit, one.meaning, Side.TRUTH) for one in optional)
+
+
+def signal_names(surfaces: Iterable[str], beliefs: Iterable[Belief], declared: Iterable[str] = ()) -> tuple[str, ...]:
+    """The signal names of a flight log: ground truth, then beliefs; see `truth_signals` and `belief_signals`."""
+    return tuple(signal.name for signal in (*truth_signals(surfaces, declared), *belief_signals(beliefs)))
+
+
+def belief_signals(beliefs: Iterable[Belief]) -> tuple[Signal, ...]:
+    """The signals of a stack's beliefs."""
+    return tuple(Signal(belief.name, belief.unit, belief.meaning, Side.PERCEIVED) for belief in beliefs)
 
 
 class Ending(StrEnum):

@@ -1,17 +1,21 @@
-"""Triangle meshes: the shapes of the world, and the questions about them."""
+"""Triangle meshes: the shapes of the world, their OBJ files, what is wrong with a surface, what a camera renders."""
 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.document import FILE_BYTES, MIB, Item, UnreadableError, read_text
+from scaloft_fi.errors import InputError, did_you_mean, shown
 
 Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
@@ -204,3 +208,397 @@ def section(triangles: Array, z_m: float) -> list[tuple[tuple[float, float], tup
         places = low[..., :2] + share[..., None] * (high[..., :2] - low[..., :2])
     ends = places[is_cut].reshape(-1, 2, 2).tolist()
     return [((x0, y0), (x1, y1)) for (x0, y0), (x1, y1) in ends]
+
+
+Segments = NDArray[np.int16]
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A pinhole camera that looks along body x.
+
+    Attributes:
+        width, height: size of the picture [pixels].
+        fov_rad: horizontal angle of view [rad].
+        ahead_m: distance of the camera from the vehicle's centre along body x [m].
+    """
+
+    width: int
+    height: int
+    fov_rad: float
+    ahead_m: float
+
+    @property
+    def pitch(self) -> float:
+        """Distance of neighbouring pixels at depth 1 m [m]."""
+        return 2.0 * math.tan(0.5 * self.fov_rad) / self.width
+
+    @property
+    def rays(self) -> Array:
+        """(H, W, 3) point of each pixel's ray at depth 1 m, (1, left, up) [m, body axes at the camera]."""
+        rays = np.ones((self.height, self.width, 3))
+        rays[:, :, 1] = (0.5 * self.width - 0.5 - np.arange(self.width)) * self.pitch
+        rays[:, :, 2] = ((0.5 * self.height - 0.5 - np.arange(self.height)) * self.pitch)[:, None]
+        return rays
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """All triangles of a world.
+
+    Attributes:
+        vertices: (V, 3) [m, world].
+        faces: (F, 3) indices of vertices.
+        owner: (F,) index of the body of each face.
+        names: names of the bodies.
+        reflectivity: (B,) reflectivity of the bodies, 0..1.
+    """
+
+    vertices: Array
+    faces: Faces
+    owner: Segments
+    names: tuple[str, ...]
+    reflectivity: Array
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A rendered picture without sensor errors.
+
+    Attributes:
+        depth: (H, W) depth along the optical axis [m]; inf where no triangle is.
+        segments: (H, W) index of the body in the names of the scene; -1 where no triangle is.
+    """
+
+    depth: Array
+    segments: Segments
+
+
+FARTHEST_M = 1e5
+"""Greatest coordinate of anything in a world [m]; the stack's map and the physics server lose precision beyond."""
+
+_LINE = re.compile(r"^[^\S\n]*([vfog])(?![^\s#])([^\n]*)", re.MULTILINE)
+"""A line that counts; texture coordinates, normals, materials and comments do not."""
+
+
+@dataclass(frozen=True)
+class MeshLimits:
+    """Limits of a mesh.
+
+    Attributes:
+        size_bytes: largest file [bytes].
+        triangles: most triangles, after polygons became fans of triangles.
+        corners: most corners of one polygon.
+    """
+
+    size_bytes: int = 32 * MIB
+    triangles: int = 200_000
+    corners: int = 1_000
+
+    @classmethod
+    def read(cls, item: Item | None) -> MeshLimits:
+        """Read the `mesh_limits` of a mine; what is left out keeps its default.
+
+        Raises:
+            InputError: a limit is not allowed, or a key is unknown.
+        """
+        if item is None:
+            return cls()
+        highest = {"size_bytes": FILE_BYTES, "triangles": 10_000_000, "corners": 1_000_000}
+        given = {name: entry.whole(least=1, most=most) for name, most in highest.items() if (entry := item.get(name))}
+        item.close()
+        return cls(**given)
+
+
+def read_obj(path: Path, place: str, scale: float, limits: MeshLimits | None = None) -> tuple[Mesh, tuple[str, ...]]:
+    """Read the faces of a Wavefront OBJ file; polygons become fans of triangles.
+
+    Args:
+        path: the file.
+        place: `file:line` of the key that names the file, for error messages.
+        scale: metres per unit of the file.
+        limits: limits of the mesh; None = the defaults.
+
+    Returns:
+        The mesh, and for each face the name of its object or group ("" before the first name).
+
+    Raises:
+        InputError: the file cannot be read, is not a mesh, or exceeds a limit.
+    """
+    limits = limits or MeshLimits()
+    try:
+        text = read_text(path, limits.size_bytes).replace("\r\n", "\n").replace("\r", "\n")
+    except UnreadableError as error:
+        hint = f"; {_raised('size_bytes')}" if "larger" in error.reason else ""
+        raise InputError(f"{place}: mesh={shown(str(path))} cannot be read: {error.reason}{hint}") from error
+    vertices: list[tuple[float, ...]] = []
+    faces: list[tuple[int, int, int]] = []
+    names: list[str] = []
+    name = ""
+    for line in _LINE.finditer(text):
+        # One word more than is allowed shows that there are too many; the rest of a long line is not split.
+        word, rest = line[1], line[2].split("#", 1)[0].split(None, max(3, limits.corners))
+        try:
+            if word == "v":
+                x, y, z = (float(value) * scale for value in rest[:3])
+                if not all(abs(value) <= FARTHEST_M for value in (x, y, z)):
+                    raise ValueError
+                vertices.append((x, y, z))
+            elif word == "f":
+                if len(rest) > limits.corners:
+                    raise _exceeded(path, text, line, f"a face must have at most {limits.corners:,} corners", "corners")
+                corners = [_corner(value, len(vertices)) for value in rest]
+                fan = [(corners[0], b, c) for b, c in pairwise(corners[1:])]
+                if not fan:
+                    raise ValueError
+                faces += fan
+                names += [name] * len(fan)
+            else:
+                name = " ".join(rest)
+        except (ValueError, IndexError):
+            allowed = f"a vertex `v x y z` within {FARTHEST_M:,.0f} m, or a face of known vertices"
+            raise InputError(f"{path}:{_number(text, line)}: {shown(line[0].strip())} must be {allowed}") from None
+        if len(faces) > limits.triangles or len(vertices) > 3 * limits.triangles:
+            most = f"the mesh must have at most {limits.triangles:,} triangles, and three vertices for each"
+            raise _exceeded(path, text, line, most, "triangles")
+    if not faces:
+        raise InputError(f"{place}: mesh={shown(str(path))} must have faces (lines `f ...`)")
+    return Mesh(np.array(vertices), np.array(faces, np.int64)), tuple(names)
+
+
+def lines_of_faces(path: Path, limits: MeshLimits) -> NDArray[np.int64]:
+    """(F,) the line of each triangle of a file that `read_obj` can read."""
+    text = read_text(path, limits.size_bytes).replace("\r\n", "\n").replace("\r", "\n")
+    lines: list[int] = []
+    number, counted = 1, 0
+    for line in _LINE.finditer(text):
+        number, counted = number + text.count("\n", counted, line.start(1)), line.start(1)
+        if line[1] == "f":
+            lines += [number] * (len(line[2].split("#", 1)[0].split()) - 2)
+    return np.array(lines, np.int64)
+
+
+def _corner(text: str, count: int) -> int:
+    """Index of the vertex at a corner of a face: OBJ counts from 1, or from the end with negative numbers."""
+    index = int(text.split("/", 1)[0])
+    place = index - 1 if index > 0 else count + index
+    if index == 0 or not 0 <= place < count:
+        raise IndexError
+    return place
+
+
+def _number(text: str, line: re.Match[str]) -> int:
+    return text.count("\n", 0, line.start(1)) + 1
+
+
+def _exceeded(path: Path, text: str, line: re.Match[str], most: str, limit: str) -> InputError:
+    return InputError(f"{path}:{_number(text, line)}: {most}; {_raised(limit)}")
+
+
+def _raised(limit: str) -> str:
+    return f"`mesh_limits: {{{limit}: ...}}` beside `mesh` allows more"
+
+
+WELD_DIGITS = 6
+"""Vertices that agree in this many decimal places [m] are one: many programs write each corner once for each face."""
+LEAST_AREA_M2 = 1e-10
+MOST_PIECES = 200
+"""Closed surfaces that are compared with the outer one."""
+MOST_FACES = 64
+"""Faces of such a surface that are looked at, spread over it."""
+MOST_BEYOND = 0.25
+"""Share of its area that may lie beyond the outer one."""
+_TURN = "turn them around, as `recalculate normals` of a 3D program does"
+
+
+@dataclass(frozen=True)
+class Flaw:
+    """A flaw of a mesh.
+
+    Attributes:
+        place: `file:line` of the first face that has it.
+        sentence: what is wrong.
+        remedy: what to do about it.
+        grave: whether open space cannot be told from rock with it; otherwise it may be harmless.
+    """
+
+    place: str
+    sentence: str
+    remedy: str
+    grave: bool
+
+    def __str__(self) -> str:
+        return f"{self.place}: {self.sentence}; {self.remedy}"
+
+
+def flaws_of(mine: Item) -> tuple[Flaw, ...]:
+    """The flaws of the mesh that the `mine` of a world names; none of an extruded mine.
+
+    Raises:
+        InputError: the mesh cannot be read.
+    """
+    mesh_item, scale_item = mine.get("mesh"), mine.get("scale_m")
+    if mesh_item is None:
+        return ()
+    path, limits = mine.path.parent / mesh_item.text(), MeshLimits.read(mine.get("mesh_limits"))
+    mesh, _ = read_obj(path, mesh_item.place, scale_item.number(above=0.0) if scale_item else 1.0, limits)
+    return tuple(surface_flaws(mesh.triangles, lines_of_faces(path, limits), path))
+
+
+def surface_flaws(triangles: Array, lines: Faces, path: Path) -> Iterator[Flaw]:
+    """The flaws of a surface.
+
+    Args:
+        triangles: (F, 3, 3) corners [m].
+        lines: (F,) line of each triangle in the file.
+        path: the file.
+    """
+    sides = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    empty = 0.5 * np.linalg.norm(sides, axis=1) <= LEAST_AREA_M2
+    if empty.any():
+        yield Flaw(
+            f"{path}:{lines[empty][0]}",
+            f"{_faces(empty)} without area, the first at this line",
+            "remove them, or merge the vertices that stand at one place",
+            grave=False,
+        )
+    triangles, lines = triangles[~empty], lines[~empty]
+    if len(triangles):
+        yield from _closed_flaws(triangles, lines, path)
+
+
+def _closed_flaws(triangles: Array, lines: Faces, path: Path) -> Iterator[Flaw]:
+    surface = _Surface.of(triangles)
+    if surface.one_sided.any():
+        where = f"{path}:{lines[surface.one_sided][0]}"
+        yield Flaw(
+            where, "the surface of this face has one side only", "separate the faces that cross there", grave=True
+        )
+    if surface.turned.any():
+        first = int(np.flatnonzero(surface.turned)[0])
+        beside = surface.upright_neighbour(first)
+        sentence = (
+            f"{_faces(surface.turned)} wound the other way than their neighbours, the first at this line, beside the"
+            f" face at line {lines[beside]}"
+        )
+        yield Flaw(f"{path}:{lines[first]}", sentence, _TURN, grave=True)
+    yield from _swollen(triangles, lines, path, surface)
+    if len(surface.open_edges):
+        face, corner = surface.open_edges[0]
+        start, end = triangles[face, corner], triangles[face, (corner + 1) % 3]
+        sentence = (
+            f"the surface has holes: {len(surface.open_edges)} edges have no second face, the first is"
+            f" {_point(start)} to {_point(end)} of the face at this line"
+        )
+        yield Flaw(
+            f"{path}:{lines[face]}", sentence, "close it, and merge the vertices that stand at one place", grave=False
+        )
+
+
+def _swollen(triangles: Array, lines: Faces, path: Path, surface: _Surface) -> Iterator[Flaw]:
+    """Closed surfaces, such as pillars, within another one and wound like it: the space within them counts as open."""
+    upright = np.where(surface.turned[:, None, None], triangles[:, ::-1], triangles)
+    volumes = np.einsum("ij,ij->i", upright[:, 0], np.cross(upright[:, 1], upright[:, 2])) / 6.0
+    by_piece = np.bincount(surface.piece, weights=volumes, minlength=surface.pieces)
+    shell = int(np.abs(by_piece).argmax())
+    alike = by_piece * by_piece[shell] > 0.0
+    alike[[shell, *surface.open_pieces]] = False
+    for piece in np.flatnonzero(alike)[:MOST_PIECES]:
+        own = surface.piece == piece
+        if _lies_within(upright[own], upright[surface.piece == shell]):
+            sentence = f"this closed surface of {int(own.sum())} faces lies within another and is wound like it"
+            yield Flaw(f"{path}:{lines[own][0]}", f"{sentence}, so the space in it counts as open", _TURN, grave=True)
+
+
+def _lies_within(piece: Array, shell: Array) -> bool:
+    """Whether a surface lies within a shell but for faces on the shell or a little beyond: a pillar on the floor.
+
+    A room that is joined to another one by letting the two overlap lies beyond it with most of its surface.
+    """
+    looked_at = piece[:: -(-len(piece) // MOST_FACES)]
+    depths = np.abs([winding(shell, face.mean(axis=0)) for face in looked_at])
+    areas = np.linalg.norm(np.cross(looked_at[:, 1] - looked_at[:, 0], looked_at[:, 2] - looked_at[:, 0]), axis=1)
+    return bool(depths.max() > 0.75 and areas[depths < 0.25].sum() <= MOST_BEYOND * areas.sum())
+
+
+@dataclass(frozen=True)
+class _Surface:
+    """How the faces of a surface hang together.
+
+    Attributes:
+        piece: (F,) number of the piece of each face; faces that share an edge with one other are of one piece.
+        pieces: number of pieces.
+        turned: (F,) whether the face is wound the other way than most of its piece.
+        one_sided: (F,) whether the piece of the face has one side only.
+        open_edges: (E, 2) face, and place of the first corner of the edge, of edges with an odd number of faces.
+        pairs: (P, 2) faces that share an edge with each other alone.
+    """
+
+    piece: Faces
+    pieces: int
+    turned: NDArray[np.bool_]
+    one_sided: NDArray[np.bool_]
+    open_edges: Faces
+    pairs: Faces
+
+    @classmethod
+    def of(cls, triangles: Array) -> _Surface:
+        """The surface of (F, 3, 3) triangles."""
+        from scipy.sparse import coo_array
+        from scipy.sparse.csgraph import connected_components
+
+        count = len(triangles)
+        corners = np.unique(np.round(triangles.reshape(-1, 3), WELD_DIGITS), axis=0, return_inverse=True)[1]
+        faces = corners.reshape(-1, 3).astype(np.int64)
+        starts, ends = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+        low, high = np.minimum(starts, ends), np.maximum(starts, ends)
+        _, edge, uses = np.unique(low * (corners.max() + 1) + high, return_inverse=True, return_counts=True)
+        edge = edge.reshape(-1)
+        order = np.argsort(edge, kind="stable")
+        twice = order[uses[edge[order]] == 2].reshape(-1, 2)
+        pairs = twice // 3
+        alike = starts[twice[:, 0]] != starts[twice[:, 1]]  # the neighbour runs along the edge the other way
+        one, other = pairs[:, 0], pairs[:, 1]
+        # each face stands twice, as it is and turned around: what hangs together with a face as it is has its winding
+        rows, columns = (
+            np.concatenate([one, one + count]),
+            np.concatenate([np.where(alike, other, other + count), np.where(alike, other + count, other)]),
+        )
+        graph: Any = coo_array((np.ones(len(rows), np.int8), (rows, columns)), shape=(2 * count, 2 * count))
+        label = connected_components(graph, directed=False)[1]
+        as_is, around = label[:count], label[count:]
+        piece = np.unique(np.minimum(as_is, around), return_inverse=True)[1].reshape(-1)
+        pieces = int(piece.max()) + 1
+        side = as_is > around
+        most = np.bincount(piece, weights=np.where(side, 1.0, -1.0), minlength=pieces) > 0.0
+        odd = np.flatnonzero(uses[edge] % 2 == 1)
+        return cls(
+            piece=piece,
+            pieces=pieces,
+            turned=(side != most[piece]) & (as_is != around),
+            one_sided=as_is == around,
+            open_edges=np.stack([odd // 3, odd % 3], axis=1),
+            pairs=pairs,
+        )
+
+    @property
+    def open_pieces(self) -> frozenset[int]:
+        """The pieces with an open edge."""
+        return frozenset(self.piece[self.open_edges[:, 0]].tolist())
+
+    def upright_neighbour(self, face: int) -> int:
+        """A face that is not turned beside a turned one, or the nearest such face of the piece in the file."""
+        near = self.pairs[(self.pairs == face).any(axis=1)].ravel()
+        upright = near[~self.turned[near]]
+        if not len(upright):
+            upright = np.flatnonzero(~self.turned & (self.piece == self.piece[face]))
+        return int(upright[np.abs(upright - face).argmin()])
+
+
+def _faces(which: NDArray[np.bool_]) -> str:
+    count = int(which.sum())
+    return f"{count} of {len(which)} faces {'is' if count == 1 else 'are'}"
+
+
+def _point(place: Array) -> str:
+    return "(" + ", ".join(f"{number:.3g}" for number in place) + ")"

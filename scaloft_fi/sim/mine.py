@@ -14,8 +14,18 @@ import numpy as np
 
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.mesh import Array, Faces, Mesh, heights_at, join, section, split_floor
-from scaloft_fi.sim.obj import FARTHEST_M, MeshLimits, read_obj
+from scaloft_fi.sim.mesh import (
+    FARTHEST_M,
+    Array,
+    Faces,
+    Mesh,
+    MeshLimits,
+    heights_at,
+    join,
+    read_obj,
+    section,
+    split_floor,
+)
 from scaloft_fi.streams import generator
 
 SLAB_M = 0.5

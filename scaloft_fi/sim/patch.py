@@ -1,4 +1,4 @@
-"""Replace single values of YAML documents by dotted path; the new value keeps its own place."""
+"""Replace single values of YAML documents by dotted path, or add entries; a new value keeps its own place."""
 
 from __future__ import annotations
 
@@ -84,3 +84,30 @@ def leaves(item: Item, path: str = "") -> Iterator[tuple[str, Item]]:
             yield from leaves(entry, f"{path}.{number}" if path else str(number))
     else:
         yield path, item
+
+
+def added(documents: Mapping[str, Item], additions: Item) -> dict[str, Item]:
+    """The documents with the entries of `additions`, a mapping of `patch.PARTS` to entries; each keeps its own place.
+
+    Raises:
+        InputError: an entry belongs to another document, or exists already.
+    """
+    new = dict(documents)
+    for name, entries in additions.mapping().items():
+        if name not in PARTS:
+            raise InputError(f"{entries.place}: no document {name!r} to add to{did_you_mean(name, PARTS)}")
+        new[name] = _joined(new[name], entries, name)
+    return new
+
+
+def _joined(item: Item, more: Item, path: str) -> Item:
+    entries = dict(item.mapping())
+    for key, entry in more.mapping().items():
+        inner = f"{path}.{key}"
+        if key not in entries:
+            entries[key] = entry
+        elif isinstance(entries[key].value, dict) and isinstance(entry.value, dict):
+            entries[key] = _joined(entries[key], entry, inner)
+        else:
+            raise InputError(f"{entry.place}: {inner} exists already; an axis changes it with `set`")
+    return Item(item.path, item.line, item.name, entries)

@@ -11,11 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from scaloft_fi.sim.mine import WallPoint
-from scaloft_fi.sim.roles import ROLES
 from scaloft_fi.sim.sensors import SensorsConfig
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.sim.vehicle import Vehicle
-from scaloft_fi.sim.world import Point, World
+from scaloft_fi.sim.world import ROLES, Point, World
 
 TIME_LIMIT_S, TIME_LIMIT_FACTOR = 20.0, 1.5
 """A flight may last 20 s + 1.5 x the nominal mission time (definition of OP1)."""
@@ -110,7 +109,9 @@ class Scenario:
     @cached_property
     def sighting_s(self) -> float | None:
         """Time at which the nominal flight first has a person in view [s]; None if it never has."""
-        from scaloft_fi.sim.raster import look  # starts the compiler, which verbs that only read results do not need
+        from scaloft_fi.sim.sensors.camera import (
+            look,  # starts the compiler, which verbs that only read results do not need
+        )
 
         around = self.world.surroundings()
         scene, persons = around.scene, [around.scene.names.index(name) for name in self.persons]

@@ -1,26 +1,68 @@
-"""The world of a flight: mine, bodies, waypoints, mission and light, read from `world.yaml` into frozen data."""
+"""The world of a flight: mine, bodies with their roles, waypoints, mission and light, read from `world.yaml`.
+
+A plugin declares a role in a module that its entry point in the group `scaloft_fi.plugins` names:
+
+    ROLES.declare("dog", Role("an animal that may stand in the way", label="dog", fill="#d6d3d1"))
+
+A body in a study's `world.yaml` gets the role with `role: dog`.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.registry import Registry
 from scaloft_fi.sim import mesh
 from scaloft_fi.sim.happenings import Happening, Read, Surroundings, check_happenings, read_happenings
-from scaloft_fi.sim.measures import SIGNALS
-from scaloft_fi.sim.mesh import Mesh
+from scaloft_fi.sim.log import SIGNALS, truth_signals
+from scaloft_fi.sim.mesh import FARTHEST_M, Mesh, Scene
 from scaloft_fi.sim.mine import Mine, read_mine
-from scaloft_fi.sim.obj import FARTHEST_M
-from scaloft_fi.sim.optics import Scene
-from scaloft_fi.sim.placement import misplaced
-from scaloft_fi.sim.roles import ROLES, Role
-from scaloft_fi.sim.signals import truth_signals
+
+
+@dataclass(frozen=True)
+class Role:
+    """A role of bodies.
+
+    Attributes:
+        meaning: the role in a few words.
+        label: class label of the detector's boxes for such a body; "" if the detector ignores it.
+        is_person: whether `person_range_m` and `person_sight_m` measure the distance to the body, and whether the
+            nominal flight uses the slow speed if such a body is present.
+        is_obstacle: whether `obstacle_pixels` counts the pixels of the body.
+        fill, stroke: colours of the body on a map.
+        stroke_px: width of the body's outline on a map [px].
+    """
+
+    meaning: str
+    label: str = ""
+    is_person: bool = False
+    is_obstacle: bool = False
+    fill: str = "#a8a29e"
+    stroke: str = "#44403c"
+    stroke_px: float = 1.4
+
+    @property
+    def seen_as(self) -> tuple[str, bool, bool]:
+        """The part that can change a flight: how detector and observer treat the body."""
+        return self.label, self.is_person, self.is_obstacle
+
+
+ROLES = Registry[Role]("role of a body")
+ROLES.declare("obstacle", Role("stands on the path", is_obstacle=True))
+ROLES.declare(
+    "person",
+    Role("a person, whom SR2 protects", label="person", is_person=True, fill="#fdba74", stroke="#9a3412"),
+)
+ROLES.declare("structure", Role("part of the mine's fittings", fill="#111827", stroke="#111827", stroke_px=3.0))
+
 
 WALL, GROUND = "wall", "ground"
 
@@ -342,3 +384,68 @@ def read_mission(item: Item, waypoints: Collection[str]) -> MissionPlan:
     )
     item.close()
     return mission
+
+
+ON_FLOOR_M = 0.05
+"""Approximate height of a standing vehicle's centre [m]."""
+_ROCK = "the open space of the mine, not in the wall or outside"
+
+
+def misplaced(world: Any, item: Item) -> Iterator[InputError]:
+    """An error for a home whose floor is not at height 0, and for each waypoint that is not in open space.
+
+    Args:
+        world: the `sim.world.World`.
+        item: the document that it was read from.
+    """
+    mission = item.need("mission")
+    home = mission.need("home")
+    places = {"home": home, **item.need("waypoints").mapping()}
+    if not abs(world.floor_m) < 0.1:  # where the stack takes off
+        actual = "there is none" if math.isnan(world.floor_m) else f"it is at z={world.floor_m:.2f} m"
+        sentence = f"home={list(world.mission.home)!r} must have the floor at z=0, but {actual}"
+        yield InputError(f"{home.place}: {sentence}; the mine reaches from {world.mine.extents_text} m{_scaled(world)}")
+        del places["home"]
+    flaws = cache(lambda: _mesh_flaws(item))
+    for name, place in places.items():
+        why = _obstructed(world, name)
+        if why == _ROCK:
+            why += _beyond(world, name) or flaws()
+        if why:
+            yield InputError(f"{place.place}: {name}={list(world.waypoints[name][:2])!r} must be in {why}")
+
+
+def _obstructed(world: Any, name: str) -> str:
+    """Why a waypoint is not in open space at its altitude, home and the last one also just above the floor, or ""."""
+    x, y, z_m = world.waypoints[name]
+    floor_m = world.mine.floor_m(x, y)
+    lands = name in ("home", world.mission.route[-1]) and math.isfinite(floor_m)
+    for point in ((x, y, z) for z in [z_m] + [floor_m + ON_FLOOR_M] * lands):
+        if not world.mine.holds(point):
+            return _ROCK
+        for body in world.present:
+            if body.mesh.encloses(point):
+                return f"open space, not inside {body.name!r}"
+    return ""
+
+
+def _beyond(world: Any, name: str) -> str:
+    """How far the mine reaches, where the waypoint is outside the box around it; else ""."""
+    low, high = world.mine.extents
+    point = world.waypoints[name]
+    if all(least <= value <= most for least, value, most in zip(low, point, high, strict=True)):
+        return ""
+    return f"; the mine reaches from {world.mine.extents_text} m{_scaled(world)}"
+
+
+def _scaled(world: Any) -> str:
+    """What a mesh of another program often lacks; "" for an extruded mine."""
+    return "" if world.mine.footprint else ": z must be up, and `scale_m` is metres per unit of the file"
+
+
+def _mesh_flaws(item: Item) -> str:
+    """What is wrong with the mesh of the mine, for which open space may pass for rock; "" for a sound one."""
+    from scaloft_fi.sim.mesh import flaws_of  # brings scipy
+
+    flaws = sorted(flaws_of(item.need("mine")), key=lambda flaw: not flaw.grave)
+    return f"; the mesh may be the cause: {flaws[0]}" if flaws else ""

@@ -21,7 +21,7 @@ from scaloft_fi.campaign.runs.looks import Look
 from scaloft_fi.console import joined
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.rulings import Rulings
+from scaloft_fi.judge.status import Rulings
 from scaloft_fi.study import Study
 from scaloft_fi.views.outputs.answer import Answer
 from scaloft_fi.views.outputs.output import Output

@@ -20,7 +20,7 @@ from scaloft_fi.campaign.store.platforms import Platforms, warning_for
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.store.tracks import with_tracks
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.rulings import Rulings, rulings_of
+from scaloft_fi.judge.status import Rulings, rulings_of
 from scaloft_fi.study import Study
 from scaloft_fi.views.again import stale_of
 from scaloft_fi.views.stale import Stale

@@ -18,8 +18,8 @@ from reference import RECORD, REFERENCE
 from scaloft_fi.campaign.store.archive import OUTCOMES
 from scaloft_fi.campaign.store.folder import MANIFEST
 from scaloft_fi.errors import InputError
-from scaloft_fi.judge.track import TRACK_COLUMNS, pack_track
-from scaloft_fi.sim.signals import FAR_M
+from scaloft_fi.judge.outcome import TRACK_COLUMNS, pack_track
+from scaloft_fi.sim.log import FAR_M
 from scaloft_fi.study import Study
 from scaloft_fi.views.exchange.archive import outcome_file
 from scaloft_fi.views.snapshot import snapshot

@@ -10,8 +10,7 @@ from published_flights import ROOT, outcomes
 from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.analysis.situations.coverage import coverage
 from scaloft_fi.judge.outcome import BASELINE, Outcome
-from scaloft_fi.sim.known_finds import NO_FINDS
-from scaloft_fi.study import Study
+from scaloft_fi.study import NO_FINDS, Study
 from scaloft_fi.views.score.first_screen import first_screen, screen_text
 
 MUTANT, CONTROL = "LATE-human@3s", ("REVERSE-velcmd", "T0O0W0D0H0")

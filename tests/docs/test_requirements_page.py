@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.judge.caps import within_caps
+from scaloft_fi.judge.bounds import within_caps
 from scaloft_fi.judge.requirement import Compliance, Requirement, judge_signals, load_requirements
 from scaloft_fi.judge.stl import Formula
 from scaloft_fi.study import Study

@@ -6,8 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.judge.bounds import Spans, bounds_of, constants, verdict
-from scaloft_fi.judge.ranges import ANY, Ranges
+from scaloft_fi.judge.bounds import ANY, Ranges, Spans, bounds_of, constants, verdict
 from scaloft_fi.judge.stl import Formula
 
 RANGES: Ranges = {

@@ -4,11 +4,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.judge.caps import SIGHT_M, cap_of, check_caps, comparisons
+from scaloft_fi.judge.bounds import SIGHT_M, cap_of, check_caps, comparisons
 from scaloft_fi.judge.stl import Formula, FormulaError, tokenize
 from scaloft_fi.judge.stl.parse import parse
 from scaloft_fi.sim import observer
-from scaloft_fi.sim.signals import signal_names
+from scaloft_fi.sim.log import signal_names
 from scaloft_fi.stack.reference.messages import BELIEFS
 from scaloft_fi.stack.reference.stack import REFERENCE
 

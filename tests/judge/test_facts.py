@@ -7,9 +7,8 @@ import pytest
 from builders import campaigns, outcome
 from hypothesis import given
 
-from scaloft_fi.judge.facts import Facts, agreement, facts_of, parting_s
-from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.track import TRACK_COLUMNS, pack_track
+from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, pack_track
+from scaloft_fi.judge.status import Facts, agreement, facts_of, parting_s
 
 M = "LATE-human@3s"
 NAME = f"{M}/T0O0W0D0H0/0"

@@ -3,9 +3,8 @@ from __future__ import annotations
 from builders import campaigns, outcome
 from hypothesis import given
 
-from scaloft_fi.judge.flights import flight_of, flights_of
 from scaloft_fi.judge.outcome import BASELINE, Outcome
-from scaloft_fi.judge.status import Status
+from scaloft_fi.judge.status import Status, flight_of, flights_of
 
 M = "LATE-human@3s"
 

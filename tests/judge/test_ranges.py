@@ -4,12 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.judge.caps import cap_of
-from scaloft_fi.judge.ranges import ANY, TRUTH, ranges_of, within_rock, without
+from scaloft_fi.judge.bounds import ANY, TRUTH, cap_of, ranges_of, within_rock, without
 from scaloft_fi.sim.grids import load_grid
 from scaloft_fi.sim.happenings import HAPPENINGS
-from scaloft_fi.sim.measures import SIGNALS
-from scaloft_fi.sim.signals import TRUTH_NAMES, clearance_name
+from scaloft_fi.sim.log import SIGNALS, TRUTH_NAMES, clearance_name
 from scaloft_fi.stack.reference.messages import BELIEFS
 
 WORLD = load_grid(Path(__file__).parents[2] / "sim").world()

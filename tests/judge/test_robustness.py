@@ -17,8 +17,7 @@ from scaloft_fi.analysis.scoring.baseline import tallies
 from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.requirement import Compliance, Kind, Reading
-from scaloft_fi.judge.robustness import measured_rho
+from scaloft_fi.judge.requirement import Compliance, Kind, Reading, measured_rho
 from scaloft_fi.stack.reference.stack import REFERENCE
 from scaloft_fi.views.exchange.parquet import parquet
 from scaloft_fi.views.flights.export import columns, export_rows, to_csv, to_json

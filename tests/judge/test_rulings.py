@@ -6,10 +6,8 @@ from builders import campaigns, outcome, seeded
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.judge.flights import flights_of
 from scaloft_fi.judge.outcome import BASELINE, Outcome
-from scaloft_fi.judge.rulings import rulings_of
-from scaloft_fi.judge.status import Status
+from scaloft_fi.judge.status import Status, flights_of, rulings_of
 
 M = "LATE-human@3s"
 

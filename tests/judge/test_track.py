@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.judge.track import TRACK_COLUMNS, pack_track, track_values, unpack_track
+from scaloft_fi.judge.outcome import TRACK_COLUMNS, pack_track, track_values, unpack_track
 
 
 @given(st.integers(1, 50))

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from scaloft_fi.errors import InputError
+from scaloft_fi.outside.border import Motion
 from scaloft_fi.outside.command import Text, load_command
-from scaloft_fi.outside.ports import Motion
 from scaloft_fi.stack.reference.stack import REFERENCE
 
 GOOD = {

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from scaloft_fi.outside.border import BorderError
-from scaloft_fi.outside.command_run import CommandError, Told, run_command, told
+from scaloft_fi.outside.command import CommandError, Told, run_command, told
 
 
 def _run(tmp_path: Path, program: str, limit_s: float = 20.0) -> Told:

@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from scaloft_fi.outside.border import BorderError, Topic
+from scaloft_fi.outside.border import BorderError, Land, Motion, Topic
 from scaloft_fi.outside.client import VARIABLE, Connection, connect
 from scaloft_fi.outside.lines import LONGEST_LINE, MOST_PROCESSES, LinesBorder
-from scaloft_fi.outside.ports import Land, Motion
 from scaloft_fi.stack.messages import Bumper
 
 TOPICS = (Topic("touch", "/touch", Bumper, outward=True), Topic("drive", "/cmd_vel", Motion, outward=False))

@@ -9,10 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from scaloft_fi.outside.paths import given as mapped_out
-from scaloft_fi.outside.paths import taken
-from scaloft_fi.outside.plain import MisfitError, from_plain, to_plain
-from scaloft_fi.outside.ports import PORTS, CameraInfo, Goal, Land, Motion
+from scaloft_fi.outside.border import PORTS, CameraInfo, Goal, Land, MisfitError, Motion, from_plain, taken, to_plain
+from scaloft_fi.outside.border import given as mapped_out
 from scaloft_fi.stack.messages import Battery, Bumper, DepthFrame, Detections, Imu, Person
 from scaloft_fi.stack.reference.messages import PoseEstimate, SpeedLimit
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from scaloft_fi.outside.border import BorderError
-from scaloft_fi.outside.processes import Command, Processes
+from scaloft_fi.outside.exchange import Command, Processes
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks through /proc")
 
@@ -34,7 +34,7 @@ FLYING = """
 import sys, time
 from pathlib import Path
 from scaloft_fi.outside.border import BorderError
-from scaloft_fi.outside.processes import Command, Processes
+from scaloft_fi.outside.exchange import Command, Processes
 folder = Path(sys.argv[1])
 with_guard = Processes([Command(("{python}", "-c", sys.argv[2]))], folder, {"MARK": sys.argv[3]}, folder)
 with_guard.start()

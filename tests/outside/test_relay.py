@@ -12,9 +12,7 @@ from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.operator import Facts
 from scaloft_fi.mutants.wire import TappedWire, contexts, wire_for
 from scaloft_fi.outside.border import BorderError
-from scaloft_fi.outside.command import ClockTopic, Relay, load_command
-from scaloft_fi.outside.command_run import Told, run_command
-from scaloft_fi.outside.relay import Relays
+from scaloft_fi.outside.command import ClockTopic, Relay, Relays, Told, load_command, run_command
 from scaloft_fi.stack.declaration import Declaration, PlainWire, Wire
 from scaloft_fi.stack.reference.stack import REFERENCE
 

@@ -12,9 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.outside.border import BorderError, Topic
+from scaloft_fi.outside.border import BorderError, Goal, Land, Topic
 from scaloft_fi.outside.guard import descendants
-from scaloft_fi.outside.ports import Goal, Land
 from scaloft_fi.outside.ros1 import Ros1Border, python, unimportable
 from scaloft_fi.stack.messages import Bumper
 

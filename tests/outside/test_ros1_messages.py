@@ -14,12 +14,9 @@ import pytest
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.outside import ros1_bridge as bridge
-from scaloft_fi.outside.border import Topic
-from scaloft_fi.outside.plain import MisfitError
-from scaloft_fi.outside.ports import CameraInfo, Goal, Land
+from scaloft_fi.outside.border import CameraInfo, Goal, Land, MisfitError, Topic
 from scaloft_fi.outside.ros1 import PYTHON, Ros1Border, held_port, sample_in
-from scaloft_fi.outside.ros1_messages import LAYOUTS_1, bounding_boxes, camera_info_1, contacts_state
-from scaloft_fi.outside.ros_messages import layout_of
+from scaloft_fi.outside.ros_messages import LAYOUTS_1, bounding_boxes, camera_info_1, contacts_state, layout_of
 from scaloft_fi.stack.messages import Bumper, Detections, Person
 from scaloft_fi.stack.reference.messages import SpeedLimit
 

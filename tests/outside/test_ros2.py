@@ -13,10 +13,8 @@ from effort import usually
 from ros2_wheels import python_with_ros2
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.outside.border import Topic
-from scaloft_fi.outside.domains import DOMAINS, take_domain
-from scaloft_fi.outside.ports import Motion
-from scaloft_fi.outside.ros2 import Ros2Border
+from scaloft_fi.outside.border import Motion, Topic
+from scaloft_fi.outside.ros2 import DOMAINS, Ros2Border, take_domain
 from scaloft_fi.study import Study
 
 ROOT = Path(__file__).parents[2]

@@ -6,7 +6,7 @@ import pytest
 
 from scaloft_fi.document import Item, load
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.addition import added
+from scaloft_fi.sim.patch import added
 
 
 @pytest.fixture

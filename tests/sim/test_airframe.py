@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from scaloft_fi.sim.airframe import Airframe
 from scaloft_fi.sim.build import GRAVITY_MPS2, build
+from scaloft_fi.sim.vehicle import Airframe
 from scaloft_fi.stack.declaration import STEP_S
 
 pytestmark = pytest.mark.flight

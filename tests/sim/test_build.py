@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from scaloft_fi.sim import mesh
-from scaloft_fi.sim.airframe import Airframe, spawn
-from scaloft_fi.sim.build import build, connect
+from scaloft_fi.sim.build import blocked, build, connect
 from scaloft_fi.sim.contact import contacts
-from scaloft_fi.sim.geometry import blocked
+from scaloft_fi.sim.vehicle import Airframe, spawn
 
 pytestmark = pytest.mark.flight
 

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.sim.airframe import spawn
 from scaloft_fi.sim.build import build, connect
-from scaloft_fi.sim.clearance import Clearances, moved_m
+from scaloft_fi.sim.contact import Clearances, moved_m
 from scaloft_fi.sim.load import load
+from scaloft_fi.sim.vehicle import spawn
 from tests.sim.conftest import SIM
 
 pytestmark = pytest.mark.flight

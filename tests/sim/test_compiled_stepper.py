@@ -12,11 +12,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaloft_fi.sim import flight as flight_module
-from scaloft_fi.sim.airframe import Airframe
-from scaloft_fi.sim.compiled_stepper import CompiledStepper
 from scaloft_fi.sim.flight import FlightLoop, fly, physics_server
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.log import Ending
+from scaloft_fi.sim.stepper import CompiledStepper
+from scaloft_fi.sim.vehicle import Airframe
 from scaloft_fi.stack.declaration import STEPS_PER_TICK, PlainWire
 from scaloft_fi.stack.messages import Imu
 from scaloft_fi.stack.reference.flight_control import InnerLoop
@@ -128,7 +128,7 @@ def test_what_was_lost_while_somebody_listened_is_the_same_afterwards(lost_s):
 CACHED = """
 import numpy as np
 from pathlib import Path
-from scaloft_fi.sim.compiled_stepper import loop_with
+from scaloft_fi.sim.stepper import loop_with
 from scaloft_fi.stack.kernel import jit
 
 @jit

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from scaloft_fi.sim.airframe import Airframe
 from scaloft_fi.sim.build import build
 from scaloft_fi.sim.contact import Feeler, contacts
 from scaloft_fi.sim.observer import Observer
+from scaloft_fi.sim.vehicle import Airframe
 
 pytestmark = pytest.mark.flight
 

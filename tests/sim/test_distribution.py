@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from scaloft_fi.sim.distribution import Distribution, Shape
+from scaloft_fi.sim.situation import Distribution, Shape
 
 
 def of_scipy(own: Distribution) -> object:

@@ -6,12 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.sim import agreement, flight
-from scaloft_fi.sim.agreement import BLOCK
-from scaloft_fi.sim.airframe import KEPT_RATES, Airframe
+from scaloft_fi.sim import flight, stepper
 from scaloft_fi.sim.build import VEHICLE_GROUP, WORLD_GROUP, connect, set_up
 from scaloft_fi.sim.flight import fly
-from scaloft_fi.sim.free_flight import attitude_of, free_step
+from scaloft_fi.sim.stepper import BLOCK
+from scaloft_fi.sim.vehicle import KEPT_RATES, Airframe, attitude_of, free_step
 from scaloft_fi.stack.declaration import PlainWire
 from tests.sim.test_compiled_stepper import reference
 
@@ -96,7 +95,7 @@ def test_the_hidden_attitude_is_known_through_touches_too(client):
 
 
 def test_it_agrees_with_the_server_here():
-    assert agreement.agrees()
+    assert stepper.agrees()
 
 
 def test_another_arithmetic_is_noticed(monkeypatch):
@@ -104,8 +103,8 @@ def test_another_arithmetic_is_noticed(monkeypatch):
         free_step(state, turned, pushed, inertia)
         state[0] = np.nextafter(state[0], np.inf)
 
-    monkeypatch.setattr(agreement, "free_step", rounded)
-    assert not agreement.agrees.__wrapped__()
+    monkeypatch.setattr(stepper, "free_step", rounded)
+    assert not stepper.agrees.__wrapped__()
 
 
 def test_without_agreement_a_flight_is_the_servers_and_the_same(monkeypatch):

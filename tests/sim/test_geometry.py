@@ -7,7 +7,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from scaloft_fi.sim import mesh
-from scaloft_fi.sim.geometry import blocked, nearest, outside
+from scaloft_fi.sim.build import blocked, nearest, outside
 
 points = st.tuples(*[st.floats(-2, 2)] * 3).map(np.array)
 FORM = mesh.join([mesh.box((0.5, 0.6, 0.7)), mesh.capsule(0.2, 1.0).moved((0.9, 0.2, 0.1))])

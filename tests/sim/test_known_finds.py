@@ -11,8 +11,7 @@ from finding import BAR, found
 from scaloft_fi.campaign.runs.seeking.finds import break_saver, saver
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.found import Find
-from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds, known_finds
-from scaloft_fi.study import Study
+from scaloft_fi.study import NO_FINDS, KnownFinds, Study, known_finds
 
 MATRIX = Study.open(Path(__file__).parents[2]).matrix
 LATE, MORE, NO = "LATE-depth@0.4s", "MORE-goal@0.6m", "NO-depth@3s"

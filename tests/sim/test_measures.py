@@ -9,9 +9,7 @@ import pytest
 
 from scaloft_fi.document import load
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.log import FlightLog
-from scaloft_fi.sim.measures import SIGNALS, signal
-from scaloft_fi.sim.signals import signal_names, truth_signals
+from scaloft_fi.sim.log import SIGNALS, FlightLog, signal, signal_names, truth_signals
 from scaloft_fi.sim.world import read_world
 from scaloft_fi.study import Study
 from tests.sim.conftest import SIM

@@ -5,9 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from scaloft_fi.sim.mesh import Array, box, cylinder
-from scaloft_fi.sim.mesh_flaws import Flaw, surface_flaws
-from scaloft_fi.sim.obj import MeshLimits, lines_of_faces, read_obj
+from scaloft_fi.sim.mesh import Array, Flaw, MeshLimits, box, cylinder, lines_of_faces, read_obj, surface_flaws
 
 FILE = Path("room.obj")
 ROOM = box((4.0, 6.0, 3.0)).triangles

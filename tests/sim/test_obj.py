@@ -7,7 +7,7 @@ import pytest
 
 from scaloft_fi.document import load
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.obj import MeshLimits, read_obj
+from scaloft_fi.sim.mesh import MeshLimits, read_obj
 
 
 def test_an_obj_file_is_read_with_quads_negative_indices_and_objects(tmp_path):

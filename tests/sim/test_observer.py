@@ -5,12 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from scaloft_fi.sim.airframe import spawn
 from scaloft_fi.sim.build import build
 from scaloft_fi.sim.contact import Contact
 from scaloft_fi.sim.observer import Observer
-from scaloft_fi.sim.raster import look
-from scaloft_fi.sim.vehicle import STATE_SIZE
+from scaloft_fi.sim.sensors.camera import look
+from scaloft_fi.sim.vehicle import STATE_SIZE, spawn
 
 pytestmark = pytest.mark.flight
 

@@ -10,7 +10,7 @@ from ranges import CRUISE, with_range
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.load import load
-from scaloft_fi.sim.range import Range, cut, number_text, read_range
+from scaloft_fi.sim.situation import Range, cut, number_text, read_range
 
 
 def item_of(**values: object) -> Item:

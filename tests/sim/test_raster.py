@@ -8,8 +8,8 @@ import pytest
 
 from scaloft_fi.sim import mesh
 from scaloft_fi.sim.build import build
-from scaloft_fi.sim.optics import Camera, Scene
-from scaloft_fi.sim.raster import draw, look, pixels_of
+from scaloft_fi.sim.mesh import Camera, Scene
+from scaloft_fi.sim.sensors.camera import draw, look, pixels_of
 
 CAMERA = Camera(64, 48, math.radians(59), 0.1)
 UPRIGHT = np.array([0.0, 0.0, 0.0, 1.0])

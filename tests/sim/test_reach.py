@@ -9,10 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.sim.free_flight import free_step, inertia_of
+from scaloft_fi.sim.contact import Reach
 from scaloft_fi.sim.load import load
-from scaloft_fi.sim.reach import Reach
-from scaloft_fi.sim.vehicle import STATE_SIZE, wrench
+from scaloft_fi.sim.vehicle import STATE_SIZE, free_step, inertia_of, wrench
 from tests.sim.conftest import SIM
 
 VEHICLE = load(SIM).vehicle

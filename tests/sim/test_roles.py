@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from scaloft_fi.sim.load import load
-from scaloft_fi.sim.roles import ROLES, Role
+from scaloft_fi.sim.world import ROLES, Role
 from scaloft_fi.views.pictures.symbols import body_style
 
 

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from scaloft_fi.sim.signals import Side, belief_signals, signal_names, truth_signals
+from scaloft_fi.sim.log import Side, belief_signals, signal_names, truth_signals
 from scaloft_fi.stack.reference.messages import BELIEFS
 
 

@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.stl import Formula
 from scaloft_fi.sim.load import load
-from scaloft_fi.sim.range import number_text
-from scaloft_fi.sim.signals import signal_names
-from scaloft_fi.sim.situation import Situation
+from scaloft_fi.sim.log import signal_names
+from scaloft_fi.sim.situation import Situation, number_text
 from scaloft_fi.stack.reference.messages import BELIEFS
 
 

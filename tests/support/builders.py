@@ -16,7 +16,7 @@ from scaloft_fi.hazop.name import cell_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.judge.space import Space
-from scaloft_fi.sim.signals import signal_names
+from scaloft_fi.sim.log import signal_names
 from scaloft_fi.stack.reference.messages import BELIEFS
 
 KINDS = {"SR1": Kind.SAFETY, "SR2": Kind.SAFETY, "SR2-literal": Kind.REPORTED, "OP1": Kind.OPERABILITY}

@@ -15,9 +15,8 @@ from scaloft_fi.campaign.store.fingerprint import fingerprint
 from scaloft_fi.campaign.store.held import flight_named
 from scaloft_fi.campaign.store.key import Keys
 from scaloft_fi.campaign.store.store import Store
-from scaloft_fi.judge.outcome import Outcome, Violation
+from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, Violation, pack_track
 from scaloft_fi.judge.requirement import Reading
-from scaloft_fi.judge.track import TRACK_COLUMNS, pack_track
 from scaloft_fi.study import Study
 
 HERE = "T0O0W0D0H1"

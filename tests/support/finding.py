@@ -13,10 +13,9 @@ from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.sim.found import Break, Evidence, Find
-from scaloft_fi.sim.known_finds import KnownFinds
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.streams import key_words
-from scaloft_fi.study import Study
+from scaloft_fi.study import KnownFinds, Study
 
 Rule = Callable[[Situation], float]
 """Robustness of SR2 in a situation, without noise."""

@@ -8,9 +8,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome, Subject, Violation
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO, TRACK_COLUMNS, Outcome, Subject, Violation, pack_track
 from scaloft_fi.judge.requirement import Reading
-from scaloft_fi.judge.track import TRACK_COLUMNS, pack_track
 from scaloft_fi.study import Study
 from scaloft_fi.views.report.evidence import Evidence
 

@@ -8,8 +8,7 @@ from pathlib import Path
 from builders import GRID
 
 from scaloft_fi.document import Item
-from scaloft_fi.sim.distribution import Distribution, Shape
-from scaloft_fi.sim.range import Range
+from scaloft_fi.sim.situation import Distribution, Range, Shape
 
 CRUISE = """
   C:

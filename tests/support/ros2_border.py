@@ -15,8 +15,7 @@ from nav_msgs.msg import Odometry
 from rclpy.executors import SingleThreadedExecutor
 from sensor_msgs.msg import BatteryState, Image, PointCloud2
 
-from scaloft_fi.outside.border import Topic
-from scaloft_fi.outside.ports import Motion
+from scaloft_fi.outside.border import Motion, Topic
 from scaloft_fi.outside.ros2 import MOST_MESSAGES, Ros2Border
 from scaloft_fi.stack.messages import Battery, DepthFrame, Detections, Person
 from scaloft_fi.stack.reference.messages import PoseEstimate

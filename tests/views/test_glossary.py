@@ -26,7 +26,7 @@ TOLD_BY_A_RUN = {
     "views/flights/compare.py: first": "a campaign's name",
     "views/flights/compare.py: second": "a campaign's name",
     "views/flights/export.py: columns": "columns of the export, which the reference has",
-    "views/flights/log_table.py: log.signals": "signals, which `scaloft_fi.sim.signals` explains",
+    "views/flights/log_table.py: log.signals": "signals, which `scaloft_fi.sim.log` explains",
     "views/lists/listing.py: tuple(columns)": tuple(
         head for module in (axes, operators, seams, signals) for head in module.OVERVIEW
     ),

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from scaloft_fi.sim.stacks import declare_stack
+from scaloft_fi.sim.load import declare_stack
 from scaloft_fi.stack.reference.planner import LocalPlan, Planner
 from scaloft_fi.stack.reference.stack import REFERENCE, ReferenceStack
 

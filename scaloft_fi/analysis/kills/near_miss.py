@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from scaloft_fi.analysis.plain import by_field
-from scaloft_fi.judge.flights import JudgedFlight
+from scaloft_fi.judge.outcome import TRACK_COLUMNS, unpack_track
 from scaloft_fi.judge.requirement import Compliance, Reading
-from scaloft_fi.judge.track import TRACK_COLUMNS, unpack_track
+from scaloft_fi.judge.status import JudgedFlight
 
 _T, _X, _Y, _Z = (TRACK_COLUMNS.index(name) for name in ("elapsed_s", "x_m", "y_m", "z_m"))
 

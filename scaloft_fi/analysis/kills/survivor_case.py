@@ -15,11 +15,10 @@ from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.defaults import CAMPAIGN
-from scaloft_fi.judge.flights import JudgedFlight, flights_of
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
-from scaloft_fi.judge.status import Status
+from scaloft_fi.judge.status import JudgedFlight, Status, flights_of
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
-from scaloft_fi.judge.requirement import Compliance, Kind, Reading
-from scaloft_fi.judge.robustness import measured_rho
+from scaloft_fi.judge.requirement import Compliance, Kind, Reading, measured_rho
 from scaloft_fi.judge.space import Space
 
 

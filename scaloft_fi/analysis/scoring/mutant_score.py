@@ -16,9 +16,8 @@ from scaloft_fi.analysis.scoring.pool import Pool
 from scaloft_fi.hazop.matrix import SeverityClass
 from scaloft_fi.judge.outcome import Subject
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.judge.rulings import Ruled, Situations
 from scaloft_fi.judge.space import Space
-from scaloft_fi.judge.status import INVALID, Status, furthest
+from scaloft_fi.judge.status import INVALID, Ruled, Situations, Status, furthest
 
 MOST_KILLED = 0.9
 """A detected mutant that is killed in this share of the situations that put it to the test is trivial."""

@@ -13,8 +13,8 @@ from scaloft_fi.analysis.scoring.mutant_score import MutantScore, mutant_score
 from scaloft_fi.analysis.scoring.pool import Pool
 from scaloft_fi.analysis.scoring.redraw import Redraw, redraw
 from scaloft_fi.judge.outcome import PLACEBO, Outcome
-from scaloft_fi.judge.rulings import Rulings, rulings_of
 from scaloft_fi.judge.space import Space
+from scaloft_fi.judge.status import Rulings, rulings_of
 
 
 @dataclass(frozen=True)

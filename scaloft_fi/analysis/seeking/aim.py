@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.judge.robustness import measured_rho
+from scaloft_fi.judge.requirement import Kind, measured_rho
 
 ROOM = 0.02
 """Robustness that the search asks of the baseline [unit of the requirement: m, or share of the limit]."""

@@ -8,8 +8,7 @@ from itertools import repeat
 from typing import TYPE_CHECKING
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.range import cut
-from scaloft_fi.sim.situation import Situation
+from scaloft_fi.sim.situation import Situation, cut
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.grid import Grid

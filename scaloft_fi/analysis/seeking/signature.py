@@ -17,7 +17,7 @@ from scaloft_fi.errors import ScaloftError
 from scaloft_fi.judge.outcome import Violation
 from scaloft_fi.judge.requirement import Requirement
 from scaloft_fi.judge.stl import tokenize
-from scaloft_fi.sim.signals import SAMPLE_HZ
+from scaloft_fi.sim.log import SAMPLE_HZ
 from scaloft_fi.stack.declaration import Claim, Instant
 
 if TYPE_CHECKING:

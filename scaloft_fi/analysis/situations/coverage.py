@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 from scaloft_fi.analysis.plain import plain
 from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.scoring.pool import Pool, State
-from scaloft_fi.judge.flights import apart
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Compliance, Kind
 from scaloft_fi.judge.space import Point, Space
+from scaloft_fi.judge.status import apart
 
 if TYPE_CHECKING:
     from scaloft_fi.analysis.situations.t_way import TWay

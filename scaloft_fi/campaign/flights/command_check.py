@@ -15,10 +15,8 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.judge.requirement import judge_signals
 from scaloft_fi.judge.stl import tokenize
 from scaloft_fi.outside.command import FlightCommand
-from scaloft_fi.outside.records.derived import Known
-from scaloft_fi.outside.records.kind import RECORDS, kind_of
-from scaloft_fi.outside.records.record_map import RecordMap
-from scaloft_fi.outside.records.recorded import lacking
+from scaloft_fi.outside.records.record_map import RECORDS, RecordMap, kind_of
+from scaloft_fi.outside.records.recorded import Known, lacking
 from scaloft_fi.study import Study
 
 

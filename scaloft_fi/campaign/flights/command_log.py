@@ -17,17 +17,27 @@ from scaloft_fi.campaign.flights.recorded import known_of, mapping_of, needed_by
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.mutant import PLACEBO
-from scaloft_fi.outside.command import FAULT, FLIGHT_FOLDER, PYTHON, RECORD, SEED, SITUATION, STUDY, FlightCommand
-from scaloft_fi.outside.command_run import CommandError, Told, run_command
+from scaloft_fi.outside.command import (
+    FAULT,
+    FLIGHT_FOLDER,
+    PYTHON,
+    RECORD,
+    SEED,
+    SITUATION,
+    STUDY,
+    CommandError,
+    FlightCommand,
+    Relays,
+    Told,
+    run_command,
+)
 from scaloft_fi.outside.records.recorded import RecordCount, flight_log
-from scaloft_fi.outside.relay import Relays
-from scaloft_fi.sim.log import Count, FlightLog
+from scaloft_fi.sim.log import CLEARANCE_CAP_M, FAR_M, Count, FlightLog
 from scaloft_fi.sim.patch import leaves
-from scaloft_fi.sim.signals import CLEARANCE_CAP_M, FAR_M
 
 if TYPE_CHECKING:
-    from scaloft_fi.outside.records.derived import Known
     from scaloft_fi.outside.records.record_map import RecordMap
+    from scaloft_fi.outside.records.recorded import Known
     from scaloft_fi.sim.situation import Situation
     from scaloft_fi.stack.declaration import Wire
     from scaloft_fi.study import Study

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 from scaloft_fi.document import is_there
 from scaloft_fi.judge.requirement import Reading, Requirement, judge_signals
 from scaloft_fi.judge.stl import tokenize
-from scaloft_fi.outside.records.derived import Known
 from scaloft_fi.outside.records.record_map import RecordMap, load_record_map, own_map
-from scaloft_fi.outside.records.recorded import flight_log
+from scaloft_fi.outside.records.recorded import Known, flight_log
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.log import FlightLog

@@ -10,12 +10,9 @@ from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.campaign.runs.options import MOST_INVALID
 from scaloft_fi.errors import GateError
 from scaloft_fi.hazop.name import cell_of
-from scaloft_fi.judge.facts import digests
-from scaloft_fi.judge.flights import JudgedFlight, baselines_of, flights_of
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO, TRACK_COLUMNS, Outcome, unpack_track
 from scaloft_fi.judge.requirement import Compliance, Kind
-from scaloft_fi.judge.status import Status
-from scaloft_fi.judge.track import TRACK_COLUMNS, unpack_track
+from scaloft_fi.judge.status import JudgedFlight, Status, baselines_of, digests, flights_of
 from scaloft_fi.sim.log import Ending
 
 NAMED = 3

@@ -12,7 +12,7 @@ from scaloft_fi.campaign.flights.worker import Flyer
 from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
 from scaloft_fi.campaign.store.held import flight_named
 from scaloft_fi.errors import GateError
-from scaloft_fi.judge.facts import Facts, facts_of
+from scaloft_fi.judge.status import Facts, facts_of
 from scaloft_fi.study import PACKAGE, Study
 
 _PUBLISHED = Path(__file__).with_suffix(".json")

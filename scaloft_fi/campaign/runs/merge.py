@@ -15,10 +15,9 @@ from scaloft_fi.campaign.store.platforms import Pair, Platform, Platforms, claim
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.store.tables import Planned
 from scaloft_fi.errors import GateError
-from scaloft_fi.judge.facts import agreement, digests
-from scaloft_fi.judge.flights import baselines_of
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.space import Rank
+from scaloft_fi.judge.status import agreement, baselines_of, digests
 from scaloft_fi.study import Study
 
 

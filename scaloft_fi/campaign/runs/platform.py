@@ -13,8 +13,8 @@ from scaloft_fi.campaign.store.selection import Flown
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.workers.executor import Workers
 from scaloft_fi.errors import GateError
-from scaloft_fi.judge.facts import Agreement, agreement
 from scaloft_fi.judge.outcome import BASELINE
+from scaloft_fi.judge.status import Agreement, agreement
 from scaloft_fi.study import Study
 
 BASELINES, MUTANTS = 2, 3

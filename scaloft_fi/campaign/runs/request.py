@@ -20,7 +20,7 @@ from scaloft_fi.campaign.runs.run import Report, run
 from scaloft_fi.campaign.runs.strategy import OPTION
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.rulings import Rulings, rulings_of
+from scaloft_fi.judge.status import Rulings, rulings_of
 from scaloft_fi.sim.grid import ALL
 
 if TYPE_CHECKING:

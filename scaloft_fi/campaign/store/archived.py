@@ -15,9 +15,8 @@ from scaloft_fi.campaign.store.cells import MOST_SEED, BadCellError, Check, labe
 from scaloft_fi.campaign.store.parquet import FLOATS, NUMBER, NUMBERS, TEXT, TEXTS, WHOLE, WHOLES, read_columns
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.name import parse
-from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject, Violation
+from scaloft_fi.judge.outcome import BASELINE, TRACK_COLUMNS, Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
-from scaloft_fi.judge.track import TRACK_COLUMNS
 
 RHO = "rho_"
 """Beginning of the names of the columns of robustness."""

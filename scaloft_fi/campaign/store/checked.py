@@ -8,8 +8,7 @@ from typing import Any, Final
 
 from scaloft_fi.campaign.store.cells import MOST_CELL_BYTES, TooLargeError
 from scaloft_fi.campaign.store.record import COLUMNS, Reader
-from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.track import TRACK_COLUMNS, track_values
+from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, track_values
 from scaloft_fi.sim.log import Ending
 
 MOST_TRACK_BYTES: Final = 1 << 20

@@ -10,8 +10,7 @@ from scaloft_fi.campaign.store.held import flight_named
 from scaloft_fi.campaign.store.key import Keys
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
-from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.track import TRACK_EVERY, track_values
+from scaloft_fi.judge.outcome import TRACK_EVERY, Outcome, track_values
 from scaloft_fi.study import Study
 
 
@@ -56,6 +55,6 @@ def with_tracks(
 
 def _most_rows(limit_s: float) -> int:
     """The greatest number of rows of a flight's track: one for every `TRACK_EVERY` samples, the first and the last."""
-    from scaloft_fi.sim.signals import SAMPLE_HZ  # most verbs read no track
+    from scaloft_fi.sim.log import SAMPLE_HZ  # most verbs read no track
 
     return math.ceil(limit_s * SAMPLE_HZ / TRACK_EVERY) + 3

@@ -1,16 +1,178 @@
-"""The mapping of a record: where the signals of a flight log stand in it, `sim/record.yaml`."""
+"""Where the signals of a flight log stand in a record: kinds of records, sources of signals, `sim/record.yaml`."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+import re
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from pathlib import Path
+from typing import Any, Protocol
 
-from scaloft_fi.document import LARGEST, MOST, Item, load
+from scaloft_fi.document import LARGEST, MOST, Item, is_folder, load
 from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.outside.records.source import Source, Timing
+from scaloft_fi.registry import Registry
+from scaloft_fi.stack.messages import Array
+
+MOST_MESSAGES = 5_000_000
+"""Most messages, or rows, of a record that are read."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a signal stands.
+
+    Attributes:
+        signal: name of the signal, for errors.
+        column: of a table; "" where the signal stands in no table.
+        topic, field: of a record with topics; a field may have parts and places, "pose.position.x", "q[0]".
+    """
+
+    signal: str
+    column: str = ""
+    topic: str = ""
+    field: str = ""
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Which time the values of a record have.
+
+    Attributes:
+        column: of a table, with the time.
+        unit_s: length of the unit of that column [s].
+        stamped: whether a message has the time of its header's stamp; otherwise the time at which it was received.
+        clock: topic with the simulated time; a received message has the last time that was told there.
+    """
+
+    column: str = ""
+    unit_s: float = 1.0
+    stamped: bool = False
+    clock: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """The values of a signal.  times_s: (N,) [s], never decreasing; values: (N,), each finite."""
+
+    times_s: Array
+    values: Array
+
+
+def lacks(path: Path, source: Source, noun: str, name: str, there: Iterable[str]) -> InputError:
+    """The error for a record without the `noun` (a column, topic or field) of a signal."""
+    hint = did_you_mean(name, there)
+    return InputError(
+        f"{path}: signal {source.signal!r} needs the {noun} {name!r}, which the record does not have{hint}"
+    )
+
+
+def number(path: Path, source: Source, place: str, value: Any) -> float:
+    """A value of a record as a number.
+
+    Raises:
+        InputError: it is no number, or not finite; the message names `place`.
+    """
+    try:
+        if isinstance(value, str | bytes):
+            raise TypeError
+        plain = float(value)
+    except (TypeError, ValueError, OverflowError):
+        kind = type(value).__name__
+        raise InputError(f"{path}: {place}: signal {source.signal!r} must be a number, and is of type {kind}") from None
+    if not math.isfinite(plain):
+        raise InputError(f"{path}: {place}: signal {source.signal!r} must be a finite number, and is {plain}")
+    return plain
+
+
+def too_many(path: Path) -> InputError:
+    """The error for a record that is too long."""
+    return InputError(f"{path}: the record must have at most {MOST_MESSAGES:,} messages or rows")
+
+
+def damaged(path: Path, error: Exception) -> InputError:
+    """The error for a record that its library cannot read."""
+    said = " ".join(str(error).split()) or type(error).__name__
+    return InputError(f"{path}: the record is damaged or incomplete: {said}")
+
+
+_PART = re.compile(r"([A-Za-z_]\w*)((?:\[\d+\])*)")
+
+
+def steps(field: str) -> tuple[str | int, ...] | None:
+    """The names and places on the way to a field; None where `field` is not written so.
+
+    >>> steps("pose.covariance[3]")
+    ('pose', 'covariance', 3)
+    """
+    way: list[str | int] = []
+    for part in field.split("."):
+        found = _PART.fullmatch(part)
+        if found is None:
+            return None
+        way += [found[1], *map(int, re.findall(r"\d+", found[2]))]
+    return tuple(way)
+
+
+FOLDER = "folder"
+"""The kind of a record that is a folder: rosbag2."""
+
+
+class Read(Protocol):
+    """Reads a record."""
+
+    def __call__(self, path: Path, sources: Sequence[Source], timing: Timing) -> Mapping[Source, Series]:
+        """The series of each source.
+
+        Raises:
+            InputError: the record cannot be read, is too large, or lacks a source; or a value is no finite number.
+        """
+        ...
+
+
+class Names(Protocol):
+    """Lists what a record has."""
+
+    def __call__(self, path: Path) -> Sequence[str]:
+        """Its columns, or its fields, each after its topic and a colon.
+
+        Raises:
+            InputError: the record cannot be read.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class RecordKind:
+    """How records of a kind are read.  Their libraries are imported by these functions."""
+
+    read: Read
+    names: Names
+
+
+RECORDS = Registry[RecordKind]("kind of record")
+RECORDS.promise(".csv", "scaloft_fi.outside.records.readers:TABLE")
+RECORDS.promise(".mcap", "scaloft_fi.outside.records.readers:MCAP")
+RECORDS.promise(".ulg", "scaloft_fi.outside.records.readers:ULOG")
+RECORDS.promise(".bag", "scaloft_fi.outside.records.readers:ROSBAG")
+RECORDS.promise(".db3", "scaloft_fi.outside.records.readers:ROSBAG")
+RECORDS.promise(FOLDER, "scaloft_fi.outside.records.readers:ROSBAG")
+
+
+def kind_of(path: Path) -> RecordKind:
+    """The kind of the record at `path`.
+
+    Raises:
+        InputError: no record ends so.
+    """
+    ending = FOLDER if is_folder(path) else path.suffix.lower()
+    if ending not in RECORDS:
+        endings = sorted(name for name in RECORDS if name != FOLDER)
+        hint = did_you_mean(ending, endings) if ending else f"; allowed: {', '.join(map(repr, endings))}"
+        raise InputError(f"{path}: a record must end in one of the known endings, or be a folder of rosbag2{hint}")
+    return RECORDS[ending]
+
 
 UNITS: Mapping[str, tuple[float, float]] = {
     "mm to m": (1e-3, 0.0),

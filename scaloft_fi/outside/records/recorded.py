@@ -1,22 +1,184 @@
-"""From a record to a flight log."""
+"""From a record to a flight log: signals sampled at 20 Hz, and those derived that a record lacks.
+
+The last value is held: a value between two messages was never measured, and a flag or a distance to the nearest body
+jumps, so that a line between two values would tell of states that were not.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
 from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.outside.records.derived import DERIVED, Known
-from scaloft_fi.outside.records.kind import RecordKind, kind_of
-from scaloft_fi.outside.records.record_map import Entry, RecordMap
-from scaloft_fi.outside.records.sampling import instants, moment_s, sampled
-from scaloft_fi.outside.records.source import Series, Source
-from scaloft_fi.sim.log import NEVER_S, Count, Ending, FlightLog
-from scaloft_fi.sim.signals import clearance_name
-from scaloft_fi.stack.messages import Array
+from scaloft_fi.outside.records.record_map import Entry, Keep, Moment, RecordKind, RecordMap, Series, Source, kind_of
+from scaloft_fi.sim.log import NEVER_S, SAMPLE_HZ, Count, Ending, FlightLog, clearance_name
+from scaloft_fi.stack.messages import Array, Point
+
+PASS_M = 0.5
+"""A waypoint counts as passed within this horizontal distance [m]."""
+AIRBORNE_M = 0.3
+"""Waypoints count only after the vehicle has been this high above the start [m]."""
+
+Signals = Mapping[str, Array]
+
+
+@dataclass(frozen=True)
+class Known:
+    """What is known of a flight beside its record.
+
+    Attributes:
+        surfaces: surfaces of the world.
+        home: where the flight starts and ends [m, world].
+        route: waypoints of the situation, home last; None where the situation is not known.
+        limit_s: time limit of the flight [s]; None where it is not known.
+    """
+
+    surfaces: tuple[str, ...]
+    home: tuple[float, float]
+    route: tuple[Point, ...] | None = None
+    limit_s: float | None = None
+
+
+@dataclass(frozen=True)
+class Derived:
+    """A signal that follows from others.
+
+    Attributes:
+        needs: names of the others, by what is known of the flight.
+        value: the signal (T,), from these and `elapsed_s`.
+        lacking: what must be known of the flight, in words; "" when it is known.
+    """
+
+    needs: Callable[[Known], tuple[str, ...]]
+    value: Callable[[Signals, Known], Array]
+    lacking: Callable[[Known], str] = lambda _: ""
+
+
+def _remaining(signals: Signals, known: Known) -> Array:
+    assert known.limit_s is not None
+    return known.limit_s - signals["elapsed_s"]
+
+
+def _speed(signals: Signals, _: Known) -> Array:
+    return np.sqrt(signals["vx_mps"] ** 2 + signals["vy_mps"] ** 2 + signals["vz_mps"] ** 2)
+
+
+def _home(signals: Signals, known: Known) -> Array:
+    return np.hypot(signals["x_m"] - known.home[0], signals["y_m"] - known.home[1])
+
+
+def _yaw(signals: Signals, _: Known) -> Array:
+    x, y, z, w = (signals[name] for name in ("qx", "qy", "qz", "qw"))
+    return np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+
+
+def _clearance(signals: Signals, known: Known) -> Array:
+    least: Array = np.min(np.array([signals[name] for name in _clearances(known)], np.float64), axis=0)
+    return least
+
+
+def _clearances(known: Known) -> tuple[str, ...]:
+    return tuple(map(clearance_name, known.surfaces))
+
+
+def _waypoints_left(signals: Signals, known: Known) -> Array:
+    assert known.route is not None
+    left, passed, airborne = [], 0, False
+    start_m = float(signals["z_m"][0])
+    for x_m, y_m, z_m in zip(*(signals[name].tolist() for name in ("x_m", "y_m", "z_m")), strict=True):
+        airborne |= z_m - start_m > AIRBORNE_M
+        while airborne and passed < len(known.route):
+            if math.hypot(x_m - known.route[passed][0], y_m - known.route[passed][1]) > PASS_M:
+                break
+            passed += 1
+        left.append(float(len(known.route) - passed))
+    return np.array(left)
+
+
+def _situation(known: Known) -> str:
+    return "" if known.route is not None else "the situation of the flight"
+
+
+def _limit(known: Known) -> str:
+    return "" if known.limit_s is not None else "the situation of the flight"
+
+
+DERIVED: Mapping[str, Derived] = MappingProxyType(
+    {
+        "remaining_s": Derived(lambda _: (), _remaining, _limit),
+        "speed_mps": Derived(lambda _: ("vx_mps", "vy_mps", "vz_mps"), _speed),
+        "home_m": Derived(lambda _: ("x_m", "y_m"), _home),
+        "yaw_rad": Derived(lambda _: ("qx", "qy", "qz", "qw"), _yaw),
+        "clearance_m": Derived(_clearances, _clearance),
+        "waypoints_left": Derived(lambda _: ("x_m", "y_m", "z_m"), _waypoints_left, _situation),
+    }
+)
+"""The derived signals by name."""
+
+
+LONGEST_S = 3 * 3600.0
+"""Longest flight of a record [s]."""
+NEAR_S = 1e-6
+"""Times that differ by less than this are equal [s]: records round them."""
+
+
+def instants(path: Path, start_s: float, end_s: float) -> Array:
+    """The times of the samples since the start, (T,) [s]; the last one is not before the end.
+
+    Raises:
+        InputError: the flight has no duration, or is too long.
+    """
+    duration_s = end_s - start_s
+    if not 0.0 < duration_s <= LONGEST_S:
+        told = f"the flight from {start_s:.3f} s to {end_s:.3f} s"
+        raise InputError(f"{path}: {told} must last more than 0 s and at most {LONGEST_S:,.0f} s")
+    count = math.ceil((duration_s - NEAR_S) * SAMPLE_HZ) + 1
+    return np.arange(max(count, 2)) / SAMPLE_HZ
+
+
+def sampled(path: Path, name: str, entry: Entry, series: Series | None, start_s: float, at_s: Array) -> Array:
+    """A signal at the times `at_s` (T,) since `start_s` [s].
+
+    Raises:
+        InputError: it has no value at the start and no `unknown`.
+    """
+    if series is None:
+        return np.full(len(at_s), entry.constant)
+    values = (
+        entry.factor * series.values + entry.offset if (entry.factor, entry.offset) != (1.0, 0.0) else series.values
+    )
+    until = np.searchsorted(series.times_s, start_s + at_s + NEAR_S, side="right")
+    if until[0] == 0 and entry.unknown is None:
+        first = f"its first message is at {series.times_s[0]:.3f} s" if len(values) else "it has no message"
+        why = f"the flight starts at {start_s:.3f} s and {first}"
+        raise InputError(
+            f"{path}: signal {name!r} is not known at the start: {why}; give unknown: VALUE, or a later start"
+        )
+    held = np.concatenate([[entry.unknown or 0.0], values])[until]
+    if entry.keep is Keep.LAST or not len(values):
+        return held
+    worst = np.minimum if entry.keep is Keep.LEAST else np.maximum
+    for place in np.flatnonzero(np.diff(until, prepend=until[0])):
+        held[place] = worst.reduce(values[until[place - 1] : until[place]])
+    return held
+
+
+def moment_s(path: Path, name: str, moment: Moment, series: Series) -> float:
+    """When a moment comes [s].
+
+    Raises:
+        InputError: it never comes.
+    """
+    reached = np.flatnonzero(series.values >= moment.least)
+    if not len(reached):
+        raise InputError(f"{path}: the {name} of the flight never comes: no message is at least {moment.least:g}")
+    return float(series.times_s[reached[0]])
+
 
 PLACE = ("x_m", "y_m", "z_m")
 """Signals that every record must have: a violation has a place."""

@@ -1,4 +1,4 @@
-"""Person detector on the colour camera, 5 Hz: the probability depends on light, visible pixels and exposure.
+"""Person detector on the colour camera, 5 Hz, and its light meter: light, visible pixels and exposure decide.
 
 The colour camera has the view of the depth camera.  A person with n visible pixels is detected with probability
 best * light / (light + noise_light * gain) * logistic((n - pixels_half) / pixels_width)
@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaloft_fi.document import Item
-from scaloft_fi.sim.optics import View
+from scaloft_fi.sim.mesh import View
 from scaloft_fi.sim.sensors.sensor import LONGEST_S, SENSORS, FlightSetting, Moment, SensorKind
-from scaloft_fi.stack.messages import Detections, Exposure, Person
+from scaloft_fi.stack.messages import Detections, Exposure, Metering, Person
 from scaloft_fi.streams import Table
 
 PERIOD_TICKS = 4
@@ -170,3 +170,52 @@ SENSORS.declare(
         required=True,
     ),
 )
+
+
+LIMIT_EV = 16.0
+"""End of the meter's scale."""
+
+
+@dataclass(frozen=True)
+class MeteringConfig:
+    """Settings of the light meter.
+
+    Attributes:
+        mid: brightness of a correctly exposed picture, 0..1.
+        sigma_ev: standard deviation of a reading [EV].
+    """
+
+    mid: float
+    sigma_ev: float
+
+    @classmethod
+    def read(cls, item: Item) -> MeteringConfig:
+        """Read the `metering` of `sensors.yaml`."""
+        config = cls(
+            mid=item.need("mid").number(least=1e-6, most=1.0),
+            sigma_ev=item.need("sigma_ev").number(least=0.0),
+        )
+        item.close()
+        return config
+
+    def error_ev(self, light: float, exposure: Exposure) -> float:
+        """Exposure error of the picture [EV], + when too dark."""
+        if light <= 0.0 or not math.isfinite(exposure.ev):
+            return LIMIT_EV
+        return min(LIMIT_EV, max(-LIMIT_EV, math.log2(self.mid / light) - exposure.ev))
+
+
+class LightMeter:
+    """Measures the exposure error."""
+
+    def __init__(self, config: MeteringConfig, flight: FlightSetting) -> None:
+        self._config = config
+        self._noise = Table(1, *flight.stream, "metering")
+
+    def measure(self, moment: Moment) -> Metering:
+        """The reading at the current exposure."""
+        noise_ev = self._config.sigma_ev * float(self._noise.row(moment.tick)[0])
+        return Metering(moment.now_s, self._config.error_ev(moment.around.light, moment.exposure) + noise_ev)
+
+
+SENSORS.declare("metering", SensorKind(LightMeter, Metering, read=MeteringConfig.read, required=True))

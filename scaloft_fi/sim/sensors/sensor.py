@@ -22,7 +22,7 @@ from scaloft_fi.document import Item
 from scaloft_fi.registry import Registry
 from scaloft_fi.sim.contact import Contact
 from scaloft_fi.sim.happenings import Surroundings
-from scaloft_fi.sim.optics import Scene, View
+from scaloft_fi.sim.mesh import Scene, View
 from scaloft_fi.stack.messages import Exposure, Stamps
 from scaloft_fi.streams import Array
 

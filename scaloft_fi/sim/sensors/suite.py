@@ -11,15 +11,11 @@ from typing import Any, Generic, TypeVar
 from scaloft_fi.document import Item
 from scaloft_fi.sim.contact import Contact
 from scaloft_fi.sim.happenings import Surroundings
-from scaloft_fi.sim.optics import View
-from scaloft_fi.sim.raster import look
-from scaloft_fi.sim.sensors import bumper, positioning  # noqa: F401 - they declare their sensors
-from scaloft_fi.sim.sensors.battery import BatteryConfig
-from scaloft_fi.sim.sensors.camera import DepthConfig
-from scaloft_fi.sim.sensors.detector import DetectorConfig
-from scaloft_fi.sim.sensors.imu import ImuConfig, ImuSensor
-from scaloft_fi.sim.sensors.metering import MeteringConfig
-from scaloft_fi.sim.sensors.positioning import PositioningConfig
+from scaloft_fi.sim.mesh import View
+from scaloft_fi.sim.sensors import body  # noqa: F401 - they declare their sensors
+from scaloft_fi.sim.sensors.body import BatteryConfig, ImuConfig, ImuSensor, PositioningConfig
+from scaloft_fi.sim.sensors.camera import DepthConfig, look
+from scaloft_fi.sim.sensors.detector import DetectorConfig, MeteringConfig
 from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, Sensor
 from scaloft_fi.stack.declaration import TICK_S
 from scaloft_fi.stack.messages import Exposure, Imu, SensorFrames, Stamps

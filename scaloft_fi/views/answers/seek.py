@@ -24,9 +24,9 @@ from scaloft_fi.hazop.load import find_study
 from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
-from scaloft_fi.sim.claims import claims_of
 from scaloft_fi.sim.found import FILE, read_finds
 from scaloft_fi.sim.grids import grid_names, own_name
+from scaloft_fi.sim.load import claims_of
 from scaloft_fi.study import Study
 from scaloft_fi.views.outputs.answer import Answer
 from scaloft_fi.views.own_study import check_own

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from scaloft_fi.mutants.operator import Operator
-from scaloft_fi.sim.happenings.kinds import HappeningKind
-from scaloft_fi.sim.measures import DeclaredSignal
-from scaloft_fi.sim.roles import Role
+from scaloft_fi.sim.happenings import HappeningKind
+from scaloft_fi.sim.log import DeclaredSignal
 from scaloft_fi.sim.sensors.sensor import SensorKind
+from scaloft_fi.sim.world import Role
 from scaloft_fi.stack.declaration import Declaration
 from scaloft_fi.views.lists.origin import OWN, package_of
 
@@ -43,11 +43,11 @@ class Declared:
         import scaloft_fi.outside.faults  # noqa: F401 - both declare operators
         from scaloft_fi.mutants.operators import OPERATORS
         from scaloft_fi.sim.happenings import HAPPENINGS
-        from scaloft_fi.sim.measures import SIGNALS
-        from scaloft_fi.sim.roles import ROLES
+        from scaloft_fi.sim.load import STACKS
+        from scaloft_fi.sim.log import SIGNALS
         from scaloft_fi.sim.sensors import SensorsConfig  # noqa: F401 - the sensors declare themselves
         from scaloft_fi.sim.sensors.sensor import SENSORS
-        from scaloft_fi.sim.stacks import STACKS
+        from scaloft_fi.sim.world import ROLES
 
         return cls(
             operators=_chosen(OPERATORS, lambda one: one.make, own=own),

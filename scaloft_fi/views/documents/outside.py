@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from scaloft_fi.document import MOST
-from scaloft_fi.outside.border import BORDERS
+from scaloft_fi.outside.border import BORDERS, PORTS
 from scaloft_fi.outside.command import MOST_LIMIT_S
-from scaloft_fi.outside.ports import PORTS
 from scaloft_fi.outside.records.record_map import TIME_UNITS, UNITS, Keep
 from scaloft_fi.views.documents.build import (
     Schema,

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from scaloft_fi.sim.constraint import MOST_CONSTRAINTS
-from scaloft_fi.sim.distribution import Shape
-from scaloft_fi.sim.free_axis import MOST_FREE
 from scaloft_fi.sim.grid import MOST_AXES
 from scaloft_fi.sim.patch import PARTS
-from scaloft_fi.sim.range import MOST_BINS
-from scaloft_fi.sim.situation import AXIS_ID, MOST_VALUES
+from scaloft_fi.sim.situation import AXIS_ID, MOST_BINS, MOST_CONSTRAINTS, MOST_FREE, MOST_VALUES, Shape
 from scaloft_fi.views.documents.build import (
     Schema,
     anything,

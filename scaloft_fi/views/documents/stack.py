@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from scaloft_fi.outside.border import BORDERS
-from scaloft_fi.outside.ports import PORTS
-from scaloft_fi.outside.settings import BELOW, FRAMES, OutsideConfig, SeamConfig
+from scaloft_fi.outside.border import BORDERS, PORTS
+from scaloft_fi.outside.exchange import BELOW, FRAMES, OutsideConfig, SeamConfig
 from scaloft_fi.stack.declaration import Declaration
 from scaloft_fi.views.documents.build import Schema, choice, either, fixed, mapping, named, text
 from scaloft_fi.views.documents.declared import Declared

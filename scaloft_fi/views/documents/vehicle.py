@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from scaloft_fi.sim.sensors.imu import ImuConfig
+from scaloft_fi.sim.sensors.body import ImuConfig
 from scaloft_fi.sim.vehicle import LARGEST, SMALLEST
 from scaloft_fi.views.documents.build import Schema, listed, mapping, number, numbers
 from scaloft_fi.views.documents.declared import Declared

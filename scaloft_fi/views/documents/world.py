@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from scaloft_fi.document import FILE_BYTES
+from scaloft_fi.sim.mesh import FARTHEST_M, MeshLimits
 from scaloft_fi.sim.mine import MOST_CORNERS
-from scaloft_fi.sim.obj import FARTHEST_M, MeshLimits
 from scaloft_fi.sim.world import LEAST_M, MOST_BODIES, MOST_WAYPOINTS
 from scaloft_fi.views.documents.build import (
     Schema,

@@ -18,8 +18,7 @@ from scaloft_fi.campaign.store.archived import EXTRA
 from scaloft_fi.campaign.store.folder import MANIFEST
 from scaloft_fi.campaign.store.parquet import NUMBERS, TEXT, WHOLES
 from scaloft_fi.document import read_bytes
-from scaloft_fi.judge.outcome import BASELINE, Outcome
-from scaloft_fi.judge.track import TRACK_COLUMNS, track_values
+from scaloft_fi.judge.outcome import BASELINE, TRACK_COLUMNS, Outcome, track_values
 from scaloft_fi.study import Study
 from scaloft_fi.views.columns import Columns, ColumnType, needed_pyarrow
 from scaloft_fi.views.exchange.dossier import Dossier

@@ -16,11 +16,11 @@ from scaloft_fi.analysis.scoring.score import Score, score
 from scaloft_fi.analysis.situations.coverage import Coverage, coverage
 from scaloft_fi.hazop.matrix import Cell, Matrix, worst_first
 from scaloft_fi.hazop.name import cell_of
-from scaloft_fi.judge.flights import JudgedFlight, flights_of
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Requirement
 from scaloft_fi.judge.space import Space
-from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
+from scaloft_fi.judge.status import JudgedFlight, flights_of
+from scaloft_fi.study import NO_FINDS, KnownFinds
 from scaloft_fi.views.exchange.steps import Step, steps
 from scaloft_fi.views.flights.export import FlightRow, columns, export_rows
 from scaloft_fi.views.score.accepted import acceptance

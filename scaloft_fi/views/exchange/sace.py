@@ -17,8 +17,7 @@ from scaloft_fi.analysis.ratio import Ratio
 from scaloft_fi.analysis.scoring.baseline import Tally, findings, tallies
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.judge.outcome import BASELINE, Outcome
-from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.judge.robustness import rho_text
+from scaloft_fi.judge.requirement import Kind, rho_text
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.format import export_format
 from scaloft_fi.views.ranges import ranges

@@ -9,9 +9,8 @@ from typing import NamedTuple
 from scaloft_fi.analysis.margin import Scale
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.hazop.matrix import Cell
-from scaloft_fi.judge.flights import JudgedFlight
-from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.judge.robustness import measured_rho
+from scaloft_fi.judge.requirement import Kind, measured_rho
+from scaloft_fi.judge.status import JudgedFlight
 from scaloft_fi.views.score.commands import in_campaign
 
 

@@ -8,9 +8,9 @@ from typing import Any
 
 from scaloft_fi.analysis.plain import by_field
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.judge.facts import Facts, facts_of
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.space import Space
+from scaloft_fi.judge.status import Facts, facts_of
 from scaloft_fi.views.outputs.output import Output
 from scaloft_fi.views.outputs.shape import count, listing, optional, record, text, texts
 from scaloft_fi.views.tables.table import Table

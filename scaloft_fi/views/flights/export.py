@@ -24,11 +24,10 @@ from typing import Any
 
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.console import json_text
-from scaloft_fi.judge.flights import JudgedFlight, flights_of
 from scaloft_fi.judge.outcome import BASELINE, Outcome
-from scaloft_fi.judge.robustness import measured_rho
+from scaloft_fi.judge.requirement import measured_rho
 from scaloft_fi.judge.space import Space
-from scaloft_fi.judge.status import Status, baseline_status
+from scaloft_fi.judge.status import JudgedFlight, Status, baseline_status, flights_of
 from scaloft_fi.views.columns import Columns, ColumnType
 from scaloft_fi.views.outputs.output import Rows
 from scaloft_fi.views.outputs.shape import count, listing, number, optional, text, texts

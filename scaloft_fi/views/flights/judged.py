@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from scaloft_fi.campaign.flights.recorded import Finding, JudgedRecord
-from scaloft_fi.judge.requirement import Compliance
-from scaloft_fi.judge.robustness import measured_rho
+from scaloft_fi.judge.requirement import Compliance, measured_rho
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.views.outputs.output import Output
 from scaloft_fi.views.outputs.shape import listing, number, optional, record, text

@@ -12,10 +12,9 @@ from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.store.held import flight_named
 from scaloft_fi.errors import InputError
-from scaloft_fi.judge.flights import JudgedFlight, flight_of
 from scaloft_fi.judge.outcome import BASELINE, Outcome
-from scaloft_fi.judge.requirement import Reading
-from scaloft_fi.judge.robustness import measured_rho
+from scaloft_fi.judge.requirement import Reading, measured_rho
+from scaloft_fi.judge.status import JudgedFlight, flight_of
 from scaloft_fi.views.pictures.map import draw
 from scaloft_fi.views.pictures.scene import scene_of, track_of
 from scaloft_fi.views.tables.table import Table

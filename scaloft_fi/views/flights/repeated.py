@@ -12,7 +12,7 @@ from scaloft_fi.campaign.store.folder import STORE_NAME, campaign_folder, is_arc
 from scaloft_fi.campaign.store.key import flight_key
 from scaloft_fi.campaign.store.platforms import Platforms
 from scaloft_fi.errors import GateError
-from scaloft_fi.judge.facts import APART_M, agreement, digests, in_step, parting_s
+from scaloft_fi.judge.status import APART_M, agreement, digests, in_step, parting_s
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.views.flights.logged_flight import LoggedFlight, reading_text
 

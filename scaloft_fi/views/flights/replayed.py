@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.requirement import Compliance, Kind
-from scaloft_fi.judge.robustness import measured_rho
+from scaloft_fi.judge.requirement import Compliance, Kind, measured_rho
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.views.flights.repeated import Comparison, Likeness
 from scaloft_fi.views.outputs.output import Output

@@ -6,9 +6,8 @@ from collections import Counter
 from typing import Any
 
 from scaloft_fi.campaign.store.folder import MANIFEST
-from scaloft_fi.judge.flights import flights_of
 from scaloft_fi.judge.outcome import BASELINE
-from scaloft_fi.judge.status import Status, baseline_status
+from scaloft_fi.judge.status import Status, baseline_status, flights_of
 from scaloft_fi.views.flights.export import WAITING, ordered
 from scaloft_fi.views.outputs.output import Output
 from scaloft_fi.views.outputs.shape import by_name, count, listing, optional, record, text

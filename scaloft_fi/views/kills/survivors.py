@@ -24,7 +24,7 @@ from scaloft_fi.hazop.matrix import class_of, worst_first
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Requirement
 from scaloft_fi.judge.status import Status
-from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
+from scaloft_fi.study import NO_FINDS, KnownFinds
 from scaloft_fi.views.kills import survivor_words as words
 from scaloft_fi.views.score.commands import in_campaign
 from scaloft_fi.views.score.finds import facts, flies, flown_in_vain, next_find

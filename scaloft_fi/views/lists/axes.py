@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.sim.distribution import Distribution, Shape
-from scaloft_fi.sim.range import number_text
+from scaloft_fi.sim.situation import Distribution, Shape, number_text
 from scaloft_fi.views.lists.listing import Listing, Record
 from scaloft_fi.views.outputs.output import Output
 from scaloft_fi.views.outputs.shape import anything, listing, number, optional, record, text, texts
 
 if TYPE_CHECKING:
-    from scaloft_fi.sim.free_axis import FreeAxis
     from scaloft_fi.sim.grid import Grid
-    from scaloft_fi.sim.situation import Axis, AxisValue
+    from scaloft_fi.sim.situation import Axis, AxisValue, FreeAxis
 
 VALUES, RANGE, FREE = "values", "range", "free"
 _SETS = record("a change", {"path": text("path of a value of the study"), "value": anything("its new value")})

@@ -6,9 +6,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from scaloft_fi.judge.caps import SIGHT_M
-from scaloft_fi.judge.ranges import ANY, TRUTH
-from scaloft_fi.sim.signals import FAR_M
+from scaloft_fi.judge.bounds import ANY, SIGHT_M, TRUTH
+from scaloft_fi.sim.log import FAR_M
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.document import is_there
-from scaloft_fi.judge.caps import Cap, cap_of
+from scaloft_fi.judge.bounds import Cap, cap_of
 from scaloft_fi.sim.happenings import HAPPENINGS
-from scaloft_fi.sim.measures import SIGNALS
-from scaloft_fi.sim.signals import CLEARANCE_CAP_M, Signal, belief_signals, clearance_name, truth_signals
+from scaloft_fi.sim.log import CLEARANCE_CAP_M, SIGNALS, Signal, belief_signals, clearance_name, truth_signals
 from scaloft_fi.stack.declaration import UNITS, Belief
 from scaloft_fi.views.lists.listing import Listing, Record, number_range
 from scaloft_fi.views.lists.origin import OWN, package_of
@@ -211,8 +210,8 @@ def _recorded(study: Study) -> Mapping[str, str] | None:
     path = study.folder / "sim" / "record.yaml"
     if study.command is None or not is_there(path):
         return None
-    from scaloft_fi.outside.records.derived import DERIVED
     from scaloft_fi.outside.records.record_map import Entry, load_record_map
+    from scaloft_fi.outside.records.recorded import DERIVED
 
     def place(entry: Entry) -> str:
         if entry.source is None:

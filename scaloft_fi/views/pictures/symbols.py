@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from scaloft_fi.sim.roles import ROLES
+from scaloft_fi.sim.world import ROLES
 from scaloft_fi.views.pictures.picture import FAMILY, text
 from scaloft_fi.views.tables.literal import xml
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.found import Break
-from scaloft_fi.sim.known_finds import KnownFinds
+from scaloft_fi.study import KnownFinds
 from scaloft_fi.views.report.scenes import scene
 from scaloft_fi.views.runs.breaks import belief, place
 

@@ -13,9 +13,9 @@ from scaloft_fi.analysis.scoring.score import Score, score_of
 from scaloft_fi.analysis.situations.coverage import coverage_of
 from scaloft_fi.campaign.runs.gates import check
 from scaloft_fi.errors import GateError
+from scaloft_fi.judge.outcome import TRACK_COLUMNS
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.judge.rulings import rulings_of
-from scaloft_fi.judge.track import TRACK_COLUMNS
+from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.version import __version__
 from scaloft_fi.views.glossary import TERMS

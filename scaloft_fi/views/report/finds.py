@@ -10,8 +10,7 @@ from typing import Any
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.sim.found import Evidence, Find
-from scaloft_fi.sim.known_finds import KnownFinds
-from scaloft_fi.study import Study
+from scaloft_fi.study import KnownFinds, Study
 from scaloft_fi.views.report.flights import record, rows_of
 from scaloft_fi.views.report.scenes import scene
 from scaloft_fi.views.score.finds import flies, words

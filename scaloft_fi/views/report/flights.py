@@ -12,13 +12,10 @@ from itertools import pairwise
 from typing import Any
 
 from scaloft_fi.console import all_printable
-from scaloft_fi.judge.flights import JudgedFlight, flight_of
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
-from scaloft_fi.judge.requirement import Reading
-from scaloft_fi.judge.robustness import measured_rho
-from scaloft_fi.judge.status import baseline_status
-from scaloft_fi.judge.track import TRACK_COLUMNS, TRACK_EVERY, unpack_track
-from scaloft_fi.sim.signals import SAMPLE_HZ
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO, TRACK_COLUMNS, TRACK_EVERY, Outcome, unpack_track
+from scaloft_fi.judge.requirement import Reading, measured_rho
+from scaloft_fi.judge.status import JudgedFlight, baseline_status, flight_of
+from scaloft_fi.sim.log import SAMPLE_HZ
 from scaloft_fi.views.ranges import ranges
 from scaloft_fi.views.report.tracks import QUANTUM, Whole, coded, quantised, quantum, shared, thinned
 

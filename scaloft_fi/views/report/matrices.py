@@ -17,8 +17,8 @@ from scaloft_fi.campaign.runs.seeking.finds import words_of
 from scaloft_fi.hazop.matrix import Matrix, class_of
 from scaloft_fi.hazop.name import cell_of
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.judge.rulings import Ruled, Rulings, Situations
 from scaloft_fi.judge.space import Space
+from scaloft_fi.judge.status import Ruled, Rulings, Situations
 from scaloft_fi.views.report.certainty import certainty
 from scaloft_fi.views.report.karnaugh import terms
 from scaloft_fi.views.report.ladder import searched

@@ -9,8 +9,7 @@ from scaloft_fi.analysis.kills.kill_matrix import Entry
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.judge.rulings import Ruled, Situations
-from scaloft_fi.judge.status import INVALID, Status
+from scaloft_fi.judge.status import INVALID, Ruled, Situations, Status
 
 
 class Sign(StrEnum):

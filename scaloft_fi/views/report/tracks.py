@@ -14,8 +14,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from scaloft_fi.judge.track import TRACK
-from scaloft_fi.sim.signals import FAR_M
+from scaloft_fi.judge.outcome import TRACK
+from scaloft_fi.sim.log import FAR_M
 
 Whole = NDArray[np.int32]
 """A track as whole numbers, (T, columns)."""

@@ -9,7 +9,7 @@ from scaloft_fi.analysis.scoring.detection import Spending
 from scaloft_fi.analysis.scoring.score import score_of
 from scaloft_fi.console import width, wrapped
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.rulings import rulings_of
+from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.study import Study
 
 

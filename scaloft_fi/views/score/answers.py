@@ -14,7 +14,7 @@ from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.pool import LEAST
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.defaults import CAMPAIGN
-from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
+from scaloft_fi.study import NO_FINDS, KnownFinds
 from scaloft_fi.views.score.commands import command, in_campaign
 from scaloft_fi.views.score.finds import effect, flies, next_find, words
 

@@ -6,7 +6,7 @@ import shlex
 
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.sim.found import Evidence, Find
-from scaloft_fi.sim.known_finds import KnownFinds
+from scaloft_fi.study import KnownFinds
 from scaloft_fi.views.score.commands import in_campaign
 
 

@@ -26,7 +26,7 @@ from scaloft_fi.hazop.matrix import class_of, worst_first
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Status
-from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
+from scaloft_fi.study import NO_FINDS, KnownFinds
 from scaloft_fi.views.score.accepted import accepted_line
 from scaloft_fi.views.score.answers import Line, answers
 from scaloft_fi.views.score.next_step import SHORT, Next, next_steps, short_step

@@ -12,7 +12,7 @@ from scaloft_fi.analysis.scoring.pool import State
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import Status
-from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
+from scaloft_fi.study import NO_FINDS, KnownFinds
 from scaloft_fi.views.score.finds import next_find
 
 

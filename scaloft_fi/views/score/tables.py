@@ -14,11 +14,9 @@ from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.analysis.scoring.score import Score
 from scaloft_fi.analysis.situations.coverage import Coverage
 from scaloft_fi.judge.outcome import PLACEBO
-from scaloft_fi.judge.requirement import Compliance
-from scaloft_fi.judge.robustness import rho_text
-from scaloft_fi.judge.rulings import Rulings
+from scaloft_fi.judge.requirement import Compliance, rho_text
 from scaloft_fi.judge.space import Space
-from scaloft_fi.judge.status import Status
+from scaloft_fi.judge.status import Rulings, Status
 from scaloft_fi.views.coverage.coverage_tables import coverage_tables
 from scaloft_fi.views.score.answers import NOT_COMPARED, false_detections
 from scaloft_fi.views.tables.table import Table

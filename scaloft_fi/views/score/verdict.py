@@ -8,7 +8,7 @@ from scaloft_fi.analysis.scoring.detection import LARGER, Verdict
 from scaloft_fi.analysis.scoring.mutant_score import MutantScore
 from scaloft_fi.analysis.scoring.pool import LEAST
 from scaloft_fi.judge.status import Status
-from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
+from scaloft_fi.study import NO_FINDS, KnownFinds
 from scaloft_fi.views.score.commands import command, in_campaign
 from scaloft_fi.views.score.finds import flies, next_find
 

@@ -21,7 +21,7 @@ from scaloft_fi.hazop.render import ladder
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.catalogue import default_of
-from scaloft_fi.sim.known_finds import NO_FINDS, KnownFinds
+from scaloft_fi.study import NO_FINDS, KnownFinds
 from scaloft_fi.views.score.accepted import acceptance
 from scaloft_fi.views.score.finds import effect, flies, next_find, words
 from scaloft_fi.views.score.verdict import NO_POOL, would_decide

@@ -12,7 +12,7 @@ from coverage_against_kills import __main__ as experiment
 from scaloft_fi.analysis.scoring.detection import Spending
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.rulings import rulings_of
+from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.study import Study
 
 ROOT = Path(__file__).parents[3]

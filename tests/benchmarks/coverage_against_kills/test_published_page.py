@@ -12,7 +12,7 @@ from coverage_against_kills.trial import trial
 from published_flights import PUBLISHED, ROOT, outcomes
 
 from scaloft_fi.analysis.scoring.score import score_of
-from scaloft_fi.judge.rulings import rulings_of
+from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.study import Study
 from scaloft_fi.views.tables.table import Format, render
 

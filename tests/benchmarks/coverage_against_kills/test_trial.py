@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from scaloft_fi.analysis.scoring.detection import Spending
 from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.judge.outcome import BASELINE, Outcome
-from scaloft_fi.judge.rulings import rulings_of
+from scaloft_fi.judge.status import rulings_of
 
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
 KEYS = [key for key, _ in GRID.points]

@@ -14,9 +14,8 @@ from search_or_chance.proposers import ARMS, SEARCH, with_ends
 
 from scaloft_fi.analysis.seeking.shrink import brief
 from scaloft_fi.campaign.runs.seeking.proposals import Parameters, Proposal, Proposer, at_shares, placed
-from scaloft_fi.sim.free_axis import DEVIATES
 from scaloft_fi.sim.grids import load_grid
-from scaloft_fi.sim.situation import Situation
+from scaloft_fi.sim.situation import DEVIATES, Situation
 
 GRID = load_grid(Path(__file__).parents[3] / "sim", "search")
 SMALL = replace(GRID, free=tuple(axis for axis in GRID.free if axis.id in ("Cs", "Ox", "Px", "Li", "Ey")))

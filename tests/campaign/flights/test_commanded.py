@@ -17,7 +17,7 @@ from scaloft_fi.campaign.store.key import flight_key
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
-from scaloft_fi.outside.command_run import CommandError
+from scaloft_fi.outside.command import CommandError
 from scaloft_fi.study import Study
 
 ROOT = Path(__file__).parents[3]

@@ -16,8 +16,7 @@ from scaloft_fi.campaign.runs.gates import RISE_M, check
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import run
 from scaloft_fi.errors import GateError
-from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.track import TRACK_COLUMNS, pack_track
+from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, pack_track
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.sim import observer
 

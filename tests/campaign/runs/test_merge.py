@@ -20,8 +20,8 @@ from scaloft_fi.campaign.store.held import held_in
 from scaloft_fi.campaign.store.platforms import Platforms
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import GateError, InputError
-from scaloft_fi.judge.facts import facts_of
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.status import facts_of
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.views.flights.export import export_rows, to_json
 

@@ -20,10 +20,9 @@ from scaloft_fi.campaign.runs.merge import merge
 from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import Report, run
 from scaloft_fi.errors import GateError
-from scaloft_fi.judge.flights import flights_of
 from scaloft_fi.judge.outcome import PLACEBO, Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.judge.status import Status
+from scaloft_fi.judge.status import Status, flights_of
 from scaloft_fi.mutants.catalogue import realise
 
 SEEDS = tuple(range(10))

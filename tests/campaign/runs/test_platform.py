@@ -25,8 +25,8 @@ from scaloft_fi.campaign.store.selection import Flown
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.workers.interrupt import Interrupted
 from scaloft_fi.errors import GateError
-from scaloft_fi.judge.flights import flights_of
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.status import flights_of
 from scaloft_fi.mutants.catalogue import realise
 
 CONTROL, LATE = "REVERSE-velcmd", "LATE-human@3s"

@@ -19,9 +19,8 @@ from hypothesis import given
 from scaloft_fi.campaign.store.archived import Trajectories, read_outcomes
 from scaloft_fi.campaign.store.cells import MOST_FLIGHTS
 from scaloft_fi.errors import InputError
-from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.robustness import measured_rho
-from scaloft_fi.judge.track import TRACK_COLUMNS, track_values
+from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, track_values
+from scaloft_fi.judge.requirement import measured_rho
 from scaloft_fi.views.exchange.archive import outcome_file, track_file
 
 PATH = Path("archive/outcomes.parquet")

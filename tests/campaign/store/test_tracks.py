@@ -7,8 +7,7 @@ from scaloft_fi.campaign.store.held import current_in, flight_named
 from scaloft_fi.campaign.store.key import Keys
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.store.tracks import with_tracks
-from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.track import TRACK_COLUMNS, pack_track
+from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, pack_track
 from scaloft_fi.study import Study
 
 STUDY = Path(__file__).parents[3]

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from scaloft_fi.document import load
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.happenings import HAPPENINGS, Effect, HappeningKind, Start, Surroundings
-from scaloft_fi.sim.happenings.walk import Walk
+from scaloft_fi.sim.happenings import HAPPENINGS, Effect, HappeningKind, Start, Surroundings, Walk
 from scaloft_fi.sim.load import load as load_sim
 from scaloft_fi.sim.world import World, read_world
 

@@ -12,13 +12,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.sim.airframe import spawn
 from scaloft_fi.sim.build import build, connect, place
-from scaloft_fi.sim.clearance import Clearances
+from scaloft_fi.sim.contact import Clearances
 from scaloft_fi.sim.load import SimConfig, load
 from scaloft_fi.sim.observer import Observer
-from scaloft_fi.sim.raster import look
-from scaloft_fi.sim.vehicle import STATE_SIZE
+from scaloft_fi.sim.sensors.camera import look
+from scaloft_fi.sim.vehicle import STATE_SIZE, spawn
 from tests.sim.test_raster import CAMERA, UPRIGHT, cast
 
 pytestmark = pytest.mark.flight
@@ -125,7 +124,7 @@ def test_the_line_of_sight_is_tried_to_where_the_person_is(server, monkeypatch) 
         tried.append(arguments[-1][:2].copy())
         return True
 
-    monkeypatch.setattr("scaloft_fi.sim.geometry.blocked", blocked)
+    monkeypatch.setattr("scaloft_fi.sim.observer.blocked", blocked)
     observer = Observer(client, ids, body, scenario.vehicle, scenario, around)
     state = np.zeros(STATE_SIZE)
     state[:3], state[6] = (0.0, 2.0, 0.85), 1.0

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from scaloft_fi.sim.optics import View
+from scaloft_fi.sim.mesh import View
 from scaloft_fi.sim.sensors.camera import CERTAIN, DepthSensor
 from scaloft_fi.sim.sensors.sensor import FlightSetting
 from scaloft_fi.streams import key_words

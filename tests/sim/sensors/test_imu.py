@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from scaloft_fi.sim.build import GRAVITY_MPS2
-from scaloft_fi.sim.sensors.imu import ImuConfig, ImuSensor
+from scaloft_fi.sim.sensors.body import ImuConfig, ImuSensor
 from scaloft_fi.sim.vehicle import STATE_SIZE
 from scaloft_fi.stack.declaration import STEP_S
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 from builders import GRID, ROSTER, campaigns, outcome
 from hypothesis import given
 
-from scaloft_fi.judge.facts import Facts
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.status import Facts
 from scaloft_fi.views.flights.compare import Comparison, Difference, compare, comparison_table
 
 M = "LATE-human@3s"

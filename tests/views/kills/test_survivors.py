@@ -16,8 +16,7 @@ from scaloft_fi.analysis.plain import plain
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.scoring.detection import Verdict
 from scaloft_fi.analysis.scoring.score import score
-from scaloft_fi.judge.outcome import BASELINE, Outcome
-from scaloft_fi.judge.track import TRACK_COLUMNS, pack_track
+from scaloft_fi.judge.outcome import BASELINE, TRACK_COLUMNS, Outcome, pack_track
 from scaloft_fi.sim.found import Find
 from scaloft_fi.study import Study
 from scaloft_fi.views.kills.kill_tables import survivor_table

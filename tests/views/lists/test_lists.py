@@ -11,13 +11,10 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.judge.bounds import bounds_of, verdict
-from scaloft_fi.judge.caps import check_caps
-from scaloft_fi.judge.ranges import ranges_of
+from scaloft_fi.judge.bounds import bounds_of, check_caps, ranges_of, verdict
 from scaloft_fi.judge.stl import Formula
 from scaloft_fi.mutants.operators import OPERATORS
-from scaloft_fi.sim.measures import SIGNALS
-from scaloft_fi.sim.signals import TRUTH_NAMES
+from scaloft_fi.sim.log import SIGNALS, TRUTH_NAMES
 from scaloft_fi.study import Study
 from scaloft_fi.views.lists.axes import axis_list
 from scaloft_fi.views.lists.listing import Listing, shown

@@ -13,8 +13,7 @@ from browsing import Opened, Visit
 from papers import HOSTILE, STUDY, campaign, evidence_of
 
 from scaloft_fi.document import load
-from scaloft_fi.sim.known_finds import NO_FINDS
-from scaloft_fi.study import Study
+from scaloft_fi.study import NO_FINDS, Study
 from scaloft_fi.views.report.evidence import Evidence
 from scaloft_fi.views.report.figures import figures
 from scaloft_fi.views.report.page import page

@@ -13,7 +13,7 @@ from reading import embedded
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.grids import load_grid
-from scaloft_fi.sim.known_finds import KnownFinds
+from scaloft_fi.study import KnownFinds
 from scaloft_fi.views.report.breaks import broken
 from scaloft_fi.views.report.page import html
 

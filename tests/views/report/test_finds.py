@@ -14,11 +14,10 @@ from papers import STUDY
 from reading import embedded
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.judge.track import TRACK_COLUMNS
+from scaloft_fi.judge.outcome import TRACK_COLUMNS
 from scaloft_fi.sim.found import Find
 from scaloft_fi.sim.grids import load_grid
-from scaloft_fi.sim.known_finds import KnownFinds
-from scaloft_fi.study import Study
+from scaloft_fi.study import KnownFinds, Study
 from scaloft_fi.views.report.evidence import Evidence
 from scaloft_fi.views.report.finds import STEP_M
 from scaloft_fi.views.report.finds import found as told_finds

@@ -11,8 +11,7 @@ import pytest
 from papers import column
 from reading import unpacked
 
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
-from scaloft_fi.judge.track import unpack_track
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome, unpack_track
 from scaloft_fi.views.report.evidence import Evidence
 from scaloft_fi.views.report.flights import DETAILS, Detail, columns, packs, record, rows_of
 

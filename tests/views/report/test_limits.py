@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from scaloft_fi.judge.outcome import TRACK_COLUMNS
 from scaloft_fi.judge.requirement import Kind, Requirement
-from scaloft_fi.judge.track import TRACK_COLUMNS
 from scaloft_fi.study import Study
 from scaloft_fi.views.report.limits import limits
 

@@ -8,8 +8,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.judge.track import TRACK_COLUMNS
-from scaloft_fi.sim.signals import FAR_M
+from scaloft_fi.judge.outcome import TRACK_COLUMNS
+from scaloft_fi.sim.log import FAR_M
 from scaloft_fi.views.report.tracks import FAR, coded, quantised, quantum, shared, thinned
 
 values = st.floats(-150, 150, width=32)

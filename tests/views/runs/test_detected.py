@@ -6,7 +6,7 @@ from papers import STUDY, flight
 from scaloft_fi.analysis.scoring.detection import Spending
 from scaloft_fi.analysis.scoring.score import score_of
 from scaloft_fi.judge.outcome import BASELINE, Outcome
-from scaloft_fi.judge.rulings import rulings_of
+from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.study import Study
 from scaloft_fi.views.runs.detected import detected_so_far
 

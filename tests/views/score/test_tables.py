@@ -17,7 +17,7 @@ from scaloft_fi.analysis.scoring.score import score
 from scaloft_fi.analysis.situations.coverage import coverage
 from scaloft_fi.console import PIPED
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
-from scaloft_fi.judge.rulings import rulings_of
+from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.views.score.tables import MANY, tables_behind
 from scaloft_fi.views.tables.table import Format, Table, render
 

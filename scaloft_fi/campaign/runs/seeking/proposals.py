@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from scaloft_fi.analysis.seeking.shrink import brief
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.free_axis import DEVIATES
-from scaloft_fi.sim.situation import Situation
+from scaloft_fi.sim.situation import DEVIATES, Situation
 from scaloft_fi.streams import key_words
 
 if TYPE_CHECKING:

@@ -54,8 +54,8 @@ def recalled(study: Study, flight: Flight, violations: Sequence[Violation]) -> T
     Raises:
         ScaloftError: the flight cannot be flown, or a claim of the stack fails.
     """
-    from scaloft_fi.sim.claims import claims_of
     from scaloft_fi.sim.flight import FlightLoop, physics_server
+    from scaloft_fi.sim.load import claims_of
     from scaloft_fi.stack.declaration import TICK_HZ
 
     claims = claims_of(study.stack, study.signals)

@@ -1,0 +1,509 @@
+"""Readers of records, one for each kind: CSV, ULog of PX4, MCAP, and the bags of ROS."""
+
+from __future__ import annotations
+
+import contextlib
+import csv
+import io
+import json
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from scaloft_fi.document import is_folder, opened, read_text
+from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.outside.records.record_map import (
+    MOST_MESSAGES,
+    RecordKind,
+    Series,
+    Source,
+    Timing,
+    damaged,
+    lacks,
+    number,
+    steps,
+    too_many,
+)
+from scaloft_fi.registry import in_one_line
+
+DEEPEST = 8
+"""Deepest field that is listed."""
+
+
+@dataclass(frozen=True)
+class Message:
+    """A message of a record: topic, time at which it was received [ns], and content, a mapping or an object."""
+
+    topic: str
+    received_ns: int
+    content: Any
+
+
+def topics_of(path: Path, sources: Iterable[Source], timing: Timing, there: Iterable[str]) -> tuple[str, ...]:
+    """The topics that sources and timing need.
+
+    Raises:
+        InputError: a source has no topic, or the record lacks it.
+    """
+    known = list(there)
+    for source in sources:
+        if not source.topic or not source.field:
+            raise InputError(f"{path}: signal {source.signal!r} must have a topic and a field, as the record has them")
+        if source.topic not in known:
+            raise lacks(path, source, "topic", source.topic, known)
+    if timing.clock and timing.clock not in known:
+        raise lacks(path, Source("time"), "topic", timing.clock, known)
+    return tuple(dict.fromkeys([*(source.topic for source in sources), *filter(None, [timing.clock])]))
+
+
+def collect(
+    path: Path, messages: Iterable[Message], sources: Sequence[Source], timing: Timing
+) -> Mapping[Source, Series]:
+    """The series of each source.
+
+    Raises:
+        InputError: there are too many messages, a message lacks a field, or a value is no finite number.
+    """
+    by_topic: dict[str, list[tuple[Source, tuple[str | int, ...]]]] = {}
+    for source in sources:
+        way = steps(source.field)
+        if way is None:
+            raise InputError(
+                f"{path}: signal {source.signal!r}: field {source.field!r} must be like pose.position.x or q[0]"
+            )
+        by_topic.setdefault(source.topic, []).append((source, way))
+    found: dict[Source, tuple[list[float], list[float]]] = {source: ([], []) for source in sources}
+    ticks: tuple[list[float], list[float]] = ([], [])
+    for count, message in enumerate(messages):
+        if count >= MOST_MESSAGES:
+            raise too_many(path)
+        place = f"message {count + 1} ({message.topic})"
+        received_s = message.received_ns * 1e-9
+        if message.topic == timing.clock:
+            ticks[0].append(received_s)
+            ticks[1].append(_seconds(path, place, _first_stamp(message.content)))
+        asked = by_topic.get(message.topic, ())
+        if not asked:
+            continue
+        t_s = _stamp(path, place, message.content) if timing.stamped else received_s
+        for source, way in asked:
+            times, values = found[source]
+            times.append(t_s)
+            values.append(number(path, source, place, _value(path, source, message.content, way)))
+    return {source: _series(times, values, timing, ticks) for source, (times, values) in found.items()}
+
+
+def _series(
+    times: list[float],
+    values: list[float],
+    timing: Timing,
+    ticks: tuple[list[float], list[float]],
+) -> Series:
+    """Sorted by time; a message before the first tick of the clock is left out."""
+    times_s, numbers = np.array(times), np.array(values)
+    if timing.clock and not timing.stamped:
+        last = np.searchsorted(np.array(ticks[0]), times_s, side="right") - 1
+        times_s, numbers = np.array([0.0, *ticks[1]])[last[last >= 0] + 1], numbers[last >= 0]
+    order = np.argsort(times_s, kind="stable")
+    return Series(times_s[order], numbers[order])
+
+
+def _value(path: Path, source: Source, content: Any, way: Sequence[str | int]) -> Any:
+    value = content
+    for step in way:
+        try:
+            value = value[step] if isinstance(step, int) or isinstance(value, Mapping) else getattr(value, step)
+        except (KeyError, AttributeError, IndexError, TypeError):
+            there = fields_of(content)
+            raise lacks(path, source, f"field of {source.topic!r}", source.field, there) from None
+    return value
+
+
+def _stamp(path: Path, place: str, content: Any) -> float:
+    header = content.get("header", content) if isinstance(content, Mapping) else getattr(content, "header", content)
+    return _seconds(path, place, _first_stamp(header))
+
+
+def _first_stamp(content: Any) -> Any:
+    """The stamp, or the clock, in a message."""
+    for name in ("stamp", "timestamp", "clock"):
+        stamp = content.get(name) if isinstance(content, Mapping) else getattr(content, name, None)
+        if stamp is not None:
+            return stamp
+    return None
+
+
+def _seconds(path: Path, place: str, stamp: Any) -> float:
+    """A stamp of seconds and nanoseconds in seconds."""
+    parts = stamp if isinstance(stamp, Mapping) else getattr(stamp, "__dict__", None) or {}
+    second = next((parts[name] for name in ("sec", "secs") if name in parts), getattr(stamp, "sec", None))
+    nano = next((parts[n] for n in ("nanosec", "nsec", "nsecs") if n in parts), getattr(stamp, "nanosec", 0))
+    if second is None:
+        raise InputError(f"{path}: {place}: the message has no stamp; take the time at which messages were received")
+    told = Source("time")
+    return number(path, told, place, second) + number(path, told, place, nano) * 1e-9
+
+
+def fields_of(content: Any, name: str = "", depth: int = 0) -> Iterator[str]:
+    """The fields of a message that are numbers, each with its parts; an array is told by its first place."""
+    if depth > DEEPEST:
+        return
+    if isinstance(content, Mapping):
+        for key, value in content.items():
+            yield from fields_of(value, f"{name}.{key}" if name else str(key), depth + 1)
+    elif isinstance(content, bool | int | float | np.number | np.bool_):
+        yield name
+    elif isinstance(content, list | tuple | np.ndarray):
+        if len(content):
+            yield from fields_of(content[0], f"{name}[0]", depth + 1)
+    elif hasattr(content, "__dict__"):
+        yield from fields_of({key: value for key, value in vars(content).items() if key[:1] != "_"}, name, depth)
+
+
+TABLE_BYTES = 256 << 20
+"""Largest table."""
+
+
+def read_table(path: Path, sources: Sequence[Source], timing: Timing) -> Mapping[Source, Series]:
+    """Read the columns of a table; an empty cell says nothing new.
+
+    Raises:
+        InputError: as `Read`; or the time goes back.
+    """
+    head, rows = _opened(path)
+    if not timing.column:
+        raise InputError(
+            f"{path}: a table needs the column of its time: time: {{column: NAME}} in the record's mapping"
+        )
+    if timing.column not in head:
+        hint = did_you_mean(timing.column, head)
+        raise InputError(f"{path}: the time needs the column {timing.column!r}, which the record does not have{hint}")
+    for source in sources:
+        if not source.column:
+            raise InputError(f"{path}: signal {source.signal!r} must have a column, because the record is a table")
+        if source.column not in head:
+            raise lacks(path, source, "column", source.column, head)
+    clock, places = head.index(timing.column), {source: head.index(source.column) for source in sources}
+    found: dict[Source, tuple[list[float], list[float]]] = {source: ([], []) for source in sources}
+    told, last_s = Source("time", column=timing.column), -math.inf
+    for line, row in rows:
+        if len(row) != len(head):
+            raise InputError(f"{path}:{line}: {len(row)} cells must be {len(head)}, as in the first line")
+        t_s = _parsed(path, told, line, row[clock]) * timing.unit_s
+        if t_s < last_s:
+            raise InputError(
+                f"{path}:{line}: {timing.column}={row[clock]} must not be before the time of the line above"
+            )
+        last_s = t_s
+        for source, place in places.items():
+            cell = row[place]
+            if cell:
+                times, values = found[source]
+                times.append(t_s)
+                values.append(_parsed(path, source, line, cell))
+    return {source: Series(np.array(times), np.array(values)) for source, (times, values) in found.items()}
+
+
+def names_in_table(path: Path) -> Sequence[str]:
+    """The columns of a table.
+
+    Raises:
+        InputError: the table cannot be read.
+    """
+    return _opened(path)[0]
+
+
+def _opened(path: Path) -> tuple[list[str], Iterator[tuple[int, list[str]]]]:
+    """The names of the columns, and each row with the number of its line."""
+    reader = csv.reader(io.StringIO(read_text(path, TABLE_BYTES).removeprefix("\ufeff"), newline=""))
+    try:
+        head = [name.strip() for name in next(reader, [])]
+    except csv.Error as error:
+        raise InputError(f"{path}:1: not a table: {error}") from error
+    if not any(head):
+        raise InputError(f"{path}:1: the first line must have the names of the columns")
+    twice = [name for place, name in enumerate(head) if name in head[:place]]
+    if twice:
+        raise InputError(f"{path}:1: column {twice[0]!r} occurs twice")
+
+    def rows() -> Iterator[tuple[int, list[str]]]:
+        try:
+            for row in islice(reader, MOST_MESSAGES):
+                if row:
+                    yield reader.line_num, row
+            if next(reader, None) is not None:
+                raise too_many(path)
+        except csv.Error as error:
+            raise InputError(f"{path}:{reader.line_num}: not a table: {error}") from error
+
+    return head, rows()
+
+
+def _parsed(path: Path, source: Source, line: int, cell: str) -> float:
+    try:
+        value = float(cell)
+    except ValueError:
+        words = {"true": 1.0, "false": 0.0}
+        if cell.strip().lower() not in words:
+            said = f"{source.column}={cell[:40]!r} must be a number"
+            raise InputError(f"{path}:{line}: signal {source.signal!r}: {said}") from None
+        value = words[cell.strip().lower()]
+    return value if math.isfinite(value) else number(path, source, f"line {line}", value)
+
+
+TABLE = RecordKind(read_table, names_in_table)
+
+
+TIME = "timestamp"
+"""Field with the time of a message [us]."""
+
+
+def read_ulog(path: Path, sources: Sequence[Source], timing: Timing) -> Mapping[Source, Series]:
+    """Read the fields of messages; their times are their own, so `timing` has no clock.
+
+    Raises:
+        InputError: as `Read`.
+    """
+    sets = _sets(path, list({source.topic.partition("/")[0] for source in sources}))
+    topics_of(path, sources, timing, sets)
+    if sum(len(one[TIME]) for one in sets.values()) > MOST_MESSAGES:
+        raise too_many(path)
+    return {source: _series_of_fields(path, source, sets[source.topic]) for source in sources}
+
+
+def names_in_ulog(path: Path) -> Sequence[str]:
+    """The fields of each topic.
+
+    Raises:
+        InputError: the record cannot be read.
+    """
+    return [f"{topic}: {field}" for topic, data in _sets(path, None).items() for field in data if field != TIME]
+
+
+def _series_of_fields(path: Path, source: Source, data: Mapping[str, Any]) -> Series:
+    if source.field not in data:
+        raise lacks(path, source, f"field of {source.topic!r}", source.field, data)
+    times_s, values = np.asarray(data[TIME]) * 1e-6, np.asarray(data[source.field], dtype=np.float64)
+    wrong = np.flatnonzero(~np.isfinite(values))
+    if len(wrong):
+        number(path, source, f"{source.topic} at {times_s[wrong[0]]:.6f} s", values[wrong[0]])
+    order = np.argsort(times_s, kind="stable")
+    return Series(times_s[order], values[order])
+
+
+def _sets(path: Path, names: list[str] | None) -> dict[str, Mapping[str, Any]]:
+    """The fields of each topic by name; `names` = which messages to read, None = all.
+
+    Raises:
+        InputError: the record cannot be read, or the library is missing.
+    """
+    try:
+        from pyulog import ULog
+    except ImportError as error:
+        raise InputError(f"{path}: an .ulg file needs pyulog: pip install 'scaloft-fi[records]'") from error
+    with opened(path) as file, contextlib.redirect_stdout(io.StringIO()):  # it prints what it skips
+        try:
+            log = ULog(file, names)
+        except Exception as error:
+            raise damaged(path, error) from error
+    if log.file_corruption:
+        raise InputError(f"{path}: the record is damaged")
+    found = {f"{one.name}/{one.multi_id}" if one.multi_id else one.name: one.data for one in log.data_list}
+    return {topic: data for topic, data in found.items() if TIME in data}
+
+
+ULOG = RecordKind(read_ulog, names_in_ulog)
+
+
+CHUNK_BYTES = 256 << 20
+"""Largest chunk of a file, when it is unpacked."""
+ENCODINGS = ("json", "cdr", "ros1")
+
+
+def read_mcap(path: Path, sources: Sequence[Source], timing: Timing) -> Mapping[Source, Series]:
+    """Read the fields of messages.
+
+    Raises:
+        InputError: as `Read`.
+    """
+    with _reader(path) as (reader, topics):
+        asked = topics_of(path, sources, timing, topics)
+        return collect(path, _messages(path, reader, asked), sources, timing)
+
+
+def names_in_mcap(path: Path) -> Sequence[str]:
+    """The fields of the first message of each topic.
+
+    Raises:
+        InputError: the record cannot be read.
+    """
+    names: list[str] = []
+    with _reader(path) as (reader, topics):
+        for topic in topics:
+            first = next(_messages(path, reader, (topic,)), None)
+            names += [f"{topic}: {field}" for field in fields_of(first.content)] if first else [topic]
+    return names
+
+
+@contextmanager
+def _reader(path: Path) -> Iterator[tuple[Any, list[str]]]:
+    """The open file and its topics.
+
+    Raises:
+        InputError: it cannot be read, or the library is missing.
+    """
+    try:
+        from mcap.reader import make_reader
+    except ImportError as error:
+        raise InputError(f"{path}: an .mcap file needs mcap: pip install 'scaloft-fi[records]'") from error
+    with opened(path) as file:
+        try:
+            reader = make_reader(file)
+            summary = reader.get_summary()
+        except Exception as error:
+            raise damaged(path, error) from error
+        if summary is None or (summary.statistics is None and not summary.channels):
+            raise InputError(f"{path}: the record is incomplete: it has no summary, so its writer did not finish it")
+        if summary.statistics is not None and summary.statistics.message_count > MOST_MESSAGES:
+            raise too_many(path)
+        if any(chunk.uncompressed_size > CHUNK_BYTES for chunk in summary.chunk_indexes):
+            raise InputError(f"{path}: a chunk of the record must have at most {CHUNK_BYTES:,} bytes")
+        yield reader, [channel.topic for channel in summary.channels.values()]
+
+
+def _messages(path: Path, reader: Any, topics: Sequence[str]) -> Iterator[Message]:
+    waiting, decoders = reader.iter_messages(topics=list(topics)), dict[int, Any]()
+    while True:
+        try:
+            schema, channel, message = next(waiting)
+            if channel.id not in decoders:
+                decoders[channel.id] = _decoder(path, schema, channel)
+            content = decoders[channel.id](message.data)
+        except StopIteration:
+            return
+        except InputError:
+            raise
+        except Exception as error:
+            raise damaged(path, error) from error
+        yield Message(channel.topic, message.log_time, content)
+
+
+def _decoder(path: Path, schema: Any, channel: Any) -> Any:
+    """What turns the bytes of a channel's messages into their content."""
+    encoding = channel.message_encoding
+    if encoding == "json":
+        return json.loads
+    if encoding not in ENCODINGS or schema is None or schema.encoding not in ("ros2msg", "ros2idl", "ros1msg"):
+        raise InputError(
+            f"{path}: topic {channel.topic!r} has messages in {encoding!r}, "
+            "which must be json, or cdr or ros1 with a schema"
+        )
+    try:
+        from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
+    except ImportError as error:
+        raise InputError(f"{path}: messages of ROS need rosbags: pip install 'scaloft-fi[records]'") from error
+    store, text = get_typestore(Stores.EMPTY), schema.data.decode()
+    try:
+        store.register(
+            get_types_from_idl(text) if schema.encoding == "ros2idl" else get_types_from_msg(text, schema.name)
+        )
+    except Exception as error:
+        raise InputError(
+            f"{path}: the schema of topic {channel.topic!r} cannot be read: {in_one_line(error)}"
+        ) from error
+    if encoding == "cdr":
+        return lambda data: store.deserialize_cdr(data, schema.name)
+    return lambda data: store.deserialize_ros1(data, schema.name)
+
+
+MCAP = RecordKind(read_mcap, names_in_mcap)
+
+
+MOST_FILES = 1_000
+"""Most files of a record that is a folder."""
+
+
+def read_rosbag(path: Path, sources: Sequence[Source], timing: Timing) -> Mapping[Source, Series]:
+    """Read the fields of messages.
+
+    Raises:
+        InputError: as `Read`.
+    """
+    with _bag_reader(path) as reader:
+        topics = topics_of(path, sources, timing, reader.topics)
+        return collect(path, _bag_messages(path, reader, topics), sources, timing)
+
+
+def names_in_rosbag(path: Path) -> Sequence[str]:
+    """The fields of the first message of each topic.
+
+    Raises:
+        InputError: the record cannot be read.
+    """
+    names: list[str] = []
+    with _bag_reader(path) as reader:
+        for topic in reader.topics:
+            first = next(_bag_messages(path, reader, (topic,)), None)
+            names += [f"{topic}: {field}" for field in fields_of(first.content)] if first else [topic]
+    return names
+
+
+def _bag_messages(path: Path, reader: Any, topics: Sequence[str]) -> Iterator[Message]:
+    connections = [connection for connection in reader.connections if connection.topic in topics]
+    waiting = reader.messages(connections=connections) if connections else iter(())
+    while True:
+        try:
+            connection, received_ns, data = next(waiting)
+            content = reader.deserialize(data, connection.msgtype)
+        except StopIteration:
+            return
+        except Exception as error:
+            raise damaged(path, error) from error
+        yield Message(connection.topic, received_ns, content)
+
+
+@contextmanager
+def _bag_reader(path: Path) -> Iterator[Any]:
+    """The open record.
+
+    Raises:
+        InputError: it cannot be read, or the library is missing.
+    """
+    try:
+        from rosbags.highlevel import AnyReader
+        from rosbags.typesys import Stores, get_typestore
+    except ImportError as error:
+        raise InputError(f"{path}: a bag needs rosbags: pip install 'scaloft-fi[records]'") from error
+    _check_files(path)
+    with ExitStack() as stack:
+        try:
+            reader = stack.enter_context(AnyReader([path], default_typestore=get_typestore(Stores.LATEST)))
+        except Exception as error:
+            raise damaged(path, error) from error
+        yield reader
+
+
+def _check_files(path: Path) -> None:
+    """Refuse what is no regular file, or too large, before a library opens it.
+
+    Raises:
+        InputError: there is such a file, or none at all.
+    """
+    if is_folder(path):
+        files = sorted(path.iterdir())
+        if len(files) > MOST_FILES or path / "metadata.yaml" not in files:
+            raise InputError(f"{path}: a folder must be a rosbag2: a metadata.yaml and at most {MOST_FILES} files")
+    else:
+        files = [path]
+    for file in files:
+        with opened(file):
+            pass
+
+
+ROSBAG = RecordKind(read_rosbag, names_in_rosbag)

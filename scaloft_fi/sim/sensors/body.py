@@ -1,0 +1,260 @@
+"""Sensors of the body: inertial sensor 240 Hz, positioning 20 Hz, battery, touch sensor."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from scaloft_fi.document import Item
+from scaloft_fi.sim.build import GRAVITY_MPS2
+from scaloft_fi.sim.sensors.sensor import LONGEST_S, SENSORS, FlightSetting, Moment, SensorKind
+from scaloft_fi.stack.declaration import STEP_S, TICK_S
+from scaloft_fi.stack.kernel import jit
+from scaloft_fi.stack.messages import Battery, Bumper, Fix, Imu
+from scaloft_fi.streams import Array, Table, generator
+
+
+class BumperSensor:
+    """Reports contacts of hull and landing gear."""
+
+    def __init__(self, config: None, flight: FlightSetting) -> None:
+        pass
+
+    def measure(self, moment: Moment) -> Bumper:
+        """Whether hull and landing gear had a contact since the last reading."""
+        hull = gear = False
+        for contact in moment.contacts:
+            gear |= contact.gear
+            hull |= not contact.gear
+        return Bumper(moment.now_s, hull, gear)
+
+
+SENSORS.declare("bumper", SensorKind(BumperSensor, Bumper, required=True))
+
+
+@dataclass(frozen=True)
+class PositioningConfig:
+    """Errors of the positioning system.
+
+    Attributes:
+        sigma_m: standard deviation per axis [m].
+        yaw_sigma_rad: standard deviation of the heading [rad].
+        latency_s: from measurement to delivery [s].
+    """
+
+    sigma_m: float
+    yaw_sigma_rad: float
+    latency_s: float
+
+    @classmethod
+    def read(cls, item: Item) -> PositioningConfig:
+        """Read the `positioning` of `sensors.yaml`."""
+        config = cls(
+            sigma_m=item.need("sigma_m").number(least=0.0),
+            yaw_sigma_rad=math.radians(item.need("yaw_sigma_deg").number(least=0.0)),
+            latency_s=item.need("latency_s").number(least=0.0, most=LONGEST_S),
+        )
+        item.close()
+        return config
+
+
+class Positioning:
+    """Measures position and heading."""
+
+    def __init__(self, config: PositioningConfig, flight: FlightSetting) -> None:
+        self._config = config
+        self._noise = Table(4, *flight.stream, "fix")
+
+    def measure(self, moment: Moment) -> Fix:
+        """The fix of this tick."""
+        noise, state = self._noise.row(moment.tick), moment.state
+        x, y, z, w = state[3:7].tolist()
+        yaw_rad = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+        return Fix(
+            moment.stamps.fix_s,
+            state[:3] + moment.around.drift_m + self._config.sigma_m * noise[:3],
+            yaw_rad + self._config.yaw_sigma_rad * float(noise[3]),
+        )
+
+
+SENSORS.declare(
+    "positioning",
+    SensorKind(
+        Positioning,
+        Fix,
+        read=PositioningConfig.read,
+        latency_s=lambda config: config.latency_s,
+        required=True,
+    ),
+)
+
+
+PERIOD_TICKS = 20
+"""Ticks from one telemetry message to the next: 1 Hz."""
+
+
+@dataclass(frozen=True)
+class BatteryConfig:
+    """Settings of the battery.
+
+    Attributes:
+        cells: number of cells in series.
+        capacity_ah: charge of a full pack [A h].
+        charge: state of charge at take-off, 0..1.
+        full_cell_v, empty_cell_v: open-circuit voltage of a full and of an empty cell [V]; linear in between.
+        resistance_ohm: resistance of the whole pack [ohm].
+        hover_w_per_n15: power of a rotor per thrust^1.5 [W/N^1.5].
+        idle_w: power of all other consumers [W].
+    """
+
+    cells: int
+    capacity_ah: float
+    charge: float
+    full_cell_v: float
+    empty_cell_v: float
+    resistance_ohm: float
+    hover_w_per_n15: float
+    idle_w: float
+
+    @classmethod
+    def read(cls, item: Item) -> BatteryConfig:
+        """Read the `battery` of `sensors.yaml`."""
+        empty_cell_v = item.need("empty_cell_v").number(least=1e-3)
+        config = cls(
+            cells=item.need("cells").whole(least=1, most=1_000),
+            capacity_ah=item.need("capacity_ah").number(least=1e-3),
+            charge=item.need("charge").number(least=0.0, most=1.0),
+            full_cell_v=item.need("full_cell_v").number(above=empty_cell_v),
+            empty_cell_v=empty_cell_v,
+            resistance_ohm=item.need("resistance_ohm").number(least=0.0),
+            hover_w_per_n15=item.need("hover_w_per_n15").number(least=0.0),
+            idle_w=item.need("idle_w").number(least=0.0),
+        )
+        item.close()
+        return config
+
+
+class BatteryGauge:
+    """Tracks the charge and sends telemetry."""
+
+    def __init__(self, config: BatteryConfig, flight: FlightSetting) -> None:
+        self._config = config
+        self._charge = config.charge
+
+    def drain(self, thrusts: Array, seconds: float) -> float:
+        """Drain the pack by the power for `thrusts` (4,) [N] over `seconds` [s]; returns the terminal voltage [V]."""
+        config = self._config
+        rest_v = config.cells * (config.empty_cell_v + (config.full_cell_v - config.empty_cell_v) * self._charge)
+        work: float = sum(n * math.sqrt(n) for n in thrusts.tolist())
+        power_w = config.idle_w + config.hover_w_per_n15 * work
+        current_a = power_w / rest_v
+        self._charge = max(0.0, self._charge - current_a * seconds / (3600.0 * config.capacity_ah))
+        return rest_v - current_a * config.resistance_ohm
+
+    def measure(self, moment: Moment) -> Battery | None:
+        """Drain the pack at every tick; returns a telemetry message once per second, else None."""
+        voltage_v = self.drain(moment.thrusts, TICK_S)
+        if moment.tick % PERIOD_TICKS:
+            return None
+        return Battery(moment.now_s, self._charge, voltage_v, self._config.cells)
+
+
+SENSORS.declare("battery", SensorKind(BatteryGauge, Battery, read=BatteryConfig.read, required=True))
+
+
+NUMBERS = 21
+
+
+@dataclass(frozen=True)
+class ImuConfig:
+    """Errors of the inertial sensor; the biases are drawn once per flight.
+
+    Attributes:
+        rate_sigma_radps, rate_bias_radps: white noise per sample, standard deviation of the bias [rad/s].
+        force_sigma_mps2, force_bias_mps2: white noise per sample, standard deviation of the bias [m/s2].
+    """
+
+    rate_sigma_radps: float
+    rate_bias_radps: float
+    force_sigma_mps2: float
+    force_bias_mps2: float
+
+    @classmethod
+    def read(cls, item: Item) -> ImuConfig:
+        """Read the `imu` of `sensors.yaml`."""
+        config = cls(
+            rate_sigma_radps=item.need("rate_sigma_radps").number(least=0.0),
+            rate_bias_radps=item.need("rate_bias_radps").number(least=0.0),
+            force_sigma_mps2=item.need("force_sigma_mps2").number(least=0.0),
+            force_bias_mps2=item.need("force_bias_mps2").number(least=0.0),
+        )
+        item.close()
+        return config
+
+
+class ImuSensor:
+    """Measures angular rate and specific force; the acceleration is the change of velocity over the last step.
+
+    Attributes:
+        noise: noise of each sample.
+        numbers: (21,) arguments of `inertial`, see `parts_of`.
+    """
+
+    def __init__(self, config: ImuConfig, *stream: object) -> None:
+        self.noise = Table(6, *stream, "imu")
+        bias = np.repeat(np.array([config.rate_bias_radps, config.force_bias_mps2], np.float64), 3)
+        bias *= generator(*stream, "imu bias").standard_normal(6)
+        sigma = np.repeat(np.array([config.rate_sigma_radps, config.force_sigma_mps2], np.float64), 3)
+        self.numbers = np.zeros(NUMBERS)
+        self._before, self._errors, _ = parts_of(self.numbers)
+        self._errors[:] = bias, sigma
+        self._measured = False
+
+    def begin(self, state: Array) -> None:
+        """Before the first sample, set the velocity one step earlier to that of `state` (13,)."""
+        if not self._measured:
+            self._measured = True
+            self._before[:] = state[7:10]
+
+    def measure(self, step: int, state: Array) -> Imu:
+        """The sample of physics step `step` from the vehicle's true `state` (13,)."""
+        self.begin(state)
+        reading = np.empty((2, 3))
+        inertial(state, self._before, self.noise.row(step), self._errors, reading)
+        return Imu(step * STEP_S, reading[0], reading[1])
+
+
+@jit
+def parts_of(numbers: Array) -> tuple[Array, Array, Array]:
+    """Velocity one step earlier (3,), errors (2, 6), reading (2, 3) as views of `numbers` (21,); see `inertial`."""
+    return numbers[:3], numbers[3:15].reshape((2, 6)), numbers[15:NUMBERS].reshape((2, 3))
+
+
+@jit
+def inertial(state: Array, before: Array, noise: Array, errors: Array, reading: Array) -> None:
+    """Write the `reading` of the sensor, and copy the velocity of `state` into `before` (3,).
+
+    Args:
+        state: (13,) state of the vehicle.
+        before: (3,) velocity one step earlier [m/s, world].
+        noise: (6,) standard normal numbers.
+        errors: (2, 6) bias and standard deviation of rate x, y, z and force x, y, z.
+        reading: (2, 3) receives body rate [rad/s] and specific force [m/s2].
+    """
+    x, y, z, w = state[3], state[4], state[5], state[6]
+    r = np.empty((3, 3))
+    r[0, 0], r[0, 1], r[0, 2] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)
+    r[1, 0], r[1, 1], r[1, 2] = 2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)
+    r[2, 0], r[2, 1], r[2, 2] = 2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)
+    for i in range(3):
+        turn, push = 0.0, 0.0
+        for k in range(3):
+            felt = (state[7 + k] - before[k]) / STEP_S + (GRAVITY_MPS2 if k == 2 else 0.0)
+            turn += r[k, i] * state[10 + k]
+            push += r[k, i] * felt
+        reading[0, i] = turn + errors[0, i] + errors[1, i] * noise[i]
+        reading[1, i] = push + errors[0, 3 + i] + errors[1, 3 + i] * noise[3 + i]
+    for k in range(3):
+        before[k] = state[7 + k]
