@@ -29,9 +29,9 @@ import numpy as np
 import pyarrow.parquet
 from numpy.typing import NDArray
 
-from scaloft_fi.analysis.scoring.detection import ALPHA, LOOKS, Sample, Spending, detect
-from scaloft_fi.analysis.scoring.pool import LEAST, Pair, Pool
-from scaloft_fi.analysis.scoring.redraw import redraw
+from scaloft_fi.analysis.detection import ALPHA, LOOKS, Sample, Spending, detect
+from scaloft_fi.analysis.pool import LEAST, Pair, Pool
+from scaloft_fi.analysis.score import redraw
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.study import Study

@@ -10,9 +10,9 @@ from functools import cached_property
 from more_goal_plan import ARMS, AS_IT_IS, CRUISES_MPS, DRAWS, FLIGHTS, MUTANTS, NOT_TURNING, SEEDS, STRICT, Arm
 from operating_point import LIGHT
 
-from scaloft_fi.analysis.scoring.detection import ALPHA, Detection, Spending
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore, mutant_score
-from scaloft_fi.analysis.scoring.pool import Pool
+from scaloft_fi.analysis.detection import ALPHA, Detection, Spending
+from scaloft_fi.analysis.pool import Pool
+from scaloft_fi.analysis.score import MutantScore, mutant_score
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space

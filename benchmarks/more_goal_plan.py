@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from operating_point import CRUISE, LIGHT, NO_TURN
 
-from scaloft_fi.analysis.scoring.detection import ALPHA
+from scaloft_fi.analysis.detection import ALPHA
 from scaloft_fi.judge.outcome import BASELINE
 
 CRUISES_MPS = (0.5, 1.0, 1.2)

@@ -29,8 +29,8 @@ from dataclasses import dataclass
 from false_detections import baselines
 from scipy.stats import binomtest
 
-from scaloft_fi.analysis.scoring.detection import Detection, Sample, Spending, detect
-from scaloft_fi.analysis.scoring.pool import Pool, State
+from scaloft_fi.analysis.detection import Detection, Sample, Spending, detect
+from scaloft_fi.analysis.pool import Pool, State
 from scaloft_fi.document import load
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.catalogue import select

@@ -32,12 +32,10 @@ from reflown import own_s
 from wide_again import Grid, section
 from wide_plan import AGAIN, PARAMETERS, PLAN, halves
 
-from scaloft_fi.analysis.kills.background import backgrounds
-from scaloft_fi.analysis.kills.kill_matrix import kill_matrix
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
-from scaloft_fi.analysis.scoring.pool import State
-from scaloft_fi.analysis.scoring.redraw import Redraw, redraw
-from scaloft_fi.analysis.scoring.score import Score, score
+from scaloft_fi.analysis.kill_matrix import kill_matrix
+from scaloft_fi.analysis.pool import State
+from scaloft_fi.analysis.score import MutantScore, Redraw, Score, redraw, score
+from scaloft_fi.analysis.survivor import backgrounds
 from scaloft_fi.campaign.processes.start import cores
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind

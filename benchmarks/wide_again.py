@@ -8,9 +8,9 @@ from statistics import mean
 
 import numpy as np
 
-from scaloft_fi.analysis.scoring.detection import Spending
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore, mutant_score
-from scaloft_fi.analysis.scoring.pool import Pool, State
+from scaloft_fi.analysis.detection import Spending
+from scaloft_fi.analysis.pool import Pool, State
+from scaloft_fi.analysis.score import MutantScore, mutant_score
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import Rulings, rulings_of

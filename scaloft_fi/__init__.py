@@ -16,7 +16,7 @@ from scaloft_fi.version import __version__
 TYPE_CHECKING = False
 """As `typing` has it, whose import takes twenty times as long as this package's; checkers of types take it for true."""
 if TYPE_CHECKING:
-    from scaloft_fi.analysis.ratio import Ratio
+    from scaloft_fi.analysis.roster import Ratio
     from scaloft_fi.campaign.workers.interrupt import Interrupted
     from scaloft_fi.errors import GateError, InputError, ScaloftError
     from scaloft_fi.scripting.campaign import OpenCampaign
@@ -62,7 +62,7 @@ _LATE = {
     "Log": "scaloft_fi.scripting.flight",
     "OpenCampaign": "scaloft_fi.scripting.campaign",
     "OpenStudy": "scaloft_fi.scripting.study",
-    "Ratio": "scaloft_fi.analysis.ratio",
+    "Ratio": "scaloft_fi.analysis.roster",
     "ScaloftError": "scaloft_fi.errors",
     "Worksheet": "scaloft_fi.views.answers.worksheet",
     "open": "scaloft_fi.scripting.study",

@@ -13,7 +13,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.analysis.disposition import Disposition
+from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.document import Item, digest, is_file, is_there, load, read_text
 from scaloft_fi.errors import InputError, did_you_mean, shown
 from scaloft_fi.hazop.load import find_study, load_matrix
@@ -332,7 +332,7 @@ class Study(Setup):
         Raises:
             InputError: the number is not above 0 and at most 0.1; the message names its place.
         """
-        from scaloft_fi.analysis.scoring.detection import ALPHA, MOST_ALPHA
+        from scaloft_fi.analysis.detection import ALPHA, MOST_ALPHA
 
         path = self.folder / "hazop" / "score.yaml"
         if not is_there(path):

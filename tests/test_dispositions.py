@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from builders import GRID
 
-from scaloft_fi.analysis.disposition import Disposition
+from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.stack.reference.stack import REFERENCE

@@ -9,10 +9,9 @@ from published_outcomes import Row, outcomes
 
 from bugs.bug import Bug
 from bugs.coupling import Coupling
-from scaloft_fi.analysis.scoring.detection import Detection, Sample, Spending, detect
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
-from scaloft_fi.analysis.scoring.pool import Pool
-from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.analysis.detection import Detection, Sample, Spending, detect
+from scaloft_fi.analysis.pool import Pool
+from scaloft_fi.analysis.score import MutantScore, score
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.study import Study

@@ -25,7 +25,7 @@ from coverage_against_kills.curve_tables import curve_tables
 from coverage_against_kills.curves import curves
 from coverage_against_kills.prediction import predict
 from coverage_against_kills.trial import trial
-from scaloft_fi.analysis.scoring.score import score_of
+from scaloft_fi.analysis.score import score_of
 from scaloft_fi.errors import InputError
 from scaloft_fi.study import Study
 from scaloft_fi.views.snapshot import snapshot

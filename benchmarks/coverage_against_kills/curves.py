@@ -27,7 +27,7 @@ from coverage_against_kills.chance import (
 )
 from coverage_against_kills.redrawn import redrawn
 from coverage_against_kills.trial import Trial
-from scaloft_fi.analysis.situations.covering import covering_array
+from scaloft_fi.analysis.coverage import covering_array
 
 ARRAYS = (2, 3, 4)
 ORDERS = 1_000

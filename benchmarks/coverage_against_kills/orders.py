@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coverage_against_kills.chance import Found, Positions
-from scaloft_fi.analysis.situations.t_way import Levels, levels_of, table
+from scaloft_fi.analysis.coverage import Levels, levels_of, table
 from scaloft_fi.judge.space import Space
 from scaloft_fi.streams import generator
 

@@ -11,11 +11,10 @@ import numpy as np
 
 from coverage_against_kills.chance import Found
 from coverage_against_kills.redrawn import SeedSet, seed_draws
+from scaloft_fi.analysis.coverage import choices, ids, levels_of, t_way
+from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.analysis.scoring.detection import Spending
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore, mutant_score
-from scaloft_fi.analysis.scoring.score import Score
-from scaloft_fi.analysis.situations.t_way import choices, ids, levels_of, t_way
+from scaloft_fi.analysis.score import MutantScore, Score, mutant_score
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import INVALID, Rulings, Situations
 

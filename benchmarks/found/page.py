@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from scaloft_fi.analysis.seeking.effort import Effort
-from scaloft_fi.analysis.seeking.replication import Replica, replicas
+from scaloft_fi.analysis.seeking import Effort, Replica, replicas
 from scaloft_fi.campaign.runs.seeking.seek import Sought
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.sim.found import Evidence as Shown

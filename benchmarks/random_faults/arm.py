@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from random_faults.plan import POOL, SEEDS
-from scaloft_fi.analysis.scoring.detection import ALPHA, Spending
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore, mutant_score
-from scaloft_fi.analysis.scoring.pool import Pool, State
+from scaloft_fi.analysis.detection import ALPHA, Spending
+from scaloft_fi.analysis.pool import Pool, State
+from scaloft_fi.analysis.score import MutantScore, mutant_score
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space

@@ -10,7 +10,7 @@ import numpy as np
 
 from random_faults.arm import Arm, Kills, kill_sets, kills_of, useful
 from random_faults.plan import LEVEL, PERMUTATIONS, POOL, REDRAWS, SEEDS, fisher
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.streams import generator
 
 

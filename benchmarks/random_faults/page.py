@@ -9,7 +9,7 @@ import numpy as np
 from random_faults.arm import Arm, kill_sets, useful
 from random_faults.compare import MEASURES, Counts, answer, p_of_kill_sets, redrawn
 from random_faults.plan import FAULTS, FLIGHTS, POOL, REDRAWS, SITUATIONS, fisher
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.operators import OPERATORS

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from math import comb
 from typing import NamedTuple
 
-from scaloft_fi.analysis.scoring.mutant_score import EARLY_S
+from scaloft_fi.analysis.score import EARLY_S
 from scaloft_fi.judge.outcome import BASELINE
 
 FAULTS = 114

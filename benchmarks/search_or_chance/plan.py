@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from scaloft_fi.analysis.scoring.detection import ALPHA
+from scaloft_fi.analysis.detection import ALPHA
 from scaloft_fi.campaign.runs.seeking.family import EACH, GENERATION
 from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON
 from scaloft_fi.campaign.runs.seeking.proposals import OPENING

@@ -8,7 +8,7 @@ from pathlib import Path
 from published_outcomes import Row, outcomes
 from wide import POOL, SEEDS
 
-from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.analysis.score import score
 from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.catalogue import realise

@@ -12,12 +12,10 @@ from typing import Any
 import scaloft_fi
 import scaloft_fi.mutants.reference
 from scaloft_fi import api
-from scaloft_fi.analysis.disposition import Standing
-from scaloft_fi.analysis.scoring.detection import Verdict
-from scaloft_fi.analysis.scoring.firmness import Firmness
-from scaloft_fi.analysis.scoring.grouping import By
-from scaloft_fi.analysis.scoring.pool import State
-from scaloft_fi.analysis.tried import Reaction
+from scaloft_fi.analysis.detection import Firmness, Verdict
+from scaloft_fi.analysis.pool import State
+from scaloft_fi.analysis.score import By
+from scaloft_fi.analysis.survivor import Reaction, Standing
 from scaloft_fi.checks.finding import Severity
 from scaloft_fi.cli.reference import command_reference
 from scaloft_fi.hazop.matrix import CellStatus

@@ -1,14 +1,72 @@
-"""Who counts: the default mutant of each credible cell, the controls, the canonical order of all mutants."""
+"""Who counts: the default mutant of each credible cell, the controls, the order of all mutants; a part of a whole."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, field, fields, is_dataclass
+from enum import Enum
 from functools import cached_property
+from typing import Any
 
 from scaloft_fi.hazop.matrix import CellStatus, Matrix, SeverityClass
 from scaloft_fi.hazop.name import cell_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Subject
+
+
+@dataclass(frozen=True)
+class Ratio:
+    """`part` of `whole`; 0 of 0 is not a number and prints as n/a.
+
+    >>> str(Ratio(8, 15)), Ratio(8, 15).short, str(Ratio(0, 0))
+    ('8/15 = 53 %', '8/15', '0/0 = n/a')
+    """
+
+    part: int
+    whole: int
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.part <= self.whole:
+            raise ValueError(f"{self.part} of {self.whole} is no share")
+
+    @property
+    def value(self) -> float | None:
+        """The share 0..1, None for 0 of 0."""
+        return self.part / self.whole if self.whole else None
+
+    @property
+    def short(self) -> str:
+        """Without the share, which part and whole say: `8/15`."""
+        return f"{self.part}/{self.whole}"
+
+    def __str__(self) -> str:
+        return f"{self.short} = " + ("n/a" if self.value is None else f"{100 * self.value:.0f} %")
+
+
+def plain(value: Any) -> Any:
+    """A result as plain JSON values: by its own `to_json`, else a dataclass by its fields, an enum by its value.
+
+    >>> from scaloft_fi.analysis.roster import Ratio
+    >>> plain({"tested": Ratio(8, 15), "mutants": ("LATE-human@3s",)})
+    {'tested': {'part': 8, 'whole': 15}, 'mutants': ['LATE-human@3s']}
+    """
+    if hasattr(value, "to_json"):
+        return value.to_json()
+    if is_dataclass(value):
+        return by_field(value)
+    if isinstance(value, Enum):
+        return value.value
+    if hasattr(value, "_asdict"):
+        return plain(value._asdict())
+    if isinstance(value, Mapping):
+        return {plain(key): plain(entry) for key, entry in value.items()}
+    if isinstance(value, Collection) and not isinstance(value, str):
+        return [plain(entry) for entry in value]
+    return value
+
+
+def by_field(value: Any) -> dict[str, Any]:
+    """The fields of a dataclass as plain JSON values."""
+    return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
 
 
 @dataclass(frozen=True)

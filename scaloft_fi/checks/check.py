@@ -1,4 +1,4 @@
-"""The dry check of a whole study."""
+"""The dry check of a whole study: its documents, its finds and sources, the seams that its stack polls."""
 
 from __future__ import annotations
 
@@ -7,22 +7,156 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from scaloft_fi.checks.documents import check_documents
 from scaloft_fi.checks.finding import Finding, Findings, Severity
-from scaloft_fi.checks.flown import check_seams
-from scaloft_fi.checks.found import check_dispositions, check_found, check_sources
-from scaloft_fi.checks.matrix import check_matrix
-from scaloft_fi.checks.requirements import KnownSignals, check_requirements, kinds_in
-from scaloft_fi.checks.situations import GridCheck, check_grid, grid_of
-from scaloft_fi.checks.stack import check_command_of, check_plugins, check_stack_choice, known_signals
+from scaloft_fi.checks.matrix import KnownSignals, check_matrix, check_requirements, kinds_in
+from scaloft_fi.checks.situations import (
+    GridCheck,
+    check_command_of,
+    check_grid,
+    check_plugins,
+    check_stack_choice,
+    grid_of,
+    known_signals,
+)
 from scaloft_fi.checks.world import check_vehicle, check_world
-from scaloft_fi.errors import InputError
-from scaloft_fi.sim.grids import WITH_FOUND, grid_names
-from scaloft_fi.study import SituationKeys, Study
+from scaloft_fi.document import Item, is_there, load
+from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.hazop.load import SHEETS
+from scaloft_fi.sim.found import FILE
+from scaloft_fi.sim.found import FILE as FOUND
+from scaloft_fi.sim.grids import FOLDER as GRIDS
+from scaloft_fi.sim.grids import WITH_FOUND, grid_names, is_grid_name
+from scaloft_fi.sim.load import DOCUMENTS
+from scaloft_fi.study import SituationKeys, Study, read_disposition
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from scaloft_fi.hazop.matrix import Matrix
     from scaloft_fi.sim.world import World
     from scaloft_fi.stack.declaration import Declaration
+
+
+NEEDED = {"hazop": ("guidewords", "parameters"), "sim": (*DOCUMENTS, "requirements")}
+OPTIONAL = {"hazop": ("score", "severities", "dispositions"), "sim": ("sources", Path(FOUND).stem, "flyer", "record")}
+
+
+def check_documents(folder: Path, findings: Findings) -> int:
+    """Read every YAML file of the study; returns how many there are.
+
+    Args:
+        folder: the study.
+        findings: takes the findings.
+    """
+    paths = list(_read_by_verbs(folder))
+    for path in paths:
+        with findings.collecting():
+            load(path)
+    for path in _stray(folder, paths):
+        near = did_you_mean(path.stem, (*NEEDED[path.parent.name], *OPTIONAL[path.parent.name]))
+        findings.note(f"{path}:1", "no verb reads this file", f"name it as one that is read{near}")
+    for path in sorted((folder / "sim" / GRIDS).glob("*.y*ml")):
+        if path.suffix != ".yaml" or not is_grid_name(path.stem):
+            allowed = "letters, digits, - and _, and end it in .yaml"
+            findings.wrong(f"{path}:1", "no verb reads this grid", f"name the file with {allowed}")
+    for path in sorted((folder / "hazop" / SHEETS).glob("*.yml")):
+        findings.wrong(f"{path}:1", "no verb reads this file", "end its name in .yaml")
+    return len(paths)
+
+
+def _read_by_verbs(folder: Path) -> Iterator[Path]:
+    for part, names in NEEDED.items():
+        yield from (folder / part / f"{name}.yaml" for name in names)
+    for part, names in OPTIONAL.items():
+        yield from (path for name in names if (path := folder / part / f"{name}.yaml").exists())
+    yield from sorted((folder / "hazop" / SHEETS).glob("*.yaml"))
+    yield from sorted(path for path in (folder / "sim" / GRIDS).glob("*.yaml") if is_grid_name(path.stem))
+
+
+def _stray(folder: Path, known: list[Path]) -> Iterator[Path]:
+    for part in NEEDED:
+        yield from (path for path in sorted((folder / part).glob("*.y*ml")) if path not in known)
+
+
+def check_seams(study: Study, findings: Findings) -> tuple[int | None, str]:
+    """Fly the baseline once in the first situation, and hold every poll against the declaration.
+
+    Returns:
+        How many seams the stack polls, and ""; or None, and why nothing was flown.
+    """
+    from scaloft_fi.campaign.flights.check_stack import polls_of
+
+    if findings.errors:
+        return None, "not flown, because the study has errors"
+    if study.command is not None:
+        return None, "not flown, because a command flies this study"
+    situation, place = study.grid.situations[0], str(study.folder / "sim" / "stack.yaml")
+    seen = polls_of(study, situation)
+    for failure in seen.failures:
+        remedy = "mend the stack, or its declaration"
+        findings.add(Finding(Severity.ERROR, place, 1, failure, remedy, situation.key))
+    if seen.silent:
+        what = f"in one baseline flight nothing was sent over {', '.join(seen.silent)}"
+        remedy = "a fault there is reached only in situations that bring samples"
+        findings.add(Finding(Severity.NOTE, place, 1, what, remedy, situation.key))
+    return seen.polled, ""
+
+
+def check_found(study: Study, findings: Findings) -> int:
+    """The finds and breaks of the study; returns how many there are.  Those that no longer fit are notes."""
+    path = study.folder / "sim" / FILE
+    if not is_there(path):
+        return 0
+    count = 0
+    with findings.collecting():
+        known, places = study.finds, _places(path)
+        count = len(known.finds) + len(known.breaks) + len(known.misfits)
+        for name, why in known.misfits.items():
+            what = f"{name} does not fit the study any more, so every verb leaves it out: {why}"
+            findings.note(places.get(name, f"{path}:1"), what.replace("; ", ", "), "seek anew, or remove the entry")
+    return count
+
+
+def _places(path: Path) -> dict[str, str]:
+    document = load(path)
+    parts = [document.get(key) for key in ("finds", "breaks")]
+    return {name: entry.place for part in parts if part is not None for name, entry in part.mapping().items()}
+
+
+def check_dispositions(study: Study, matrix: Matrix, situations: Collection[str], findings: Findings) -> int:
+    """Every accepted survivor; returns how many there are.
+
+    Args:
+        study: the study.
+        matrix: its matrix.
+        situations: keys of its grids.
+        findings: takes the findings.
+    """
+    path = study.dispositions_path
+    if not is_there(path):
+        return 0
+
+    def read(entry: tuple[str, Item]) -> None:
+        read_disposition(*entry, matrix, situations)
+
+    entries: tuple[tuple[str, Item], ...] = ()
+    with findings.collecting():
+        entries = tuple(load(path).mapping().items())
+        findings.each(read, entries)
+        _ = study.dispositions  # tells what is there twice
+    return len(entries)
+
+
+def check_sources(study: Study, findings: Findings) -> None:
+    """Sources of numbers that the study does not have."""
+    path = study.folder / "sim" / "sources.yaml"
+    if not is_there(path):
+        return
+    with findings.collecting():
+        numbers, document = study.sim.numbers, load(path)
+        for name, item in document.mapping().items():
+            if not any(f"{number}.".startswith(f"{name}.") for number in numbers):
+                findings.note(item.place, f"{name!r} is no number of the study", "name the dotted path of one")
 
 
 @dataclass(frozen=True)

@@ -1,20 +1,39 @@
-"""World, vehicle and sensors of a study, piece by piece."""
+"""World, vehicle and sensors of a study, piece by piece, and whether the vehicle fits where the route leads.
+
+The hull is an upright disc that holds it in every heading, and one that every heading fills; both as high as the hull.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from scaloft_fi.checks.finding import Findings, Severity, finding_of
 from scaloft_fi.document import Item, load
 from scaloft_fi.sim.happenings import check_happenings, read_happening
-from scaloft_fi.sim.mesh import flaws_of
+from scaloft_fi.sim.mesh import Array, flaws_of
 from scaloft_fi.sim.mine import Mine, read_mine
+from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.sensors import read_sensors
 from scaloft_fi.sim.vehicle import read_vehicle
-from scaloft_fi.sim.world import World, assembled, misplaced, read_body, read_light, read_mission, read_waypoint
+from scaloft_fi.sim.world import (
+    GROUND,
+    WALL,
+    Point,
+    World,
+    assembled,
+    misplaced,
+    read_body,
+    read_light,
+    read_mission,
+    read_waypoint,
+)
 
 MOST_TIMES, LEAST_WAY_M = 10.0, 10.0
 """A mesh more than this many times as large, in every direction, as the way is long, or as this [m], is told of."""
@@ -92,3 +111,169 @@ def check_vehicle(folder: Path, findings: Findings) -> None:
         read_vehicle(load(folder / "vehicle.yaml"))
     with findings.collecting():
         read_sensors(load(folder / "sensors.yaml"))
+
+
+MOST_PIECES = 50
+"""Pieces of a leg that climbs; each piece is as high as it climbs."""
+SLACK_M = 0.02
+"""A gap is smaller than a radius if it is smaller by this [m]: walls are rough."""
+Corner = tuple[float, float]
+
+
+@dataclass
+class RouteCheck:
+    """Looks at the routes of the situations of a grid, at each place once.
+
+    Attributes:
+        findings: takes the findings.
+        looked_at: number of places and legs so far.
+    """
+
+    findings: Findings
+    looked_at: int = 0
+    _seen: set[object] = field(default_factory=set)
+
+    def check(self, scenario: Scenario, document: Item) -> None:
+        """Compare the hull with everything that stands around the route of a situation.
+
+        Args:
+            scenario: the scenario of the situation.
+            document: its `world.yaml`, with the changes of the situation.
+        """
+        world, hull_m = scenario.world, scenario.vehicle.hull_m
+        names = ["home", *world.mission.route]
+        for name in dict.fromkeys(names):
+            item = _place_of(document, name)
+            lands = name in ("home", names[-1])
+            told = "home" if name == "home" else f"waypoint {name!r}"
+            self._look(scenario, [world.waypoints[name]], hull_m, item, told)
+            if lands:
+                x, y, z = world.waypoints[name]
+                foot = (x, y, world.mine.floor_m(x, y) + 0.5 * hull_m[2] + SLACK_M)
+                if math.isfinite(foot[2]):
+                    self._look(scenario, [foot, (x, y, z)], hull_m, item, f"the way down to {name!r}", ground=False)
+        for start, end in pairwise(names):
+            ends = sorted((world.waypoints[start], world.waypoints[end]))
+            if ends[0] != ends[1]:
+                self._leg(scenario, ends, hull_m, document, f"the straight leg from {start!r} to {end!r}")
+
+    def _look(
+        self, scenario: Scenario, way: list[Point], hull_m: Point, item: Item, what: str, *, ground: bool = True
+    ) -> None:
+        """Refuse a place where the hull touches something in every heading; note one where it does in some."""
+        if not self._is_new(scenario.world, way):
+            return
+        inner_m, outer_m = 0.5 * min(hull_m[:2]), 0.5 * math.hypot(*hull_m[:2])
+        for name, gap_m in gaps(scenario.world, way, 0.5 * hull_m[2], outer_m):
+            if name == GROUND and not ground:
+                continue
+            size = f"the hull of {hull_m[0]:g} x {hull_m[1]:g} m"
+            if gap_m < inner_m - SLACK_M:
+                sentence = f"at {what} {size} touches {name!r}, which is {gap_m:.2f} m from its centre"
+                self.findings.wrong(item.place, sentence, f"keep {outer_m:.2f} m from it", situation=scenario.key)
+            elif gap_m < outer_m - SLACK_M:
+                sentence = f"at {what} {size} touches {name!r} in some headings, {gap_m:.2f} m from its centre"
+                self.findings.note(item.place, sentence, f"keep {outer_m:.2f} m from it", situation=scenario.key)
+
+    def _leg(self, scenario: Scenario, ends: list[Point], hull_m: Point, document: Item, what: str) -> None:
+        """Note a leg on which the hull touches rock; bodies beside a leg are there to be met."""
+        if not self._is_new(scenario.world, ends):
+            return
+        inner_m = 0.5 * min(hull_m[:2])
+        place = document.need("mission").need("route").place
+        for name, gap_m in gaps(scenario.world, ends, 0.5 * hull_m[2], inner_m):
+            if gap_m < inner_m - SLACK_M and name in (WALL, GROUND):
+                sentence = f"on {what} the hull touches {name!r}, {gap_m:.2f} m from the leg"
+                remedy = "add a waypoint: the time limit of a flight follows from straight legs"
+                self.findings.note(place, sentence, remedy, situation=scenario.key)
+
+    def _is_new(self, world: World, way: list[Point]) -> bool:
+        key = (id(world.mine), tuple(way), tuple((body.name, body.centre) for body in world.present))
+        if key in self._seen:
+            return False
+        self._seen.add(key)
+        self.looked_at += 1
+        return True
+
+
+def _place_of(document: Item, name: str) -> Item:
+    return document.need("mission").need("home") if name == "home" else document.need("waypoints").need(name)
+
+
+def gaps(world: World, way: list[Point], half_height_m: float, within_m: float) -> Iterator[tuple[str, float]]:
+    """The level distance of a way from everything that comes nearer than `within_m` [m], by name.
+
+    Args:
+        world: the world.
+        way: one point, or two ends of a straight line (3,) [m, world].
+        half_height_m: only what is at most this much higher or lower than the way counts [m].
+        within_m: greatest distance [m].
+    """
+    start, end = np.array(way[0]), np.array(way[-1])
+    climb_m = abs(float(end[2] - start[2]))
+    upright = math.dist(start[:2], end[:2]) == 0.0
+    pieces = 1 if upright else min(MOST_PIECES, 1 + math.ceil(climb_m / (2.0 * half_height_m)))
+    knots = start + np.linspace(0.0, 1.0, pieces + 1)[:, None] * (end - start)
+    parts = {WALL: world.mine.wall, GROUND: world.mine.ground} | {body.name: body.mesh for body in world.present}
+    for name, mesh in parts.items():
+        gap_m = min(_gap(mesh.triangles, one, other, half_height_m, within_m) for one, other in pairwise(knots))
+        if gap_m < within_m:
+            yield name, gap_m
+
+
+def _gap(triangles: Array, start: Array, end: Array, half_height_m: float, within_m: float) -> float:
+    """The level distance of a segment from the triangles beside it; infinite where none is within `within_m` [m]."""
+    low, high = np.minimum(start, end), np.maximum(start, end)
+    reach = np.array([within_m, within_m, half_height_m])
+    near = ((triangles.min(axis=1) <= high + reach) & (triangles.max(axis=1) >= low - reach)).all(axis=1)
+    floor_m, roof_m = float(low[2]) - half_height_m, float(high[2]) + half_height_m
+    a, b = (float(start[0]), float(start[1])), (float(end[0]), float(end[1]))
+    least = math.inf
+    for triangle in triangles[near].tolist():
+        outline = _cut(_cut(triangle, floor_m, 1.0), -roof_m, -1.0)
+        least = min(
+            [least, *(_apart(a, b, p[:2], q[:2]) for p, q in zip(outline, outline[1:] + outline[:1], strict=True))]
+        )
+        if _holds([(p[0], p[1]) for p in outline], a):
+            return 0.0
+    return least
+
+
+def _cut(outline: list[list[float]], least: float, sign: float) -> list[list[float]]:
+    """The part of a polygon whose height times `sign` is at least `least` (Sutherland and Hodgman 1974)."""
+    kept: list[list[float]] = []
+    for p, q in zip(outline, outline[1:] + outline[:1], strict=True):
+        above_p, above_q = sign * p[2] - least, sign * q[2] - least
+        if above_p >= 0.0:
+            kept.append(p)
+        if (above_p > 0.0 > above_q) or (above_p < 0.0 < above_q):
+            share = above_p / (above_p - above_q)
+            kept.append([x + share * (y - x) for x, y in zip(p, q, strict=True)])
+    return kept
+
+
+def _apart(a: Corner, b: Corner, p: list[float], q: list[float]) -> float:
+    """Distance of the segments a-b and p-q in the plane."""
+    c, d = (p[0], p[1]), (q[0], q[1])
+    if _side(a, b, c) * _side(a, b, d) < 0.0 and _side(c, d, a) * _side(c, d, b) < 0.0:
+        return 0.0
+    return min(_from(a, c, d), _from(b, c, d), _from(c, a, b), _from(d, a, b))
+
+
+def _from(point: Corner, a: Corner, b: Corner) -> float:
+    """Distance of a point from the segment a-b."""
+    dx, dy = b[0] - a[0], b[1] - a[1]
+    square = dx * dx + dy * dy
+    share = ((point[0] - a[0]) * dx + (point[1] - a[1]) * dy) / square if square else 0.0
+    share = min(max(share, 0.0), 1.0)
+    return math.hypot(point[0] - a[0] - share * dx, point[1] - a[1] - share * dy)
+
+
+def _side(a: Corner, b: Corner, c: Corner) -> float:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def _holds(outline: list[Corner], point: Corner) -> bool:
+    """Whether a convex outline has the point inside."""
+    sides = [_side(p, q, point) for p, q in zip(outline, outline[1:] + outline[:1], strict=True)]
+    return bool(sides) and (min(sides) > 0.0 or max(sides) < 0.0)

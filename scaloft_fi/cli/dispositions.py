@@ -16,7 +16,7 @@ from scaloft_fi.errors import ExitCode
 from scaloft_fi.views.own_study import check_own
 
 if TYPE_CHECKING:
-    from scaloft_fi.analysis.scoring.score import Score
+    from scaloft_fi.analysis.score import Score
     from scaloft_fi.study import Study
     from scaloft_fi.views.columns import Columns
 
@@ -65,7 +65,7 @@ def ratchet(study: Study, scored: Score, today: date | None) -> int:
     Raises:
         InputError: there is no baseline pool to decide by.
     """
-    from scaloft_fi.analysis.disposition import Standing
+    from scaloft_fi.analysis.survivor import Standing
     from scaloft_fi.views.answers.dispositions import judged_survivors
     from scaloft_fi.views.dispositions import complaint
 
@@ -83,7 +83,7 @@ def ratchet(study: Study, scored: Score, today: date | None) -> int:
 
 def _draft(path: Path, survivors: Columns) -> None:
     """Append an entry for each survivor that nobody has accepted, and say so."""
-    from scaloft_fi.analysis.disposition import Standing
+    from scaloft_fi.analysis.survivor import Standing
     from scaloft_fi.study import append_drafts
 
     opened = list(survivors["mutant"][survivors["state"] == Standing.OPEN])

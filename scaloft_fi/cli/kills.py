@@ -16,7 +16,7 @@ from scaloft_fi.console import tell_line
 from scaloft_fi.errors import InputError
 
 if TYPE_CHECKING:
-    from scaloft_fi.analysis.kills.subsumption import Subsumption
+    from scaloft_fi.analysis.suite import Subsumption
 
 PARTS = ("conditions", "situations", "suite", "subsumption", "survivors")
 PICTURES = (".svg", ".png", ".dot")

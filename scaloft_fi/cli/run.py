@@ -180,7 +180,7 @@ def run_command(
     from scaloft_fi.campaign.processes.start import one_thread_each
 
     one_thread_each()
-    from scaloft_fi.analysis.scoring.pool import LEAST
+    from scaloft_fi.analysis.pool import LEAST
     from scaloft_fi.campaign.flights.fork import CAN_FORK
     from scaloft_fi.campaign.plan import choose
     from scaloft_fi.campaign.progress.progress import Progress, Silence

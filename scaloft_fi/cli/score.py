@@ -144,7 +144,7 @@ def report(
             f"{bars} needs a baseline pool: campaign {scored.campaign!r} has fewer than ten "
             "baseline flights wherever a mutant infects; `scaloft-fi run` flies them"
         )
-    from scaloft_fi.analysis.scoring.grouping import By
+    from scaloft_fi.analysis.score import By
 
     by = By(grouping) if grouping else None
     answer(scored.answer(output, by, everything=everything), style, tables)

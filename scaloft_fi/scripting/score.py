@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.analysis.ratio import Ratio
-from scaloft_fi.analysis.scoring.grouping import By
+from scaloft_fi.analysis.roster import Ratio
+from scaloft_fi.analysis.score import By
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.scripting.arguments import in_python
 from scaloft_fi.views.columns import Columns, ColumnType
@@ -15,7 +15,7 @@ from scaloft_fi.views.tables.html import html
 from scaloft_fi.views.tables.table import Format
 
 if TYPE_CHECKING:
-    from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+    from scaloft_fi.analysis.score import MutantScore
     from scaloft_fi.views.scored_campaign import ScoredCampaign
 
 TEXT, WHOLE, NUMBER, TEXTS = ColumnType.TEXT, ColumnType.WHOLE, ColumnType.NUMBER, ColumnType.TEXTS

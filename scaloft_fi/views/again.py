@@ -6,8 +6,8 @@ import shlex
 from collections import Counter
 from collections.abc import Collection, Sequence
 
+from scaloft_fi.analysis.pool import LEAST
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.analysis.scoring.pool import LEAST
 from scaloft_fi.campaign.runs.choice import remembered
 from scaloft_fi.campaign.store.held import Now, stale_in
 from scaloft_fi.campaign.store.selection import Flown

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from typing import Any
 
-from scaloft_fi.analysis.disposition import Judged, Standing
-from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.survivor import Judged, Standing
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.views.outputs.output import Output
 from scaloft_fi.views.outputs.shape import flag, listing, optional, record, text, texts
@@ -50,7 +50,7 @@ def verdict_words(judged: Judged) -> str:
 def complaint(judged: Judged) -> str:
     """The sentence of one that does not pass, or can go.
 
-    >>> from scaloft_fi.analysis.scoring.detection import Verdict
+    >>> from scaloft_fi.analysis.detection import Verdict
     >>> complaint(Judged("LATE-human@3s", Standing.OPEN, ("D0H1",), verdict=Verdict.NOT_DETECTED))
     'LATE-human@3s is not detected (tested in D0H1) and not accepted'
     """

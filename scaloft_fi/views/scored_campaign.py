@@ -8,14 +8,12 @@ from datetime import date
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.analysis.disposition import Accepted, Disposition, accepted_survivors
-from scaloft_fi.analysis.kills.background import Background, backgrounds
-from scaloft_fi.analysis.noise import Noise, noise_of
-from scaloft_fi.analysis.plain import plain
-from scaloft_fi.analysis.scoring.baseline import findings
-from scaloft_fi.analysis.scoring.grouping import By, groups
-from scaloft_fi.analysis.scoring.score import Score, score_of
-from scaloft_fi.analysis.situations.coverage import Coverage, coverage_of
+from scaloft_fi.analysis.coverage import Coverage, coverage_of
+from scaloft_fi.analysis.detection import Noise, noise_of
+from scaloft_fi.analysis.pool import findings
+from scaloft_fi.analysis.roster import plain
+from scaloft_fi.analysis.score import By, Score, groups, score_of
+from scaloft_fi.analysis.survivor import Accepted, Background, Disposition, accepted_survivors, backgrounds
 from scaloft_fi.campaign.runs.baseline_pool import borrowed
 from scaloft_fi.campaign.runs.looks import Look
 from scaloft_fi.console import joined

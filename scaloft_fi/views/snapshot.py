@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from scaloft_fi.analysis.scoring.detection import Spending
-from scaloft_fi.analysis.scoring.score import Score, score_of
+from scaloft_fi.analysis.detection import Spending
+from scaloft_fi.analysis.score import Score, score_of
 from scaloft_fi.campaign.runs.choice import Remembered, remembered
 from scaloft_fi.campaign.runs.spending import spending_of
 from scaloft_fi.campaign.store.archive import Archive

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from ranges import RANGED, drawn
 
 from scaloft_fi.analysis.condition import admits, condition, cover
-from scaloft_fi.analysis.kills.interaction import order
+from scaloft_fi.analysis.suite import order
 from scaloft_fi.judge.space import Space
 
 KEYS = [key for key, _ in GRID.points]

@@ -8,9 +8,9 @@ from builders import GRID, ROSTER, campaigns, outcome, pool, seeded
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.disposition import Disposition, Standing, judge
-from scaloft_fi.analysis.scoring.detection import Verdict
-from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.score import score
+from scaloft_fi.analysis.survivor import Disposition, Standing, judge
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.views.dispositions import complaint
 

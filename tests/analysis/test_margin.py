@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaloft_fi.analysis.margin import Margin, Scale, lowest, margin_of, margins
-from scaloft_fi.analysis.scoring.score import score
-from scaloft_fi.analysis.tried import PhasedFault, Reaction, Tried
+from scaloft_fi.analysis.score import score
+from scaloft_fi.analysis.survivor import PhasedFault, Reaction, Tried
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from builders import outcome
 
-from scaloft_fi.analysis.noise import noise_of
+from scaloft_fi.analysis.detection import noise_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
 
 

@@ -4,8 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.plain import plain
-from scaloft_fi.analysis.ratio import Ratio
+from scaloft_fi.analysis.roster import Ratio, plain
 
 
 @given(st.integers(0, 100), st.integers(1, 100))

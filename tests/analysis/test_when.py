@@ -7,10 +7,10 @@ from typing import Any
 
 from builders import GRID, ROSTER, outcome, pool, thrice
 
-from scaloft_fi.analysis.ratio import Ratio
-from scaloft_fi.analysis.scoring.detection import Verdict
-from scaloft_fi.analysis.scoring.score import score
-from scaloft_fi.analysis.when import When, whens
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.margin import When, whens
+from scaloft_fi.analysis.roster import Ratio
+from scaloft_fi.analysis.score import score
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.views.tables.table import Format, render

@@ -11,9 +11,8 @@ from finding import found
 from found import __main__ as experiment
 from found.page import Evidence, page
 
-from scaloft_fi.analysis.plain import plain
-from scaloft_fi.analysis.seeking.effort import Effort
-from scaloft_fi.analysis.seeking.replication import POOL, SEEDS
+from scaloft_fi.analysis.roster import plain
+from scaloft_fi.analysis.seeking import POOL, SEEDS, Effort
 from scaloft_fi.campaign.runs.seeking.seek import Sought
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.sim.found import Finds

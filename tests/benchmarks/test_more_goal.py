@@ -13,7 +13,7 @@ from more_goal_plan import ARMS, AS_IT_IS, FLIGHTS, MUTANTS, NOT_TURNING, PLAN, 
 from operating_point import LIGHT, PLAIN
 from varied import Varied
 
-from scaloft_fi.analysis.scoring.stratified import Stratum, p_value
+from scaloft_fi.analysis.stratified import Stratum, p_value
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study

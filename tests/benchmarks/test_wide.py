@@ -10,9 +10,8 @@ from published_outcomes import outcomes, rows_of
 from wide_again import ALL
 from wide_plan import PLAN, halves
 
-from scaloft_fi.analysis.ratio import Ratio
-from scaloft_fi.analysis.scoring.redraw import Redraw
-from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.analysis.roster import Ratio
+from scaloft_fi.analysis.score import Redraw, score
 from scaloft_fi.study import Study
 
 ONCE = Redraw(3, Ratio(1, 200), Ratio(0, 200))

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.checks.routes import gaps
+from scaloft_fi.checks.world import gaps
 from scaloft_fi.sim.grids import load_grid
 from scaloft_fi.sim.mesh import box
 

@@ -13,7 +13,7 @@ from jsonschema import Draft202012Validator, ValidationError
 from refusal import sentence
 
 import scaloft_fi
-from scaloft_fi.analysis.scoring.grouping import By
+from scaloft_fi.analysis.score import By
 from scaloft_fi.cli.main import main
 from scaloft_fi.views.outputs.listed import output_of
 

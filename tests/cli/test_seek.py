@@ -15,7 +15,7 @@ from reading import embedded
 from refusal import sentence
 
 import scaloft_fi
-from scaloft_fi.analysis.seeking.signature import Breach, Signature
+from scaloft_fi.analysis.seeking import Breach, Signature
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.runs.seeking.finds import saver
 from scaloft_fi.campaign.runs.seeking.sought import anew, interrupted

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from published_flights import ROOT, outcomes
 
-from scaloft_fi.analysis.scoring.score import score
-from scaloft_fi.analysis.situations.coverage import coverage
+from scaloft_fi.analysis.coverage import coverage
+from scaloft_fi.analysis.score import score
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.study import NO_FINDS, Study
 from scaloft_fi.views.score.first_screen import first_screen, screen_text

@@ -13,8 +13,8 @@ import pytest
 from builders import GRID, KINDS, ROSTER, outcome, pool
 
 from scaloft_fi.analysis.margin import margins
-from scaloft_fi.analysis.scoring.baseline import tallies
-from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.analysis.pool import tallies
+from scaloft_fi.analysis.score import score
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Compliance, Kind, Reading, measured_rho

@@ -7,8 +7,8 @@ from datetime import date
 from builders import GRID, KINDS, ROSTER, campaigns, seeded
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.disposition import Disposition
-from scaloft_fi.analysis.scoring.detection import Spending
+from scaloft_fi.analysis.detection import Spending
+from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Guideword, Matrix, Parameter
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Requirement

@@ -8,8 +8,8 @@ import pytest
 from printed import printed_enumerations
 from table_heads import headings
 
-from scaloft_fi.analysis.scoring.detection import Verdict
-from scaloft_fi.analysis.scoring.grouping import By
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.score import By
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.views.glossary import TERMS, term

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from scaloft_fi.analysis.margin import Scale, margin_of
-from scaloft_fi.analysis.tried import Reaction, Tried
+from scaloft_fi.analysis.survivor import Reaction, Tried
 
 WIDENINGS = 3
 """Greatest number of magnitudes beyond each end of the ladder; each is half or twice the one before.

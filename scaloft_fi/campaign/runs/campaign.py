@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from scaloft_fi.analysis.scoring.pool import LEAST
+from scaloft_fi.analysis.pool import LEAST
 from scaloft_fi.campaign.flights.commanded import Commanded
 from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.campaign.flights.worker import Flyer

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 
+from scaloft_fi.analysis.detection import Sample, Spending, detect
+from scaloft_fi.analysis.pool import Pool, State
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.analysis.scoring.detection import Sample, Spending, detect
-from scaloft_fi.analysis.scoring.pool import Pool, State
 from scaloft_fi.campaign.runs.options import MOST_INVALID
 from scaloft_fi.errors import GateError
 from scaloft_fi.hazop.name import cell_of

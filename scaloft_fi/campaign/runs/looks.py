@@ -9,8 +9,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from scaloft_fi.analysis.scoring.detection import LOOKS, Verdict
-from scaloft_fi.analysis.scoring.score import Score, score
+from scaloft_fi.analysis.detection import LOOKS, Verdict
+from scaloft_fi.analysis.score import Score, score
 from scaloft_fi.campaign.flights.worker import Flyer
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.plan.plan import Plan, plan

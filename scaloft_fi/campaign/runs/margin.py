@@ -10,11 +10,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.analysis.margin import Margin, Scale, margin_of
-from scaloft_fi.analysis.scoring.detection import Spending
-from scaloft_fi.analysis.scoring.pool import LEAST
-from scaloft_fi.analysis.scoring.score import Score, score
-from scaloft_fi.analysis.tried import PhasedFault, Tried, phased_fault, tried_in
+from scaloft_fi.analysis.pool import LEAST
+from scaloft_fi.analysis.score import Score, score
+from scaloft_fi.analysis.survivor import PhasedFault, Tried, phased_fault, tried_in
 from scaloft_fi.campaign.flights.worker import Flyer
 from scaloft_fi.campaign.plan import choose
 from scaloft_fi.campaign.plan.flight import Flight

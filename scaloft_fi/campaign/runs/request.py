@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from scaloft_fi.analysis.scoring.pool import LEAST
+from scaloft_fi.analysis.pool import LEAST
 from scaloft_fi.campaign.plan import choose
 from scaloft_fi.campaign.plan.plan import Plan, plan_draws
 from scaloft_fi.campaign.progress.progress import Progress

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from scaloft_fi.analysis.scoring.detection import Spending
-from scaloft_fi.analysis.scoring.pool import LEAST
+from scaloft_fi.analysis.detection import Spending
+from scaloft_fi.analysis.pool import LEAST
 from scaloft_fi.campaign.flights.worker import Flyer
 from scaloft_fi.campaign.plan.arrange import alone
 from scaloft_fi.campaign.plan.flight import Flight

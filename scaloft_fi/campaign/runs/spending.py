@@ -11,7 +11,7 @@ import json
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.analysis.scoring.detection import Spending
+from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.campaign.store.store import Store
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from scaloft_fi.analysis.situations.covering import covering_array
+from scaloft_fi.analysis.coverage import covering_array
 from scaloft_fi.errors import InputError
 from scaloft_fi.registry import Registry
 from scaloft_fi.sim.situation import Situation

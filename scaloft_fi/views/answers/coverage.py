@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from scaloft_fi.analysis.situations.coverage import coverage_of
+from scaloft_fi.analysis.coverage import coverage_of
 from scaloft_fi.study import Study
 from scaloft_fi.views.coverage.coverage_record import COVERAGE, coverage_values
 from scaloft_fi.views.coverage.coverage_tables import coverage_tables

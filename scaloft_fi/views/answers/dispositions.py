@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from datetime import date
 
-from scaloft_fi.analysis.disposition import Judged, judge
-from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.analysis.score import Score
+from scaloft_fi.analysis.survivor import Judged, judge
 from scaloft_fi.errors import InputError
 from scaloft_fi.study import Study
 from scaloft_fi.views.dispositions import DISPOSITIONS, disposition_table, disposition_values

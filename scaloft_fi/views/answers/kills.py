@@ -5,13 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from scaloft_fi.analysis.kills.background import backgrounds
-from scaloft_fi.analysis.kills.interaction import interactions, orders
-from scaloft_fi.analysis.kills.kill_matrix import KillMatrix, kill_matrix
-from scaloft_fi.analysis.kills.minimal_suite import minimal_suite
-from scaloft_fi.analysis.kills.situation_kills import chosen_kills, situation_kills
-from scaloft_fi.analysis.kills.subsumption import Subsumption, kills_by_requirement, redundancies, subsumption
-from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.kill_matrix import KillMatrix, kill_matrix
+from scaloft_fi.analysis.suite import (
+    Subsumption,
+    chosen_kills,
+    interactions,
+    kills_by_requirement,
+    minimal_suite,
+    orders,
+    redundancies,
+    situation_kills,
+    subsumption,
+)
+from scaloft_fi.analysis.survivor import backgrounds
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.mutants.catalogue import select

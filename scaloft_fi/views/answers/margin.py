@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from scaloft_fi.analysis.when import whens
+from scaloft_fi.analysis.margin import whens
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs import choice
 from scaloft_fi.campaign.runs.margin import find, target

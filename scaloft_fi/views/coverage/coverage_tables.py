@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from scaloft_fi.analysis.scoring.pool import LEAST, State
-from scaloft_fi.analysis.situations.coverage import SHARES, Coverage
+from scaloft_fi.analysis.coverage import SHARES, Coverage
+from scaloft_fi.analysis.pool import LEAST, State
 from scaloft_fi.judge.space import Space
 from scaloft_fi.views.tables.table import Table
 

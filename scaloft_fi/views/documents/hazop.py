@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from scaloft_fi.analysis.scoring.detection import ALPHA, MOST_ALPHA
+from scaloft_fi.analysis.detection import ALPHA, MOST_ALPHA
 from scaloft_fi.hazop.load import MOST_ENTRIES
 from scaloft_fi.hazop.matrix import PERIODS, Worse
 from scaloft_fi.mutants.operator import Argument, Operator

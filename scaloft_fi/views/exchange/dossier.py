@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from datetime import date
 from functools import cached_property
 
-from scaloft_fi.analysis.disposition import Accepted, Disposition, accepted_survivors, score_without
-from scaloft_fi.analysis.ratio import Ratio
-from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.analysis.scoring.detection import Spending, Verdict
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
-from scaloft_fi.analysis.scoring.score import Score, score
-from scaloft_fi.analysis.situations.coverage import Coverage, coverage
+from scaloft_fi.analysis.coverage import Coverage, coverage
+from scaloft_fi.analysis.detection import Spending, Verdict
+from scaloft_fi.analysis.roster import Ratio, Roster
+from scaloft_fi.analysis.score import MutantScore, Score, score
+from scaloft_fi.analysis.survivor import Accepted, Disposition, accepted_survivors, score_without
 from scaloft_fi.hazop.matrix import Cell, Matrix, worst_first
 from scaloft_fi.hazop.name import cell_of
 from scaloft_fi.judge.outcome import Outcome

@@ -12,8 +12,8 @@ from typing import Any
 
 import yaml
 
-from scaloft_fi.analysis.scoring.detection import Verdict
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.format import export_format
 from scaloft_fi.views.score.answers import false_detections

@@ -12,8 +12,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from xml.etree import ElementTree as ET
 
-from scaloft_fi.analysis.scoring.detection import Verdict
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.console import line
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.format import export_format

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.format import export_format
 

@@ -12,10 +12,10 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
-from scaloft_fi.analysis.disposition import judge
-from scaloft_fi.analysis.ratio import Ratio
-from scaloft_fi.analysis.scoring.baseline import Tally, findings, tallies
-from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.pool import Tally, findings, tallies
+from scaloft_fi.analysis.roster import Ratio
+from scaloft_fi.analysis.survivor import judge
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind, rho_text
 from scaloft_fi.views.exchange.dossier import Dossier

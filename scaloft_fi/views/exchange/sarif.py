@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from typing import Any
 from urllib.parse import quote
 
-from scaloft_fi.analysis.scoring.detection import Verdict
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.format import export_format
 from scaloft_fi.views.exchange.steps import Step

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from scaloft_fi.analysis.margin import Scale
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.hazop.matrix import Cell
 from scaloft_fi.judge.requirement import Kind, measured_rho
 from scaloft_fi.judge.status import JudgedFlight

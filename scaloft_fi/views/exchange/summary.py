@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.hazop.matrix import class_of
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.views.exchange.dossier import Dossier

@@ -6,8 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from scaloft_fi.analysis.plain import by_field
-from scaloft_fi.analysis.roster import Roster
+from scaloft_fi.analysis.roster import Roster, by_field
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Facts, facts_of

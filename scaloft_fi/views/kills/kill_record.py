@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from scaloft_fi.analysis.kills.interaction import Orders
-from scaloft_fi.analysis.kills.kill_matrix import NOT_FLOWN, KillMatrix
-from scaloft_fi.analysis.kills.subsumption import Redundancy, Subsumption
-from scaloft_fi.analysis.plain import by_field, plain
+from scaloft_fi.analysis.kill_matrix import NOT_FLOWN, KillMatrix
+from scaloft_fi.analysis.roster import by_field, plain
+from scaloft_fi.analysis.suite import Orders, Redundancy, Subsumption
 from scaloft_fi.judge.status import Status
 from scaloft_fi.views.kills.survivors import Stage
 from scaloft_fi.views.outputs.output import Output

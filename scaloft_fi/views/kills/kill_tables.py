@@ -5,13 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from scaloft_fi.analysis.kills.interaction import NIST, NIST_SOURCE, Interaction, Orders
-from scaloft_fi.analysis.kills.kill_matrix import KillMatrix
-from scaloft_fi.analysis.kills.minimal_suite import Suite
-from scaloft_fi.analysis.kills.situation_kills import ChosenKills, SituationKills, chosen_kills
-from scaloft_fi.analysis.kills.subsumption import Redundancy, Subsumption
-from scaloft_fi.analysis.ratio import Ratio
-from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.kill_matrix import KillMatrix
+from scaloft_fi.analysis.roster import Ratio
+from scaloft_fi.analysis.suite import (
+    NIST,
+    NIST_SOURCE,
+    ChosenKills,
+    Interaction,
+    Orders,
+    Redundancy,
+    SituationKills,
+    Subsumption,
+    Suite,
+    chosen_kills,
+)
 from scaloft_fi.judge.space import Space
 from scaloft_fi.views.kills.survivors import Stage, Survivor
 from scaloft_fi.views.score.next_step import Next

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from scaloft_fi.analysis.kills.survivor_case import Case
-from scaloft_fi.analysis.scoring.pool import State
+from scaloft_fi.analysis.pool import State
+from scaloft_fi.analysis.survivor import Case
 from scaloft_fi.sim.found import Find
 from scaloft_fi.views.score.commands import in_campaign
 from scaloft_fi.views.score.verdict import flies_seeds, would_decide

@@ -12,13 +12,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from scaloft_fi.analysis.kills.background import Background
-from scaloft_fi.analysis.kills.kill_matrix import KillMatrix
-from scaloft_fi.analysis.kills.near_miss import Loss
-from scaloft_fi.analysis.kills.survivor_case import Campaign, Case
-from scaloft_fi.analysis.scoring.detection import Verdict
-from scaloft_fi.analysis.scoring.pool import LEAST, State
-from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.kill_matrix import KillMatrix, Loss
+from scaloft_fi.analysis.pool import LEAST, State
+from scaloft_fi.analysis.score import Score
+from scaloft_fi.analysis.survivor import Background, Campaign, Case
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.hazop.matrix import class_of, worst_first
 from scaloft_fi.judge.outcome import Outcome

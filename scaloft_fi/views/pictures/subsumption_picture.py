@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 
-from scaloft_fi.analysis.kills.subsumption import Node, Subsumption
+from scaloft_fi.analysis.suite import Node, Subsumption
 from scaloft_fi.console import printable
 from scaloft_fi.views.pictures.picture import text
 from scaloft_fi.views.pictures.symbols import FAINT, INK, svg

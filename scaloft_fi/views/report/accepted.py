@@ -6,9 +6,9 @@ from collections.abc import Iterable
 from datetime import date
 from typing import Any
 
-from scaloft_fi.analysis.disposition import Disposition, Judged, judge
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.analysis.score import Score
+from scaloft_fi.analysis.survivor import Disposition, Judged, judge
 
 
 def accepted(scored: Score, roster: Roster, known: Iterable[Disposition], today: date | None) -> dict[str, Any]:

@@ -5,17 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from scaloft_fi.analysis.kills.background import backgrounds
-from scaloft_fi.analysis.kills.interaction import interactions, orders
-from scaloft_fi.analysis.kills.kill_matrix import KillMatrix
-from scaloft_fi.analysis.kills.minimal_suite import minimal_suite
-from scaloft_fi.analysis.kills.subsumption import subsumption
-from scaloft_fi.analysis.plain import plain
-from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.analysis.scoring.detection import Verdict
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
-from scaloft_fi.analysis.scoring.score import Score
-from scaloft_fi.analysis.when import whens
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.kill_matrix import KillMatrix
+from scaloft_fi.analysis.margin import whens
+from scaloft_fi.analysis.roster import Roster, plain
+from scaloft_fi.analysis.score import MutantScore, Score
+from scaloft_fi.analysis.suite import interactions, minimal_suite, orders, subsumption
+from scaloft_fi.analysis.survivor import backgrounds
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.name import cell_of
 from scaloft_fi.judge.outcome import Outcome

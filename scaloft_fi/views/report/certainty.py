@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.analysis.score import MutantScore
 
 STEPS = (1.0, 0.1, 0.001)
 """Parts of alpha; the p of a surer detection is at most the smaller ones."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import date
 
-from scaloft_fi.analysis.scoring.detection import Spending
+from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.campaign.store.held import nothing_to_show
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study

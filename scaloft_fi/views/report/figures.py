@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from scaloft_fi.analysis.kills.kill_matrix import kill_matrix
-from scaloft_fi.analysis.plain import plain
-from scaloft_fi.analysis.scoring.baseline import Finding, findings, tallies
-from scaloft_fi.analysis.scoring.detection import Spending, Verdict
-from scaloft_fi.analysis.scoring.score import Score, score_of
-from scaloft_fi.analysis.situations.coverage import coverage_of
+from scaloft_fi.analysis.coverage import coverage_of
+from scaloft_fi.analysis.detection import Spending, Verdict
+from scaloft_fi.analysis.kill_matrix import kill_matrix
+from scaloft_fi.analysis.pool import Finding, findings, tallies
+from scaloft_fi.analysis.roster import plain
+from scaloft_fi.analysis.score import Score, score_of
 from scaloft_fi.campaign.runs.gates import check
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.outcome import TRACK_COLUMNS

@@ -6,10 +6,10 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import Any
 
-from scaloft_fi.analysis.ratio import Ratio
-from scaloft_fi.analysis.scoring.detection import Verdict
-from scaloft_fi.analysis.scoring.pool import Pool, State
-from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.pool import Pool, State
+from scaloft_fi.analysis.roster import Ratio
+from scaloft_fi.analysis.score import Score
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.views.score.answers import NOT_COMPARED
 

@@ -7,8 +7,7 @@ from math import prod
 from typing import Any
 
 from scaloft_fi.analysis.condition import Term, cover, term_text
-from scaloft_fi.analysis.kills.karnaugh import MOST_CELLS, cyclic, fold
-from scaloft_fi.analysis.kills.kill_matrix import KillRow
+from scaloft_fi.analysis.kill_matrix import MOST_CELLS, KillRow, cyclic, fold
 from scaloft_fi.judge.space import Point, Space
 
 LEAST_AXES = 2

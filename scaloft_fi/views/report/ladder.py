@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 
 from scaloft_fi.analysis.margin import Scale
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.name import cell_of, parse, split_magnitude
 

@@ -5,14 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.analysis.kills.gray import gray_order
-from scaloft_fi.analysis.kills.kill_matrix import Entry, KillMatrix
-from scaloft_fi.analysis.plain import plain
-from scaloft_fi.analysis.ratio import Ratio
-from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.analysis.scoring.mutant_score import Kill, MutantScore, Result
-from scaloft_fi.analysis.scoring.pool import Pool
-from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.analysis.kill_matrix import Entry, KillMatrix, gray_order
+from scaloft_fi.analysis.pool import Pool
+from scaloft_fi.analysis.roster import Ratio, Roster, plain
+from scaloft_fi.analysis.score import Kill, MutantScore, Result, Score
 from scaloft_fi.campaign.runs.seeking.finds import words_of
 from scaloft_fi.hazop.matrix import Matrix, class_of
 from scaloft_fi.hazop.name import cell_of

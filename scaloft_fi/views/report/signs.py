@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 from enum import StrEnum
 
-from scaloft_fi.analysis.kills.kill_matrix import Entry
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
-from scaloft_fi.analysis.scoring.pool import Pool, State
+from scaloft_fi.analysis.kill_matrix import Entry
+from scaloft_fi.analysis.pool import Pool, State
+from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import INVALID, Ruled, Situations, Status
 

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from scaloft_fi.analysis.margin import Margin, lowest, margins
-from scaloft_fi.analysis.scoring.score import Score
-from scaloft_fi.analysis.tried import FAILING, PhasedFault, Tried
+from scaloft_fi.analysis.score import Score
+from scaloft_fi.analysis.survivor import FAILING, PhasedFault, Tried
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Requirement

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable
 
-from scaloft_fi.analysis.scoring.detection import Spending
-from scaloft_fi.analysis.scoring.score import score_of
+from scaloft_fi.analysis.detection import Spending
+from scaloft_fi.analysis.score import score_of
 from scaloft_fi.console import width, wrapped
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.status import rulings_of

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.campaign.runs.looks import Look
 from scaloft_fi.views.tables.table import Table
 

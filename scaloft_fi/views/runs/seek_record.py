@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from scaloft_fi.analysis.plain import by_field, plain
+from scaloft_fi.analysis.roster import by_field, plain
 from scaloft_fi.campaign.runs.seeking.breaks import BreaksReport
 from scaloft_fi.campaign.runs.seeking.replicate import ReplicationReport
 from scaloft_fi.campaign.runs.seeking.seek import SeekReport

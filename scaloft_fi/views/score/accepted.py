@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
-from scaloft_fi.analysis.disposition import Accepted, Disposition, score_without
-from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.analysis.score import Score
+from scaloft_fi.analysis.survivor import Accepted, Disposition, score_without
 from scaloft_fi.views.outputs.shape import listing, record, text
 
 SHAPE = listing(

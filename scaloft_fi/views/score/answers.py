@@ -6,13 +6,10 @@ from collections import Counter
 from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
-from scaloft_fi.analysis.ratio import Ratio
-from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.analysis.scoring.detection import Verdict
-from scaloft_fi.analysis.scoring.firmness import Firmness
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
-from scaloft_fi.analysis.scoring.pool import LEAST
-from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.analysis.detection import Firmness, Verdict
+from scaloft_fi.analysis.pool import LEAST
+from scaloft_fi.analysis.roster import Ratio, Roster
+from scaloft_fi.analysis.score import MutantScore, Score
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.study import NO_FINDS, KnownFinds
 from scaloft_fi.views.score.commands import command, in_campaign

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Collection, Sequence
 
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.sim.situation import Situation
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.sim.found import Evidence, Find
 from scaloft_fi.study import KnownFinds
 from scaloft_fi.views.score.commands import in_campaign

@@ -9,16 +9,12 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from scaloft_fi.analysis.disposition import Accepted
-from scaloft_fi.analysis.kills.background import Background
-from scaloft_fi.analysis.noise import Noise
+from scaloft_fi.analysis.coverage import Coverage
+from scaloft_fi.analysis.detection import Firmness, Noise, Verdict
+from scaloft_fi.analysis.pool import Pool, State
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.analysis.scoring.detection import Verdict
-from scaloft_fi.analysis.scoring.firmness import Firmness
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
-from scaloft_fi.analysis.scoring.pool import Pool, State
-from scaloft_fi.analysis.scoring.score import Score
-from scaloft_fi.analysis.situations.coverage import Coverage
+from scaloft_fi.analysis.score import MutantScore, Score
+from scaloft_fi.analysis.survivor import Accepted, Background
 from scaloft_fi.console import PROSE, Marked, Style, coloured, line, styled, wrapped
 from scaloft_fi.console import width as terminal_width
 from scaloft_fi.defaults import CAMPAIGN

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from enum import StrEnum
 
-from scaloft_fi.analysis.kills.background import Background
-from scaloft_fi.analysis.scoring.detection import Verdict
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
-from scaloft_fi.analysis.scoring.pool import State
-from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.pool import State
+from scaloft_fi.analysis.score import MutantScore, Score
+from scaloft_fi.analysis.survivor import Background
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import Status
 from scaloft_fi.study import NO_FINDS, KnownFinds

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from scaloft_fi.analysis.noise import Noise
+from scaloft_fi.analysis.detection import Noise
 
 
 def noise_line(noise: Sequence[Noise]) -> str:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from scaloft_fi.analysis.scoring.detection import Verdict
-from scaloft_fi.analysis.scoring.firmness import Firmness
-from scaloft_fi.analysis.scoring.grouping import By
-from scaloft_fi.analysis.scoring.pool import State
+from scaloft_fi.analysis.detection import Firmness, Verdict
+from scaloft_fi.analysis.pool import State
+from scaloft_fi.analysis.score import By
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import Status
 from scaloft_fi.views.coverage.coverage_record import SHAPE as COVERED

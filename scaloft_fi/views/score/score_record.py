@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from scaloft_fi.analysis.disposition import Accepted, score_without
-from scaloft_fi.analysis.noise import Noise
-from scaloft_fi.analysis.plain import plain
-from scaloft_fi.analysis.scoring.detection import Detection
-from scaloft_fi.analysis.scoring.grouping import Group
-from scaloft_fi.analysis.scoring.mutant_score import Kill, Moment, MutantScore
-from scaloft_fi.analysis.scoring.score import Score
-from scaloft_fi.analysis.situations.coverage import Coverage
+from scaloft_fi.analysis.coverage import Coverage
+from scaloft_fi.analysis.detection import Detection, Noise
+from scaloft_fi.analysis.roster import plain
+from scaloft_fi.analysis.score import Group, Kill, Moment, MutantScore, Score
+from scaloft_fi.analysis.survivor import Accepted, score_without
 from scaloft_fi.hazop.matrix import class_of
 from scaloft_fi.views.coverage.coverage_record import coverage_record
 from scaloft_fi.views.score.accepted import accepted_values

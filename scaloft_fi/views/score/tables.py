@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Sequence
 
-from scaloft_fi.analysis.ratio import Ratio
-from scaloft_fi.analysis.scoring.baseline import Finding, Tally, findings, tallies
-from scaloft_fi.analysis.scoring.firmness import Firmness
-from scaloft_fi.analysis.scoring.grouping import By, groups
-from scaloft_fi.analysis.scoring.mutant_score import EARLY_S, MutantScore
-from scaloft_fi.analysis.scoring.pool import Pool, State
-from scaloft_fi.analysis.scoring.score import Score
-from scaloft_fi.analysis.situations.coverage import Coverage
+from scaloft_fi.analysis.coverage import Coverage
+from scaloft_fi.analysis.detection import Firmness
+from scaloft_fi.analysis.pool import Finding, Pool, State, Tally, findings, tallies
+from scaloft_fi.analysis.roster import Ratio
+from scaloft_fi.analysis.score import EARLY_S, By, MutantScore, Score, groups
 from scaloft_fi.judge.outcome import PLACEBO
 from scaloft_fi.judge.requirement import Compliance, rho_text
 from scaloft_fi.judge.space import Space

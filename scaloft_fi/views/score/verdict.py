@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from scaloft_fi.analysis.scoring.detection import LARGER, Verdict
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
-from scaloft_fi.analysis.scoring.pool import LEAST
+from scaloft_fi.analysis.detection import LARGER, Verdict
+from scaloft_fi.analysis.pool import LEAST
+from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.judge.status import Status
 from scaloft_fi.study import NO_FINDS, KnownFinds
 from scaloft_fi.views.score.commands import command, in_campaign

@@ -6,10 +6,9 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from scaloft_fi.analysis.margin import Margin, lowest, margins
-from scaloft_fi.analysis.scoring.score import Score
-from scaloft_fi.analysis.tried import PhasedFault, Reaction, Tried, detection_of, phased_fault
-from scaloft_fi.analysis.when import When
+from scaloft_fi.analysis.margin import Margin, When, lowest, margins
+from scaloft_fi.analysis.score import Score
+from scaloft_fi.analysis.survivor import PhasedFault, Reaction, Tried, detection_of, phased_fault
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Matrix
 from scaloft_fi.hazop.name import parse
 from scaloft_fi.judge.outcome import Outcome

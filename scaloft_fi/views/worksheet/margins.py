@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 
+from scaloft_fi.analysis.detection import LARGER, Verdict
 from scaloft_fi.analysis.margin import Margin, Scale, lowest, margins
-from scaloft_fi.analysis.scoring.detection import LARGER, Verdict
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
-from scaloft_fi.analysis.scoring.score import Score
-from scaloft_fi.analysis.tried import PhasedFault, Reaction, Tried, detection_of, phased_fault
+from scaloft_fi.analysis.score import MutantScore, Score
+from scaloft_fi.analysis.survivor import PhasedFault, Reaction, Tried, detection_of, phased_fault
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Matrix
 from scaloft_fi.hazop.name import parse

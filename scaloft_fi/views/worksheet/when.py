@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from scaloft_fi.analysis.scoring.detection import Verdict
-from scaloft_fi.analysis.when import Strike, When
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.margin import Strike, When
 from scaloft_fi.views.tables.table import Table
 
 HEADERS = ("phase", "acts at [s]", "in the flight", "kills", "verdict")
@@ -47,7 +47,7 @@ def _acts(strike: Strike) -> str:
 def _rail(strike: Strike, lasts_s: float) -> str:
     """The flight as a row of dots, with the phase's mark where it acts.
 
-    >>> from scaloft_fi.analysis.ratio import Ratio
+    >>> from scaloft_fi.analysis.roster import Ratio
     >>> _rail(Strike("NO-depth@3s#sight", "#sight", True, (5.0, 6.0, 7.0), Ratio(1, 4), Verdict.DETECTED), 60.0)
     '...X..........................'
     """

@@ -11,10 +11,9 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from scaloft_fi.analysis.disposition import Disposition
-from scaloft_fi.analysis.scoring.detection import Verdict
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
-from scaloft_fi.analysis.scoring.score import Score
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.score import MutantScore, Score
+from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Matrix, Parameter, SeverityClass
 from scaloft_fi.hazop.render import ladder

@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
-from scaloft_fi.analysis.plain import plain
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.analysis.roster import plain
+from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.judge.status import Status
 from scaloft_fi.views.outputs.output import Output
 from scaloft_fi.views.outputs.shape import (

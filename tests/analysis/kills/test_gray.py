@@ -7,7 +7,7 @@ from builders import GRID
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.kills.gray import gray_order, gray_rank, gray_words
+from scaloft_fi.analysis.kill_matrix import gray_order, gray_rank, gray_words
 from scaloft_fi.judge.space import Space
 
 radices = st.lists(st.integers(1, 4), min_size=1, max_size=4)

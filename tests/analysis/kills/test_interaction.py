@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaloft_fi.analysis.condition import admits
-from scaloft_fi.analysis.kills.interaction import NIST, Interaction, interactions, order, orders
-from scaloft_fi.analysis.kills.kill_matrix import kill_matrix
-from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.analysis.kill_matrix import kill_matrix
+from scaloft_fi.analysis.score import score
+from scaloft_fi.analysis.suite import NIST, Interaction, interactions, order, orders
 from scaloft_fi.judge.space import Space
 
 THREE = Space(

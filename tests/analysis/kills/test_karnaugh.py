@@ -4,7 +4,7 @@ from itertools import pairwise, product
 
 from builders import GRID
 
-from scaloft_fi.analysis.kills.karnaugh import cyclic, fold
+from scaloft_fi.analysis.kill_matrix import cyclic, fold
 from scaloft_fi.judge.space import Space
 
 THREE = Space(

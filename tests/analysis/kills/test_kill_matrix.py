@@ -6,9 +6,9 @@ from itertools import pairwise
 from builders import GRID, ROSTER, campaigns, outcome, pool, seeded, thrice
 from hypothesis import given, settings
 
-from scaloft_fi.analysis.kills.kill_matrix import NOT_FLOWN, KillMatrix, kill_matrix
-from scaloft_fi.analysis.scoring.detection import Verdict
-from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.kill_matrix import NOT_FLOWN, KillMatrix, kill_matrix
+from scaloft_fi.analysis.score import score
 from scaloft_fi.judge.outcome import PLACEBO, Outcome
 
 LATE, NO, CONTROL = "LATE-human@3s", "NO-human@100%", "REVERSE-human"

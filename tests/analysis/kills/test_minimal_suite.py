@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.kills.minimal_suite import minimal_suite
+from scaloft_fi.analysis.suite import minimal_suite
 
 COLUMNS = "abcdefgh"
 matrices = st.dictionaries(

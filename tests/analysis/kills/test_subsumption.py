@@ -8,16 +8,10 @@ from builders import GRID, ROSTER, pool, thrice
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.kills.kill_matrix import kill_matrix
-from scaloft_fi.analysis.kills.subsumption import (
-    Redundancy,
-    Subsumption,
-    kills_by_requirement,
-    redundancies,
-    subsumption,
-)
-from scaloft_fi.analysis.ratio import Ratio
-from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.analysis.kill_matrix import kill_matrix
+from scaloft_fi.analysis.roster import Ratio
+from scaloft_fi.analysis.score import score
+from scaloft_fi.analysis.suite import Redundancy, Subsumption, kills_by_requirement, redundancies, subsumption
 
 COLUMNS = "abcdef"
 matrices = st.dictionaries(

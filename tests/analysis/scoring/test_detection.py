@@ -7,8 +7,8 @@ from builders import pool
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.scoring.detection import LOOKS, Detection, Sample, Spending, Verdict, adjusted, detect
-from scaloft_fi.analysis.scoring.pool import Pool
+from scaloft_fi.analysis.detection import LOOKS, Detection, Sample, Spending, Verdict, adjusted, detect
+from scaloft_fi.analysis.pool import Pool
 from scaloft_fi.judge.requirement import Kind
 
 M = "LATE-human@3s"

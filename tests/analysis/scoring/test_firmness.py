@@ -5,9 +5,8 @@ from builders import pool
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.scoring.detection import Sample, Spending, adjusted
-from scaloft_fi.analysis.scoring.firmness import Firmness, firmness
-from scaloft_fi.analysis.scoring.pool import Pool
+from scaloft_fi.analysis.detection import Firmness, Sample, Spending, adjusted, firmness
+from scaloft_fi.analysis.pool import Pool
 from scaloft_fi.judge.requirement import Kind
 
 M = "LATE-human@3s"

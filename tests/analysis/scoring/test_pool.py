@@ -4,7 +4,7 @@ import pytest
 from builders import campaigns, outcome, pool
 from hypothesis import given
 
-from scaloft_fi.analysis.scoring.pool import LEAST, Pair, Pool, State
+from scaloft_fi.analysis.pool import LEAST, Pair, Pool, State
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind
 

@@ -12,9 +12,9 @@ import recomputation
 from builders import AXES, GRID, KINDS, ROSTER, campaigns, seeded
 from hypothesis import given, settings
 
-from scaloft_fi.analysis.scoring.baseline import findings
-from scaloft_fi.analysis.scoring.score import score
-from scaloft_fi.analysis.situations.coverage import coverage
+from scaloft_fi.analysis.coverage import coverage
+from scaloft_fi.analysis.pool import findings
+from scaloft_fi.analysis.score import score
 from scaloft_fi.judge.outcome import Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.views.flights.export import columns, export_rows, to_csv

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 from builders import outcome, pool
 
-from scaloft_fi.analysis.ratio import Ratio
-from scaloft_fi.analysis.scoring.redraw import REDRAWS, Redraw, redraw
+from scaloft_fi.analysis.roster import Ratio
+from scaloft_fi.analysis.score import REDRAWS, Redraw, redraw
 from scaloft_fi.judge.outcome import BASELINE
 
 KEYS = ["T0O0W0D0H0", "T0O0W0D0H1", "T0O0W0D1H0", "T0O0W0D1H1"]

@@ -7,12 +7,11 @@ from builders import GRID, ROSTER, campaigns, flights, outcome, pool, seeded
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.ratio import Ratio
-from scaloft_fi.analysis.scoring.baseline import findings
-from scaloft_fi.analysis.scoring.detection import Spending, Verdict
-from scaloft_fi.analysis.scoring.pool import State
-from scaloft_fi.analysis.scoring.score import Score, score
-from scaloft_fi.analysis.situations.coverage import coverage
+from scaloft_fi.analysis.coverage import coverage
+from scaloft_fi.analysis.detection import Spending, Verdict
+from scaloft_fi.analysis.pool import State, findings
+from scaloft_fi.analysis.roster import Ratio
+from scaloft_fi.analysis.score import Score, score
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.judge.status import Status
 from scaloft_fi.views.score.score_record import score_json

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from builders import outcome
 
-from scaloft_fi.analysis.seeking.aim import BEYOND, ROOM, WORST, breaking, distance, is_of_use, shown_by
+from scaloft_fi.analysis.seeking import BEYOND, ROOM, WORST, breaking, distance, is_of_use, shown_by
 from scaloft_fi.judge.outcome import Outcome
 
 

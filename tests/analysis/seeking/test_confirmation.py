@@ -7,18 +7,9 @@ from dataclasses import replace
 import pytest
 from builders import outcome, pool
 
-from scaloft_fi.analysis.scoring.detection import Sample, Spending, detect
-from scaloft_fi.analysis.scoring.pool import Pool
-from scaloft_fi.analysis.seeking.confirmation import (
-    FEWEST,
-    MOST,
-    confirmed,
-    does_mission,
-    room,
-    safely_held,
-    seeds_for,
-    share_of,
-)
+from scaloft_fi.analysis.detection import Sample, Spending, detect
+from scaloft_fi.analysis.pool import Pool
+from scaloft_fi.analysis.seeking import FEWEST, MOST, confirmed, does_mission, room, safely_held, seeds_for, share_of
 from scaloft_fi.judge.requirement import Kind
 
 HERE = "T0O0W0D0H1"

@@ -7,8 +7,7 @@ from dataclasses import replace
 import pytest
 from builders import outcome
 
-from scaloft_fi.analysis.seeking.aim import WORST
-from scaloft_fi.analysis.seeking.effort import Effort, effort_of
+from scaloft_fi.analysis.seeking import WORST, Effort, effort_of
 from scaloft_fi.judge.outcome import Outcome
 
 KEYS = ("T0O0W0D0H0", "T0O0W0D0H1", "T0O0W0D1H0", "T0O0W0D1H1", "T0O0W1D0H0", "T0O0W1D0H1")

@@ -10,8 +10,8 @@ from finding import found
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.scoring.stratified import Stratum, p_value
-from scaloft_fi.analysis.seeking.replication import POOL, SEEDS, Replica, replicas
+from scaloft_fi.analysis.seeking import POOL, SEEDS, Replica, replicas
+from scaloft_fi.analysis.stratified import Stratum, p_value
 
 LATE, LESS = "LATE-human@3s", "LATE-human@1s"
 HERE, THERE = "T0O0W0D0H1", "T0O0W0D0H0"

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.analysis.seeking.shrink import shrunk
+from scaloft_fi.analysis.seeking import shrunk
 from scaloft_fi.sim.grids import load_grid
 
 GRID = load_grid(Path(__file__).parents[3] / "sim", "search")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from scaloft_fi.analysis.seeking.signature import Breach, Signature, breaches
+from scaloft_fi.analysis.seeking import Breach, Signature, breaches
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.judge.outcome import Violation
 from scaloft_fi.judge.requirement import Kind, Requirement

@@ -8,10 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from ranges import RANGED, drawn
 
-from scaloft_fi.analysis.ratio import Ratio
-from scaloft_fi.analysis.scoring.pool import State
-from scaloft_fi.analysis.situations.coverage import coverage, coverage_json
-from scaloft_fi.analysis.situations.t_way import t_way
+from scaloft_fi.analysis.coverage import coverage, coverage_json, t_way
+from scaloft_fi.analysis.pool import State
+from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 
 KEYS = [key for key, _ in GRID.points]

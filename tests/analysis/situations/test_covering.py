@@ -8,8 +8,7 @@ from grids import FIVE, keys_of, space_of, spaces
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.situations.covering import covering_array, forbidden
-from scaloft_fi.analysis.situations.t_way import levels_of, t_way, table
+from scaloft_fi.analysis.coverage import covering_array, forbidden, levels_of, t_way, table
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.space import Space
 

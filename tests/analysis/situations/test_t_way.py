@@ -6,8 +6,8 @@ from grids import keys_of, space_of, spaces
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.ratio import Ratio
-from scaloft_fi.analysis.situations.t_way import t_way
+from scaloft_fi.analysis.coverage import t_way
+from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.judge.space import Space
 
 

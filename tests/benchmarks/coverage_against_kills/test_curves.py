@@ -16,8 +16,7 @@ from grids import FIVE, keys_of, space_of, spaces
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.situations.covering import covering_array
-from scaloft_fi.analysis.situations.t_way import t_way
+from scaloft_fi.analysis.coverage import covering_array, t_way
 from scaloft_fi.judge.space import Space
 from scaloft_fi.views.tables.table import Format, render
 

@@ -9,7 +9,7 @@ import pytest
 from builders import outcome, pool
 from coverage_against_kills import __main__ as experiment
 
-from scaloft_fi.analysis.scoring.detection import Spending
+from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.status import rulings_of

@@ -11,7 +11,7 @@ from coverage_against_kills.prediction import predict
 from coverage_against_kills.trial import trial
 from published_flights import PUBLISHED, ROOT, outcomes
 
-from scaloft_fi.analysis.scoring.score import score_of
+from scaloft_fi.analysis.score import score_of
 from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.study import Study
 from scaloft_fi.views.tables.table import Format, render

@@ -8,8 +8,8 @@ from coverage_against_kills.prediction import predict
 from coverage_against_kills.trial import Trial, trial
 from hypothesis import given, settings
 
-from scaloft_fi.analysis.scoring.detection import Spending
-from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.analysis.detection import Spending
+from scaloft_fi.analysis.score import score
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.status import rulings_of
 

@@ -16,7 +16,7 @@ from random_faults.page import UNFINISHED, flown
 from random_faults.plan import FAULTS, FLIGHTS, KNOWN, LEAST, MOST, PLAN, POOL, SEEDS, fisher, names_of
 from scipy.stats import fisher_exact
 
-from scaloft_fi.analysis.scoring.pool import State
+from scaloft_fi.analysis.pool import State
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.store.fingerprint import fingerprint
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject

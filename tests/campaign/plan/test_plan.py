@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.scoring.pool import LEAST
+from scaloft_fi.analysis.pool import LEAST
 from scaloft_fi.campaign.plan import choose
 from scaloft_fi.campaign.plan.plan import plan
 from scaloft_fi.errors import InputError

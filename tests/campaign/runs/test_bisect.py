@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaloft_fi.analysis.margin import Margin, Scale, margin_of
-from scaloft_fi.analysis.tried import Reaction, Tried
+from scaloft_fi.analysis.survivor import Reaction, Tried
 from scaloft_fi.campaign.runs.bisect import WIDENINGS, Search
 from scaloft_fi.views.worksheet.margin_text import margin_text
 

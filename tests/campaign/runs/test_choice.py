@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from ranges import with_range
 
-from scaloft_fi.analysis.situations.t_way import t_way
+from scaloft_fi.analysis.coverage import t_way
 from scaloft_fi.campaign.runs.choice import Choice, choose, remember, remembered
 from scaloft_fi.campaign.store.folder import STORE_NAME
 from scaloft_fi.campaign.store.store import Store

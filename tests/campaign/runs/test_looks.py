@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.analysis.scoring.detection import LOOKS, Verdict
-from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.analysis.detection import LOOKS, Verdict
+from scaloft_fi.analysis.score import score
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.plan.plan import Plan, plan
 from scaloft_fi.campaign.progress.progress import Silence

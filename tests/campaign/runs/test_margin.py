@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 
 from scaloft_fi.analysis.margin import Margin, lowest, margins
-from scaloft_fi.analysis.scoring.score import score
-from scaloft_fi.analysis.tried import PhasedFault, Reaction
+from scaloft_fi.analysis.score import score
+from scaloft_fi.analysis.survivor import PhasedFault, Reaction
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.plan.plan import plan
 from scaloft_fi.campaign.progress.progress import Progress

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.analysis.scoring.detection import Spending
+from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.plan.plan import Plan, plan
 from scaloft_fi.campaign.progress.progress import Silence

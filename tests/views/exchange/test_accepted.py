@@ -11,7 +11,7 @@ import yaml
 from builders import outcome, pool
 from dossiers import dossier
 
-from scaloft_fi.analysis.disposition import Disposition
+from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.gsn import gsn
 from scaloft_fi.views.exchange.junit import junit

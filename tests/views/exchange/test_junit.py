@@ -8,8 +8,8 @@ from finding import flies, found, known
 from hypothesis import given, settings
 from junitparser import Error, Failure, JUnitXml, Skipped
 
-from scaloft_fi.analysis.scoring.detection import Verdict
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.console import line
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.views.exchange.dossier import Dossier

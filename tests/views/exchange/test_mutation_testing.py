@@ -10,7 +10,7 @@ from builders import outcome, pool
 from dossiers import HOSTILE, LINES, dossier, dossiers
 from hypothesis import given, settings
 
-from scaloft_fi.analysis.ratio import Ratio
+from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.views.exchange.dossier import Dossier
 from scaloft_fi.views.exchange.mutation_testing import mutation_testing
 

@@ -9,7 +9,7 @@ from builders import GRID, KINDS, ROSTER, campaigns, outcome, seeded
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.scoring.pool import Pool
+from scaloft_fi.analysis.pool import Pool
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.views.flights.export import FlightRow, columns, export_rows, to_csv, to_json
 

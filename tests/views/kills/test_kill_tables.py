@@ -4,12 +4,17 @@ import pytest
 from builders import GRID, ROSTER, outcome, pool, seeded, thrice
 from hypothesis import given, settings
 
-from scaloft_fi.analysis.kills.interaction import interactions, orders
-from scaloft_fi.analysis.kills.kill_matrix import KillMatrix, kill_matrix
-from scaloft_fi.analysis.kills.minimal_suite import minimal_suite
-from scaloft_fi.analysis.kills.situation_kills import chosen_kills, situation_kills
-from scaloft_fi.analysis.kills.subsumption import redundancies, subsumption
-from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.analysis.kill_matrix import KillMatrix, kill_matrix
+from scaloft_fi.analysis.score import score
+from scaloft_fi.analysis.suite import (
+    chosen_kills,
+    interactions,
+    minimal_suite,
+    orders,
+    redundancies,
+    situation_kills,
+    subsumption,
+)
 from scaloft_fi.console import PIPED
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.views.kills import kill_tables as tables

@@ -10,12 +10,11 @@ from finding import flies, found, known
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.kills.background import Background, backgrounds
-from scaloft_fi.analysis.kills.kill_matrix import kill_matrix
-from scaloft_fi.analysis.plain import plain
-from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.analysis.scoring.detection import Verdict
-from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.kill_matrix import kill_matrix
+from scaloft_fi.analysis.roster import Roster, plain
+from scaloft_fi.analysis.score import score
+from scaloft_fi.analysis.survivor import Background, backgrounds
 from scaloft_fi.judge.outcome import BASELINE, TRACK_COLUMNS, Outcome, pack_track
 from scaloft_fi.sim.found import Find
 from scaloft_fi.study import Study

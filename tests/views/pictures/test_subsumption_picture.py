@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.kills.subsumption import subsumption
+from scaloft_fi.analysis.suite import subsumption
 from scaloft_fi.views.pictures.picture import png
 from scaloft_fi.views.pictures.subsumption_picture import dot, draw_subsumption
 

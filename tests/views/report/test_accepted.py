@@ -12,7 +12,7 @@ import pytest
 from counting import counts_of, exported
 from papers import STUDY, campaign, evidence_of
 
-from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.analysis.score import score
 from scaloft_fi.study import Study
 from scaloft_fi.views.report.accepted import accepted
 from scaloft_fi.views.report.evidence import Evidence

@@ -10,7 +10,7 @@ import pytest
 from browsing import Opened
 from reading import embedded
 
-from scaloft_fi.analysis.disposition import Disposition
+from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.judge.space import Space
 from scaloft_fi.study import Study
 from scaloft_fi.views.report.evidence import Evidence

@@ -12,8 +12,8 @@ from counting import SAFETY, Count, counts_of, exported, states_of
 from papers import MUTANTS, campaign, evidence_of, track
 from reading import embedded, unpacked
 
-from scaloft_fi.analysis.scoring.detection import Spending
-from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.analysis.detection import Spending
+from scaloft_fi.analysis.score import score
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 from scaloft_fi.views.report.evidence import Evidence

@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 from papers import BAR, SHAKY, campaign
 
-from scaloft_fi.analysis.ratio import Ratio
-from scaloft_fi.analysis.scoring.score import Score, score
+from scaloft_fi.analysis.roster import Ratio
+from scaloft_fi.analysis.score import Score, score
 from scaloft_fi.study import Study
 from scaloft_fi.views.report.evidence import Evidence
 from scaloft_fi.views.report.head import MODEL, NO_POOL, WHOLE, head

@@ -12,9 +12,9 @@ import pytest
 from counting import counts_of, exported
 from reading import embedded
 
-from scaloft_fi.analysis.kills.kill_matrix import Entry, KillRow
-from scaloft_fi.analysis.ratio import Ratio
-from scaloft_fi.analysis.scoring.detection import Verdict
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.kill_matrix import Entry, KillRow
+from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.judge.outcome import Subject
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Status

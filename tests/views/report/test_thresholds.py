@@ -11,7 +11,7 @@ from counting import counts_of, exported
 from papers import SEEDS, campaign, evidence_of, flight
 from reading import embedded
 
-from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.analysis.score import score
 from scaloft_fi.judge.outcome import Outcome, Subject
 from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.study import Study

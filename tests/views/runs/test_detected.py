@@ -3,8 +3,8 @@ from __future__ import annotations
 import pytest
 from papers import STUDY, flight
 
-from scaloft_fi.analysis.scoring.detection import Spending
-from scaloft_fi.analysis.scoring.score import score_of
+from scaloft_fi.analysis.detection import Spending
+from scaloft_fi.analysis.score import score_of
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.study import Study

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from scaloft_fi.analysis.seeking.effort import Effort
+from scaloft_fi.analysis.seeking import Effort
 from scaloft_fi.campaign.runs.seeking.seek import SeekReport, Sought
 from scaloft_fi.views.runs.seek import seek_tables, why_not
 

@@ -8,8 +8,7 @@ from builders import GRID, ROSTER, outcome, pool, thrice
 from finding import flies as command
 from finding import found, known
 
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore
-from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.analysis.score import MutantScore, score
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.sim.found import Again
 from scaloft_fi.views.score.finds import facts, flies, flown_in_vain, next_find

@@ -7,10 +7,10 @@ from finding import flies, found, known
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.kills.background import Background
+from scaloft_fi.analysis.coverage import coverage
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.analysis.scoring.score import score
-from scaloft_fi.analysis.situations.coverage import coverage
+from scaloft_fi.analysis.score import score
+from scaloft_fi.analysis.survivor import Background
 from scaloft_fi.console import PIPED, wrapped
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.views.score.answers import NAMES, answers

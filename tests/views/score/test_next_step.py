@@ -9,9 +9,9 @@ from builders import GRID, ROSTER, campaigns, outcome, pool, seeded
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.kills.background import Background
-from scaloft_fi.analysis.kills.kill_matrix import kill_matrix
-from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.analysis.kill_matrix import kill_matrix
+from scaloft_fi.analysis.score import score
+from scaloft_fi.analysis.survivor import Background
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.views.kills.survivors import survivors
 from scaloft_fi.views.score.next_step import Next, next_steps, short_step

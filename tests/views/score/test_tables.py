@@ -10,11 +10,10 @@ from builders import CLASSED, GRID, ROSTER, campaigns, outcome, pool, seeded
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.ratio import Ratio
-from scaloft_fi.analysis.scoring.baseline import findings, tallies
-from scaloft_fi.analysis.scoring.grouping import By, groups
-from scaloft_fi.analysis.scoring.score import score
-from scaloft_fi.analysis.situations.coverage import coverage
+from scaloft_fi.analysis.coverage import coverage
+from scaloft_fi.analysis.pool import findings, tallies
+from scaloft_fi.analysis.roster import Ratio
+from scaloft_fi.analysis.score import By, groups, score
 from scaloft_fi.console import PIPED
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
 from scaloft_fi.judge.status import rulings_of

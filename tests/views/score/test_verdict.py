@@ -10,8 +10,8 @@ from finding import flies, found, known
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.scoring.detection import Spending, Verdict
-from scaloft_fi.analysis.scoring.score import Score, score
+from scaloft_fi.analysis.detection import Spending, Verdict
+from scaloft_fi.analysis.score import Score, score
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.views.score.verdict import next_command, verdict, why, would_decide
 

@@ -12,7 +12,7 @@ import pytest
 from builders import GRID, outcome, pool
 
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.analysis.score import score
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import CellStatus, Matrix
 from scaloft_fi.mutants.catalogue import derive

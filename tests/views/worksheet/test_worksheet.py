@@ -18,9 +18,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from openpyxl import load_workbook
 
-from scaloft_fi.analysis.disposition import Disposition
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.analysis.scoring.score import score
+from scaloft_fi.analysis.score import score
+from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.console import line, printable
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import CellStatus, Matrix

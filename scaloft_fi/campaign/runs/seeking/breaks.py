@@ -14,10 +14,8 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from scaloft_fi.analysis.scoring.pool import LEAST
-from scaloft_fi.analysis.seeking.aim import REJECTED, WORST, breaking
-from scaloft_fi.analysis.seeking.shrink import shrunk
-from scaloft_fi.analysis.seeking.signature import Breach, Signature
+from scaloft_fi.analysis.pool import LEAST
+from scaloft_fi.analysis.seeking import REJECTED, WORST, Breach, Signature, breaking, shrunk
 from scaloft_fi.campaign.flights.worker import Flyer
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.progress.progress import Progress

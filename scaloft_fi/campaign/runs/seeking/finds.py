@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import yaml
 
-from scaloft_fi.analysis.seeking.replication import Replica
+from scaloft_fi.analysis.seeking import Replica
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import PLACEBO
 from scaloft_fi.output import write_whole

@@ -8,8 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from scaloft_fi.analysis.seeking.aim import distance, is_of_use, shown_by
-from scaloft_fi.analysis.seeking.effort import Effort, effort_of
+from scaloft_fi.analysis.seeking import Effort, distance, effort_of, is_of_use, shown_by
 from scaloft_fi.campaign.plan.batch import Batch
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.runs.budget import Budget, budget_s

@@ -15,7 +15,7 @@ from functools import partial
 from itertools import count, islice
 from typing import TYPE_CHECKING, Any, Protocol
 
-from scaloft_fi.analysis.seeking.shrink import brief
+from scaloft_fi.analysis.seeking import brief
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.situation import DEVIATES, Situation
 from scaloft_fi.streams import key_words

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from scaloft_fi.analysis.scoring.pool import LEAST, Pool
-from scaloft_fi.analysis.seeking.confirmation import confirmed, does_mission, safely_held, seeds_for, share_of
-from scaloft_fi.analysis.seeking.shrink import shrunk
+from scaloft_fi.analysis.pool import LEAST, Pool
+from scaloft_fi.analysis.seeking import confirmed, does_mission, safely_held, seeds_for, share_of, shrunk
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON, SearchFlights
 from scaloft_fi.campaign.runs.seeking.proposals import Proposer

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from scaloft_fi.analysis.seeking.signature import Breach, breaches
+from scaloft_fi.analysis.seeking import Breach, breaches
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.processes.pool import Pool
 from scaloft_fi.campaign.runs.campaign import Campaign

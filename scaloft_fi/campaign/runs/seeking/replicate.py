@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from scaloft_fi.analysis.seeking.replication import POOL, SEEDS, Place, Replica, replicas
+from scaloft_fi.analysis.seeking import POOL, SEEDS, Place, Replica, replicas
 from scaloft_fi.campaign.flights.worker import Flyer
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.progress.progress import Progress

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from scaloft_fi.analysis.seeking.aim import REJECTED
-from scaloft_fi.analysis.seeking.effort import Effort
+from scaloft_fi.analysis.seeking import REJECTED, Effort
 from scaloft_fi.campaign.flights.worker import Flyer
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.progress.progress import Progress

@@ -11,9 +11,8 @@ from typing import Any
 import pytest
 from finding import Ruled, everywhere, number, small_study
 
-from scaloft_fi.analysis.scoring.pool import LEAST
-from scaloft_fi.analysis.seeking.aim import WORST
-from scaloft_fi.analysis.seeking.signature import Breach, Signature
+from scaloft_fi.analysis.pool import LEAST
+from scaloft_fi.analysis.seeking import WORST, Breach, Signature
 from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.options import RunOptions

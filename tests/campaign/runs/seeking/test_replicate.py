@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from finding import BAR, Ruled, fast, found, never, small_study
 
-from scaloft_fi.analysis.seeking.replication import POOL, SEEDS
+from scaloft_fi.analysis.seeking import POOL, SEEDS
 from scaloft_fi.campaign.progress.progress import Progress
 from scaloft_fi.campaign.runs.seeking.finds import break_saver, holding, keep, saver
 from scaloft_fi.campaign.runs.seeking.replicate import BLOCK, FRESH, ReplicationReport, replicate

@@ -1,4 +1,4 @@
-"""Detected, undecided, not detected, not tested: what all flights of one mutant say together.
+"""Detected, undecided, not detected, not tested: what all flights of a mutant say together; firm; the noise of a stack.
 
 **The question.**  Would the tests have shown this fault, or does chance explain what was seen?  Every drone violates a
 requirement now and then, so one flight beside its baseline is an observation; the verdict is one test a mutant.
@@ -18,20 +18,31 @@ three violating situations (two give p = 0.0165), three seeds one situation (0.0
 
 Mutant and pool share their noise seed by seed, and the pool has the mutant's own seeds in it; the test takes them as
 independent, which makes it the stricter.  Mutants share seeds with one another, so false detections come in groups.
+
+Detected says what these flights support; firm says what another seed would say.  A detected mutant is firm if it stays
+detected when any one seed is left out of its own flights and, separately, any one out of the pool's (the jackknife of
+Quenouille, Biometrika 43, 1956, over seeds).  States of pairs and the gate's allowance stay those of the whole pool,
+else leaving out one of ten flights would change what is asked and not only what answers.
+
+The simulator repeats its bits for a situation and seed, so two such flights of the same drone differ by what their
+stack did.  PLACEBO alters nothing: its flight beside the baseline of the same situation and seed is such a pair.
 """
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
 from typing import TypeVar
 
-from scaloft_fi.analysis.scoring.pool import Pool, State
-from scaloft_fi.analysis.scoring.stratified import GATE, Stratum, p_value
-from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.analysis.pool import Pool, State
+from scaloft_fi.analysis.stratified import GATE, Stratum, p_value
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
+from scaloft_fi.judge.requirement import Kind, measured_rho
+from scaloft_fi.judge.status import baselines_of
 
 K = TypeVar("K")
 
@@ -260,3 +271,147 @@ def _decides(samples: Sequence[Sample], pool: Pool, names: Sequence[str], seeds:
                 yield Stratum(expected, seeds, (2 * pair.violated * judged + pair.judged) // (2 * pair.judged), judged)
 
     return reaches(len(names) * min(p_value(strata(name)) for name in names), share)
+
+
+class Firmness(StrEnum):
+    """What remains of a verdict `detected` when one seed is left out."""
+
+    FIRM = "firm"
+    """It stays detected, whichever seed is left out of its own flights or of the pool."""
+    FIRM_BY_POOL = "firm_by_pool"
+    """It has one seed of its own, and stays detected whichever seed is left out of the pool."""
+    HANGS = "hangs_on_a_seed"
+    """Without some seed it is not detected."""
+    TOO_FEW = "too_few_seeds"
+    """Without some seed the flights that remain could not be detected whatever they show."""
+
+    @property
+    def firm(self) -> bool:
+        """Whether it counts as firm."""
+        return self in (Firmness.FIRM, Firmness.FIRM_BY_POOL)
+
+    @property
+    def words(self) -> str:
+        """As people read it."""
+        return _WORDS[self]
+
+
+_WORDS = {
+    Firmness.FIRM: "firm",
+    Firmness.FIRM_BY_POOL: "firm by the pool alone",
+    Firmness.HANGS: "hangs on a seed",
+    Firmness.TOO_FEW: "too few seeds to say",
+}
+
+
+def firmness(mutant: str, samples: Sequence[Sample], pool: Pool, spending: Spending, kind: Kind) -> Firmness:
+    """What remains of the verdict on a detected mutant when one seed is left out.
+
+    Each number of seeds at which the mutant is judged is judged again without the seed, at its share of alpha.
+
+    Args:
+        mutant: its id.
+        samples: one per situation flown, with their seeds.
+        pool: what the flights are compared with.
+        spending: of alpha.
+        kind: safety or operability.
+    """
+    flown = max(len(sample.violated) for sample in samples)
+    looks = [([sample.at(seeds) for sample in samples], share) for seeds, share in spending.looks(mutant, flown)]
+    own = sorted({seed for sample in samples for seed in sample.seeds})
+    names = pool.requirements(kind)
+
+    def detected(left: Sequence[Sample], seed: int | None, share: float) -> bool:
+        return reaches(min(adjusted(left, pool, names, seed).values()), share)
+
+    def cases() -> Iterator[list[tuple[list[Sample], int | None, float]]]:
+        for seed in own if len(own) > 1 else ():
+            yield [([sample.without(seed) for sample in looked], None, share) for looked, share in looks]
+        for seed in pool.by_seed:
+            yield [(looked, seed, share) for looked, share in looks]
+
+    lost = [case for case in cases() if not any(detected(*look) for look in case)]
+    if not lost:
+        return Firmness.FIRM if len(own) > 1 else Firmness.FIRM_BY_POOL
+    able = any(detected(_worst(left, pool, kind), seed, share) for case in lost for left, seed, share in case)
+    return Firmness.HANGS if able else Firmness.TOO_FEW
+
+
+def _worst(samples: Sequence[Sample], pool: Pool, kind: Kind) -> list[Sample]:
+    """The flights that put the fault to the test, if each violated all that it could."""
+    return at_worst([one for one in samples if one.infected and pool.steady(one.situation, kind)], pool, kind)
+
+
+@dataclass(frozen=True)
+class Noise:
+    """The noise of the robustness of one requirement, in its unit.
+
+    Attributes:
+        requirement: its id.
+        pairs: pairs of flights of one situation and seed that both measure it.
+        stack: standard deviation of one flight by what the stack did alone: the root mean square of the differences,
+            divided by the root of two; None without a pair.
+        seeds: standard deviation between the seeds of a situation, by sensors and stack together, pooled over the
+            situations; None where no situation has two baselines.
+        apart: pairs of which one flight violates it and the other one holds it.
+    """
+
+    requirement: str
+    pairs: int
+    stack: float | None
+    seeds: float | None
+    apart: int
+
+
+def noise_of(outcomes: Iterable[Outcome]) -> tuple[Noise, ...]:
+    """The noise of each safety and operability requirement, in the study's order; empty without a valid baseline."""
+    listed = [outcome for outcome in outcomes if not outcome.invalid]
+    known = baselines_of(listed)
+    pairs = [
+        (known[outcome.situation, outcome.seed], outcome)
+        for outcome in listed
+        if outcome.mutant == PLACEBO and (outcome.situation, outcome.seed) in known
+    ]
+    baselines = [outcome for outcome in listed if outcome.mutant == BASELINE]
+    names = {r.requirement: None for o in baselines for r in o.readings if r.kind is not Kind.REPORTED}
+    return tuple(_noise(name, pairs, baselines) for name in names)
+
+
+def _noise(name: str, pairs: Sequence[tuple[Outcome, Outcome]], baselines: Sequence[Outcome]) -> Noise:
+    both = [(_rho(name, first), _rho(name, second)) for first, second in pairs]
+    squares = [(one - other) ** 2 for one, other in both if one is not None and other is not None]
+    by_situation: dict[str, list[float]] = {}
+    for outcome in baselines:
+        rho = _rho(name, outcome)
+        if rho is not None:
+            by_situation.setdefault(outcome.situation, []).append(rho)
+    return Noise(
+        requirement=name,
+        pairs=len(squares),
+        stack=math.sqrt(sum(squares) / len(squares) / 2.0) if squares else None,
+        seeds=_pooled(by_situation.values()),
+        apart=sum(_violates(name, first) != _violates(name, second) for first, second in pairs),
+    )
+
+
+def _pooled(groups: Iterable[Sequence[float]]) -> float | None:
+    """The standard deviation within groups; None where none has two numbers."""
+    squares, freedom = 0.0, 0
+    for group in groups:
+        mean = sum(group) / len(group)
+        squares += sum((one - mean) ** 2 for one in group)
+        freedom += len(group) - 1
+    return math.sqrt(squares / freedom) if freedom else None
+
+
+def _rho(name: str, outcome: Outcome) -> float | None:
+    measured = next(_measured(name, outcome), None)
+    return measured if measured is not None and math.isfinite(measured) else None
+
+
+def _measured(name: str, outcome: Outcome) -> Iterator[float | None]:
+    return (measured_rho(reading) for reading in outcome.readings if reading.requirement == name)
+
+
+def _violates(name: str, outcome: Outcome) -> bool:
+    return any(violation.requirement == name for violation in outcome.violations)

@@ -1,23 +1,174 @@
-"""The kill matrix: mutants x situations of results, as one value that every picture and analysis reads."""
+"""The kill matrix: mutants x situations of results, in the order of a Karnaugh map; how near a flight came.
+
+The first half of the axes runs down, the others run across, each side in the order of a reflected Gray code (Karnaugh,
+"The map method for synthesis of combinational logic circuits", Trans. AIEE 72, 1953; for axes of any number of values
+here).  With two values an axis the opposite edges are neighbours too.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 from typing import Any
 
-from scaloft_fi.analysis.kills.gray import gray_order
-from scaloft_fi.analysis.plain import plain
-from scaloft_fi.analysis.ratio import Ratio
-from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.analysis.scoring.detection import Verdict
-from scaloft_fi.analysis.scoring.firmness import Firmness
-from scaloft_fi.analysis.scoring.mutant_score import MutantScore, Result
-from scaloft_fi.analysis.scoring.score import Score
-from scaloft_fi.judge.outcome import Subject
-from scaloft_fi.judge.space import Space
-from scaloft_fi.judge.status import Status
+from scaloft_fi.analysis.detection import Firmness, Verdict
+from scaloft_fi.analysis.roster import Ratio, Roster, by_field, plain
+from scaloft_fi.analysis.score import MutantScore, Result, Score
+from scaloft_fi.judge.outcome import TRACK_COLUMNS, Subject, unpack_track
+from scaloft_fi.judge.requirement import Compliance, Reading
+from scaloft_fi.judge.space import Point, Space
+from scaloft_fi.judge.status import JudgedFlight, Status
+
+
+def gray_order(space: Space) -> tuple[str, ...]:
+    """The keys of the listed situations in the order of the reflected mixed-radix Gray code, the first axis slowest.
+
+    In a grid of every combination, neighbours differ on one axis, by neighbouring values; where constraints leave
+    situations out the rest keep their order.  Source: Knuth, The Art of Computer Programming 4A, 7.2.1.1, algorithm H.
+    """
+    radices = [len(values) for values in space.values]
+
+    def rank(entry: tuple[str, tuple[str, ...]]) -> int:
+        digits = [values.index(value) for values, value in zip(space.values, entry[1], strict=True)]
+        return gray_rank(digits, radices)
+
+    return tuple(key for key, _ in sorted(space.situations, key=rank))
+
+
+def gray_rank(digits: Sequence[int], radices: Sequence[int]) -> int:
+    """The place of a word in the reflected Gray code of these radices.
+
+    >>> [gray_rank(word, (2, 3)) for word in [(0, 0), (0, 1), (0, 2), (1, 2), (1, 1), (1, 0)]]
+    [0, 1, 2, 3, 4, 5]
+    """
+    rank = 0
+    for digit, radix in zip(digits, radices, strict=True):
+        # under a word of odd rank the rest is listed backwards
+        rank = rank * radix + (radix - 1 - digit if rank % 2 else digit)
+    return rank
+
+
+def gray_words(radices: Sequence[int]) -> tuple[tuple[int, ...], ...]:
+    """All words of the reflected Gray code of these radices, in its order.
+
+    >>> gray_words((2, 2))
+    ((0, 0), (0, 1), (1, 1), (1, 0))
+    """
+    return tuple(sorted(product(*map(range, radices)), key=lambda word: gray_rank(word, radices)))
+
+
+MOST_CELLS = 512
+"""A map of more situations than this would not be read."""
+
+
+@dataclass(frozen=True)
+class Fold:
+    """A grid folded into a rectangle.
+
+    Attributes:
+        down, across: indices of the axes that run down, and across.
+        rows, columns: values of those axes, in the order of the map.
+        keys: (rows, columns) keys of the situations; None where the grid has none.
+    """
+
+    down: tuple[int, ...]
+    across: tuple[int, ...]
+    rows: tuple[Point, ...]
+    columns: tuple[Point, ...]
+    keys: tuple[tuple[str | None, ...], ...]
+
+
+def fold(space: Space) -> Fold:
+    """The grid as a rectangle: the first half of its axes down, the others across."""
+    half = len(space.axes) // 2
+    down, across = tuple(range(half)), tuple(range(half, len(space.axes)))
+    rows, columns = _side(space, down), _side(space, across)
+    key_of = {point: key for key, point in space.points}
+    keys = tuple(tuple(key_of.get((*above, *beside)) for beside in columns) for above in rows)
+    return Fold(down, across, rows, columns, keys)
+
+
+def _side(space: Space, axes: tuple[int, ...]) -> tuple[Point, ...]:
+    words = gray_words([len(space.values[axis]) for axis in axes])
+    return tuple(tuple(space.values[axis][digit] for axis, digit in zip(axes, word, strict=True)) for word in words)
+
+
+def cyclic(side: Sequence[Point]) -> bool:
+    """Whether the last place of a side is a neighbour of the first.
+
+    >>> cyclic([("0",), ("1",)]), cyclic([("0", "0"), ("0", "1"), ("1", "1"), ("1", "0"), ("2", "0"), ("2", "1")])
+    (True, False)
+    """
+    return sum(a != b for a, b in zip(side[0], side[-1], strict=True)) <= 1
+
+
+_T, _X, _Y, _Z = (TRACK_COLUMNS.index(name) for name in ("elapsed_s", "x_m", "y_m", "z_m"))
+
+
+@dataclass(frozen=True)
+class Loss:
+    """Robustness of a requirement in a flight beside its baseline's, in the requirement's unit.
+
+    Attributes:
+        requirement: name.
+        situation, seed: of the flight.
+        baseline: robustness of the baseline, above 0.
+        flown: robustness of the flight.
+    """
+
+    requirement: str
+    situation: str
+    seed: int
+    baseline: float
+    flown: float
+
+    @property
+    def share(self) -> float:
+        """Share of the baseline's margin that the fault took; below 0 where it gained some."""
+        return (self.baseline - self.flown) / self.baseline
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return {**by_field(self), "share": self.share}
+
+
+def losses(flight: JudgedFlight, steady: Collection[str]) -> tuple[Loss, ...]:
+    """What a flight lost of each requirement, steady there, that it and its baseline held to their ends, triggered."""
+    if flight.baseline is None:
+        return ()
+    lost = []
+    for reading in flight.outcome.readings:
+        clean = flight.baseline.reading(reading.requirement)
+        if clean is not None and reading.requirement in steady and _held(reading) and _held(clean) and clean.rho > 0:
+            place = flight.outcome.situation, flight.outcome.seed
+            lost.append(Loss(reading.requirement, *place, clean.rho, reading.rho))
+    return tuple(lost)
+
+
+def _held(reading: Reading) -> bool:
+    return reading.compliance is Compliance.HELD
+
+
+def off_path_m(flight: JudgedFlight) -> float | None:
+    """How far the flight was off its baseline's path at the most [m]: second by second, to the nearest point of it.
+
+    Time does not enter: a flight that goes the same way later is not off it.  None without both trajectories.
+    """
+    flown = unpack_track(flight.outcome.track)
+    path = unpack_track(flight.baseline.track) if flight.baseline else []
+    if not flown or not path:
+        return None
+    import numpy as np
+
+    # a published track may be thinner than a stored one
+    apart_s = flown[1][_T] - flown[0][_T] if len(flown) > 1 else 0.0
+    each = max(1, round(1 / apart_s)) if apart_s > 0 else 1
+    points, others = (np.array([[row[_X], row[_Y], row[_Z]] for row in rows]) for rows in (flown[::each], path))
+    apart = np.linalg.norm(points[:, None, :] - others[None, :, :], axis=2)
+    return float(apart.min(axis=1).max())
+
 
 NOT_FLOWN = "not_flown"
 """The state of a situation without a flight, beside the statuses."""

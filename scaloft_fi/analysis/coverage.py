@@ -1,0 +1,354 @@
+"""Situation coverage: how much of the grid was flown, t-way combinations, and situations chosen to cover.
+
+Kuhn, Kacker, Lei, "Combinatorial Coverage Measurement", NISTIR 7878 (2012).
+
+`covertable` builds them; it breaks ties by a hash of a salt, so one of several salts finds a smaller array than most.
+On five binary axes that gives the minimum, 6, 10 and 16 situations for t = 2, 3, 4 (`tests/results/test_covering.py`
+proves that fewer cannot do).
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from itertools import combinations, product
+from math import prod
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scaloft_fi.analysis.pool import Pool, State
+from scaloft_fi.analysis.roster import Ratio, plain
+from scaloft_fi.errors import InputError
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.requirement import Compliance, Kind
+from scaloft_fi.judge.space import Point, Space
+from scaloft_fi.judge.status import apart
+from scaloft_fi.streams import generator
+
+Levels = NDArray[np.int64]
+"""(points, axes): the place of each value on its axis, 0 = benign."""
+Ids = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class TWay:
+    """Coverage of the combinations of `strength` axes.
+
+    Attributes:
+        strength: how many axes.
+        axes: per choice of that many axes, the combinations covered, of those that some situation of the grid has.
+    """
+
+    strength: int
+    axes: tuple[Ratio, ...]
+
+    @property
+    def total(self) -> Ratio:
+        """Combinations covered, over all choices of axes."""
+        return Ratio(sum(one.part for one in self.axes), sum(one.whole for one in self.axes))
+
+    def complete(self, share: float) -> Ratio:
+        """(p, t)-completeness: choices of axes with at least the share p of their combinations covered, of all."""
+        return Ratio(sum(one.part >= share * one.whole for one in self.axes), len(self.axes))
+
+
+def t_way(flown: Iterable[str], space: Space, strength: int) -> TWay:
+    """Coverage by the situations with these keys; a combination that no situation of the grid has does not count."""
+    return t_ways(flown, space, [strength])[0]
+
+
+def t_ways(flown: Iterable[str], space: Space, strengths: Iterable[int]) -> tuple[TWay, ...]:
+    """The same for several strengths."""
+    chosen, whole = levels_of(flown, space), grid_levels(space)
+
+    def of(axes: tuple[int, ...], size: int) -> Ratio:
+        possible = size if whole is None else _distinct(ids(whole, space, axes), size)
+        return Ratio(_distinct(ids(chosen, space, axes), size), possible)
+
+    return tuple(TWay(t, tuple(of(axes, size) for axes, size in choices(space, t))) for t in strengths)
+
+
+def _distinct(numbers: Ids, size: int) -> int:
+    """How many different numbers there are, all of them from 0 to `size` - 1."""
+    seen = np.zeros(size, bool)
+    seen[numbers] = True
+    return int(seen.sum())
+
+
+def choices(space: Space, strength: int) -> Iterator[tuple[tuple[int, ...], int]]:
+    """Each choice of `strength` axes, and how many combinations their values have."""
+    for axes in combinations(range(len(space.axes)), strength):
+        yield axes, prod(len(space.values[axis]) for axis in axes)
+
+
+def ids(levels: Levels, space: Space, axes: tuple[int, ...]) -> Ids:
+    """(points,): the number of each point's combination of values on `axes`, in mixed radix."""
+    number = np.zeros(len(levels), np.int64)
+    for axis in axes:
+        number = number * len(space.values[axis]) + levels[:, axis]
+    return number
+
+
+def table(levels: Levels, space: Space, strength: int) -> tuple[Ids, int]:
+    """All combinations of all points: (points, choices of axes), numbered from 0 over all choices; and how many."""
+    columns, first = [], 0
+    for axes, size in choices(space, strength):
+        columns.append(ids(levels, space, axes) + first)
+        first += size
+    return np.stack(columns, axis=1) if columns else np.zeros((len(levels), 0), np.int64), first
+
+
+def levels_of(keys: Iterable[str], space: Space) -> Levels:
+    """The points of situations, in the order of `keys`."""
+    place = [{value: number for number, value in enumerate(values)} for values in space.values]
+    rows = [[at[value] for at, value in zip(place, space.point[key], strict=True)] for key in keys]
+    return np.array(rows, np.int64).reshape(len(rows), len(space.axes))
+
+
+def grid_levels(space: Space) -> Levels | None:
+    """The points of a grid that lacks some of the product of its axes; None when every combination is there."""
+    if len(space.points) == prod(map(len, space.values)):
+        return None
+    return levels_of((key for key, _ in space.points), space)
+
+
+SALTS = 64
+"""Arrays that are tried; the smallest is kept."""
+WORK = 400_000
+"""Combinations to be covered, in all arrays that are tried: a large grid gets fewer salts."""
+MOST_TERMS = 40
+"""With more forbidden combinations the library is slow: the array is then built from the situations, greedily."""
+Forbidden = tuple[tuple[int, ...], tuple[int, ...]]
+"""Axes, and the places of the values there that no situation has together."""
+
+
+def covering_array(space: Space, keys: Sequence[str], strength: int, seed: int) -> tuple[str, ...]:
+    """Situations out of `keys` that have every combination of `strength` axes that any of `keys` has.
+
+    Args:
+        space: the grid.
+        keys: the situations to choose from.
+        strength: number of axes, 1 to all of them.
+        seed: another seed gives another array, as a rule of the same size.
+
+    Returns:
+        Keys in the order in which they were found.
+
+    Raises:
+        InputError: `covertable` is not installed, or the strength is none.
+    """
+    axes = len(space.axes)
+    if not 1 <= strength <= axes:
+        raise InputError(f"strength={strength} of a covering array must be 1 to {axes}, the number of axes")
+    levels = levels_of(keys, space)
+    if strength == axes or len(levels) <= 1:
+        return tuple(keys)
+    codes, size = table(levels, space, strength)
+    wanted = np.zeros(size, bool)
+    wanted[codes] = True
+    terms = forbidden(levels)
+    work = int(wanted.sum()) * axes * (1 if terms is None else 1 + len(terms))
+    tries = max(1, min(SALTS, WORK // work))
+    if terms is None:
+        rng = generator("covering array", strength, seed)
+        begun = [[int(rng.integers(len(levels)))] for _ in range(tries)]
+    else:
+        row_of = {tuple(row): number for number, row in enumerate(levels.tolist())}
+        arrays = _arrays(levels, terms, strength, seed, tries)
+        begun = [[row_of[row] for row in rows if row in row_of] for rows in arrays]
+    return tuple(keys[row] for row in min((_whole(rows, codes, wanted) for rows in begun), key=len))
+
+
+def greedy_array(space: Space, keys: Sequence[str], strength: int) -> tuple[tuple[str, ...], int]:
+    """As `covering_array`, at once and without `covertable`, a little larger; and how many combinations there are."""
+    codes, size = table(levels_of(keys, space), space, strength)
+    wanted = np.zeros(size, bool)
+    wanted[codes] = True
+    return tuple(keys[row] for row in _whole([], codes, wanted)), int(wanted.sum())
+
+
+def _arrays(
+    levels: Levels, terms: Sequence[Forbidden], strength: int, seed: int, tries: int
+) -> Iterator[list[tuple[int, ...]]]:
+    """What the library finds with one salt after the other, each row the places of its values."""
+    try:
+        make = import_module("covertable").make
+    except ImportError as error:
+        reason = "covering arrays need covertable: pip install 'scaloft-fi[covering]'"
+        raise InputError(reason) from error
+    factors = {f"a{axis}": sorted(set(column)) for axis, column in enumerate(levels.T.tolist())}
+    constraints = [_constraint(*term) for term in terms]
+    for salt in range(tries):
+        rows = make(factors, strength=strength, salt=f"{seed}-{salt}", tolerance=0, constraints=constraints)
+        yield [tuple(row[name] for name in factors) for row in rows]
+
+
+def forbidden(levels: Levels) -> list[Forbidden] | None:
+    """The smallest combinations of the points' values that no point has; together they leave exactly the points.
+
+    Args:
+        levels: (points, axes), no point twice.
+
+    Returns:
+        None when there are more than `MOST_TERMS`: the points are scattered, not a grid with something taken out.
+    """
+    values = [sorted(set(column)) for column in levels.T.tolist()]
+    if len(levels) == prod(map(len, values)):
+        return []
+    left = np.array(list(product(*values)), np.int64)
+    forbidden: list[Forbidden] = []
+    for size in range(2, len(values) + 1):
+        for axes in combinations(range(len(values)), size):
+            if len(left) == len(levels) or len(forbidden) > MOST_TERMS:
+                return forbidden if len(forbidden) <= MOST_TERMS else None
+            radix = np.array([prod(max(values[axis]) + 1 for axis in axes[i + 1 :]) for i in range(size)])
+            missing = ~np.isin(left[:, axes] @ radix, levels[:, axes] @ radix)
+            forbidden += [(axes, tuple(row)) for row in np.unique(left[missing][:, axes], axis=0).tolist()]
+            left = left[~missing]
+    return forbidden if len(forbidden) <= MOST_TERMS else None
+
+
+def _constraint(axes: tuple[int, ...], places: tuple[int, ...]) -> dict[str, Any]:
+    """Not all of these values together, in the library's words."""
+    return {
+        "operator": "or",
+        "conditions": [{"operator": "ne", "left": f"a{a}", "value": v} for a, v in zip(axes, places, strict=True)],
+    }
+
+
+def _whole(rows: list[int], codes: Ids, wanted: NDArray[np.bool_]) -> list[int]:
+    """The rows without those that the others make superfluous, and with what they may lack, greedily."""
+    kept = list(dict.fromkeys(rows))
+    times = np.bincount(codes[kept].ravel(), minlength=len(wanted))
+    for row in reversed(kept.copy()):
+        if (times[codes[row]] > 1).all():
+            times[codes[row]] -= 1
+            kept.remove(row)
+    open_ = wanted & (times == 0)
+    while open_.any():
+        kept.append(int(open_[codes].sum(axis=1).argmax()))
+        open_[codes[kept[-1]]] = False
+    return kept
+
+
+STRENGTHS = (1, 2, 3, 4, 5)
+SHARES = (0.5, 0.75, 1.0)
+"""The p of (p, t)-completeness."""
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """Coverage of the situation space.  A number drawn from a range covers its bin: bins count, not drawn numbers.
+
+    Attributes:
+        situations: distinct situations flown, of the grid.
+        draws: test cases flown, a situation with a seed each.
+        pool: those of them in which the baseline alone was flown, to decide by.
+        combinations: per strength t, the combinations of values of t axes that were flown, of all that situations have.
+        realised: situations whose every value came true together in a baseline flight, of the grid.
+        states: how many safety pairs (situation flown x safety requirement) the baseline pool finds in each state; a
+            situation with drawn numbers has pairs of its own.
+        by_axis: per axis, the situations whose value there came true in a baseline flight, of those with one.
+        requirements: per requirement, the situations where it was triggered in a baseline flight, of those with one: in
+            the others it was vacuous or left open, and nothing was tested by it.
+    """
+
+    situations: Ratio
+    draws: int
+    pool: int
+    combinations: tuple[TWay, ...]
+    realised: Ratio
+    states: Mapping[State, int]
+    by_axis: tuple[tuple[str, Ratio], ...]
+    requirements: tuple[tuple[str, Ratio], ...]
+
+    @property
+    def t_way(self) -> tuple[tuple[int, Ratio], ...]:
+        """Per strength t, the combinations flown, of all."""
+        return tuple((one.strength, one.total) for one in self.combinations)
+
+    @property
+    def steady(self) -> Ratio:
+        """Safety pairs that put a fault to the test, of those in situations with a pool."""
+        return Ratio(self.states[State.STEADY], sum(self.states.values()) - self.states[State.UNKNOWN])
+
+
+def coverage(outcomes: Iterable[Outcome], space: Space) -> Coverage:
+    """Coverage by the flights that count; a flight outside the grid or an invalid one covers nothing."""
+    clean, flown = apart(outcomes)
+    return coverage_of(clean, {(outcome.situation, outcome.seed) for outcome in flown if not outcome.invalid}, space)
+
+
+def coverage_of(clean: Iterable[Outcome], draws: Collection[tuple[str, int]], space: Space) -> Coverage:
+    """The same of the baselines `clean` and of the `draws` in which mutants were flown."""
+    valid = [outcome for outcome in clean if not outcome.invalid]
+    keys = {outcome.situation for outcome in valid} | {situation for situation, _ in draws}
+    point = {key: place for key in keys if (place := space.point.get(key))}
+    baselines = list(
+        {(outcome.situation, outcome.seed): outcome for outcome in valid if outcome.situation in point}.values()
+    )
+    beside = {draw for draw in draws if draw[0] in point}
+    alone = {(outcome.situation, outcome.seed) for outcome in baselines} - beside
+    judged = {point[outcome.situation] for outcome in baselines}
+    flown = set(point.values())
+    came_true = {(point[outcome.situation], axis) for outcome in baselines for axis, true in outcome.realised if true}
+    whole = {
+        point[outcome.situation]
+        for outcome in baselines
+        if outcome.realised and all(true for _, true in outcome.realised)
+    }
+    return Coverage(
+        situations=Ratio(len(flown), len(space.points)),
+        draws=len(beside) + len(alone),
+        pool=len(alone),
+        combinations=t_ways(point, space, STRENGTHS),
+        realised=Ratio(len(whole), len(space.points)),
+        states=_states(Pool.of(baselines), point),
+        by_axis=tuple(
+            (axis, Ratio(sum((place, axis) in came_true for place in judged), len(judged))) for axis in space.axes
+        ),
+        requirements=_requirements(baselines, point, len(judged)),
+    )
+
+
+def _states(pool: Pool, flown: Iterable[str]) -> dict[State, int]:
+    names = pool.requirements(Kind.SAFETY)
+    pairs = Counter(pool.states.get((key, name), State.UNKNOWN) for key in flown for name in names)
+    return {state: pairs[state] for state in State}
+
+
+def _requirements(
+    baselines: Iterable[Outcome], point: Mapping[str, Point], judged: int
+) -> tuple[tuple[str, Ratio], ...]:
+    triggered: dict[str, set[Point]] = {}
+    for outcome in baselines:
+        for reading in outcome.readings:
+            points = triggered.setdefault(reading.requirement, set())
+            if reading.compliance in (Compliance.HELD, Compliance.VIOLATED):
+                points.add(point[outcome.situation])
+    return tuple((name, Ratio(len(points), judged)) for name, points in triggered.items())
+
+
+def coverage_json(covered: Coverage) -> dict[str, Any]:
+    """Every number of the coverage as plain JSON values; `t_way` per strength, with its (p, t)-completeness."""
+    return {
+        "situations": plain(covered.situations),
+        "draws": covered.draws,
+        "pool": covered.pool,
+        "t_way": {
+            str(one.strength): {
+                **plain(one.total),
+                "complete": {f"{share:g}": plain(one.complete(share)) for share in SHARES},
+            }
+            for one in covered.combinations
+        },
+        "realised": plain(covered.realised),
+        "realised_by_axis": plain(dict(covered.by_axis)),
+        "steady": plain(covered.steady),
+        "states": plain(covered.states),
+        "requirements": plain(dict(covered.requirements)),
+    }

@@ -1,0 +1,627 @@
+"""The mutation score: what the campaign's flights say about each mutant, about all of them, and part by part.
+
+A fault that did nothing but redraw the noise would turn one baseline into another.  So seeds of the unmutated drone are
+judged as a mutant beside ten others: as many as the mutants flew, the same in every situation, chosen at random again
+and again.  PLACEBO cannot show this, because it draws the same noise as its baseline.  The redraws overlap, so their
+share has no interval.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scaloft_fi.analysis.condition import condition
+from scaloft_fi.analysis.detection import Detection, Firmness, Sample, Spending, Verdict, adjusted, detect, firmness
+from scaloft_fi.analysis.pool import LEAST, Pair, Pool
+from scaloft_fi.analysis.roster import Ratio, Roster
+from scaloft_fi.hazop.matrix import UNCLASSED, SeverityClass, class_of, worst_first
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome, Subject
+from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.judge.space import Space
+from scaloft_fi.judge.status import INVALID, Ruled, Rulings, Situations, Status, furthest, rulings_of
+
+MOST_KILLED = 0.9
+"""A detected mutant that is killed in this share of the situations that put it to the test is trivial."""
+EARLY_S = 5.0
+"""So is one that a kill shows within this time of take-off [s]."""
+
+
+class Moment(NamedTuple):
+    """A violation: of which requirement, when [s from take-off], where [m, world], what was struck."""
+
+    requirement: str
+    t_s: float
+    situation: str
+    seed: int
+    position: tuple[float, float, float]
+    struck: str
+
+
+@dataclass(frozen=True)
+class Kill:
+    """A steady pair in which most flights of a detected mutant violate.
+
+    Attributes:
+        situation, requirement: the pair.
+        violated: flights that violate it; flights: those that count.
+        first: the earliest violation.
+    """
+
+    situation: str
+    requirement: str
+    violated: int
+    flights: int
+    first: Moment
+
+
+@dataclass(frozen=True)
+class Result:
+    """A mutant in a situation: its flights over the seeds.
+
+    Attributes:
+        situation: key.
+        status: the furthest stage that a flight reached.
+        flown: flights that count.
+        reached: whether the seam carried a sample in any.
+        infected: whether the fault changed a sample in any.
+        violated: per requirement, the flights that violate it, where any does.
+        steady: the safety requirements that put the fault to the test here: steady in the pool, and it infects.
+        steady_operability: the same of operability requirements.
+        kills: those of `steady` that kill the mutant here.
+        operability_kills: those of `steady_operability` that do.
+    """
+
+    situation: str
+    status: Status
+    flown: int
+    reached: bool
+    infected: bool
+    violated: tuple[tuple[str, int], ...]
+    steady: tuple[str, ...]
+    steady_operability: tuple[str, ...]
+    kills: tuple[str, ...]
+    operability_kills: tuple[str, ...]
+
+    @property
+    def tested(self) -> bool:
+        """Whether the situation puts the fault to the test by a safety requirement."""
+        return bool(self.steady)
+
+    @property
+    def seen(self) -> tuple[str, ...]:
+        """The safety requirements among `steady` that a flight violates."""
+        return tuple(name for name, _ in self.violated if name in self.steady)
+
+
+@dataclass(frozen=True)
+class MutantScore:
+    """A mutant over all its situations.
+
+    Attributes:
+        subject: the mutant.
+        status: the furthest stage that a flight reached.
+        safety: the verdict, by safety requirements.
+        operability: the same by operability requirements.
+        results: one per situation with a flight that counts, in the grid's order.
+        kills: by safety requirements, in the grid's order; operability_kills: by operability requirements.
+        first: the earliest violation in a kill; of a mutant without one the earliest in a pair that tests it.
+        statuses: flights of each status.
+        firmness: what remains of the verdict when one seed is left out; None where it is not detected.
+        severity: class of its cell; None where the cell has none.  It enters no ratio.
+    """
+
+    subject: Subject
+    status: Status
+    safety: Detection
+    operability: Detection
+    results: tuple[Result, ...]
+    kills: tuple[Kill, ...]
+    operability_kills: tuple[Kill, ...]
+    first: Moment | None
+    statuses: tuple[tuple[Status, int], ...]
+    firmness: Firmness | None = None
+    severity: SeverityClass | None = None
+
+    @property
+    def verdict(self) -> Verdict:
+        """By safety requirements."""
+        return self.safety.verdict
+
+    @property
+    def detected(self) -> bool:
+        """Whether the tests would have shown the fault by a safety requirement."""
+        return self.safety.detected
+
+    @property
+    def firm(self) -> bool:
+        """Whether it is detected, and stays so without any one seed."""
+        return self.firmness is not None and self.firmness.firm
+
+    @property
+    def killed_broadly(self) -> bool:
+        """Whether nearly all situations that put it to the test kill it."""
+        rate = self.kill_rate
+        return self.detected and rate.part >= MOST_KILLED * rate.whole > 0
+
+    @property
+    def killed_early(self) -> bool:
+        """Whether a kill shows it right after take-off."""
+        return any(kill.first.t_s <= EARLY_S for kill in self.kills)
+
+    @property
+    def trivial(self) -> bool:
+        """Whether it is detected where any test would do: in nearly all situations, or right after take-off."""
+        return self.killed_broadly or self.killed_early
+
+    @property
+    def without_effect(self) -> bool:
+        """Whether each of its flights equals the baseline's to the bit."""
+        return self.flown and self.status.stage <= Status.MASKED.stage
+
+    @property
+    def acted(self) -> Ratio:
+        """Flights in which it changed a sample, of those that count."""
+        counts = [(status.infected, count) for status, count in self.statuses if status is not Status.INVALID]
+        return Ratio(sum(count for infected, count in counts if infected), sum(count for _, count in counts))
+
+    @property
+    def flown(self) -> bool:
+        """Whether any of its flights counts."""
+        return bool(self.results)
+
+    @property
+    def infected(self) -> bool:
+        """Whether any flight is infected."""
+        return any(result.infected for result in self.results)
+
+    @property
+    def tested(self) -> bool:
+        """Whether it is put to the test in some situation."""
+        return any(result.tested for result in self.results)
+
+    @property
+    def kill_rate(self) -> Ratio:
+        """Situations with a kill, of those that put it to the test."""
+        return Ratio(len(self.killing), sum(result.tested for result in self.results))
+
+    @property
+    def kill_rate_flown(self) -> Ratio:
+        """Situations with a kill, of those flown."""
+        return Ratio(len(self.killing), len(self.results))
+
+    @property
+    def killing(self) -> tuple[str, ...]:
+        """Keys of the situations with a kill."""
+        return tuple(result.situation for result in self.results if result.kills)
+
+    @property
+    def seen_in(self) -> tuple[str, ...]:
+        """Keys of the situations where a flight violates a requirement that tests the fault."""
+        return tuple(result.situation for result in self.results if result.seen)
+
+    @property
+    def requirements(self) -> tuple[tuple[str, Ratio], ...]:
+        """Per requirement that kills it, operability too, the situations it does so in, of those where it is a test."""
+        kills = Counter(name for r in self.results for name in (*r.kills, *r.operability_kills))
+        tests = Counter(name for r in self.results for name in (*r.steady, *r.steady_operability))
+        return tuple((name, Ratio(kills[name], tests[name])) for name in tests if kills[name])
+
+    @property
+    def tests(self) -> tuple[str, ...]:
+        """Requirements that put it to the test somewhere."""
+        return tuple(dict.fromkeys(n for r in self.results for n in (*r.steady, *r.steady_operability)))
+
+    def condition(self, space: Space) -> str:
+        """The situations with a kill in words; of a mutant without one those where a violation was seen."""
+        where = self.killing or self.seen_in
+        spared = tuple(r.situation for r in self.results if r.situation not in where and (r.tested or not r.infected))
+        return _condition(space, where, spared)
+
+
+@lru_cache(maxsize=4096)
+def _condition(space: Space, killing: tuple[str, ...], surviving: tuple[str, ...]) -> str:
+    """The condition, derived once: several tables show it."""
+    return condition(space, killing, surviving)
+
+
+def mutant_score(
+    subject: Subject, situations: Situations, space: Space, pool: Pool, spending: Spending, *, firm: bool = True
+) -> MutantScore:
+    """Score one mutant beside the pool; `firm`: whether a detected one is judged again without each seed."""
+    valid = {key: [one for one in situations[key] if one.ruling is not INVALID] for key in situations}
+    flown = {key: valid[key] for key in sorted(valid, key=space.rank) if valid[key]}
+    samples = [_sample(key, flights) for key, flights in flown.items()]
+    safety = detect(subject.id, samples, pool, spending, Kind.SAFETY)
+    operability = detect(subject.id, samples, pool, spending, Kind.OPERABILITY)
+    results = tuple(
+        _result(sample, flown[sample.situation], pool, safety.detected, operability.detected) for sample in samples
+    )
+    kills = tuple(_kill(r, name, flown[r.situation]) for r in results for name in r.kills)
+    seen = [kill.first for kill in kills] or [_first(r, n, flown[r.situation]) for r in results for n in r.seen]
+    statuses = Counter[Status]()
+    # few rulings differ, so they are counted first
+    for ruling, number in Counter([one.ruling for flights in situations.values() for one in flights]).items():
+        statuses[ruling.status] += number
+    return MutantScore(
+        subject=subject,
+        status=furthest(statuses),
+        safety=safety,
+        operability=operability,
+        results=results,
+        kills=kills,
+        operability_kills=tuple(_kill(r, name, flown[r.situation]) for r in results for name in r.operability_kills),
+        first=min(seen, key=lambda moment: (moment.t_s, space.rank(moment.situation), moment.seed), default=None),
+        statuses=tuple((status, statuses[status]) for status in Status if statuses[status]),
+        firmness=firmness(subject.id, samples, pool, spending, Kind.SAFETY) if firm and safety.detected else None,
+    )
+
+
+def _sample(situation: str, flights: Sequence[Ruled]) -> Sample:
+    infected = any(ruling.status.infected for ruling in {one.ruling for one in flights})
+    violated, seeds = tuple([one.ruling.violated for one in flights]), tuple([one.seed for one in flights])
+    return Sample(situation, violated, infected, seeds)
+
+
+def _result(sample: Sample, flights: Sequence[Ruled], pool: Pool, detected: bool, operability_detected: bool) -> Result:
+    steady, operable = (
+        pool.steady(sample.situation, kind) if sample.infected else () for kind in (Kind.SAFETY, Kind.OPERABILITY)
+    )
+    status = furthest({ruling.status for ruling in {one.ruling for one in flights}})
+    most = {name for name, count in sample.counts.items() if 2 * count > len(flights)}
+    return Result(
+        situation=sample.situation,
+        status=status,
+        flown=len(flights),
+        reached=status is not Status.NOT_REACHED,
+        infected=sample.infected,
+        violated=tuple(sorted(sample.counts.items())),
+        steady=steady,
+        steady_operability=operable,
+        kills=tuple(name for name in steady if detected and name in most),
+        operability_kills=tuple(name for name in operable if operability_detected and name in most),
+    )
+
+
+def _kill(result: Result, requirement: str, flights: Sequence[Ruled]) -> Kill:
+    violated = dict(result.violated)[requirement]
+    return Kill(result.situation, requirement, violated, result.flown, _first(result, requirement, flights))
+
+
+def _first(result: Result, requirement: str, flights: Sequence[Ruled]) -> Moment:
+    """The earliest violation of a requirement by flights that are known to violate it."""
+    return min(
+        (
+            Moment(requirement, v.t_s, result.situation, one.seed, (v.x, v.y, v.z), v.struck)
+            for one in flights
+            for v in one.violations
+            if v.requirement == requirement
+        ),
+        key=lambda moment: (moment.t_s, moment.seed),
+    )
+
+
+@dataclass(frozen=True)
+class Score:
+    """The campaign's score.  Ratios count the default mutants of credible cells and nothing else.
+
+    Attributes:
+        alpha: accepted chance that a fault which does nothing is called detected.
+        exercised: cells flown, of all credible cells.
+        infected: mutants that changed a sample, of those flown.
+        tested: mutants put to the test, of those flown.
+        mutation_score: mutants detected by safety requirements, of those flown; 0 of 0 without a pool.
+        operability: the same by operability requirements.
+        mutants: every mutant flown, ladders too, in the canonical order.
+        counted: those of them that the ratios count and of which a flight counts.
+        controls: every control flown.
+        placebo: PLACEBO, when flown.
+        pool: the pairs of the unmutated drone.
+        redraw: how often redraws of the unmutated drone are called detected.
+        lacking: situations where a mutant, controls left out, infects and the pool has too few flights, in order.
+        pooled: whether there is a pool to decide by where mutants infect; without one there are only observations.
+        selected: the situations flown that a search found because of verdicts; a score that uses them is selected.
+        behaviours: the counted mutants that are detected, those whose flights all equal each other's together.
+    """
+
+    alpha: float
+    exercised: Ratio
+    infected: Ratio
+    tested: Ratio
+    mutation_score: Ratio
+    operability: Ratio
+    mutants: tuple[MutantScore, ...]
+    counted: tuple[MutantScore, ...]
+    controls: tuple[MutantScore, ...]
+    placebo: MutantScore | None
+    pool: Pool
+    redraw: Redraw
+    lacking: tuple[str, ...]
+    pooled: bool
+    selected: tuple[str, ...] = ()
+    behaviours: tuple[tuple[str, ...], ...] = ()
+
+    @property
+    def firm(self) -> Ratio:
+        """Mutants detected whichever seed is left out, of those that `mutation_score` counts."""
+        return Ratio(sum(mutant.firm for mutant in self.counted) if self.pooled else 0, self.mutation_score.whole)
+
+    @property
+    def without_kill(self) -> tuple[MutantScore, ...]:
+        """Counted mutants that are detected, and killed in no situation."""
+        return tuple(mutant for mutant in self.counted if mutant.detected and not mutant.kills)
+
+    @property
+    def trivial(self) -> tuple[MutantScore, ...]:
+        """Counted mutants that are detected where any test would do."""
+        return tuple(mutant for mutant in self.counted if mutant.trivial)
+
+    @property
+    def without_effect(self) -> tuple[MutantScore, ...]:
+        """Counted mutants whose flights all equal the baseline's to the bit."""
+        return tuple(mutant for mutant in self.counted if mutant.without_effect)
+
+    @property
+    def expected_false(self) -> float:
+        """Mutants called detected that do nothing, expected at most: alpha for each one that is put to the test."""
+        return self.alpha * self.tested.part
+
+    @property
+    def fates(self) -> Counter[Verdict]:
+        """Mutants of each verdict; they sum to the mutants."""
+        return Counter(mutant.verdict for mutant in self.mutants)
+
+
+def score(
+    outcomes: Iterable[Outcome],
+    roster: Roster,
+    space: Space,
+    spending: Spending | None = None,
+    others: Iterable[Outcome] = (),
+) -> Score:
+    """Score a campaign's outcomes, in whatever order they come.
+
+    Args:
+        outcomes: of the campaign.
+        roster: which mutants count.
+        space: the grid.
+        spending: how alpha is spent; by default all of it once.
+        others: baselines of another campaign that the pool has too.
+    """
+    return score_of(rulings_of(outcomes), roster, space, spending, others)
+
+
+def score_of(
+    rulings: Rulings,
+    roster: Roster,
+    space: Space,
+    spending: Spending | None = None,
+    others: Iterable[Outcome] = (),
+) -> Score:
+    """The same of flights that are ruled already."""
+    spending = spending or Spending()
+    baselines = {(o.situation, o.seed): o for o in (*others, *rulings.baselines) if not o.invalid}
+    pool = Pool.of(baselines.values())
+    ranked = sorted(rulings.mutants.items(), key=lambda mutant: roster.rank(mutant[0].id))
+    scored = [
+        replace(mutant_score(subject, situations, space, pool, spending), severity=roster.severity(subject.id))
+        for subject, situations in ranked
+    ]
+    mutants = tuple(m for m in scored if m.subject.id != PLACEBO and not roster.is_control(m.subject))
+    counted = tuple(mutant for mutant in mutants if roster.counts(mutant.subject) and mutant.flown)
+    infected = {r.situation for m in mutants for r in m.results if r.infected}
+    pooled = not infected or bool(infected & pool.flown)
+    decided = len(counted) if pooled else 0
+    seeds = max((result.flown for mutant in counted for result in mutant.results), default=0)
+    return Score(
+        alpha=spending.alpha,
+        exercised=Ratio(len(counted), len(roster.defaults)),
+        infected=Ratio(sum(mutant.infected for mutant in counted), len(counted)),
+        tested=Ratio(sum(mutant.tested for mutant in counted), len(counted)),
+        mutation_score=Ratio(sum(mutant.detected for mutant in counted), decided),
+        operability=Ratio(sum(mutant.operability.detected for mutant in counted), decided),
+        mutants=mutants,
+        counted=counted,
+        controls=tuple(mutant for mutant in scored if roster.is_control(mutant.subject)),
+        placebo=next((mutant for mutant in scored if mutant.subject.id == PLACEBO), None),
+        pool=pool,
+        redraw=redraw(baselines.values(), seeds, spending.alpha),
+        lacking=tuple(sorted(infected - pool.flown, key=space.rank)),
+        pooled=pooled,
+        selected=tuple(sorted(space.selected & rulings.situations, key=space.rank)),
+        behaviours=_behaviours(counted, rulings),
+    )
+
+
+def _behaviours(counted: Iterable[MutantScore], rulings: Rulings) -> tuple[tuple[str, ...], ...]:
+    """The detected among the counted mutants, grouped by equal flights, in order."""
+    groups: dict[str, list[str]] = {}
+    for mutant in counted:
+        if mutant.detected:
+            groups.setdefault(rulings.behaviours[mutant.subject.id], []).append(mutant.subject.id)
+    return tuple(map(tuple, groups.values()))
+
+
+class By(StrEnum):
+    """What to group by."""
+
+    GUIDEWORD = "guideword"
+    PARAMETER = "parameter"
+    SEVERITY = "severity"
+    SITUATION = "situation"
+    REQUIREMENT = "requirement"
+    AXIS = "axis"
+
+
+@dataclass(frozen=True)
+class Group:
+    """One part of the score.
+
+    Attributes:
+        by: what the parts are.
+        name: of the part.
+        tested: detected mutants of those put to the test; of a situation, a requirement or an axis value those with a
+            kill there of those that it tests, and of an axis value mutants in situations.
+        flown: the same detected, of those flown.
+        axis, value: ids of an axis and of its value; None where the parts are none.
+    """
+
+    by: By
+    name: str
+    tested: Ratio
+    flown: Ratio
+    axis: str | None = None
+    value: str | None = None
+
+
+def groups(scored: Score, by: By, space: Space) -> tuple[Group, ...]:
+    """Group the default mutants of credible cells."""
+    mutants = scored.counted
+    if by is By.GUIDEWORD:
+        return _of_mutants(by, mutants, lambda mutant: mutant.subject.guideword)
+    if by is By.PARAMETER:
+        return _of_mutants(by, mutants, lambda mutant: mutant.subject.parameter)
+    if by is By.SEVERITY:
+        ordered = worst_first(mutants, lambda mutant: mutant.severity)
+        return _of_mutants(by, ordered, lambda mutant: class_of(mutant.severity) or UNCLASSED)
+    if by is By.REQUIREMENT:
+        return _of_requirements(mutants)
+    results = [result for mutant in mutants for result in mutant.results]
+    if by is By.SITUATION:
+        keys = sorted({result.situation for result in results}, key=space.rank)
+        return tuple(_of_results(by, key, (r for r in results if r.situation == key)) for key in keys)
+    return tuple(
+        replace(
+            _of_results(
+                by, f"{axis} = {space.word(number, value)}", (r for r in results if _at(space, r, number) == value)
+            ),
+            axis=axis,
+            value=value,
+        )
+        for number, axis in enumerate(space.axes)
+        for value in space.values[number]
+    )
+
+
+def _at(space: Space, result: Result, axis: int) -> str:
+    point = space.point.get(result.situation)
+    return point[axis] if point else ""
+
+
+def _of_mutants(by: By, mutants: Iterable[MutantScore], name: Callable[[MutantScore], str]) -> tuple[Group, ...]:
+    parts: dict[str, list[MutantScore]] = {}
+    for mutant in mutants:
+        parts.setdefault(name(mutant), []).append(mutant)
+    return tuple(_of_part(by, part, members) for part, members in parts.items())
+
+
+def _of_part(by: By, name: str, members: list[MutantScore]) -> Group:
+    detected = sum(mutant.detected for mutant in members)
+    return Group(by, name, Ratio(detected, sum(mutant.tested for mutant in members)), Ratio(detected, len(members)))
+
+
+def _of_results(by: By, name: str, results: Iterable[Result]) -> Group:
+    listed = list(results)
+    killed = sum(bool(result.kills) for result in listed)
+    return Group(by, name, Ratio(killed, sum(result.tested for result in listed)), Ratio(killed, len(listed)))
+
+
+def _of_requirements(mutants: Sequence[MutantScore]) -> tuple[Group, ...]:
+    names = dict.fromkeys(name for mutant in mutants for name in mutant.tests)
+    parts = []
+    for name in names:
+        able = [mutant for mutant in mutants if name in mutant.tests]
+        detected = sum(name in (*mutant.safety.by, *mutant.operability.by) for mutant in able)
+        parts.append(Group(By.REQUIREMENT, name, Ratio(detected, len(able)), Ratio(detected, len(mutants))))
+    return tuple(parts)
+
+
+FROM = 20
+"""Pool flights in every situation from which redraws are made."""
+REDRAWS = 200
+SEED = 20251
+"""Of the choices; a fixed number, so that a score is the same whenever it is asked for."""
+
+NONE = Ratio(0, 0)
+"""The share where no redraw was made."""
+
+
+@dataclass(frozen=True)
+class Redraw:
+    """What redraws of the unmutated drone gave.
+
+    Attributes:
+        seeds: flights of a redraw in each situation; 0 where none was made.
+        safety, operability: redraws called detected by requirements of that kind, of all.
+    """
+
+    seeds: int = 0
+    safety: Ratio = NONE
+    operability: Ratio = NONE
+
+
+def redraw(baselines: Iterable[Outcome], seeds: int, alpha: float, redraws: int = REDRAWS) -> Redraw:
+    """Judge seeds of the baseline as mutants; none where a situation with a pool has fewer flights than `FROM`.
+
+    Args:
+        baselines: the pool.
+        seeds: flights of a mutant in each situation.
+        alpha: of the verdict.
+        redraws: how many.
+    """
+    flown: dict[str, dict[int, Outcome]] = {}
+    for outcome in baselines:
+        if outcome.subject.id == BASELINE and not outcome.invalid:
+            flown.setdefault(outcome.situation, {})[outcome.seed] = outcome
+    pooled = {key: own for key, own in flown.items() if len(own) >= LEAST}
+    common = sorted(set.intersection(*(set(own) for own in pooled.values()))) if pooled else []
+    if len(common) < max(FROM, LEAST + seeds) or not seeds:
+        return Redraw()
+    drawn = _Drawn({key: [own[seed] for seed in common] for key, own in pooled.items()})
+    draw = np.random.Generator(np.random.PCG64(SEED))
+    counts = dict.fromkeys((Kind.SAFETY, Kind.OPERABILITY), 0)
+    for _ in range(redraws):
+        order = draw.permutation(len(common))
+        for kind in counts:
+            p = drawn.p(order[:seeds], order[seeds : seeds + LEAST], kind)
+            counts[kind] += min(p.values(), default=1.0) <= alpha
+    return Redraw(seeds, *(Ratio(count, redraws) for count in counts.values()))
+
+
+class _Drawn:
+    """Baselines of the same seeds in each situation.
+
+    Args:
+        flown: by situation, in the order of the seeds.
+    """
+
+    def __init__(self, flown: Mapping[str, Sequence[Outcome]]) -> None:
+        self._violated = {
+            key: [tuple(violation.requirement for violation in outcome.violations) for outcome in own]
+            for key, own in flown.items()
+        }
+        self._counted: dict[tuple[str, str, Kind], NDArray[np.int64]] = {}
+        for key, own in flown.items():
+            readings = zip(*(outcome.readings for outcome in own), strict=True)
+            for column in readings:
+                facts = [(r.violated, r.open, r.violated or r.triggered > 0) for r in column]
+                if column[0].kind is not Kind.REPORTED:
+                    self._counted[key, column[0].requirement, column[0].kind] = np.array(facts, np.int64)
+
+    def p(self, chosen: NDArray[np.int64], others: NDArray[np.int64], kind: Kind) -> dict[str, float]:
+        """Adjusted p per requirement of some flights, judged as a mutant beside some others as the pool."""
+        counts = {
+            (key, name): Pair(key, name, own, len(others), *map(int, facts[others].sum(axis=0)))
+            for (key, name, own), facts in self._counted.items()
+            if own is kind
+        }
+        samples = [Sample(key, tuple(own[i] for i in chosen), infected=True) for key, own in self._violated.items()]
+        pool = Pool(counts)
+        return adjusted(samples, pool, pool.requirements(kind))

@@ -1,1 +1,0 @@
-"""The score: ratios with intervals, decisions over the seeds, false kills, the score part by part."""

@@ -1,1 +1,0 @@
-"""Search for a situation that shows a fault: how near a situation is, and whether fresh seeds confirm it."""

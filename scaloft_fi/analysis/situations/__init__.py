@@ -1,1 +1,0 @@
-"""Situation coverage, and situations chosen to cover."""

@@ -1,0 +1,591 @@
+"""Which situations are needed: the smallest set that keeps every kill, subsumption, how many axes must be right.
+
+Mutants are the rows to be hit, situations the columns that hit them.  Rows that contain another row and columns within
+another column are dropped, what remains is searched by branch and bound (Coudert, "Two-level logic minimization: an
+overview", Integration 17, 1994: unate covering; its bound is a set of rows that share no column).
+
+A mutant subsumes another when something kills it and whatever kills it kills the other too: kills(a) is not empty and
+within kills(b).  Mutants with equal kill sets are one node; the nodes that no other subsumes are the minimal ones
+(Ammann, Delamaro and Offutt, "Establishing theoretical minimal sets of mutants", ICST 2014; Kurtz et al., "Mutant
+subsumption graphs", Mutation 2014).  It holds of the situations flown, not of all there could be.
+
+The order of a mutant is the fewest literals of an implicant of its kills: the least t such that it is killed in every
+situation that has certain values of t axes.  It is the analogue of the number of variables that trigger a failure in
+NIST's studies of software failures.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import combinations
+from typing import Any
+
+from scaloft_fi.analysis.condition import condition, sides
+from scaloft_fi.analysis.kill_matrix import KillMatrix, KillRow
+from scaloft_fi.analysis.roster import Ratio, by_field, plain
+from scaloft_fi.hazop.name import cell_of
+from scaloft_fi.judge.space import Space
+
+MOST_ENTRIES = 10_000_000
+"""Entries of the matrix looked at in one search, over all branches (some ten seconds); beyond, the answer is greedy."""
+MOST_COLUMNS = 2_000
+"""Beyond this many columns only equal ones are dropped, not those within others."""
+MOST_COUNTED = 1_000_000
+"""Minimum sets counted; beyond, their number is None."""
+
+
+@dataclass(frozen=True)
+class Suite:
+    """Situations that together kill every mutant that any situation kills.
+
+    Attributes:
+        situations: in the order of the columns; the first such set in that order, when exact.
+        exact: whether no smaller set does; else it is at most this many.
+        alternatives: how many sets of this size do; None when not exact or too many to count.
+        needed: situations in every such set, because some mutant dies nowhere else.
+    """
+
+    situations: tuple[str, ...]
+    exact: bool
+    alternatives: int | None
+    needed: tuple[str, ...]
+
+
+def minimal_suite(
+    kills: Mapping[str, Collection[str]], situations: Sequence[str], *, most_entries: int = MOST_ENTRIES
+) -> Suite:
+    """The smallest set of situations that hits every kill set.
+
+    Args:
+        kills: per mutant the situations that kill it; empty sets are left alone.
+        situations: every situation, in the order by which ties are broken.
+        most_entries: entries looked at before it turns greedy.
+
+    Raises:
+        ValueError: a kill set names a situation that is not in `situations`.
+    """
+    place = {key: number for number, key in enumerate(situations)}
+    unknown = {key for keys in kills.values() for key in keys} - set(place)
+    if unknown:
+        raise ValueError(f"kills in unknown situations: {sorted(unknown)}")
+    rows = _minimal_rows(frozenset(place[key] for key in keys) for keys in kills.values() if keys)
+    needed = tuple(situations[min(row)] for row in sorted(rows, key=sorted) if len(row) == 1)
+    search = _Search(most_entries)
+    try:
+        best = search.least(rows, len(situations))
+        assert best is not None
+        chosen = _first_in_order(search, rows, len(best))
+        exact = True
+    except _TooMany:
+        chosen, exact = _greedy(rows), False
+    return Suite(
+        situations=tuple(situations[column] for column in sorted(chosen)),
+        exact=exact,
+        alternatives=_count(rows, len(chosen), most_entries) if exact else None,
+        needed=needed,
+    )
+
+
+Rows = frozenset[frozenset[int]]
+"""What is still to be hit, each by one of its columns."""
+
+
+class _TooMany(Exception):  # noqa: N818 - a limit, no error
+    """The search looked at more than allowed."""
+
+
+@dataclass
+class _Search:
+    """Branch and bound over unate covers, with its results kept for sets of rows it meets again."""
+
+    most: int
+    looked_at: int = 0
+    known: dict[Rows, frozenset[int]] = field(default_factory=dict)
+
+    def least(self, rows: Rows, most_columns: int) -> frozenset[int] | None:
+        """A smallest set of columns that hits all rows, None when it takes more than `most_columns`.
+
+        Raises:
+            _TooMany: beyond the limit.
+        """
+        self.looked_at += 1 + sum(map(len, rows))
+        if self.looked_at > self.most:
+            raise _TooMany
+        chosen, rows = _reduce(rows)
+        budget = most_columns - len(chosen)
+        if not rows:
+            return chosen if budget >= 0 else None
+        if rows in self.known:
+            known = self.known[rows]
+            return chosen | known if len(known) <= budget else None
+        if _bound(rows) > budget:
+            return None
+        best: frozenset[int] | None = None
+        allowed = budget
+        branching = min(rows, key=lambda row: (len(row), sorted(row)))
+        for column in sorted(branching, key=lambda c: (-sum(c in row for row in rows), c)):
+            rest = self.least(frozenset(row for row in rows if column not in row), allowed - 1)
+            if rest is not None:
+                best = rest | {column}
+                allowed = len(best) - 1
+        if best is None:
+            return None
+        self.known[rows] = best
+        return chosen | best
+
+
+def _minimal_rows(rows: Iterable[frozenset[int]]) -> Rows:
+    """The rows that contain no other: whoever hits those hits all."""
+    kept: list[frozenset[int]] = []
+    for row in sorted(set(rows), key=len):
+        if not any(smaller <= row for smaller in kept):
+            kept.append(row)
+    return frozenset(kept)
+
+
+def _reduce(rows: Rows) -> tuple[frozenset[int], Rows]:
+    """Columns that are forced, and the rows that remain without dominated rows and columns."""
+    forced: frozenset[int] = frozenset()
+    while True:
+        single = frozenset(column for row in rows if len(row) == 1 for column in row)
+        forced |= single
+        rows = frozenset(row for row in rows if not row & single)
+        kept = _undominated(rows)
+        smaller = _minimal_rows(row & kept for row in rows)
+        if smaller == rows and not any(len(row) == 1 for row in rows):
+            return forced, rows
+        rows = smaller
+
+
+def _undominated(rows: Rows) -> frozenset[int]:
+    """The columns that hit what no other column hits as well; of equal ones the first."""
+    hits = _hits(rows)
+    first: dict[int, int] = {}
+    for column in sorted(hits):
+        first.setdefault(hits[column], column)
+    if len(first) > MOST_COLUMNS:
+        return frozenset(first.values())
+    kept: list[int] = []
+    for mask in sorted(first, key=lambda mask: (-mask.bit_count(), first[mask])):
+        if not any(mask & ~larger == 0 for larger in kept):
+            kept.append(mask)
+    return frozenset(first[mask] for mask in kept)
+
+
+def _hits(rows: Rows) -> dict[int, int]:
+    """Per column the rows it hits, as bits."""
+    hits: dict[int, int] = {}
+    for number, row in enumerate(rows):
+        for column in row:
+            hits[column] = hits.get(column, 0) | 1 << number
+    return hits
+
+
+def _bound(rows: Rows) -> int:
+    """How many rows, greedily picked, share no column: each needs a column of its own."""
+    used: set[int] = set()
+    number = 0
+    for row in sorted(rows, key=lambda row: (len(row), sorted(row))):
+        if not row & used:
+            used |= row
+            number += 1
+    return number
+
+
+def _first_in_order(search: _Search, rows: Rows, size: int) -> frozenset[int]:
+    """Of the smallest sets the one that comes first when each is listed in the columns' order."""
+    chosen: set[int] = set()
+    columns = sorted(frozenset().union(*rows))
+    for column in columns:
+        if not rows:
+            break
+        left = frozenset(row for row in rows if column not in row)
+        if left == rows:
+            continue
+        if search.least(left, size - len(chosen) - 1) is None:
+            rows = _minimal_rows(row - {column} for row in rows)
+        else:
+            chosen.add(column)
+            rows = left
+    return frozenset(chosen)
+
+
+def _count(rows: Rows, size: int, most_entries: int) -> int | None:
+    """How many sets of `size` columns hit all rows; None beyond the limits.
+
+    Columns that hit the same rows stand for one another, and a smallest set never has two of them.
+    """
+    classes: dict[int, list[int]] = {}
+    for column, mask in sorted(_hits(rows).items()):
+        classes.setdefault(mask, []).append(column)
+    weight = {columns[0]: len(columns) for columns in classes.values()}
+    looked_at = 0
+
+    def count(left: Rows, budget: int) -> int:
+        nonlocal looked_at
+        looked_at += 1 + sum(map(len, left))
+        if looked_at > most_entries:
+            raise _TooMany
+        if not left:
+            return 1 if budget == 0 else 0
+        if frozenset() in left or _bound(left) > budget:
+            return 0
+        total = 0
+        branching = min(left, key=lambda row: (len(row), sorted(row)))
+        barred: set[int] = set()
+        for column in sorted(branching):
+            # a set counts in the branch of its first column of this row
+            rest = frozenset(row - barred for row in left if column not in row)
+            total += weight[column] * count(rest, budget - 1)
+            barred.add(column)
+        return total
+
+    try:
+        number = count(frozenset(frozenset(c for c in row if c in weight) for row in rows), size)
+    except _TooMany:
+        return None
+    return number if number <= MOST_COUNTED else None
+
+
+def _greedy(rows: Rows) -> frozenset[int]:
+    """Always the column that hits most, the first of equals; what later ones make superfluous is dropped."""
+    chosen: list[int] = []
+    left = rows
+    while left:
+        hits = Counter(column for row in left for column in row)
+        chosen.append(max(hits, key=lambda column: (hits[column], -column)))
+        left = frozenset(row for row in left if chosen[-1] not in row)
+    for column in list(chosen):
+        if all(row & (set(chosen) - {column}) for row in rows):
+            chosen.remove(column)
+    return frozenset(chosen)
+
+
+@dataclass(frozen=True)
+class Node:
+    """Mutants that the same situations kill.
+
+    Attributes:
+        mutants: ids, in the order given.
+        kills: what kills them.
+    """
+
+    mutants: tuple[str, ...]
+    kills: frozenset[str]
+
+    @property
+    def name(self) -> str:
+        """The first mutant's id."""
+        return self.mutants[0]
+
+
+@dataclass(frozen=True)
+class Subsumption:
+    """The subsumption graph.
+
+    Attributes:
+        nodes: in the order of their first mutants.
+        edges: (subsuming, subsumed) places in `nodes`, without those that follow from others.
+    """
+
+    nodes: tuple[Node, ...]
+    edges: tuple[tuple[int, int], ...]
+
+    @cached_property
+    def minimal(self) -> tuple[Node, ...]:
+        """The nodes that no other subsumes."""
+        subsumed = {below for _, below in self.edges}
+        return tuple(node for place, node in enumerate(self.nodes) if place not in subsumed)
+
+    @property
+    def killed(self) -> int:
+        """Mutants in the graph: those that something kills."""
+        return sum(len(node.mutants) for node in self.nodes)
+
+    def layers(self) -> tuple[tuple[int, ...], ...]:
+        """The nodes by the longest way down to them; the first layer is the minimal ones."""
+        depth: dict[int, int] = {}
+        # a node's kill set is larger than those of the nodes above it
+        for place in sorted(range(len(self.nodes)), key=lambda n: (len(self.nodes[n].kills), n)):
+            depth[place] = max((depth[above] + 1 for above, below in self.edges if below == place), default=0)
+        return tuple(
+            tuple(place for place in range(len(self.nodes)) if depth[place] == layer)
+            for layer in range(max(depth.values(), default=-1) + 1)
+        )
+
+    def dominator_score(self, chosen: Collection[str]) -> Ratio:
+        """Minimal nodes that the chosen columns kill, of all minimal nodes.
+
+        Redundant mutants do not count in it; over all columns it is 1 by construction.  Source: Kurtz et al.,
+        "Analyzing the validity of selective mutation with dominator mutants", FSE 2016.
+        """
+        columns = set(chosen)
+        return Ratio(sum(bool(node.kills & columns) for node in self.minimal), len(self.minimal))
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values; `layer` and `minimal` of each node beside its mutants and what kills them."""
+        layer = {place: number for number, members in enumerate(self.layers()) for place in members}
+        return {
+            "nodes": [
+                {
+                    "mutants": list(node.mutants),
+                    "kills": sorted(node.kills),
+                    "layer": layer[place],
+                    "minimal": layer[place] == 0,
+                }
+                for place, node in enumerate(self.nodes)
+            ],
+            "edges": [list(edge) for edge in self.edges],
+            "killed": self.killed,
+            "distinct": len(self.nodes),
+            "minimal": len(self.minimal),
+        }
+
+
+def subsumption(kills: Mapping[str, Collection[str]]) -> Subsumption:
+    """The subsumption graph of kill sets, by mutant; mutants that nothing kills are not in it."""
+    import networkx as nx
+
+    classes: dict[frozenset[str], list[str]] = {}
+    for mutant, keys in kills.items():
+        if keys:
+            classes.setdefault(frozenset(keys), []).append(mutant)
+    nodes = tuple(Node(tuple(mutants), keys) for keys, mutants in classes.items())
+    full = nx.DiGraph()
+    full.add_nodes_from(range(len(nodes)))
+    full.add_edges_from(
+        (above, below)
+        for above, upper in enumerate(nodes)
+        for below, lower in enumerate(nodes)
+        if upper.kills < lower.kills
+    )
+    return Subsumption(nodes, tuple(sorted(nx.transitive_reduction(full).edges)))
+
+
+def kills_by_requirement(matrix: KillMatrix) -> dict[str, frozenset[str]]:
+    """Per mutant with a kill what kills it as `SITUATION REQUIREMENT`, each requirement for itself.
+
+    A flight that ends at a contact cannot show what it would have violated later.
+    """
+    return {
+        row.id: frozenset(f"{entry.situation} {name}" for entry in row.entries for name in entry.kills)
+        for row in matrix.mutants
+        if row.kills
+    }
+
+
+@dataclass(frozen=True)
+class Redundancy:
+    """How many killed mutants of a cell say the same.
+
+    Attributes:
+        cell: name.
+        killed: mutants of the cell that something kills: magnitudes and phases.
+        duplicates: groups of two or more of them with the same kill set.
+    """
+
+    cell: str
+    killed: int
+    duplicates: tuple[tuple[str, ...], ...]
+
+    @property
+    def redundant(self) -> Ratio:
+        """Mutants that could be left out without losing a kill set of the cell, of those killed."""
+        return Ratio(sum(len(group) - 1 for group in self.duplicates), self.killed)
+
+
+def redundancies(graph: Subsumption) -> tuple[Redundancy, ...]:
+    """The redundancy within each cell that has two or more killed mutants, in the order of the nodes."""
+    cells: dict[str, list[list[str]]] = {}
+    for node in graph.nodes:
+        groups: dict[str, list[str]] = {}
+        for mutant in node.mutants:
+            groups.setdefault(cell_of(mutant), []).append(mutant)
+        for cell, members in groups.items():
+            cells.setdefault(cell, []).append(members)
+    redundant = []
+    for cell, groups_of_cell in cells.items():
+        killed = sum(map(len, groups_of_cell))
+        if killed > 1:
+            redundant.append(Redundancy(cell, killed, tuple(tuple(g) for g in groups_of_cell if len(g) > 1)))
+    return tuple(redundant)
+
+
+@dataclass(frozen=True)
+class SituationKills:
+    """A situation as a test.
+
+    Attributes:
+        situation: key.
+        killed: ids of the mutants it kills, as the scores count.
+        tested: mutants that could have been killed there: it puts them to the test.
+        alone: those of the killed that no other situation kills.
+        minimal: minimal mutants it kills, of all: what it would score without redundant mutants.
+    """
+
+    situation: str
+    killed: tuple[str, ...]
+    tested: int
+    alone: tuple[str, ...]
+    minimal: Ratio
+
+
+def situation_kills(matrix: KillMatrix) -> tuple[SituationKills, ...]:
+    """Every situation flown, in the grid's order, those that kill nothing too."""
+    graph = subsumption(matrix.kills)
+    tested = Counter(entry.situation for row in matrix.mutants for entry in row.entries if entry.tested)
+    return tuple(
+        SituationKills(
+            situation=key,
+            killed=tuple(id_ for id_, keys in matrix.kills.items() if key in keys),
+            tested=tested[key],
+            alone=tuple(id_ for id_, keys in matrix.kills.items() if keys == {key}),
+            minimal=graph.dominator_score([key]),
+        )
+        for key in matrix.flown
+    )
+
+
+@dataclass(frozen=True)
+class ChosenKills:
+    """What some situations kill together.
+
+    Attributes:
+        situations: keys.
+        killed: mutants they kill, of those that any situation flown kills.
+        dominator_score: the same among the minimal mutants: the dominator score (`Subsumption.dominator_score`).
+        lost: ids of the mutants that only other situations kill.
+    """
+
+    situations: tuple[str, ...]
+    killed: Ratio
+    dominator_score: Ratio
+    lost: tuple[str, ...]
+
+
+def chosen_kills(matrix: KillMatrix, situations: Iterable[str]) -> ChosenKills:
+    """What these situations kill together."""
+    keys = tuple(dict.fromkeys(situations))
+    lost = tuple(id_ for id_, kills in matrix.kills.items() if not kills & set(keys))
+    whole = len(matrix.kills)
+    return ChosenKills(keys, Ratio(whole - len(lost), whole), subsumption(matrix.kills).dominator_score(keys), lost)
+
+
+NIST = {
+    "medical devices": (66, 97, 99),
+    "browser": (29, 76, 95),
+    "server": (42, 70, 89),
+    "NASA GSFC": (68, 93, 98),
+    "network sec.": (20, 65, None),
+    "TCAS": (None, 53, None),
+}
+"""Share of failures [%] that one, at most two, at most three variables trigger; no failure needed more than six.
+
+Source: Kuhn, NIST CSRC, "Interactions Involved in Software Failures - empirical data", table 1; its TCAS study used
+seeded faults.  None: not published or not at hand.
+"""
+NIST_SOURCE = 'NIST CSRC (Kuhn), "Interactions Involved in Software Failures", table 1; TCAS: seeded faults'
+
+
+@dataclass(frozen=True)
+class Interaction:
+    """How a mutant's kills depend on the axes.
+
+    Attributes:
+        mutant: id.
+        counted: whether the ratios count it.
+        condition: the shortest condition, as `human & light`.
+        order: fewest axes that have to be right; 0 when it dies wherever it is tested.
+        order_at_most: the same if it survived in every situation that does not say: there an order may rest on nothing.
+        killing: situations where it is killed.
+        unknown: situations that say nothing: not flown, or it infects there and no safety requirement is steady.
+    """
+
+    mutant: str
+    counted: bool
+    condition: str
+    order: int
+    order_at_most: int
+    killing: int
+    unknown: int
+
+
+@dataclass(frozen=True)
+class Orders:
+    """The histogram of kill interaction orders.
+
+    Attributes:
+        counts: mutants of each order, from 0 to the number of axes.
+        counts_at_most: the same of the orders where nothing unknown helps.
+    """
+
+    counts: tuple[int, ...]
+    counts_at_most: tuple[int, ...]
+
+    def cumulative(self) -> tuple[float | None, ...]:
+        """Share of the killed mutants with at most this order [%], per order; None where none was killed."""
+        whole = sum(self.counts)
+        return tuple(100 * sum(self.counts[: t + 1]) / whole if whole else None for t in range(len(self.counts)))
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values, NIST's published shares beside them."""
+        return {
+            **by_field(self),
+            "cumulative_percent": plain(self.cumulative()),
+            "nist_cumulative_percent": plain(NIST),
+            "nist_source": NIST_SOURCE,
+        }
+
+
+def interactions(matrix: KillMatrix) -> tuple[Interaction, ...]:
+    """The interaction of every mutant that is killed somewhere, in the matrix's order; controls are left out."""
+    return tuple(interaction(matrix.space, row) for row in matrix.mutants if row.killing)
+
+
+def interaction(space: Space, row: KillRow) -> Interaction:
+    """The interaction of one mutant.
+
+    Raises:
+        ValueError: it is killed nowhere.
+    """
+    killing, surviving = row.killing, row.surviving
+    known = {space.point[key] for key in (*killing, *surviving)}
+    others = [key for key, _ in space.points if key not in set(killing)]
+    return Interaction(
+        mutant=row.id,
+        counted=row.counted,
+        condition=condition(space, killing, surviving),
+        order=order(space, killing, surviving),
+        order_at_most=order(space, killing, others),
+        killing=len(killing),
+        unknown=len(space.points) - len(known),
+    )
+
+
+def orders(interactions: Iterable[Interaction], space: Space) -> Orders:
+    """The histogram over the mutants that the ratios count: ladders would count one fault several times."""
+    counted = [entry for entry in interactions if entry.counted]
+    sizes = range(len(space.axes) + 1)
+    least, most = Counter(entry.order for entry in counted), Counter(entry.order_at_most for entry in counted)
+    return Orders(tuple(least[size] for size in sizes), tuple(most[size] for size in sizes))
+
+
+def order(space: Space, killing: Collection[str], surviving: Collection[str]) -> int:
+    """Fewest literals of a box of the grid with a killing situation and no surviving one.
+
+    A box that admits several values of an axis holds one that admits a single value, with as many literals: so it is
+    enough to look for t axes whose values in some killing situation no surviving one shares.
+
+    Raises:
+        ValueError: nothing kills, or a situation both kills and is survived.
+    """
+    on, off = sides(space, killing, surviving)
+    for size in range(len(space.axes) + 1) if on else ():
+        for axes in combinations(range(len(space.axes)), size):
+            spared = {tuple(point[axis] for axis in axes) for point in off}
+            if any(tuple(point[axis] for axis in axes) not in spared for point in on):
+                return size
+    raise ValueError("an order needs a killing situation that is not survived")
